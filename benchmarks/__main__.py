@@ -1,0 +1,72 @@
+"""The kernel table: what each kernel maps to, how well that is proved, and how fast it is simulated.
+
+`make bench` runs it on `vivid-tile` and `vivid-tile-unit` and writes `benchmarks/kernels.md`.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+
+import click
+
+import vividc
+from benchmarks.workloads import WORKLOADS, Workload
+
+HEADER = (
+    "| kernel | hot loop ops | ResMII | RecMII | II | status | utilisation | all regions (cycles) "
+    "| compile s | simulated cycles | simulated cycles/s |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|"
+)
+
+
+def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
+    """One line of the table; the hot loop is the last innermost loop."""
+    start = time.perf_counter()
+    program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
+    compile_s = time.perf_counter() - start
+    start = time.perf_counter()
+    result = vividc.simulate(program, *workload.fresh())
+    simulate_s = time.perf_counter() - start
+    loop = [region for region in program.regions if region.kind == "loop"][-1]
+    bounds = {bound.name: bound.ii for bound in loop.bounds}
+    res = max(ii for name, ii in bounds.items() if name != "RecMII")
+    lengths = "+".join(str(region.ii) for region in program.regions)
+    return (
+        f"| {workload.name} | {loop.operations} | {res} | {bounds.get('RecMII', 1)} | {loop.ii} "
+        f"| {loop.status} | {loop.utilization:.0%} | {lengths} | {compile_s:.1f} "
+        f"| {result.cycles:,} | {result.cycles / simulate_s:,.0f} |"
+    )
+
+
+def machine() -> Iterator[str]:
+    """What the figures were measured on."""
+    packages = ("numba", "llvmlite", "ortools", "numpy")
+    yield f"- machine: {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    yield f"- vividc {vividc.__version__}, " + ", ".join(f"{p} {version(p)}" for p in packages)
+
+
+@click.command()
+@click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
+@click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
+@click.option("-o", "--output", type=click.Path(path_type=Path), default=None)
+def main(fabrics: tuple[str, ...], time_limit: float, output: Path | None) -> None:
+    """Print the kernel table, and write it to a Markdown file."""
+    lines = ["# Kernels on one tile", "", "Made by `make bench`.", "", *machine(), ""]
+    for fabric in fabrics:
+        lines += [f"## {fabric}", "", *HEADER.splitlines()]
+        click.echo("\n".join(lines[-3:]))
+        for workload in WORKLOADS:
+            lines.append(row(workload, fabric, time_limit))
+            click.echo(lines[-1])
+        lines.append("")
+    if output is not None:
+        output.write_text("\n".join(lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

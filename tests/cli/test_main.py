@@ -1,0 +1,76 @@
+"""Every failure is one message on stderr with its exit code, and never a traceback."""
+
+import subprocess
+import sys
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from vividc.cli import main
+from vividc.cli.main import _Commands
+from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcError
+
+
+def run_failing(monkeypatch, error, **env):
+    @click.command("map")
+    def command():
+        raise error
+
+    monkeypatch.setattr(_Commands, "get_command", lambda self, ctx, name: command)
+    return CliRunner(env=env).invoke(main, ["map"])
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "text"),
+    [
+        (VividcError("wrong", loc="a.py:3", hint="do right"), 2, "a.py:3: wrong\nhint: do right"),
+        (MappingFailed("no way"), 3, "no way"),
+        (TimeLimit("too slow"), 4, "too slow"),
+        (InternalError("broken"), 1, "broken\nThis is a bug of vividc"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (ZeroDivisionError("oops"), 1, "ZeroDivisionError: oops (at "),
+    ],
+)
+def test_errors_are_messages(monkeypatch, error, code, text):
+    result = run_failing(monkeypatch, error)
+    assert result.exit_code == code
+    assert result.stdout == ""
+    assert result.stderr.startswith(f"vividc: {text}")
+    assert "Traceback" not in result.output
+
+
+def test_traceback_on_request(monkeypatch):
+    result = run_failing(monkeypatch, ZeroDivisionError("oops"), VIVIDC_DEBUG="1")
+    assert result.exit_code == 1
+    assert "Traceback" in result.stderr
+
+
+@pytest.mark.parametrize(
+    "args", [["nothing"], ["--nothing"], ["map"], ["map", "x.json", "--ii", "0"], ["disasm"]]
+)
+def test_wrong_usage_is_exit_code_2(args):
+    result = CliRunner().invoke(main, args)
+    assert result.exit_code == 2
+    assert "Usage:" in result.stderr
+
+
+def test_help_names_every_command_without_loading_one():
+    script = (
+        "import sys; from vividc.cli import main; main(['--help'], standalone_mode=False);"
+        "assert not {'numba', 'ortools', 'llvmlite'} & set(sys.modules), 'heavy import'"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stderr
+    for name in ("compile", "simulate", "map", "disasm"):
+        assert f"  {name} " in result.stdout
+
+
+@pytest.mark.parametrize("name", ["compile", "simulate", "map", "disasm"])
+def test_help_of_each_command(name):
+    result = CliRunner().invoke(main, [name, "--help"])
+    assert result.exit_code == 0
+    summary = " ".join(result.output.split())
+    assert "--json" in summary

@@ -1,0 +1,92 @@
+"""`vividc map` says what was proved, and its exit code says the same."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from vividc import arch, dfg
+from vividc.cli import main
+from vividc.mapper import mapping_from_json, verify
+
+CHAIN = {
+    "name": "chain",
+    "nodes": [{"id": i, "op": op} for i, op in enumerate(["a", "b", "c"])],
+    "edges": [
+        {"src": 0, "dst": 1, "distance": 0},
+        {"src": 1, "dst": 2, "distance": 0},
+        {"src": 2, "dst": 0, "distance": 1},
+    ],
+}
+
+
+@pytest.fixture
+def graph(tmp_path):
+    path = tmp_path / "chain.json"
+    path.write_text(json.dumps(CHAIN))
+    return path
+
+
+def run(*args):
+    return CliRunner().invoke(main, ["map", *map(str, args)])
+
+
+def test_json_object(graph):
+    result = run(graph, "--fabric", "mesh-2x2", "--json")
+    assert result.exit_code == 0, result.stderr
+    out = json.loads(result.stdout)
+    assert out["schema"] == "vividc.map/1"
+    assert (out["dfg"], out["fabric"], out["status"]) == ("chain", "mesh-2x2", "optimal")
+    assert (out["ii"], out["lower_bound"], out["output"]) == (3, 3, None)
+    assert out["bounds"][0]["ii"] == 3
+    assert out["utilization"] == pytest.approx(3 / 12)
+
+
+def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):
+    path = tmp_path / "m.json"
+    result = run(graph, "--fabric", "mesh-2x2", "-o", path)
+    assert result.exit_code == 0, result.stderr
+    the_dfg, fabric = dfg.load(graph), arch.load("mesh-2x2")
+    read = mapping_from_json(json.loads(path.read_text()), the_dfg, fabric)
+    assert verify(the_dfg, fabric, read.mapping) == []
+
+
+def test_table_for_people(graph):
+    result = run(graph, "--fabric", "mesh-2x2")
+    assert "chain on mesh-2x2" in result.stdout
+    assert "RecMII" in result.stdout
+    assert result.stderr == ""
+
+
+def test_infeasible_is_exit_code_3_and_writes_nothing(graph, tmp_path):
+    path = tmp_path / "m.json"
+    result = run(graph, "--fabric", "mesh-2x2", "--ii", 2, "-o", path, "--json")
+    assert result.exit_code == 3
+    out = json.loads(result.stdout)
+    assert (out["status"], out["mapping"], out["output"]) == ("infeasible", None, None)
+    assert result.stderr.startswith("vividc: chain: proved infeasible at II 2")
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        (["--fabric", "nothing"], "unknown fabric `nothing`"),
+        (["--mapper", "nothing"], "unknown mapper"),
+        (["-o", "/nonexistent/m.json"], "--output: the folder `/nonexistent` does not exist"),
+        (["--time-limit", "nan"], "nan is not a finite number"),
+    ],
+)
+def test_wrong_input_is_exit_code_2(graph, args, text):
+    result = run(graph, *args)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert text in result.stderr
+
+
+def test_broken_graph_names_its_line(tmp_path):
+    path = tmp_path / "broken.json"
+    path.write_text('{"name": "x",\n "nodes": [}')
+    result = run(path)
+    assert result.exit_code == 2
+    assert f"{path}:2" in result.stderr

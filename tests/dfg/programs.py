@@ -1,0 +1,358 @@
+"""Random structured integer programs: an AST, its direct meaning in Python, and its SSA control-flow graph."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from hypothesis import strategies as st
+
+from vividc.dfg.cfg import (
+    Block,
+    Branch,
+    Const,
+    DType,
+    Function,
+    Input,
+    Instr,
+    Param,
+    Phi,
+    Ref,
+    Value,
+)
+from vividc.dfg.opcodes import Opcode, Type
+
+VARIABLES = 3
+WORDS = 16
+MASK = 0xFFFFFFFF
+
+
+@dataclass(frozen=True)
+class Assign:
+    """v[target] = v[left] op v[right] (or a constant)."""
+
+    target: int
+    op: str
+    left: int
+    right: int
+    constant: int | None
+
+
+@dataclass(frozen=True)
+class Load:
+    """v[target] = a[v[index] & 15]."""
+
+    target: int
+    index: int
+
+
+@dataclass(frozen=True)
+class Store:
+    """a[v[index] & 15] = v[value]."""
+
+    index: int
+    value: int
+
+
+@dataclass(frozen=True)
+class If:
+    """if v[left] < v[right] (signed)."""
+
+    left: int
+    right: int
+    then: tuple[object, ...]
+    other: tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class For:
+    """for index in range(start, count): a counted loop whose index is read into v[target]."""
+
+    target: int
+    start: int
+    count: int
+    body: tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class While:
+    """while v[left] < v[right], at most `fuel` times (the fuel is a variable of its own)."""
+
+    left: int
+    right: int
+    fuel: int
+    body: tuple[object, ...]
+
+
+@dataclass(frozen=True)
+class Jump:
+    """`break` or `continue` if v[left] < v[right]."""
+
+    kind: str
+    left: int
+    right: int
+
+
+def programs() -> st.SearchStrategy[tuple[object, ...]]:
+    """Statement lists with loops nested up to two deep."""
+    return _statements(depth=2, in_loop=False)
+
+
+def _statements(depth: int, *, in_loop: bool) -> st.SearchStrategy[tuple[object, ...]]:
+    variable = st.integers(0, VARIABLES - 1)
+    constant = st.none() | st.integers(-4, 9)
+    choices: list[st.SearchStrategy[object]] = [
+        st.builds(
+            Assign, variable, st.sampled_from(["add", "sub", "xor"]), variable, variable, constant
+        ),
+        st.builds(Load, variable, variable),
+        st.builds(Store, variable, variable),
+    ]
+    if in_loop:
+        choices.append(st.builds(Jump, st.sampled_from(["break", "continue"]), variable, variable))
+    if depth:
+        inner = _statements(depth - 1, in_loop=in_loop)
+        looped = _statements(depth - 1, in_loop=True)
+        choices.append(st.builds(If, variable, variable, inner, inner))
+        choices.append(st.builds(For, variable, st.integers(0, 2), st.integers(-1, 5), looped))
+        choices.append(st.builds(While, variable, variable, st.integers(1, 5), looped))
+    return st.lists(st.one_of(choices), min_size=1, max_size=4).map(tuple)
+
+
+class _Break(BaseException):
+    pass
+
+
+class _Continue(BaseException):
+    pass
+
+
+def signed(word: int) -> int:
+    """Two's complement."""
+    return word - (1 << 32) if word & 0x80000000 else word
+
+
+def run(program: Sequence[object], memory: list[int]) -> None:
+    """What the program means: `memory` after it, its variables added to the last words."""
+    v = [3, 5, 7]
+    _run(program, v, memory)
+    for number in range(VARIABLES):
+        memory[number] = (memory[number] + v[number]) & MASK
+
+
+def _run(statements: Sequence[object], v: list[int], a: list[int]) -> None:
+    for s in statements:
+        match s:
+            case Assign(target, op, left, right, constant):
+                other = v[right] if constant is None else constant
+                result = {"add": v[left] + other, "sub": v[left] - other, "xor": v[left] ^ other}
+                v[target] = result[op] & MASK
+            case Load(target, index):
+                v[target] = a[v[index] & 15]
+            case Store(index, value):
+                a[v[index] & 15] = v[value]
+            case If(left, right, then, other):
+                _run(then if signed(v[left]) < signed(v[right]) else other, v, a)
+            case Jump(kind, left, right):
+                if signed(v[left]) < signed(v[right]):
+                    raise _Break if kind == "break" else _Continue
+            case For(target, start, count, body):
+                _loop(iter(range(start, count)), target, body, v, a)
+            case While(left, right, fuel, body):
+                _while(left, right, fuel, body, v, a)
+
+
+def _loop(
+    indices: object, target: int, body: Sequence[object], v: list[int], a: list[int]
+) -> None:
+    for index in indices:  # type: ignore[attr-defined]
+        v[target] = index
+        try:
+            _run(body, v, a)
+        except _Continue:
+            continue
+        except _Break:
+            break
+
+
+def _while(
+    left: int, right: int, fuel: int, body: Sequence[object], v: list[int], a: list[int]
+) -> None:
+    while signed(v[left]) < signed(v[right]) and fuel > 0:
+        fuel -= 1
+        try:
+            _run(body, v, a)
+        except _Continue:
+            continue
+        except _Break:
+            break
+
+
+Env = list[Value]
+
+
+@dataclass
+class _Lowering:
+    """Emits SSA blocks; `current` is None after a jump."""
+
+    ids: int = 0
+    names: int = 0
+    done: list[Block] = field(default_factory=list)
+    name: str = "entry"
+    phis: tuple[Phi, ...] = ()
+    instrs: list[Instr] = field(default_factory=list)
+
+    def new_id(self) -> int:
+        self.ids += 1
+        return self.ids - 1
+
+    def new_name(self) -> str:
+        self.names += 1
+        return f"b{self.names}"
+
+    def emit(self, op: Opcode, result: Type, *operands: Value) -> Ref:
+        ident = self.new_id()
+        memory = op in (Opcode.LOAD, Opcode.STORE)
+        self.instrs.append(
+            Instr(ident, op, result, operands, "a" if memory else "", 2 if memory else 0)
+        )
+        return Ref(ident)
+
+    def finish(self, branch: Branch) -> str:
+        self.done.append(Block(self.name, self.phis, tuple(self.instrs), branch))
+        return self.name
+
+    def start(self, name: str, edges: list[tuple[str, Env]]) -> Env:
+        """A block reached from `edges`: a phi for each variable (trivial ones included)."""
+        self.name, self.instrs = name, []
+        ids = [self.new_id() for _ in edges[0][1]]
+        self.phis = tuple(
+            Phi(ident, Type.I32, tuple((source, env[k]) for source, env in edges))
+            for k, ident in enumerate(ids)
+        )
+        return [Ref(ident) for ident in ids]
+
+    def less(self, env: Env, left: int, right: int) -> Value:
+        return self.emit(Opcode.ICMP_SLT, Type.PRED, env[left], env[right])
+
+    def address(self, env: Env, index: int) -> Value:
+        return self.emit(Opcode.AND, Type.I32, env[index], Const(15))
+
+
+Targets = tuple[str, list[tuple[str, Env]], str, list[tuple[str, Env]]]
+
+
+def lower(program: Sequence[object]) -> Function:
+    """The program as a kernel over one array `a` of 16 words."""
+    low = _Lowering()
+    env: Env = [Const(3), Const(5), Const(7)]
+    env = _lower(program, env, low, None) or env
+    for number in range(VARIABLES):
+        address = Const(number)
+        old = low.emit(Opcode.LOAD, Type.I32, Input("&a"), address)
+        total = low.emit(Opcode.ADD, Type.I32, old, env[number])
+        low.emit(Opcode.STORE, Type.NONE, Input("&a"), address, total)
+    low.finish(Branch())
+    return Function("random", (Param("a", DType.I32, 1),), tuple(low.done))
+
+
+def _lower(
+    statements: Sequence[object], env: Env, low: _Lowering, loop: Targets | None
+) -> Env:
+    for s in statements:
+        env = list(env)
+        match s:
+            case Assign(target, op, left, right, constant):
+                other = env[right] if constant is None else Const(constant & MASK)
+                env[target] = low.emit(Opcode(op), Type.I32, env[left], other)
+            case Load(target, index):
+                env[target] = low.emit(
+                    Opcode.LOAD, Type.I32, Input("&a"), low.address(env, index)
+                )
+            case Store(index, value):
+                low.emit(
+                    Opcode.STORE, Type.NONE, Input("&a"), low.address(env, index), env[value]
+                )
+            case If():
+                env = _lower_if(s, env, low, loop)
+            case Jump():
+                env = _lower_jump(s, env, low, loop)
+            case For():
+                env = _lower_for(s, env, low)
+            case While():
+                env = _lower_while(s, env, low)
+    return env
+
+
+def _lower_if(s: If, env: Env, low: _Lowering, loop: Targets | None) -> Env:
+    then, other, join = low.new_name(), low.new_name(), low.new_name()
+    source = low.finish(Branch(then, low.less(env, s.left, s.right), other))
+    ends = []
+    for name, body in ((then, s.then), (other, s.other)):
+        inner = _lower(body, low.start(name, [(source, env)]), low, loop)
+        ends.append((low.finish(Branch(join)), inner))
+    return low.start(join, ends)
+
+
+def _lower_jump(s: Jump, env: Env, low: _Lowering, loop: Targets | None) -> Env:
+    assert loop is not None
+    exit_name, exits, latch_name, latches = loop
+    leave, stay = low.new_name(), low.new_name()
+    source = low.finish(Branch(leave, low.less(env, s.left, s.right), stay))
+    inner = low.start(leave, [(source, env)])
+    name, edges = (exit_name, exits) if s.kind == "break" else (latch_name, latches)
+    edges.append((low.finish(Branch(name)), inner))
+    return low.start(stay, [(source, env)])
+
+
+def _lower_for(s: For, env: Env, low: _Lowering) -> Env:
+    extended = [*env, Const(s.start)]
+    return _lower_loop(
+        low,
+        extended,
+        test=lambda e: low.emit(Opcode.ICMP_SLT, Type.PRED, e[-1], Const(s.count & MASK)),
+        body=s.body,
+        enter=lambda e: [*e[: s.target], e[-1], *e[s.target + 1 :]],
+        step=lambda e: [*e[:-1], low.emit(Opcode.ADD, Type.I32, e[-1], Const(1))],
+    )
+
+
+def _lower_while(s: While, env: Env, low: _Lowering) -> Env:
+    extended = [*env, Const(s.fuel)]
+
+    def test(e: Env) -> Value:
+        fuel = low.emit(Opcode.ICMP_SLT, Type.PRED, Const(0), e[-1])
+        return low.emit(Opcode.AND, Type.PRED, low.less(e, s.left, s.right), fuel)
+
+    def enter(e: Env) -> Env:
+        return [*e[:-1], low.emit(Opcode.SUB, Type.I32, e[-1], Const(1))]
+
+    return _lower_loop(low, extended, test, s.body, enter, step=lambda e: e)
+
+
+def _lower_loop(low, env, test, body, enter, step) -> Env:  # type: ignore[no-untyped-def]
+    header, inside, latch, after = (low.new_name() for _ in range(4))
+    before = low.finish(Branch(header))
+    at_header = low.start(header, [(before, env)])
+    phis = low.phis
+    condition = test(at_header)
+    low.finish(Branch(inside, condition, after))
+    exits: list[tuple[str, Env]] = [(header, at_header)]
+    latches: list[tuple[str, Env]] = []
+    position = len(low.done) - 1
+    inner = enter(low.start(inside, [(header, at_header)]))
+    count = len(inner)
+    counter = inner[-1]
+    end = _lower(body, inner, low, (after, exits, latch, latches))
+    end = [*end[: count - 1], counter]
+    latches.append((low.finish(Branch(latch)), end))
+    full = [(name, [*e[: count - 1], counter]) for name, e in latches]
+    stepped = step(low.start(latch, full))
+    back = low.finish(Branch(header))
+    block = low.done[position]
+    closed = tuple(
+        Phi(phi.id, phi.type, (*phi.incoming, (back, stepped[k]))) for k, phi in enumerate(phis)
+    )
+    low.done[position] = Block(block.name, closed, block.instrs, block.branch)
+    cut = [(name, e[: count - 1]) for name, e in exits]
+    return low.start(after, cut)

@@ -1,0 +1,35 @@
+"""Random programs mean the same as regions as they do in Python, before and after the passes."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+
+from tests.dfg.programs import WORDS, lower, programs, run
+from vividc.dfg.build import build_kernel
+from vividc.dfg.check import check
+from vividc.dfg.interpreter import interpret
+from vividc.dfg.regions import Kernel
+
+
+def memory_after(kernel: Kernel) -> list[int]:
+    """The array after interpreting `kernel` from 0, 1, 2, ..."""
+    memory = np.arange(WORDS, dtype=np.uint32)
+    interpret(kernel, memory, {"&a": 0, "a.shape0": WORDS}, iteration_limit=100_000)
+    return [int(word) for word in memory]
+
+
+def meaning(program: tuple[object, ...]) -> list[int]:
+    """The array after running `program` directly."""
+    memory = list(range(WORDS))
+    run(program, memory)
+    return memory
+
+
+@settings(max_examples=3000, deadline=None)
+@given(programs())
+def test_regions_mean_what_the_program_means(program: tuple[object, ...]) -> None:
+    kernel = build_kernel(lower(program))
+    for region in kernel.regions:
+        assert check(region.dfg) == []
+    assert memory_after(kernel) == meaning(program)

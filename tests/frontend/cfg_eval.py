@@ -1,0 +1,163 @@
+"""Runs a `cfg.Function` on numpy arrays: the oracle of the frontend's tests, independent of the rest of vividc."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from vividc.dfg.cfg import Block, Const, DType, Function, Input, Instr, Ref, Value
+from vividc.dfg.opcodes import Opcode
+
+_MASK = 0xFFFFFFFF
+
+
+def run(function: Function, *args: object, max_blocks: int = 1_000_000) -> object:
+    """Runs `function`; arrays are updated in place. Returns the scalar result, or None."""
+    machine = _Machine(function, args)
+    name = function.blocks[0].name
+    blocks = {block.name: block for block in function.blocks}
+    previous = ""
+    for _ in range(max_blocks):
+        block = blocks[name]
+        machine.execute(block, previous)
+        previous, branch = name, block.branch
+        if branch.target is None:
+            return machine.result(function.returns, branch.value)
+        taken = branch.cond is None or machine.word(branch.cond)
+        name = branch.target if taken else branch.otherwise
+    raise AssertionError("the function does not end")
+
+
+class _Machine:
+    def __init__(self, function: Function, args: tuple[object, ...]) -> None:
+        self.inputs: dict[str, int] = {}
+        self.memory: dict[str, np.ndarray] = {}
+        self.values: dict[int, int] = {}
+        for param, value in zip(function.params, args, strict=True):
+            if param.ndim:
+                self.memory[param.name] = value.reshape(-1).view(np.uint32)
+                self.inputs[f"&{param.name}"] = 0
+                for axis, size in enumerate(value.shape):
+                    self.inputs[f"{param.name}.shape{axis}"] = size
+            elif param.dtype is DType.F32:
+                self.inputs[param.name] = int(np.float32(value).view(np.uint32))
+            else:
+                self.inputs[param.name] = int(value) & _MASK
+
+    def word(self, value: Value) -> int:
+        if isinstance(value, Const):
+            return value.word
+        return self.inputs[value.key] if isinstance(value, Input) else self.values[value.id]
+
+    def execute(self, block: Block, previous: str) -> None:
+        new = {phi.id: self.word(dict(phi.incoming)[previous]) for phi in block.phis}
+        self.values.update(new)
+        for instr in block.instrs:
+            self.values[instr.id] = self._step(instr) & _MASK
+
+    def _step(self, instr: Instr) -> int:
+        words = [self.word(value) for value in instr.operands]
+        if instr.op not in (Opcode.LOAD, Opcode.STORE):
+            return int(_SEMANTICS[instr.op](*words))
+        assert isinstance(instr.operands[0], Input)
+        assert instr.operands[0].key == f"&{instr.array}"
+        address = (words[0] + (words[1] << instr.shift) + instr.offset) & _MASK
+        cells = self.memory[instr.array]
+        assert address % 4 == 0
+        assert address // 4 < cells.size, f"{instr} leaves its array"
+        if instr.op is Opcode.LOAD:
+            return int(cells[address // 4])
+        cells[address // 4] = words[2]
+        return 0
+
+    def result(self, returns: DType | None, value: Value | None) -> object:
+        if returns is None or value is None:
+            return None
+        word = self.word(value)
+        if returns is DType.F32:
+            return _float(word)
+        if returns is DType.BOOL:
+            return bool(word)
+        return word if returns is DType.U32 else _signed(word)
+
+
+def _signed(word: int) -> int:
+    return word - 2**32 if word & 0x80000000 else word
+
+
+def _float(word: int) -> np.float32:
+    return np.uint32(word).view(np.float32)
+
+
+def _bits(value: np.float32) -> int:
+    return int(np.float32(value).view(np.uint32))
+
+
+def _float_op(function: Callable[..., object]) -> Callable[..., int]:
+    def run_op(*words: int) -> int:
+        with np.errstate(all="ignore"):
+            return _bits(np.float32(function(*(_float(word) for word in words))))
+
+    return run_op
+
+
+def _float_test(function: Callable[..., object]) -> Callable[..., int]:
+    return lambda a, b: int(bool(function(_float(a), _float(b))))
+
+
+def _unordered(a: np.float32, b: np.float32) -> bool:
+    return bool(np.isnan(a) or np.isnan(b))
+
+
+def _to_int(word: int) -> int:
+    value = float(_float(word))
+    if value != value:  # noqa: PLR0124
+        return 0
+    return int(min(max(value, -(2.0**31)), 2.0**31 - 1))
+
+
+_O = Opcode
+_SEMANTICS: dict[Opcode, Callable[..., int]] = {
+    _O.MOV: lambda a: a,
+    _O.ADD: lambda a, b: a + b,
+    _O.SUB: lambda a, b: a - b,
+    _O.MUL: lambda a, b: a * b,
+    _O.AND: lambda a, b: a & b,
+    _O.OR: lambda a, b: a | b,
+    _O.XOR: lambda a, b: a ^ b,
+    _O.SHL: lambda a, b: a << (b & 31),
+    _O.LSHR: lambda a, b: a >> (b & 31),
+    _O.ASHR: lambda a, b: _signed(a) >> (b & 31),
+    _O.SMIN: lambda a, b: min(_signed(a), _signed(b)),
+    _O.SMAX: lambda a, b: max(_signed(a), _signed(b)),
+    _O.ICMP_EQ: lambda a, b: a == b,
+    _O.ICMP_NE: lambda a, b: a != b,
+    _O.ICMP_SLT: lambda a, b: _signed(a) < _signed(b),
+    _O.ICMP_SLE: lambda a, b: _signed(a) <= _signed(b),
+    _O.ICMP_ULT: lambda a, b: a < b,
+    _O.ICMP_ULE: lambda a, b: a <= b,
+    _O.SELECT: lambda p, a, b: a if p else b,
+    _O.FADD: _float_op(lambda a, b: a + b),
+    _O.FSUB: _float_op(lambda a, b: a - b),
+    _O.FMUL: _float_op(lambda a, b: a * b),
+    _O.FMA: _float_op(lambda a, b, c: float(a) * float(b) + float(c)),
+    _O.FNEG: lambda a: a ^ 0x80000000,
+    _O.FABS: lambda a: a & 0x7FFFFFFF,
+    _O.FMIN: _float_op(np.fmin),
+    _O.FMAX: _float_op(np.fmax),
+    _O.FCMP_OEQ: _float_test(lambda a, b: a == b),
+    _O.FCMP_UNE: _float_test(lambda a, b: a != b),
+    _O.FCMP_OLT: _float_test(lambda a, b: a < b),
+    _O.FCMP_OLE: _float_test(lambda a, b: a <= b),
+    _O.FCMP_ULT: _float_test(lambda a, b: not a >= b),
+    _O.FCMP_ULE: _float_test(lambda a, b: not a > b),
+    _O.FCMP_ONE: _float_test(lambda a, b: a < b or a > b),
+    _O.FCMP_UEQ: _float_test(lambda a, b: not (a < b or a > b)),
+    _O.FCMP_ORD: _float_test(lambda a, b: not _unordered(a, b)),
+    _O.FCMP_UNO: _float_test(_unordered),
+    _O.SITOFP: lambda a: _bits(np.float32(_signed(a))),
+    _O.UITOFP: lambda a: _bits(np.float32(a)),
+    _O.FPTOSI: _to_int,
+    _O.EXP: _float_op(lambda a: np.exp(np.float64(a))),
+}

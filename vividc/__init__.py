@@ -1,0 +1,27 @@
+"""vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays."""
+
+from vividc import arch, dfg, mapper, program
+from vividc.driver import compile  # noqa: A004 - the public contract's name
+from vividc.errors import VividcError, VividcWarning
+from vividc.frontend import KernelFunction, kernel
+from vividc.program import Program, load
+from vividc.sim import Result, simulate
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "KernelFunction",
+    "Program",
+    "Result",
+    "VividcError",
+    "VividcWarning",
+    "__version__",
+    "arch",
+    "compile",
+    "dfg",
+    "kernel",
+    "load",
+    "mapper",
+    "program",
+    "simulate",
+]

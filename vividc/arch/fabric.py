@@ -1,0 +1,126 @@
+"""The fabric a program runs on, as data: PEs, links, latencies, scratchpad, controller.
+
+`docs/machine.md` gives the timing rules that these parameters feed; nothing here is an algorithm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from vividc.dfg.ir import Node
+from vividc.dfg.opcodes import LatencyClass
+
+
+@dataclass(frozen=True, slots=True)
+class PE:
+    """One processing element.
+
+    Attributes
+    ----------
+    id
+        Row-major index.
+    row, col
+        Position, row 0 in the north.
+    classes
+        Latency classes its FU executes (`LOAD` and `STORE`: it has a load/store unit).
+    registers, read_ports, write_ports
+        Size and ports of its register file.
+    constants
+        Entries of its constant store.
+    """
+
+    id: int
+    row: int
+    col: int
+    classes: frozenset[LatencyClass]
+    registers: int
+    read_ports: int
+    write_ports: int
+    constants: int
+
+    @property
+    def has_memory(self) -> bool:
+        """Has a load/store unit."""
+        return LatencyClass.LOAD in self.classes
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A registered one-word link from PE `src` to PE `dst`; `id` is its index in `Fabric.links`."""
+
+    id: int
+    src: int
+    dst: int
+
+
+@dataclass(frozen=True, slots=True)
+class Scratchpad:
+    """A tile's memory: word-interleaved `banks`, each with one access a cycle."""
+
+    size_bytes: int
+    banks: int
+
+    @property
+    def words(self) -> int:
+        """Capacity in 32-bit words."""
+        return self.size_bytes // 4
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """The tile controller.
+
+    Attributes
+    ----------
+    contexts
+        Configuration words per PE: the sum of the regions' II may not exceed it.
+    control_latency
+        Cycles from a control result being ready to its effect on issue.
+    switch_cycles
+        Cycles between the last cycle of a region and the first of the next.
+    max_stages
+        Stage-valid bits: a loop's schedule may span this many stages.
+    """
+
+    contexts: int
+    control_latency: int
+    switch_cycles: int
+    max_stages: int
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """One tile, built by `vividc.arch.load`; `source` is its YAML text (provenance)."""
+
+    name: str
+    rows: int
+    cols: int
+    pes: tuple[PE, ...]
+    links: tuple[Link, ...]
+    latencies: Mapping[LatencyClass, int]
+    scratchpad: Scratchpad
+    controller: Controller
+    clock_ghz: float
+    source: str = ""
+
+    def latency(self, node: Node) -> int:
+        """Cycles from issue of `node` to its result: 1 or more; 0 for sources and sinks."""
+        return self.latencies[node.latency_class]
+
+    def supports(self, pe: int, node: Node) -> bool:
+        """Whether `node` may be placed on `pe`. A live-out may lie on every PE."""
+        if node.latency_class is LatencyClass.SINK:
+            return True
+        return node.latency_class in self.pes[pe].classes
+
+    @cached_property
+    def links_from(self) -> tuple[tuple[Link, ...], ...]:
+        """Outgoing links of each PE, by link id."""
+        return tuple(tuple(k for k in self.links if k.src == pe.id) for pe in self.pes)
+
+    @cached_property
+    def links_to(self) -> tuple[tuple[Link, ...], ...]:
+        """Incoming links of each PE, by link id."""
+        return tuple(tuple(k for k in self.links if k.dst == pe.id) for pe in self.pes)

@@ -1,0 +1,115 @@
+"""Kernel arguments in `.npz` files, by parameter name."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.cli.files import write_whole
+from vividc.dfg.cfg import DType, Param
+from vividc.errors import ArgumentError
+
+Array = NDArray[Any]
+RETURN_KEY = "return"
+
+_ZIP_MAGIC = b"PK"
+_DAMAGED = (ValueError, EOFError, KeyError, NotImplementedError, zipfile.BadZipFile, zlib.error)
+
+
+def read_arguments(path: Path, params: Sequence[Param]) -> dict[str, Array]:
+    """The arguments of a launch, in the order of `params`; scalars are 0-d arrays.
+
+    Raises
+    ------
+    ArgumentError
+        Not an `.npz` file, or names, types or dimensions that do not fit; says what is expected.
+    """
+    arrays = _read(path)
+    problems = _problems(arrays, params)
+    if problems:
+        expected = ", ".join(describe(param) for param in params)
+        hint = f"expected: {expected or 'no arguments'}"
+        raise ArgumentError("; ".join(problems), loc=str(path), hint=hint)
+    return {param.name: _in_c_order(arrays[param.name]) for param in params}
+
+
+def write_results(path: Path, arguments: Mapping[str, Array], value: object) -> None:
+    """Write the arrays after the run, and a returned scalar as `return`."""
+    arrays = {name: array for name, array in arguments.items() if array.ndim > 0}
+    if value is not None:
+        arrays[RETURN_KEY] = np.asarray(value)
+    write_whole(path, lambda file: _write_npz(file, arrays))
+
+
+def describe(param: Param) -> str:
+    """A parameter as a person writes it, such as `x: float32[:,:]`."""
+    axes = ",".join(":" * param.ndim)
+    return f"{param.name}: {param.dtype.value}" + (f"[{axes}]" if param.ndim else "")
+
+
+def _read(path: Path) -> dict[str, Array]:
+    hint = "write it with numpy.savez(path, x=x, ...)"
+    try:
+        with path.open("rb") as file:
+            # numpy would take any other file for a pickle, and its message would speak of that.
+            if file.read(len(_ZIP_MAGIC)) != _ZIP_MAGIC:
+                raise ArgumentError("not an .npz file", loc=str(path), hint=hint)
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as archive:
+                return {name: archive[name] for name in archive.files}
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise ArgumentError(f"cannot be read: {reason}", loc=str(path), hint=hint) from error
+    except _DAMAGED as error:
+        raise ArgumentError(f"not an .npz file: {error}", loc=str(path), hint=hint) from error
+
+
+def _write_npz(file: IO[bytes], arrays: Mapping[str, Array]) -> None:
+    """As `numpy.savez`, which cannot name an array `file` and stamps the time of day."""
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
+
+
+def _problems(arrays: Mapping[str, Array], params: Sequence[Param]) -> list[str]:
+    known = {param.name for param in params}
+    problems = [f"`{param.name}` is missing" for param in params if param.name not in arrays]
+    problems += [f"`{name}` is not a parameter" for name in arrays if name not in known]
+    for param in params:
+        if param.name in arrays:
+            problems += _misfit(arrays[param.name], param)
+    return problems
+
+
+def _misfit(array: Array, param: Param) -> list[str]:
+    found = f"{array.dtype}[{','.join(map(str, array.shape))}]" if array.ndim else str(array.dtype)
+    if array.ndim != param.ndim or (param.ndim and array.dtype != np.dtype(param.dtype.value)):
+        return [f"`{param.name}` is {found}, not {describe(param).partition(': ')[2]}"]
+    if not param.ndim and not _scalar_fits(array, param.dtype):
+        return [f"`{param.name}` = {array[()]!r} is not a {param.dtype.value}"]
+    return []
+
+
+def _scalar_fits(array: Array, dtype: DType) -> bool:
+    """A scalar may be of another type than its parameter as long as its value is representable."""
+    if array.dtype.kind not in "biuf":
+        return False
+    if dtype is DType.F32:
+        return True
+    if dtype is DType.BOOL:
+        return array.dtype.kind == "b"
+    if array.dtype.kind == "f":
+        return False
+    limits = np.iinfo(dtype.value)
+    return limits.min <= int(array[()]) <= limits.max
+
+
+def _in_c_order(array: Array) -> Array:
+    return np.asarray(array, order="C")

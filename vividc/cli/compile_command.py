@@ -1,0 +1,117 @@
+"""`vividc compile`: from a kernel in a Python file to a `.vivid` program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+import vividc
+from vividc.cli import options
+from vividc.cli.files import check_output
+from vividc.cli.kernels import load_kernel
+from vividc.cli.report import percent, print_json, print_table, progress
+from vividc.program import Program
+
+SCHEMA = "vividc.compile/1"
+
+
+@click.command("compile")
+@click.argument("kernel", metavar="FILE.py[:KERNEL]")
+@options.fabric
+@options.mapper
+@options.time_limit
+@click.option(
+    "--strict-fp", is_flag=True, help="Refuse float64 arithmetic instead of narrowing it."
+)
+@click.option(
+    "--contract/--no-contract",
+    default=True,
+    show_default=True,
+    help="Fuse a multiplication and an addition into one operation with one rounding.",
+)
+@click.option(
+    "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
+)
+@options.as_json
+def command(
+    kernel: str,
+    fabric: str,
+    mapper: str,
+    time_limit_s: float,
+    strict_fp: bool,
+    contract: bool,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Compile a kernel for a fabric and write the program.
+
+    The file is run to find its kernels; KERNEL may be left out if it has one.
+    """
+    function = load_kernel(kernel)
+    path = Path(f"{function.name}.vivid") if output is None else output
+    check_output(path, "--output")
+    with progress(f"compiling {function.name}") as report:
+        program = vividc.compile(
+            function,
+            fabric=fabric,
+            mapper=mapper,
+            time_limit_s=time_limit_s,
+            strict_fp=strict_fp,
+            contract=contract,
+            progress=report,
+        )
+    program.save(path)
+    if as_json:
+        print_json(SCHEMA, _as_object(program, path))
+    else:
+        _print(program, path)
+
+
+def _as_object(program: Program, path: Path) -> dict[str, object]:
+    return {
+        "kernel": program.name,
+        "fabric": program.fabric_name,
+        "output": str(path),
+        "regions": [
+            {
+                "name": region.name,
+                "kind": region.kind,
+                "loc": None if region.loc is None else str(region.loc),
+                "ii": region.ii,
+                "mii": region.mii,
+                "lower_bound": region.lower_bound,
+                "status": region.status,
+                "utilization": region.utilization,
+                "operations": region.operations,
+                "bounds": [
+                    {"name": bound.name, "ii": bound.ii, "reason": bound.reason}
+                    for bound in region.bounds
+                ],
+                "wall_s": region.wall_s,
+            }
+            for region in program.regions
+        ],
+        "warnings": [str(warning) for warning in program.warnings],
+    }
+
+
+def _print(program: Program, path: Path) -> None:
+    columns = ("region", "kind", "line", "operations", "II", "MII", "status", "use", "seconds")
+    rows = (
+        (
+            region.name,
+            region.kind,
+            region.loc,
+            region.operations,
+            region.ii,
+            region.mii,
+            region.status,
+            percent(region.utilization),
+            None if region.wall_s is None else f"{region.wall_s:.1f}",
+        )
+        for region in program.regions
+    )
+    title = f"{program.name} on {program.fabric_name}"
+    print_table(title, columns, rows, numeric="operations II MII use seconds")
+    click.echo(f"written: {path}")

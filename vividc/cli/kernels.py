@@ -1,0 +1,122 @@
+"""Kernels in a user's Python file: runs the file as a module and finds its kernels."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, redirect_stdout
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Final
+
+from vividc.errors import InternalError, KernelError, SourceLoc, VividcError
+from vividc.frontend import KernelFunction
+
+_SUFFIX: Final = ".py"
+
+
+def load_kernel(spec: str) -> KernelFunction:
+    """The kernel that `FILE.py` or `FILE.py:KERNEL` names.
+
+    Raises
+    ------
+    KernelError
+        The file cannot be read or fails when it runs (with its line); it has no such kernel, or
+        several and none is named.
+    """
+    head, colon, tail = spec.rpartition(":")
+    file, name = (Path(head), tail) if colon and head.endswith(_SUFFIX) else (Path(spec), None)
+    kernels = _kernels(_run(file))
+    if name is not None:
+        return _named(kernels, name, file)
+    return _only(_unique(kernels, file), file)
+
+
+def _run(file: Path) -> ModuleType:
+    """Execute `file` as a module, with its folder on the import path as for a script."""
+    code = _compiled(file)
+    module = ModuleType(f"_vividc_kernel_{file.stem}")
+    module.__file__ = str(file)
+    sys.modules[module.__name__] = module
+    with _imports_from(file.resolve().parent), redirect_stdout(sys.stderr):
+        try:
+            exec(code, module.__dict__)
+        except (VividcError, InternalError):
+            raise
+        except (Exception, SystemExit) as error:  # a user's file may raise anything
+            raise _as_kernel_error(error, file) from error
+    return module
+
+
+def _compiled(file: Path) -> CodeType:
+    """From the text and never from a .pyc, which may be older than an edit of the same second."""
+    try:
+        source = file.read_bytes()
+    except OSError as error:
+        hint = "the form is FILE.py or FILE.py:KERNEL"
+        raise KernelError(f"cannot be read: {error.strerror}", loc=str(file), hint=hint) from error
+    try:
+        return compile(source, str(file), "exec", dont_inherit=True)
+    except SyntaxError as error:
+        raise KernelError(
+            f"not Python: {error.msg}", loc=SourceLoc(str(file), error.lineno or 1)
+        ) from error
+    except ValueError as error:
+        raise KernelError(f"not Python: {error}", loc=str(file)) from error
+
+
+@contextmanager
+def _imports_from(folder: Path) -> Iterator[None]:
+    before = list(sys.path)
+    sys.path.insert(0, str(folder))
+    try:
+        yield
+    finally:
+        sys.path[:] = before
+
+
+def _as_kernel_error(error: BaseException, file: Path) -> KernelError:
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == str(file)]
+    what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    hint = "the file is run to find its kernels; it must be importable"
+    return KernelError(what, loc=SourceLoc(str(file), (lines and lines[-1]) or 1), hint=hint)
+
+
+def _kernels(module: ModuleType) -> dict[str, KernelFunction]:
+    return {name: item for name, item in vars(module).items() if isinstance(item, KernelFunction)}
+
+
+def _unique(kernels: Mapping[str, KernelFunction], file: Path) -> dict[str, KernelFunction]:
+    """One name for each kernel; those of the file itself hide those that it imports."""
+    names: dict[int, str] = {}
+    for name, kernel in kernels.items():
+        names.setdefault(id(kernel), name)
+    unique = {name: kernels[name] for name in names.values()}
+    own = {name: item for name, item in unique.items() if _is_of(item, file)}
+    return own or unique
+
+
+def _is_of(kernel: KernelFunction, file: Path) -> bool:
+    return Path(kernel.file).resolve() == file.resolve()
+
+
+def _named(kernels: Mapping[str, KernelFunction], name: str, file: Path) -> KernelFunction:
+    by_own_name = {kernel.name: kernel for kernel in kernels.values()}
+    found = kernels.get(name) or by_own_name.get(name)
+    if found is None:
+        known = ", ".join(kernels) or "none"
+        raise KernelError(f"has no kernel `{name}`", loc=str(file), hint=f"its kernels: {known}")
+    return found
+
+
+def _only(kernels: Mapping[str, KernelFunction], file: Path) -> KernelFunction:
+    if not kernels:
+        hint = 'mark a function with `@vividc.kernel("void(float32[::1], int32)")`'
+        raise KernelError("has no kernel", loc=str(file), hint=hint)
+    if len(kernels) > 1:
+        names = ", ".join(kernels)
+        hint = f"choose one: {file}:{next(iter(kernels))}"
+        raise KernelError(f"has several kernels: {names}", loc=str(file), hint=hint)
+    return next(iter(kernels.values()))

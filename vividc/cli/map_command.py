@@ -1,0 +1,120 @@
+"""`vividc map`: one dataflow graph onto a fabric."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import click
+
+from vividc import arch, dfg
+from vividc.arch import Fabric
+from vividc.cli import options
+from vividc.cli.files import check_output, write_whole
+from vividc.cli.report import percent, plain, print_json, print_table, progress
+from vividc.dfg import DFG
+from vividc.errors import MappingFailed, TimeLimit
+from vividc.mapper import MapResult, map_dfg, mapping_to_json
+
+SCHEMA = "vividc.map/1"
+
+
+@click.command("map")
+@click.argument("graph", metavar="DFG", type=options.FILE)
+@options.fabric
+@options.mapper
+@click.option("--ii", type=click.IntRange(min=1), metavar="N", help="Try this II only.")
+@options.time_limit
+@click.option(
+    "-o", "--output", type=options.FILE, metavar="MAPPING.json", help="Write the mapping."
+)
+@options.as_json
+def command(
+    graph: Path,
+    fabric: str,
+    mapper: str,
+    ii: int | None,
+    time_limit_s: float,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Map a dataflow graph (.json, .dot or .dfg) and say what was proved.
+
+    Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit.
+    """
+    if output is not None:
+        check_output(output, "--output")
+    the_dfg = dfg.load(graph)
+    the_fabric = arch.load(fabric)
+    with progress(f"mapping {the_dfg.name}") as report:
+        result = map_dfg(the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report)
+    document = mapping_to_json(result, the_dfg, the_fabric)
+    if result.mapping is not None and output is not None:
+        text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
+        write_whole(output, lambda file: file.write(text.encode()))
+    if as_json:
+        print_json(SCHEMA, _as_object(result, the_dfg, the_fabric, document, output))
+    else:
+        _print(result, the_dfg, the_fabric, output)
+    _raise_unless_mapped(result, the_dfg, ii)
+
+
+def _as_object(
+    result: MapResult,
+    graph: DFG,
+    fabric: Fabric,
+    document: Mapping[str, object],
+    output: Path | None,
+) -> dict[str, object]:
+    return {
+        "dfg": graph.name,
+        "fabric": fabric.name,
+        "mapper": result.mapper,
+        "status": result.status,
+        "ii": result.ii,
+        "lower_bound": result.lower_bound,
+        "bounds": [
+            {"name": bound.name, "ii": bound.ii, "reason": bound.reason} for bound in result.bounds
+        ],
+        "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
+        "utilization": _utilization(result, graph, fabric),
+        "wall_s": result.wall_s,
+        "mapping": document["mapping"],
+        "output": None if result.mapping is None or output is None else str(output),
+    }
+
+
+def _utilization(result: MapResult, graph: DFG, fabric: Fabric) -> float | None:
+    """Share of the FUs' issue slots that the mapping uses."""
+    if result.mapping is None:
+        return None
+    return len(graph.operations) / (len(fabric.pes) * result.mapping.ii)
+
+
+def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -> None:
+    used = _utilization(result, graph, fabric)
+    use = None if used is None else percent(used)
+    columns = ("operations", "PEs", "II", "lower bound", "status", "use", "seconds", "mapper")
+    sizes = (len(graph.operations), len(fabric.pes))
+    row = (*sizes, result.ii, result.lower_bound, result.status, use)
+    timed = (*row, f"{result.wall_s:.1f}", result.mapper)
+    print_table(f"{graph.name} on {fabric.name}", columns, [timed])
+    click.echo(result.explain())
+    if output is not None and result.mapping is not None:
+        click.echo(f"written: {output}")
+
+
+def _raise_unless_mapped(result: MapResult, graph: DFG, ii: int | None) -> None:
+    wanted = "" if ii is None else f" at II {ii}"
+    if result.status == "infeasible":
+        why = result.bounds[0].reason if result.bounds else "the search was exhausted"
+        if result.refuted:
+            why = f"refuted by {result.refuted[-1].by}"
+        raise MappingFailed(f"proved infeasible{wanted}: {why}", loc=graph.name)
+    if result.status == "timeout":
+        hint = "give more time (--time-limit), or a fabric with more room (--fabric)"
+        reason = (
+            f"no mapping{wanted} within the time limit; the II is at least {result.lower_bound}"
+        )
+        raise TimeLimit(reason, loc=graph.name, hint=hint)

@@ -1,0 +1,51 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import click
+
+
+def finite(_ctx: click.Context, _param: click.Parameter, value: float) -> float:
+    """Refuse what is not a finite number from 0 on."""
+    if not math.isfinite(value) or value < 0:
+        raise click.BadParameter(f"{value} is not a finite number from 0 on.")
+    return value
+
+
+def positive(ctx: click.Context, param: click.Parameter, value: float) -> float:
+    """Refuse what is not a positive, finite number."""
+    if finite(ctx, param, value) == 0:
+        raise click.BadParameter("0 is not a positive number.")
+    return value
+
+
+FILE = click.Path(path_type=Path, dir_okay=False)
+
+fabric = click.option(
+    "--fabric",
+    default="vivid-tile",
+    show_default=True,
+    metavar="F",
+    help="Name of a fabric (vivid-tile, mesh-4x4, ...) or a YAML file.",
+)
+mapper = click.option(
+    "--mapper",
+    default="auto",
+    show_default=True,
+    metavar="M",
+    help="Name of the mapper.",
+)
+time_limit = click.option(
+    "--time-limit",
+    "time_limit_s",
+    type=float,
+    callback=positive,
+    default=60.0,
+    show_default=True,
+    metavar="S",
+    help="Seconds of wall time for mapping.",
+)
+as_json = click.option("--json", "as_json", is_flag=True, help="Print one JSON object to stdout.")

@@ -1,0 +1,121 @@
+"""`--check`: the kernel through numba on the same inputs, compared with what the machine gave."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vividc.cli.arrays import Array, describe
+from vividc.cli.kernels import load_kernel
+from vividc.dfg.cfg import Param
+from vividc.errors import ArgumentError
+from vividc.frontend import KernelFunction
+from vividc.program import Program
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """Floats agree if |simulated - reference| <= atol + rtol * |reference|; integers if equal."""
+
+    rtol: float
+    atol: float
+
+
+@dataclass(frozen=True, slots=True)
+class Mismatch:
+    """An array, or `return`, that differs: its first differing element, and how many there are."""
+
+    name: str
+    index: tuple[int, ...]
+    simulated: object
+    reference: object
+    count: int
+
+    def __str__(self) -> str:
+        where = self.name + (f"[{', '.join(map(str, self.index))}]" if self.index else "")
+        more = f" ({self.count} elements differ)" if self.count > 1 else ""
+        return f"{where} is {self.simulated}, numba gives {self.reference}{more}"
+
+
+def find_kernel(program: Program, bundle: Path, spec: str | None) -> KernelFunction:
+    """The kernel to compare with: `spec` if given, else the file that the bundle was compiled from.
+
+    Code in the bundle is never run; it only records the file's path and hash. The file counts if it
+    is where it was, or lies beside the bundle, and still has that hash.
+
+    Raises
+    ------
+    ArgumentError
+        The file is gone or was changed, or the kernel has other parameters than the program.
+    """
+    if spec is None:
+        spec = f"{_unchanged_file(program, bundle)}:{program.name}"
+    kernel = load_kernel(spec)
+    if tuple(kernel.params) != tuple(program.params):
+        expected = ", ".join(describe(param) for param in program.params)
+        reason = f"`{kernel.name}` in {kernel.file} does not have the program's parameters"
+        raise ArgumentError(reason, loc="--check", hint=f"expected: {expected}")
+    return kernel
+
+
+def run_reference(
+    kernel: KernelFunction, arguments: Mapping[str, Array]
+) -> tuple[dict[str, Array], object]:
+    """Arguments after a run through numba on copies of them, and the returned value."""
+    copies = {name: array.copy() for name, array in arguments.items()}
+    value = kernel(*scalars_unpacked(copies, kernel.params))
+    return copies, value
+
+
+def scalars_unpacked(arguments: Mapping[str, Array], params: Sequence[Param]) -> list[object]:
+    """Arguments in order, 0-d arrays as numpy scalars of the parameter's type."""
+    return [
+        arguments[param.name] if param.ndim else arguments[param.name].astype(param.dtype.value)[()]
+        for param in params
+    ]
+
+
+def mismatches(
+    simulated: Mapping[str, Array], reference: Mapping[str, Array], tolerance: Tolerance
+) -> list[Mismatch]:
+    """Arrays that differ, in the order of `simulated`."""
+    found = (
+        _mismatch(name, array, reference[name], tolerance) for name, array in simulated.items()
+    )
+    return [item for item in found if item is not None]
+
+
+def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) -> Mismatch | None:
+    if found.dtype.kind == "f":
+        close = np.isclose(
+            found.astype(np.float64),
+            expected.astype(np.float64),
+            rtol=tolerance.rtol,
+            atol=tolerance.atol,
+            equal_nan=True,
+        )
+    else:
+        close = found == expected
+    wrong = np.argwhere(~np.atleast_1d(close))
+    if not len(wrong):
+        return None
+    index = tuple(int(axis) for axis in wrong[0]) if found.ndim else ()
+    return Mismatch(name, index, found[index], expected[index], len(wrong))
+
+
+def _unchanged_file(program: Program, bundle: Path) -> Path:
+    recorded = program.provenance.kernel_file
+    hint = f"name the kernel: --kernel FILE.py:{program.name}"
+    if not recorded:
+        raise ArgumentError(f"{bundle} records no kernel file", loc="--check", hint=hint)
+    places = (Path(recorded), bundle.parent / recorded, bundle.parent / Path(recorded).name)
+    existing = [place for place in dict.fromkeys(places) if place.is_file()]
+    for place in existing:
+        if hashlib.sha256(place.read_bytes()).hexdigest() == program.provenance.kernel_sha256:
+            return place
+    fate = f"{existing[0]} was changed since" if existing else f"{recorded} was not found"
+    raise ArgumentError(f"the kernel's source: {fate}", loc="--check", hint=hint)

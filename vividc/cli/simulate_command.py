@@ -1,0 +1,163 @@
+"""`vividc simulate`: runs a program on the machine, and compares it with numba if asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import click
+import numpy as np
+
+import vividc
+from vividc.cli import options
+from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
+from vividc.cli.files import check_output
+from vividc.cli.reference import (
+    Mismatch,
+    Tolerance,
+    find_kernel,
+    mismatches,
+    run_reference,
+    scalars_unpacked,
+)
+from vividc.cli.report import percent, print_json, print_table, progress
+from vividc.program import Program
+from vividc.sim import Result
+
+SCHEMA = "vividc.simulate/1"
+MISMATCH: Final = 5
+
+
+@click.command("simulate")
+@click.argument("program", metavar="P.vivid", type=options.FILE)
+@click.option(
+    "--inputs",
+    type=options.FILE,
+    required=True,
+    metavar="IN.npz",
+    help="The kernel's arguments, by parameter name.",
+)
+@click.option(
+    "--outputs",
+    type=options.FILE,
+    metavar="OUT.npz",
+    help="Write the arrays after the run, and the returned value as `return`.",
+)
+@click.option("--check", is_flag=True, help="Run numba on the same inputs, and compare.")
+@click.option(
+    "--kernel",
+    metavar="FILE.py[:KERNEL]",
+    help="Kernel to compare with, if the file it was compiled from is gone or was changed.",
+)
+@click.option(
+    "--rtol", type=float, callback=options.finite, default=1e-5, show_default=True, metavar="R"
+)
+@click.option(
+    "--atol", type=float, callback=options.finite, default=1e-6, show_default=True, metavar="A"
+)
+@click.option("--cycle-limit", type=click.IntRange(min=1), metavar="N", help="Stop after N cycles.")
+@options.as_json
+def command(
+    program: Path,
+    inputs: Path,
+    outputs: Path | None,
+    check: bool,
+    kernel: str | None,
+    rtol: float,
+    atol: float,
+    cycle_limit: int | None,
+    as_json: bool,
+) -> None:
+    """Run a program on the machine, cycle by cycle.
+
+    With --check, floats may differ by ATOL + RTOL * |reference| and integers not at all; a mismatch
+    gives exit code 5.
+    """
+    if kernel is not None and not check:
+        raise click.UsageError("--kernel needs --check")
+    if outputs is not None:
+        check_output(outputs, "--outputs")
+    loaded = vividc.load(program)
+    arguments = read_arguments(inputs, loaded.params)
+    # The reference first: it needs the inputs, which the run changes in place.
+    expected = None
+    if check:
+        expected = _with_value(*run_reference(find_kernel(loaded, program, kernel), arguments))
+    result = _simulate(loaded, arguments, cycle_limit)
+    if outputs is not None:
+        write_results(outputs, arguments, result.value)
+    wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
+    if as_json:
+        print_json(SCHEMA, _as_object(loaded, result, outputs, expected is not None, wrong))
+    else:
+        _print(loaded, result, outputs, expected is not None, wrong)
+    for item in wrong:
+        click.echo(f"vividc: mismatch: {item}", err=True)
+    if wrong:
+        raise click.exceptions.Exit(MISMATCH)
+
+
+def _simulate(program: Program, arguments: dict[str, Array], cycle_limit: int | None) -> Result:
+    values = scalars_unpacked(arguments, program.params)
+    limit = {} if cycle_limit is None else {"cycle_limit": cycle_limit}
+    with progress(f"simulating {program.name}") as show:
+        report = None if show is None else lambda cycles: show(f"{program.name}: {cycles:,} cycles")
+        return vividc.simulate(program, *values, progress=report, **limit)
+
+
+def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:
+    return arguments if value is None else {**arguments, RETURN_KEY: np.asarray(value)}
+
+
+def _compare(
+    arguments: dict[str, Array],
+    result: Result,
+    expected: dict[str, Array] | None,
+    tolerance: Tolerance,
+) -> list[Mismatch]:
+    if expected is None:
+        return []
+    return mismatches(_with_value(arguments, result.value), expected, tolerance)
+
+
+def _as_object(
+    program: Program, result: Result, outputs: Path | None, checked: bool, wrong: list[Mismatch]
+) -> dict[str, object]:
+    return {
+        "kernel": program.name,
+        "fabric": program.fabric_name,
+        "cycles": result.cycles,
+        "value": result.value,
+        "stats": result.stats,
+        "check": {"passed": not wrong, "mismatches": wrong} if checked else None,
+        "outputs": None if outputs is None else str(outputs),
+    }
+
+
+def _print(
+    program: Program, result: Result, outputs: Path | None, checked: bool, wrong: list[Mismatch]
+) -> None:
+    stats = result.stats
+    columns = ("region", "kind", "II", "entries", "iterations", "cycles", "stalls", "use")
+    rows = [
+        (
+            region["name"],
+            region["kind"],
+            region["ii"],
+            region["entries"],
+            region["iterations"],
+            region["cycles"],
+            sum(region["stalls"].values()),
+            percent(region["utilization"]),
+        )
+        for region in stats["regions"]
+    ]
+    title = f"{program.name} on {program.fabric_name}"
+    print_table(title, columns, rows, numeric="II entries iterations cycles stalls use")
+    click.echo(f"cycles: {result.cycles} ({stats['switch_cycles']} between regions)")
+    if result.value is not None:
+        click.echo(f"value: {result.value}")
+    if checked and not wrong:
+        click.echo("check: agrees with numba")
+    if outputs is not None:
+        click.echo(f"written: {outputs}")

@@ -1,0 +1,155 @@
+"""Brings variables to the PEs that read them: between the regions of a kernel, words travel by live-out writes.
+
+Loops are mapped first and read variables where their operations lie; straight regions then write each variable
+to all its homes, and read it through a `mov` on one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.opcodes import BASE, Opcode
+from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region, is_variable
+from vividc.mapper.mapping import Mapping as RegionMapping
+from vividc.mapper.problem import ConstantKey, MapProblem
+
+Homes = Mapping[str, frozenset[int]]
+Residents = Mapping[int, frozenset[ConstantKey]]
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """A straight region ready to be mapped: its graph with deliveries, and where they must lie."""
+
+    dfg: DFG
+    allowed: Mapping[int, frozenset[int]]
+
+
+def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Residents:
+    """Constant-store entries that the mapped regions occupy on each PE."""
+    held: dict[int, set[ConstantKey]] = {pe.id: set() for pe in fabric.pes}
+    for dfg, mapping in mapped:
+        problem = MapProblem(dfg, fabric)
+        for node in dfg.placed:
+            held[mapping.places[node.id].pe].update(problem.constants_of(node))
+    return {pe: frozenset(keys) for pe, keys in held.items()}
+
+
+def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMapping]) -> Homes:
+    """The PEs whose constant stores hold each variable.
+
+    A variable that loops read or write lives where their operations lie; any other lives on the PE with the
+    fewest entries so far.
+    """
+    homes: dict[str, set[int]] = {}
+    graphs = [(kernel.regions[index].dfg, mapping) for index, mapping in sorted(loops.items())]
+    for dfg, mapping in graphs:
+        for node in dfg.placed:
+            for _, name in _variables_of(MapProblem(dfg, fabric), node):
+                homes.setdefault(name, set()).add(mapping.places[node.id].pe)
+    load = {pe: len(keys) for pe, keys in residents(fabric, graphs).items()}
+    for name in _variables_read(kernel):
+        if name not in homes:
+            pe = min(load, key=lambda pe: (load[pe], pe))
+            homes[name] = {pe}
+            load[pe] += 1
+    return {name: frozenset(pes) for name, pes in homes.items()}
+
+
+def deliver(region: Region, homes: Homes) -> Delivery:
+    """`region`'s graph with a `mov` for each variable read and a live-out for each home of each variable written."""
+    edit = _Edit(region.dfg, homes)
+    for node in region.dfg.nodes:
+        edit.add(node)
+    return Delivery(edit.finish(), edit.allowed)
+
+
+class _Edit:
+    """Copies a straight region's graph, node by node."""
+
+    def __init__(self, dfg: DFG, homes: Homes) -> None:
+        self.dfg = dfg
+        self.homes = homes
+        self.nodes: list[Node] = []
+        self.extra: list[Edge] = []
+        self.dropped: set[int] = set()
+        self.allowed: dict[int, frozenset[int]] = {}
+        self.reader: dict[int, int] = {}
+        self._next = dfg.next_id()
+
+    def add(self, node: Node) -> None:
+        """Copies one node with what it needs."""
+        if node.op is Opcode.LIVE_IN and is_variable(node.name):
+            self._add_reader(node)
+        elif node.op is Opcode.LIVE_OUT:
+            self._add_writers(node)
+        else:
+            self.nodes.append(node)
+
+    def finish(self) -> DFG:
+        """The edited graph."""
+        edges = []
+        for edge in self.dfg.edges:
+            if edge.dst in self.dropped:
+                continue
+            through = self.reader.get(edge.src)
+            if through is not None and edge.port != BASE and not self._is_reader_itself(edge):
+                edge = replace(edge, src=through)  # noqa: PLW2901 - the edited copy
+            edges.append(edge)
+        return DFG(self.dfg.name, tuple(self.nodes), (*edges, *self.extra))
+
+    def _is_reader_itself(self, edge: Edge) -> bool:
+        return self.reader.get(edge.src) == edge.dst
+
+    def _add_reader(self, node: Node) -> None:
+        self.nodes.append(node)
+        consumers = self.dfg.out_edges[node.id]
+        movs = [e.dst for e in consumers if self.dfg.by_id[e.dst].op is Opcode.MOV]
+        if movs:
+            self.reader[node.id] = movs[0]
+            self.allowed[movs[0]] = self.homes[node.name]
+            return
+        if all(edge.port == BASE for edge in consumers):
+            return
+        mov = Node(self._fresh(), Opcode.MOV, loc=node.loc)
+        self.nodes.append(mov)
+        self.extra.append(Edge(node.id, mov.id, 0))
+        self.reader[node.id] = mov.id
+        self.allowed[mov.id] = self.homes[node.name]
+
+    def _add_writers(self, node: Node) -> None:
+        homes = sorted(self.homes.get(node.name, ()))
+        if not homes:
+            self.dropped.add(node.id)
+            return
+        edge = next(edge for edge in self.dfg.in_edges[node.id] if edge.is_data)
+        for number, pe in enumerate(homes):
+            ident = node.id if number == 0 else self._fresh()
+            self.nodes.append(replace(node, id=ident))
+            self.allowed[ident] = frozenset({pe})
+            if number > 0:
+                self.extra.append(replace(edge, dst=ident, src=self.reader.get(edge.src, edge.src)))
+
+    def _fresh(self) -> int:
+        self._next += 1
+        return self._next - 1
+
+
+def _variables_of(problem: MapProblem, node: Node) -> list[tuple[str, str]]:
+    keys = problem.constants_of(node)
+    return [("live_in", str(n)) for kind, n in keys if kind == "live_in" and is_variable(str(n))]
+
+
+def _variables_read(kernel: Kernel) -> list[str]:
+    names = dict.fromkeys(
+        node.name
+        for region in kernel.regions
+        for node in region.dfg.nodes
+        if node.op is Opcode.LIVE_IN and is_variable(node.name)
+    )
+    if kernel.returns is not None:
+        names[RETURN_VARIABLE] = None
+    return list(names)

@@ -1,0 +1,85 @@
+"""The DFG of a straight region: one basic block, its branch, and the variables it writes."""
+
+from __future__ import annotations
+
+from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
+from vividc.dfg.graph_builder import GraphBuilder, Operand
+from vividc.dfg.ir import DFG, Control
+from vividc.dfg.memory_order import Access, order_accesses
+from vividc.dfg.opcodes import MEMORY, Opcode
+from vividc.dfg.regions import RETURN_VARIABLE
+
+
+def variable(ident: int) -> str:
+    """The variable that carries an SSA value between regions."""
+    return f"%{ident}"
+
+
+def build_straight(
+    name: str,
+    function: Function,
+    block: Block,
+    writes: list[tuple[int, Value]],
+    trip: Value | None,
+) -> DFG:
+    """Emits `block` in program order; `writes` are (variable's id, value), `trip` the next loop's trip count."""
+    builder = GraphBuilder(name)
+    own: dict[int, Operand] = {}
+
+    def value(item: Value) -> Operand:
+        if isinstance(item, Const):
+            return builder.const(item.word)
+        if isinstance(item, Input):
+            return builder.live_in(item.key)
+        return own[item.id] if item.id in own else builder.live_in(variable(item.id))
+
+    accesses: list[Access] = []
+    for instr in block.instrs:
+        own[instr.id] = _emit(builder, instr, [value(item) for item in instr.operands], accesses)
+    order_accesses(builder, accesses, in_loop=False)
+    branch = block.branch
+    if branch.cond is not None:
+        builder.mark(value(branch.cond), Control.BRANCH, branch.loc)
+    if trip is not None:
+        builder.mark(value(trip), Control.TRIP, branch.loc)
+    for ident, item in writes:
+        _write(builder, variable(ident), value(item))
+    if branch.target is None and branch.value is not None:
+        _write(builder, RETURN_VARIABLE, value(branch.value))
+    return builder.build()
+
+
+def _write(builder: GraphBuilder, name: str, operand: Operand) -> None:
+    source = builder.operation(operand)
+    node = builder.node(source)
+    builder.add(Opcode.LIVE_OUT, [source], name=name, loc=None if node is None else node.loc)
+
+
+def _emit(
+    builder: GraphBuilder, instr: Instr, operands: list[Operand], accesses: list[Access]
+) -> Operand:
+    if instr.op not in MEMORY:
+        return builder.add(instr.op, operands, loc=instr.loc)
+    base, index, *rest = operands
+    node = builder.add(
+        instr.op,
+        [index, *rest],
+        base=base,
+        name=instr.array,
+        shift=instr.shift,
+        offset=instr.offset,
+        loc=instr.loc,
+    )
+    fixed = instr.operands[1].word if isinstance(instr.operands[1], Const) else None
+    accesses.append(
+        Access(
+            node,
+            instr.array,
+            instr.op is Opcode.STORE,
+            instr.operands[0],
+            None if fixed is not None else (instr.operands[1], instr.shift),
+            instr.offset + (0 if fixed is None else fixed << instr.shift),
+            stride_bytes=0,
+        )
+    )
+    return node

@@ -1,0 +1,122 @@
+"""Loops whose trip count is known before they start: the tile controller counts them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from vividc.dfg.affine import Affine, AffineAnalysis, block_of
+from vividc.dfg.cfg import Block, Const, Function, Instr, Ref, Value
+from vividc.dfg.cfg_edit import incoming, next_id, with_blocks
+from vividc.dfg.loops import Loop
+from vividc.dfg.opcodes import Opcode, Type
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """Trip count of a counted loop: a value of its preheader; negative means none."""
+
+    value: Value
+
+
+def count_loop(function: Function, loop: Loop, preheader: str) -> tuple[Function, Trip | None]:
+    """Recognises `while bound - start - step * i > 0` tested in the header, with a power-of-two step.
+
+    The trip count is computed in the preheader. Refused (None), and then run by an exit predicate: tests elsewhere
+    than in the header, stores in the header, other comparisons, other steps, and a header value other than a phi that
+    is used after the loop (the header runs once more than the body).
+    """
+    header = block_of(function, loop.header)
+    target = _exit_of(header, loop)
+    if target is None or any(instr.op is Opcode.STORE for instr in header.instrs):
+        return function, None
+    if not _header_values_stay_inside(function, header, target):
+        return function, None
+    remaining = _remaining(function, loop, header)
+    if remaining is None or remaining.stride >= 0:
+        return function, None
+    step = -remaining.stride
+    if step & (step - 1):
+        return function, None
+    emitter = _Emitter(next_id(function), header)
+    total = emitter.sum(Affine(0, remaining.constant + step - 1, remaining.terms))
+    if step > 1:
+        total = emitter.emit(Opcode.ASHR, total, Const(step.bit_length() - 1))
+    block = block_of(function, preheader)
+    block = replace(block, instrs=(*block.instrs, *emitter.instrs))
+    return with_blocks(function, (block,)), Trip(total)
+
+
+def _exit_of(header: Block, loop: Loop) -> str | None:
+    if header.branch.cond is None:
+        return None
+    outside = [name for name in header.branch.successors if name not in loop.blocks]
+    return outside[0] if len(outside) == 1 else None
+
+
+def _header_values_stay_inside(function: Function, header: Block, target: str) -> bool:
+    own = {instr.id for instr in header.instrs}
+    exit_block = block_of(function, target)
+    closing = (incoming(phi, header.name) for phi in exit_block.phis)
+    return not any(isinstance(value, Ref) and value.id in own for value in closing)
+
+
+def _remaining(function: Function, loop: Loop, header: Block) -> Affine | None:
+    """What must stay positive for the loop to go on, as a function of the iteration index."""
+    branch = header.branch
+    test = next((i for i in header.instrs if Ref(i.id) == branch.cond), None)
+    if test is None:
+        return None
+    stays = branch.target in loop.blocks
+    left, right = test.operands[0], test.operands[-1]
+    analysis = AffineAnalysis(function, loop)
+    low, high = analysis.of(left), analysis.of(right)
+    if low is None or high is None:
+        return None
+    if test.op is Opcode.ICMP_SLT and stays:
+        difference = high.plus(low, -1)
+    elif test.op is Opcode.ICMP_SLE and not stays:
+        low, high = high, low  # leaves if left <= right: stays while right < left
+        difference = high.plus(low, -1)
+    else:
+        return None
+    return difference if _cannot_overflow(low, high) else None
+
+
+def _cannot_overflow(low: Affine, high: Affine) -> bool:
+    """high - low at the start fits a signed word: one of them is a constant that is not negative."""
+    return (not low.terms and low.constant >= 0) or (
+        not low.terms and not high.terms and high.constant - low.constant < 1 << 31
+    )
+
+
+class _Emitter:
+    def __init__(self, first_id: int, header: Block) -> None:
+        self.instrs: list[Instr] = []
+        self._next = first_id
+        self._loc = header.branch.loc
+
+    def emit(self, op: Opcode, left: Value, right: Value) -> Value:
+        """One more integer instruction."""
+        instr = Instr(self._next, op, Type.I32, (left, right), loc=self._loc)
+        self._next += 1
+        self.instrs.append(instr)
+        return Ref(instr.id)
+
+    def sum(self, total: Affine) -> Value:
+        """The value of an invariant affine form."""
+        value: Value | None = None
+        for term, factor in total.terms:
+            scaled = (
+                term
+                if abs(factor) == 1
+                else self.emit(Opcode.MUL, term, Const(abs(factor) & 0xFFFFFFFF))
+            )
+            if value is None and factor > 0:
+                value = scaled
+            else:
+                op = Opcode.ADD if factor > 0 else Opcode.SUB
+                value = self.emit(op, Const(0) if value is None else value, scaled)
+        constant = Const(total.constant & 0xFFFFFFFF)
+        if value is None:
+            return constant
+        return value if total.constant == 0 else self.emit(Opcode.ADD, value, constant)

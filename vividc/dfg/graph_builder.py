@@ -1,0 +1,181 @@
+"""Collects nodes and edges of one DFG; loop-carried values are placeholders until the body is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
+from vividc.dfg.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
+from vividc.errors import InternalError, SourceLoc
+
+_INVERSE = {
+    Opcode.ICMP_EQ: (Opcode.ICMP_NE, False),
+    Opcode.ICMP_NE: (Opcode.ICMP_EQ, False),
+    Opcode.ICMP_SLT: (Opcode.ICMP_SLE, True),
+    Opcode.ICMP_SLE: (Opcode.ICMP_SLT, True),
+    Opcode.ICMP_ULT: (Opcode.ICMP_ULE, True),
+    Opcode.ICMP_ULE: (Opcode.ICMP_ULT, True),
+    Opcode.FCMP_OEQ: (Opcode.FCMP_UNE, False),
+    Opcode.FCMP_UNE: (Opcode.FCMP_OEQ, False),
+    Opcode.FCMP_ONE: (Opcode.FCMP_UEQ, False),
+    Opcode.FCMP_UEQ: (Opcode.FCMP_ONE, False),
+    Opcode.FCMP_ORD: (Opcode.FCMP_UNO, False),
+    Opcode.FCMP_UNO: (Opcode.FCMP_ORD, False),
+    Opcode.FCMP_OLT: (Opcode.FCMP_ULE, True),
+    Opcode.FCMP_OLE: (Opcode.FCMP_ULT, True),
+    Opcode.FCMP_ULT: (Opcode.FCMP_OLE, True),
+    Opcode.FCMP_ULE: (Opcode.FCMP_OLT, True),
+}
+
+
+def inverse_compare(op: Opcode) -> tuple[Opcode, bool] | None:
+    """The comparison that is true exactly where `op` is not, and whether its operands swap."""
+    return _INVERSE.get(op)
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """A word of the graph: the result of `node`, or (negative ids) the value of a loop phi."""
+
+    node: int
+
+    @property
+    def is_phi(self) -> bool:
+        """Stands for the previous iteration's value until `close_phi` names it."""
+        return self.node < 0
+
+
+class GraphBuilder:
+    """Grows one DFG. Node ids are dense and in creation order."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._nodes: list[Node] = []
+        self._edges: list[Edge] = []
+        self._sources: dict[tuple[Opcode, int | str | None], Operand] = {}
+        self._phis: dict[int, tuple[Operand, Operand]] = {}
+        self._next_phi = -1
+
+    def const(self, word: int) -> Operand:
+        """The constant `word`."""
+        return self._source(Opcode.CONST, word & 0xFFFFFFFF)
+
+    def live_in(self, name: str) -> Operand:
+        """The input or variable `name`."""
+        return self._source(Opcode.LIVE_IN, name)
+
+    def iv(self) -> Operand:
+        """The iteration index."""
+        return self._source(Opcode.IV, None)
+
+    def node(self, operand: Operand) -> Node | None:
+        """The node behind an operand; None for a phi."""
+        return None if operand.is_phi else self._nodes[operand.node]
+
+    def is_constant(self, operand: Operand, word: int) -> bool:
+        """Whether `operand` is the constant `word`."""
+        node = self.node(operand)
+        return node is not None and node.op is Opcode.CONST and node.const == word
+
+    def add(
+        self,
+        op: Opcode,
+        operands: Sequence[Operand],
+        *,
+        pred: Operand | None = None,
+        base: Operand | None = None,
+        name: str = "",
+        shift: int = 0,
+        offset: int = 0,
+        unless_exit: bool = False,
+        loc: SourceLoc | None = None,
+    ) -> Operand:
+        """A new node fed by `operands` on ports 0, 1, ..., by `pred` and by `base`."""
+        ident = len(self._nodes)
+        self._nodes.append(
+            Node(ident, op, None, name, shift, offset, None, unless_exit, loc)
+        )
+        ports = list(enumerate(operands))
+        ports += [(PRED, pred)] if pred is not None else []
+        ports += [(BASE, base)] if base is not None else []
+        self._edges.extend(Edge(operand.node, ident, port) for port, operand in ports)
+        return Operand(ident)
+
+    def operation(self, operand: Operand, loc: SourceLoc | None = None) -> Operand:
+        """`operand` if an FU computes it, else a `mov` of it."""
+        node = self.node(operand)
+        if node is None or node.op in SOURCES:
+            return self.add(Opcode.MOV, [operand], loc=loc)
+        return operand
+
+    def invert(self, operand: Operand) -> Operand:
+        """The predicate that is 1 where `operand` is 0; a comparison is inverted by its opcode."""
+        node = self.node(operand)
+        found = inverse_compare(node.op) if node is not None else None
+        if node is None or found is None:
+            return self.add(Opcode.XOR, [operand, self.const(1)])
+        left, right = (Operand(edge.src) for edge in self._inputs(node.id))
+        pair = [right, left] if found[1] else [left, right]
+        return self.add(found[0], pair, loc=node.loc)
+
+    def mark(self, operand: Operand, control: Control, loc: SourceLoc | None = None) -> Operand:
+        """Hands `operand` to the tile controller (through a `mov` where it is not an operation)."""
+        target = self.operation(operand, loc)
+        node = self._nodes[target.node]
+        if node.control is not None:
+            target = self.add(Opcode.MOV, [target], loc=loc)
+            node = self._nodes[target.node]
+        self._nodes[target.node] = replace(node, control=control)
+        return target
+
+    def order(self, before: Operand, after: Operand, distance: int) -> None:
+        """Two memory operations that must keep their order."""
+        self._edges.append(
+            Edge(before.node, after.node, ORDER, distance, kind=EdgeKind.ORDER)
+        )
+
+    def control(self, exit_node: Operand, effect: Operand, distance: int) -> None:
+        """An effect that must wait for the exit decision."""
+        self._edges.append(
+            Edge(exit_node.node, effect.node, ORDER, distance, kind=EdgeKind.CONTROL)
+        )
+
+    def open_phi(self) -> Operand:
+        """A loop-carried value whose source is not known yet."""
+        operand = Operand(self._next_phi)
+        self._next_phi -= 1
+        return operand
+
+    def close_phi(self, phi: Operand, initial: Operand, carried: Operand) -> None:
+        """`phi` is `initial` in iteration 0 and the last iteration's `carried` afterwards."""
+        if carried == phi:
+            self._phis[phi.node] = (initial, initial)
+        else:
+            self._phis[phi.node] = (initial, self.operation(carried))
+
+    def build(self) -> DFG:
+        """The finished graph."""
+        return DFG(self.name, tuple(self._nodes), tuple(map(self._resolve, self._edges)))
+
+    def _resolve(self, edge: Edge) -> Edge:
+        if edge.src >= 0:
+            return edge
+        if edge.src not in self._phis:
+            raise InternalError(f"region {self.name}: a loop-carried value has no source")
+        initial, carried = self._phis[edge.src]
+        if carried == initial:
+            return replace(edge, src=initial.node)
+        return replace(edge, src=carried.node, distance=1, init=initial.node)
+
+    def _source(self, op: Opcode, key: int | str | None) -> Operand:
+        if (op, key) not in self._sources:
+            const = key if isinstance(key, int) else None
+            name = key if isinstance(key, str) else ""
+            self._sources[op, key] = Operand(len(self._nodes))
+            self._nodes.append(Node(len(self._nodes), op, const, name))
+        return self._sources[op, key]
+
+    def _inputs(self, node_id: int) -> list[Edge]:
+        found = [e for e in self._edges if e.dst == node_id and e.is_data and e.port < PRED]
+        return sorted(found, key=lambda edge: edge.port)

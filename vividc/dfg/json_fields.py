@@ -1,0 +1,138 @@
+"""Typed access to JSON objects that collects every problem before anything is raised."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+from vividc.errors import DFGError, SourceLoc
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Fields:
+    """One JSON object at `place`; a getter that finds a wrong value records it."""
+
+    data: Mapping[str, object]
+    place: str
+    problems: list[str]
+
+    def problem(self, what: str) -> None:
+        """Record a problem of this object."""
+        self.problems.append(f"{self.place}: {what}" if self.place else what)
+
+    def only(self, keys: frozenset[str]) -> None:
+        """Record every key that is not among `keys`."""
+        for key in self.data:
+            if key not in keys:
+                self.problem(f"unknown key {key!r}; the keys are {', '.join(sorted(keys))}")
+
+    def text(self, key: str, default: str | None) -> str:
+        """A string; `default` None: it must be there."""
+        value = self.data.get(key, default)
+        if isinstance(value, str):
+            return value
+        self.problem(f"{key} is missing" if value is None else f"{key} {value!r} is no string")
+        return ""
+
+    def integer(self, key: str, default: int) -> int:
+        """An integer."""
+        value = self.data.get(key, default)
+        if isinstance(value, int) and not isinstance(value, bool):
+            return value
+        self.problem(f"{key} {value!r} is no integer")
+        return default
+
+    def distance(self, key: str) -> int:
+        """An integer that is not negative; 0 if absent."""
+        value = self.integer(key, 0)
+        if value < 0:
+            self.problem(f"{key} {value} is negative")
+        return value
+
+    def flag(self, key: str) -> bool:
+        """A boolean; false if absent."""
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
+            self.problem(f"{key} {value!r} is neither true nor false")
+        return value is True
+
+    def identifier(self, key: str) -> int | str | None:
+        """A node id as the file writes it: an integer from 0 on, or a string."""
+        value = self.data.get(key)
+        if isinstance(value, str) or (
+            isinstance(value, int) and not isinstance(value, bool) and value >= 0
+        ):
+            return value
+        shown = f"{key} is missing" if value is None else f"{key} {value!r}"
+        self.problem(f"{shown}: an id is a string or an integer from 0 on")
+        return None
+
+    def reference(self, key: str, numbers: Mapping[int | str, int]) -> int:
+        """Number of the node that this id names."""
+        value = self.identifier(key)
+        if value is None:
+            return -1
+        if value not in numbers:
+            self.problem(f"{key} {value} is no node")
+            return -1
+        return numbers[value]
+
+    def choice(self, key: str, choices: Mapping[str, T], default: T) -> T:
+        """One of the named choices; `default` if absent."""
+        value = self.data.get(key)
+        if value is None:
+            return default
+        if isinstance(value, str) and value in choices:
+            return choices[value]
+        self.problem(f"{key} {value!r} is not one of {', '.join(choices)}")
+        return default
+
+    def port(self, key: str, names: Mapping[str, int]) -> int | None:
+        """A port number from 0 on, or a named port; None if absent."""
+        value = self.data.get(key)
+        if value is None:
+            return None
+        if isinstance(value, str) and value in names:
+            return names[value]
+        if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
+            return value
+        self.problem(f"{key} {value!r} is neither a port number nor {' nor '.join(names)}")
+        return None
+
+
+def fields_of(data: Mapping[str, object], key: str, problems: list[str]) -> list[Fields]:
+    """The objects of the array `key`."""
+    entries = data.get(key)
+    if not isinstance(entries, list):
+        problems.append(f"{key} is missing" if entries is None else f"{key} is no array")
+        return []
+    found: list[Fields] = []
+    for index, entry in enumerate(entries):
+        place = f"{key}[{index}]"
+        if isinstance(entry, dict):
+            found.append(Fields(entry, place, problems))
+        else:
+            problems.append(f"{place}: {entry!r} is no object")
+    return found
+
+
+def parse_loc(text: str) -> SourceLoc | None:
+    """The source line written `file:line`, or None if the text is none."""
+    file, colon, line = text.rpartition(":")
+    return SourceLoc(file, int(line)) if colon and line.isdecimal() else None
+
+
+def raise_problems(file: str, problems: list[str]) -> None:
+    """Raise one `DFGError` that lists all problems, if there are any."""
+    if not problems:
+        return
+    shown = problems[:_SHOWN]
+    if len(problems) > len(shown):
+        shown.append(f"and {len(problems) - len(shown)} more")
+    raise DFGError("\n    ".join(shown), loc=file)
+
+
+_SHOWN = 20

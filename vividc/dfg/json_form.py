@@ -1,0 +1,223 @@
+"""The JSON form of a DFG, and the reading of foreign graphs in the same shape.
+
+``{"name", "nodes": [{"id", "op"}], "edges": [{"src", "dst", "distance", "operand"?, "kind"?}]}``
+
+With ``"schema": "vividc.dfg/1"`` the operations are our own (`Opcode` values) and the graph is
+complete: nodes also have ``const``, ``name``, ``shift``, ``offset``, ``control``, ``unless_exit``
+and ``loc``, edges ``init``. Without it the graph is foreign and its names are read as
+`vividc.dfg.foreign` says; ids may be strings, which are numbered in file order. ``operand`` is a
+port number, ``"pred"`` or ``"base"``; ``kind`` is ``"data"``, ``"order"`` or ``"control"``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from vividc.dfg.foreign import ForeignEdge, foreign_edges, foreign_node
+from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
+from vividc.dfg.json_fields import Fields, fields_of, parse_loc, raise_problems
+from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
+from vividc.errors import DFGError
+
+SCHEMA: Final = "vividc.dfg/1"
+_PORT_NAMES: Final = {"pred": PRED, "base": BASE}
+_NODE_KEYS: Final = frozenset(
+    {"id", "op", "const", "name", "shift", "offset", "control", "unless_exit", "loc"}
+)
+_EDGE_KEYS: Final = frozenset({"src", "dst", "distance", "operand", "kind", "init"})
+
+
+def to_json(dfg: DFG) -> dict[str, object]:
+    """The complete JSON object of `dfg`; `from_json` gives an equal graph."""
+    return {
+        "schema": SCHEMA,
+        "name": dfg.name,
+        "nodes": [_node_to_json(node) for node in dfg.nodes],
+        "edges": [_edge_to_json(edge) for edge in dfg.edges],
+    }
+
+
+def from_json(data: object, *, file: str = "<json>") -> DFG:
+    """The graph in a JSON object.
+
+    Parameters
+    ----------
+    data
+        What `json.loads` returned.
+    file
+        Named in errors.
+
+    Raises
+    ------
+    DFGError
+        A key is missing or has the wrong type, an id is used twice or not at all, a distance is
+        negative, or our own form has a key or operation that is unknown. All problems are reported
+        at once.
+    """
+    if not isinstance(data, dict):
+        raise DFGError(f"expected an object with nodes and edges, not {_kind(data)}", loc=file)
+    problems: list[str] = []
+    top = Fields(data, "", problems)
+    name = top.text("name", file)
+    nodes = fields_of(data, "nodes", problems)
+    edges = fields_of(data, "edges", problems)
+    numbers = _numbers(nodes, problems, repeated=_is_published(data))
+    schema = data.get("schema")
+    if schema not in (None, SCHEMA):
+        problems.append(f'schema {schema!r} is unknown; it is "{SCHEMA}" or absent')
+    raise_problems(file, problems)
+    own = schema == SCHEMA
+    dfg = _own(name, nodes, edges, numbers) if own else _foreign(name, nodes, edges, numbers)
+    raise_problems(file, problems)
+    return dfg
+
+
+def original_ids(data: Mapping[str, object]) -> dict[int, int | str]:
+    """Id in the file of each node id that `from_json` gave."""
+    numbers = _numbers(fields_of(data, "nodes", []), [], repeated=True)
+    return {number: node_id for node_id, number in numbers.items()}
+
+
+def _node_to_json(node: Node) -> dict[str, object]:
+    entry: dict[str, object] = {"id": node.id, "op": node.op.value}
+    optional: dict[str, object] = {
+        "const": node.const,
+        "name": node.name or None,
+        "shift": node.shift or None,
+        "offset": node.offset or None,
+        "control": node.control.value if node.control is not None else None,
+        "unless_exit": node.unless_exit or None,
+        "loc": str(node.loc) if node.loc is not None else None,
+    }
+    return entry | {key: value for key, value in optional.items() if value is not None}
+
+
+def _edge_to_json(edge: Edge) -> dict[str, object]:
+    entry: dict[str, object] = {"src": edge.src, "dst": edge.dst, "distance": edge.distance}
+    if edge.is_data:
+        names = {port: name for name, port in _PORT_NAMES.items()}
+        entry["operand"] = names.get(edge.port, edge.port)
+    else:
+        entry["kind"] = edge.kind.value
+    if edge.init is not None:
+        entry["init"] = edge.init
+    return entry
+
+
+def _is_published(data: Mapping[str, object]) -> bool:
+    """A graph converted from another tool's collection: those files use some ids twice."""
+    return "schema" not in data and isinstance(data.get("source"), str)
+
+
+def _numbers(nodes: list[Fields], problems: list[str], *, repeated: bool) -> dict[int | str, int]:
+    """Number of each id in the file: the id itself if all are integers, else its place."""
+    ids = [node.identifier("id") for node in nodes]
+    seen: set[int | str] = set()
+    for node_id in ids:
+        if node_id in seen and not repeated:
+            problems.append(f"two nodes have id {node_id}")
+        elif node_id is not None:
+            seen.add(node_id)
+    integers = all(isinstance(node_id, int) for node_id in ids)
+    numbers: dict[int | str, int] = {}
+    for place, node_id in enumerate(ids):
+        if node_id is not None:
+            numbers.setdefault(node_id, node_id if integers and isinstance(node_id, int) else place)
+    return numbers
+
+
+def _own(
+    name: str, nodes: list[Fields], edges: list[Fields], numbers: Mapping[int | str, int]
+) -> DFG:
+    return DFG(
+        name,
+        tuple(_own_node(fields, numbers) for fields in nodes),
+        tuple(_own_edge(fields, numbers) for fields in edges),
+    )
+
+
+def _own_node(fields: Fields, numbers: Mapping[int | str, int]) -> Node:
+    fields.only(_NODE_KEYS)
+    marks: dict[str, Control | None] = {mark.value: mark for mark in Control}
+    loc = fields.text("loc", "")
+    if "op" not in fields.data:
+        fields.problem("op is missing")
+    return Node(
+        id=fields.reference("id", numbers),
+        op=fields.choice("op", {op.value: op for op in Opcode}, Opcode.GENERIC),
+        const=fields.integer("const", 0) if "const" in fields.data else None,
+        name=fields.text("name", ""),
+        shift=fields.integer("shift", 0),
+        offset=fields.integer("offset", 0),
+        control=fields.choice("control", marks, None),
+        unless_exit=fields.flag("unless_exit"),
+        loc=parse_loc(loc) if loc else None,
+    )
+
+
+def _own_edge(fields: Fields, numbers: Mapping[int | str, int]) -> Edge:
+    fields.only(_EDGE_KEYS)
+    kind = _edge_kind(fields)
+    port = fields.port("operand", _PORT_NAMES)
+    if port is None and kind is EdgeKind.DATA:
+        fields.problem("operand is missing")
+    return Edge(
+        src=fields.reference("src", numbers),
+        dst=fields.reference("dst", numbers),
+        port=port if port is not None and kind is EdgeKind.DATA else ORDER,
+        distance=fields.distance("distance"),
+        init=fields.reference("init", numbers) if "init" in fields.data else None,
+        kind=kind,
+    )
+
+
+def _foreign(
+    name: str, nodes: list[Fields], edges: list[Fields], numbers: Mapping[int | str, int]
+) -> DFG:
+    found = [
+        ForeignEdge(
+            src=fields.reference("src", numbers),
+            dst=fields.reference("dst", numbers),
+            distance=fields.distance("distance"),
+            operand=_foreign_port(fields),
+            order=_edge_kind(fields) is not EdgeKind.DATA,
+        )
+        for fields in edges
+    ]
+    fed = {edge.dst for edge in found}
+    made: dict[int, Node] = {}
+    for fields in nodes:
+        node = _foreign_node(fields, numbers, fed)
+        # Entries with one id are one node, as no edge tells them apart; it can do what each needs.
+        if node.id not in made or node.is_memory:
+            made[node.id] = node
+    return DFG(name, tuple(made.values()), foreign_edges(found))
+
+
+def _foreign_node(fields: Fields, numbers: Mapping[int | str, int], fed: set[int]) -> Node:
+    number = fields.reference("id", numbers)
+    word = fields.data.get("const")
+    return foreign_node(
+        number,
+        fields.text("op", None),
+        str(fields.data.get("id")),
+        str(word) if isinstance(word, str | int | float) else None,
+        has_inputs=number in fed,
+    )
+
+
+def _foreign_port(fields: Fields) -> int | None:
+    port = fields.port("operand", _PORT_NAMES)
+    if port is None or fields.data.get("operand") in _PORT_NAMES or port < PRED:
+        return port
+    return port + len(_PORT_NAMES)  # operands past the third lie behind the named ports
+
+
+def _edge_kind(fields: Fields) -> EdgeKind:
+    kinds = {kind.value: kind for kind in EdgeKind}
+    return fields.choice("kind", kinds, EdgeKind.DATA)
+
+
+def _kind(value: object) -> str:
+    return "an array" if isinstance(value, list) else f"{value!r}"

@@ -1,0 +1,100 @@
+"""Dominators and natural loops of a kernel's control-flow graph."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import networkx as nx
+
+from vividc.dfg.cfg import Block, Function
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A natural loop: the blocks that reach a back edge to `header` without leaving through it.
+
+    `exits` are its edges (exiting block, target outside), in block order.
+    """
+
+    header: str
+    blocks: frozenset[str]
+    latches: tuple[str, ...]
+    exits: tuple[tuple[str, str], ...]
+
+
+def block_graph(function: Function) -> nx.DiGraph[str]:
+    """Control flow between the blocks that can be reached from the entry."""
+    by_name = {block.name: block for block in function.blocks}
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    work = [function.blocks[0].name]
+    graph.add_node(work[0])
+    while work:
+        name = work.pop()
+        for target in by_name[name].branch.successors:
+            if target not in graph:
+                work.append(target)
+            graph.add_edge(name, target)
+    return graph
+
+
+def dominators(graph: nx.DiGraph[str], entry: str) -> dict[str, frozenset[str]]:
+    """The blocks that dominate each block, itself included."""
+    idom = nx.immediate_dominators(graph, entry)
+    result: dict[str, frozenset[str]] = {}
+
+    def chain(name: str) -> frozenset[str]:
+        seen = [name]
+        while seen[-1] != entry:
+            seen.append(idom[seen[-1]])
+        return frozenset(seen)
+
+    for name in graph.nodes:
+        result[name] = chain(name)
+    return result
+
+
+def find_loops(function: Function) -> tuple[Loop, ...]:
+    """All natural loops, innermost first (fewest blocks), then in block order."""
+    graph = block_graph(function)
+    dom = dominators(graph, function.blocks[0].name)
+    latches: dict[str, list[str]] = {}
+    for source, target in graph.edges:
+        if target in dom[source]:
+            latches.setdefault(target, []).append(source)
+    order = {block.name: index for index, block in enumerate(function.blocks)}
+    loops = [
+        _loop(function.blocks, graph, header, sorted(latches[header], key=order.__getitem__))
+        for header in sorted(latches, key=order.__getitem__)
+    ]
+    return tuple(sorted(loops, key=lambda loop: (len(loop.blocks), order[loop.header])))
+
+
+def innermost(loops: Iterable[Loop]) -> tuple[Loop, ...]:
+    """The loops that contain no other loop."""
+    every = tuple(loops)
+    return tuple(
+        loop
+        for loop in every
+        if not any(other is not loop and other.header in loop.blocks for other in every)
+    )
+
+
+def _loop(
+    blocks: tuple[Block, ...], graph: nx.DiGraph[str], header: str, latches: list[str]
+) -> Loop:
+    body = {header}
+    work = [latch for latch in latches if latch != header]
+    while work:
+        name = work.pop()
+        if name not in body:
+            body.add(name)
+            work.extend(graph.predecessors(name))
+    exits = tuple(
+        (block.name, target)
+        for block in blocks
+        if block.name in body
+        for target in dict.fromkeys(block.branch.successors)
+        if target not in body
+    )
+    return Loop(header, frozenset(body), tuple(latches), exits)

@@ -1,0 +1,63 @@
+"""Which accesses of one region may meet in memory, and over how many iterations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from vividc.dfg.graph_builder import GraphBuilder, Operand
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """One load or store. `base` and `index` identify the address parts that are equal by construction.
+
+    `stride_bytes` None: the address is not affine in the iteration index; it may be any address of the array.
+    """
+
+    node: Operand
+    array: str
+    is_store: bool
+    base: object
+    index: object
+    offset: int
+    stride_bytes: int | None
+
+
+def order_accesses(builder: GraphBuilder, accesses: list[Access], *, in_loop: bool) -> None:
+    """Adds ORDER edges between accesses (in program order) that may touch the same word, at least one a store.
+
+    Arrays passed as different arguments do not overlap. Affine accesses get their exact distance; others
+    are kept in program order within an iteration and from each iteration to the next.
+    """
+    for position, first in enumerate(accesses):
+        for second in accesses[position:]:
+            if first.array != second.array or not (first.is_store or second.is_store):
+                continue
+            for before, after, distance in _dependences(first, second, in_loop):
+                builder.order(before.node, after.node, distance)
+
+
+def _dependences(
+    first: Access, second: Access, in_loop: bool
+) -> Iterator[tuple[Access, Access, int]]:
+    same = first is second
+    affine = (
+        first.stride_bytes is not None
+        and first.stride_bytes == second.stride_bytes
+        and first.base == second.base
+        and first.index == second.index
+    )
+    gap = second.offset - first.offset
+    if affine and first.stride_bytes:
+        if gap % first.stride_bytes == 0 and not same:
+            ahead = gap // first.stride_bytes
+            # `second` touches now what `first` touches `ahead` iterations later.
+            yield (first, second, -ahead) if ahead <= 0 else (second, first, ahead)
+        return
+    if affine and gap != 0:
+        return
+    if not same:
+        yield first, second, 0
+    if in_loop:
+        yield second, first, 1

@@ -1,0 +1,164 @@
+"""The opcode table: name, arity, types and latency class of every operation; semantics are beside it.
+
+Values are 32-bit words. A predicate is a word that is 0 or 1. Operand ports are numbered 0, 1, 2;
+`PRED`, `BASE` and `ORDER` are the ports of predication, of a memory base address, and of an edge that
+carries no value. An operation whose predicate is 0 passes its last data operand through
+(`fma a, b, c` gives `c`); a store or load whose predicate is 0 does not access memory (a load gives 0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+PRED: Final = 3
+BASE: Final = 4
+ORDER: Final = -1
+
+
+class Type(Enum):
+    """What the bits of a word mean to an operation."""
+
+    I32 = "i32"
+    F32 = "f32"
+    PRED = "pred"
+    ANY = "any"
+    NONE = "none"
+
+
+class LatencyClass(Enum):
+    """Operations that share a latency; a fabric gives the cycles of each class."""
+
+    SOURCE = "source"  # not executed: constant, live-in, induction value
+    SINK = "sink"  # not executed by the FU: live-out
+    INT = "int"
+    IMUL = "imul"
+    COMPARE = "compare"
+    SELECT = "select"
+    FADD = "fadd"
+    FMUL = "fmul"
+    FMA = "fma"
+    CONVERT = "convert"
+    LOAD = "load"
+    STORE = "store"
+    GENERIC = "generic"  # an operation of a foreign DFG, known by its name only
+
+
+class Opcode(Enum):
+    """Every operation of the IR; the value is its name in text, JSON and DOT."""
+
+    CONST = "const"
+    LIVE_IN = "live_in"
+    IV = "iv"
+    LIVE_OUT = "live_out"
+    MOV = "mov"
+    ADD = "add"
+    SUB = "sub"
+    MUL = "mul"
+    AND = "and"
+    OR = "or"
+    XOR = "xor"
+    SHL = "shl"
+    LSHR = "lshr"
+    ASHR = "ashr"
+    SMIN = "smin"
+    SMAX = "smax"
+    ICMP_EQ = "icmp.eq"
+    ICMP_NE = "icmp.ne"
+    ICMP_SLT = "icmp.slt"
+    ICMP_SLE = "icmp.sle"
+    ICMP_ULT = "icmp.ult"
+    ICMP_ULE = "icmp.ule"
+    SELECT = "select"
+    FADD = "fadd"
+    FSUB = "fsub"
+    FMUL = "fmul"
+    FMA = "fma"
+    FNEG = "fneg"
+    FABS = "fabs"
+    FMIN = "fmin"
+    FMAX = "fmax"
+    FCMP_OEQ = "fcmp.oeq"
+    FCMP_UNE = "fcmp.une"
+    FCMP_OLT = "fcmp.olt"
+    FCMP_OLE = "fcmp.ole"
+    FCMP_ULT = "fcmp.ult"
+    FCMP_ULE = "fcmp.ule"
+    FCMP_ONE = "fcmp.one"
+    FCMP_UEQ = "fcmp.ueq"
+    FCMP_ORD = "fcmp.ord"
+    FCMP_UNO = "fcmp.uno"
+    SITOFP = "sitofp"
+    UITOFP = "uitofp"
+    FPTOSI = "fptosi"
+    LOAD = "load"
+    STORE = "store"
+    GENERIC = "generic"
+    EXP = "exp"  # only before `expand_math`: no FU has it
+
+
+@dataclass(frozen=True, slots=True)
+class OpInfo:
+    """The contract of one opcode. `operands` are the types of ports 0, 1, ...; `commutes`: 0 and 1 may swap."""
+
+    opcode: Opcode
+    operands: tuple[Type, ...]
+    result: Type
+    latency_class: LatencyClass
+    commutes: bool = False
+
+    @property
+    def arity(self) -> int:
+        """Number of data operands."""
+        return len(self.operands)
+
+
+def _table() -> dict[Opcode, OpInfo]:
+    i, f, p, x, none = Type.I32, Type.F32, Type.PRED, Type.ANY, Type.NONE
+    lat = LatencyClass
+    rows: list[OpInfo] = []
+
+    def row(
+        ops: tuple[Opcode, ...],
+        operands: tuple[Type, ...],
+        result: Type,
+        latency_class: LatencyClass,
+        *,
+        commutes: bool = False,
+    ) -> None:
+        rows.extend(OpInfo(op, operands, result, latency_class, commutes) for op in ops)
+
+    o = Opcode
+    row((o.CONST, o.LIVE_IN), (), x, lat.SOURCE)
+    row((o.IV,), (), i, lat.SOURCE)
+    row((o.LIVE_OUT,), (x,), none, lat.SINK)
+    row((o.MOV,), (x,), x, lat.INT)
+    row((o.ADD, o.AND, o.OR, o.XOR), (i, i), i, lat.INT, commutes=True)
+    row((o.SMIN, o.SMAX), (i, i), i, lat.INT, commutes=True)
+    row((o.SUB, o.SHL, o.LSHR, o.ASHR), (i, i), i, lat.INT)
+    row((o.MUL,), (i, i), i, lat.IMUL, commutes=True)
+    row((o.ICMP_EQ, o.ICMP_NE), (i, i), p, lat.COMPARE, commutes=True)
+    row((o.ICMP_SLT, o.ICMP_SLE, o.ICMP_ULT, o.ICMP_ULE), (i, i), p, lat.COMPARE)
+    row((o.SELECT,), (p, x, x), x, lat.SELECT)
+    row((o.FADD,), (f, f), f, lat.FADD, commutes=True)
+    row((o.FSUB,), (f, f), f, lat.FADD)
+    row((o.FMUL,), (f, f), f, lat.FMUL, commutes=True)
+    row((o.FMA,), (f, f, f), f, lat.FMA, commutes=True)
+    row((o.FNEG, o.FABS), (f,), f, lat.INT)
+    row((o.FMIN, o.FMAX), (f, f), f, lat.COMPARE)
+    symmetric = (o.FCMP_OEQ, o.FCMP_UNE, o.FCMP_ONE, o.FCMP_UEQ, o.FCMP_ORD, o.FCMP_UNO)
+    row(symmetric, (f, f), p, lat.COMPARE, commutes=True)
+    row((o.FCMP_OLT, o.FCMP_OLE, o.FCMP_ULT, o.FCMP_ULE), (f, f), p, lat.COMPARE)
+    row((o.SITOFP, o.UITOFP), (i,), f, lat.CONVERT)
+    row((o.FPTOSI,), (f,), i, lat.CONVERT)
+    row((o.LOAD,), (i,), x, lat.LOAD)
+    row((o.STORE,), (i, x), none, lat.STORE)
+    row((o.GENERIC,), (), x, lat.GENERIC)
+    row((o.EXP,), (f,), f, lat.GENERIC)
+    return {info.opcode: info for info in rows}
+
+
+OPCODES: Final[dict[Opcode, OpInfo]] = _table()
+MEMORY: Final = frozenset({Opcode.LOAD, Opcode.STORE})
+SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.IV})

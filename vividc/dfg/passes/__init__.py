@@ -1,0 +1,30 @@
+"""Passes from DFG to DFG; each returns the same object when nothing changes."""
+
+from vividc.dfg.passes.common_subexpressions import eliminate_common_subexpressions
+from vividc.dfg.passes.contract_fma import contract_fma
+from vividc.dfg.passes.dead_nodes import remove_dead_nodes
+from vividc.dfg.passes.expand_math import expand_math
+from vividc.dfg.passes.fold_constants import fold_constants
+from vividc.dfg.passes.fold_selects import fold_selects
+from vividc.dfg.passes.min_max import recognize_min_max
+
+PASSES = (
+    fold_constants,
+    recognize_min_max,
+    expand_math,
+    eliminate_common_subexpressions,
+    contract_fma,
+    fold_selects,
+    remove_dead_nodes,
+)
+
+__all__ = [
+    "PASSES",
+    "contract_fma",
+    "eliminate_common_subexpressions",
+    "expand_math",
+    "fold_constants",
+    "fold_selects",
+    "recognize_min_max",
+    "remove_dead_nodes",
+]

@@ -1,0 +1,68 @@
+"""The default pass pipeline over every region's DFG."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from vividc.dfg.check import check
+from vividc.dfg.ir import DFG
+from vividc.dfg.passes import (
+    contract_fma,
+    eliminate_common_subexpressions,
+    expand_math,
+    fold_constants,
+    fold_selects,
+    recognize_min_max,
+    remove_dead_nodes,
+)
+from vividc.dfg.regions import Kernel
+from vividc.errors import InternalError
+
+Pass = Callable[[DFG], DFG]
+
+
+@dataclass(frozen=True, slots=True)
+class PassOptions:
+    """Switches of the pipeline. `contract`: fuse multiply and add (changes rounding, as hardware FMAs do)."""
+
+    contract: bool = True
+
+
+def pipeline(options: PassOptions) -> tuple[Pass, ...]:
+    """The passes in order."""
+    passes: list[Pass] = [
+        fold_constants,
+        # Before selects are folded: a select of a comparison of its own arms is a minimum.
+        recognize_min_max,
+        expand_math,
+        eliminate_common_subexpressions,
+    ]
+    if options.contract:
+        passes.append(contract_fma)
+    # After contraction: a select whose arm is an accumulating FMA becomes a predicated FMA.
+    passes += [fold_selects, fold_constants, eliminate_common_subexpressions, remove_dead_nodes]
+    return tuple(passes)
+
+
+def optimize(dfg: DFG, options: PassOptions | None = None) -> DFG:
+    """Runs the pipeline and checks the graph after each pass.
+
+    Raises
+    ------
+    InternalError
+        If a pass breaks an invariant of the IR.
+    """
+    for step in pipeline(options or PassOptions()):
+        dfg = step(dfg)
+        broken = check(dfg)
+        if broken:
+            name = getattr(step, "__name__", "pass")
+            raise InternalError(f"{name} broke region {dfg.name}: {'; '.join(broken)}")
+    return dfg
+
+
+def optimize_kernel(kernel: Kernel, options: PassOptions | None = None) -> Kernel:
+    """Runs the pipeline over every region."""
+    regions = (replace(region, dfg=optimize(region.dfg, options)) for region in kernel.regions)
+    return replace(kernel, regions=tuple(regions))

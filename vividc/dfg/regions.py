@@ -1,0 +1,59 @@
+"""The kernel as regions under the tile controller: what the mapper maps one by one, and what runs in which order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from vividc.dfg.cfg import DType, Param
+from vividc.dfg.ir import DFG
+from vividc.errors import SourceLoc
+
+RETURN_VARIABLE = "%return"
+
+
+@dataclass(frozen=True)
+class Region:
+    """A basic (straight) region, or an innermost loop.
+
+    Attributes
+    ----------
+    counted
+        Loop: the controller issues as many iterations as the trip register says (none if it is negative).
+        A loop that is not counted, and a counted one that may break, has a node marked `Control.EXIT`.
+    next
+        Index of the region that runs next; None: the program ends.
+    branch
+        Straight: index of the region that runs next if the node marked `Control.BRANCH` gives 1.
+    """
+
+    name: str
+    kind: Literal["loop", "straight"]
+    dfg: DFG
+    next: int | None = None
+    branch: int | None = None
+    counted: bool = False
+    loc: SourceLoc | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """Regions in table order; region 0 runs first.
+
+    A `live_in` node names an input the host supplies (see `cfg.Input.key`) or a variable. Variables start
+    with "%", are written by `live_out` nodes of that name and keep their word until written again.
+    A returned scalar is the variable `RETURN_VARIABLE` when the program ends.
+    Within a region, every read of a variable sees the word from before the region (a straight region's writes
+    take effect after its reads; a loop never reads a variable that it writes).
+    """
+
+    name: str
+    params: tuple[Param, ...]
+    regions: tuple[Region, ...]
+    returns: DType | None = None
+    file: str = ""
+
+
+def is_variable(name: str) -> bool:
+    """Whether a live-in name is a variable of the kernel and not an input from the host."""
+    return name.startswith("%")

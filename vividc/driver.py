@@ -1,0 +1,183 @@
+"""Compiles a kernel: frontend, regions, passes, mapping of every region, configuration words."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from vividc import arch
+from vividc.arch.fabric import Fabric
+from vividc.delivery import deliver, residents, variable_homes
+from vividc.dfg.build import build_kernel
+from vividc.dfg.ir import DFG
+from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.regions import Kernel, Region
+from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning
+from vividc.frontend import KernelFunction
+from vividc.mapper import MapProblem, MapResult, map_dfg
+from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.straight_bounds import straight_lower_bound
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.verify import violations
+from vividc.program import Program, encode
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class CompileOptions:
+    """How a kernel is compiled. `time_limit_s` is for all its regions together."""
+
+    mapper: str = "auto"
+    time_limit_s: float = 60.0
+    strict_fp: bool = False
+    contract: bool = True
+    progress: Progress | None = None
+
+
+def compile(  # noqa: A001 - the public contract's name
+    kernel: KernelFunction,
+    fabric: str | Fabric = "vivid-tile",
+    mapper: str = "auto",
+    time_limit_s: float = 60.0,
+    *,
+    strict_fp: bool = False,
+    contract: bool = True,
+    progress: Progress | None = None,
+) -> Program:
+    """Compiles `kernel` for one tile.
+
+    Parameters
+    ----------
+    fabric
+        A fabric, a preset's name, or a YAML file.
+    time_limit_s
+        Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
+    strict_fp
+        Refuse float64 arithmetic instead of running it in float32 with a warning.
+    contract
+        Fuse multiplications and additions into FMAs.
+    progress
+        Called with one line for each step.
+
+    Raises
+    ------
+    KernelError, ArchError, MappingFailed, TimeLimit
+    """
+    machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    options = CompileOptions(mapper, time_limit_s, strict_fp, contract, progress)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", VividcWarning)
+        lowered = lower(kernel, strict_fp=strict_fp, contract=contract)
+    for warning in caught:
+        warnings.warn_explicit(
+            warning.message, warning.category, warning.filename, warning.lineno
+        )
+    mapped, results = map_kernel(lowered, machine, options)
+    return encode(
+        mapped,
+        machine,
+        {index: _mapping(result) for index, result in results.items()},
+        reports=results,
+        options={"mapper": mapper, "strict_fp": strict_fp, "contract": contract},
+        warnings=[str(w.message) for w in caught if issubclass(w.category, VividcWarning)],
+    )
+
+
+def lower(kernel: KernelFunction, *, strict_fp: bool = False, contract: bool = True) -> Kernel:
+    """The kernel's regions with optimised graphs, before mapping."""
+    function = kernel.lower(strict_fp=strict_fp)
+    return optimize_kernel(build_kernel(function), PassOptions(contract))
+
+
+def map_kernel(
+    kernel: Kernel, fabric: Fabric, options: CompileOptions
+) -> tuple[Kernel, dict[int, MapResult]]:
+    """Maps all regions: loops first, then straight regions around them.
+
+    Returns
+    -------
+    The kernel whose straight regions hold their deliveries, and the result of each region by index.
+    """
+    results = _map_loops(kernel, fabric, options)
+    loops = {index: _mapping(result) for index, result in results.items()}
+    homes = variable_homes(kernel, fabric, loops)
+    done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
+    regions = list(kernel.regions)
+    for index, region in enumerate(kernel.regions):
+        if region.kind == "loop":
+            continue
+        ready = deliver(region, homes)
+        problem = MapProblem(ready.dfg, fabric, ready.allowed, residents(fabric, done))
+        results[index] = _map_straight(problem, options)
+        regions[index] = replace(region, dfg=ready.dfg)
+        done.append((ready.dfg, _mapping(results[index])))
+    return replace(kernel, regions=tuple(regions)), results
+
+
+def _map_loops(kernel: Kernel, fabric: Fabric, options: CompileOptions) -> dict[int, MapResult]:
+    loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
+    deadline = time.monotonic() + options.time_limit_s
+    results: dict[int, MapResult] = {}
+    done: list[tuple[DFG, Mapping]] = []
+    for number, (index, region) in enumerate(loops):
+        share = (deadline - time.monotonic()) / (len(loops) - number)
+        result = map_dfg(
+            region.dfg,
+            fabric,
+            mapper=options.mapper,
+            time_limit_s=max(share, 1.0),
+            resident=residents(fabric, done),
+            progress=_prefixed(options.progress, region),
+        )
+        _demand(result, region)
+        results[index] = result
+        done.append((region.dfg, _mapping(result)))
+    return results
+
+
+def _map_straight(problem: MapProblem, options: CompileOptions) -> MapResult:
+    start = time.monotonic()
+    mapping = list_schedule(problem)
+    found = violations(
+        problem.dfg,
+        problem.fabric,
+        mapping,
+        allowed=problem.allowed,
+        resident=problem.resident,
+        straight=True,
+    )
+    if found:
+        raise InternalError(f"list schedule of {problem.dfg.name}: {found[0].message}")
+    bound = straight_lower_bound(problem)
+    wall_s = time.monotonic() - start
+    if options.progress is not None:
+        options.progress(f"{problem.dfg.name}: {mapping.ii} cycles")
+    status = "optimal" if mapping.ii <= bound.ii else "feasible"
+    return MapResult(status, mapping.ii, bound.ii, (bound,), mapping, "list", wall_s)
+
+
+def _demand(result: MapResult, region: Region) -> None:
+    if result.mapping is not None:
+        return
+    if result.status == "infeasible":
+        raise MappingFailed(f"{region.name} cannot be mapped: {result.explain()}", loc=region.loc)
+    raise TimeLimit(
+        f"{region.name} was not mapped in time: {result.explain()}",
+        loc=region.loc,
+        hint="give a longer --time-limit, or a larger fabric",
+    )
+
+
+def _mapping(result: MapResult) -> Mapping:
+    if result.mapping is None:
+        raise InternalError("a region without a mapping was passed on")
+    return result.mapping
+
+
+def _prefixed(progress: Progress | None, region: Region) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda text: progress(f"{region.name}: {text}")

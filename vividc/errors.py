@@ -1,0 +1,111 @@
+"""Every error vividc raises on purpose; the user's mistakes and our own bugs are told apart here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class SourceLoc:
+    """A line of the user's source. `line` counts from 1; columns are not known to numba."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+class VividcError(Exception):
+    """Root of all errors that a user can cause; shown as one message, never as a traceback.
+
+    Parameters
+    ----------
+    reason
+        What is wrong, in one sentence without a final dot.
+    loc
+        The source line, or a string that names the option or the file.
+    hint
+        A way out.
+    """
+
+    exit_code = 2
+
+    def __init__(
+        self, reason: str, *, loc: SourceLoc | str | None = None, hint: str | None = None
+    ) -> None:
+        self.reason = reason
+        self.loc = loc
+        self.hint = hint
+        super().__init__(self._message())
+
+    def _message(self) -> str:
+        head = self.reason if self.loc is None else f"{self.loc}: {self.reason}"
+        lines = [head]
+        if isinstance(self.loc, SourceLoc):
+            text = _source_line(self.loc)
+            if text:
+                lines.append(f"    {text}")
+        if self.hint:
+            lines.append(f"hint: {self.hint}")
+        return "\n".join(lines)
+
+
+class KernelError(VividcError):
+    """The kernel uses something that cannot be compiled."""
+
+
+class ArgumentError(VividcError):
+    """The arguments of a run do not fit the kernel's signature or the machine."""
+
+
+class DFGError(VividcError):
+    """A dataflow graph is malformed or could not be read."""
+
+
+class ArchError(VividcError):
+    """A fabric description is malformed or unknown."""
+
+
+class BundleError(VividcError):
+    """A `.vivid` file is missing, truncated, or of another version."""
+
+
+class MappingFailed(VividcError):
+    """A region has no mapping: proved infeasible (exit code 3)."""
+
+    exit_code = 3
+
+
+class TimeLimit(VividcError):
+    """A region has no mapping within the time limit (exit code 4)."""
+
+    exit_code = 4
+
+
+class SimulationError(VividcError):
+    """The program did something that the machine forbids; it names PE and cycle."""
+
+
+class VividcWarning(UserWarning):
+    """The kernel compiles, but may compute something else than was written."""
+
+
+class InternalError(Exception):
+    """A bug of vividc: the message says how to report it."""
+
+    exit_code = 1
+
+    def __init__(self, what: str) -> None:
+        super().__init__(f"{what}\nThis is a bug of vividc; please report it with the input.")
+
+
+def _source_line(loc: SourceLoc) -> str:
+    try:
+        with open(loc.file, encoding="utf-8") as source:
+            for number, text in enumerate(source, start=1):
+                if number == loc.line:
+                    return text.strip()
+    except (OSError, UnicodeDecodeError):
+        pass
+    return ""

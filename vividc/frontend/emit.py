@@ -1,0 +1,120 @@
+"""What the translations of integers and of floats share: numbering, operands, and the proof that a word suffices."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vividc.dfg.cfg import Const, Input, Instr, Ref, Value
+from vividc.dfg.opcodes import Opcode, Type
+from vividc.errors import InternalError, KernelError, SourceLoc
+from vividc.frontend.interval import S32, U32, Interval, contains
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.ssa import Float, Int, Local, Op, Operand, WideFunction, type_of
+
+# Free in words: the result is the operand (conversions to or from less than a word apart).
+ALIASES = frozenset({"sext", "zext", "trunc", "fpext", "fptrunc", "bitcast", "freeze"})
+_MASK = 0xFFFFFFFF
+
+
+def result_type(type_: str) -> Type:
+    """Type of the word that holds a value of an LLVM type."""
+    if type_ == "i1":
+        return Type.PRED
+    return Type.F32 if type_ in ("float", "double") else Type.I32
+
+
+def constant(operand: Int | Float) -> Const:
+    """The word of a constant; doubles are rounded to float32."""
+    if isinstance(operand, Int):
+        return Const(operand.value & _MASK)
+    with np.errstate(over="ignore"):
+        return Const(int(np.float32(operand.value).view(np.uint32)))
+
+
+class Emitter:
+    """Instructions of the current block."""
+
+    def __init__(self, function: WideFunction, ranges: Ranges, ids: dict[str, int]) -> None:
+        self.function = function
+        self.ids = ids
+        self.instrs: list[Instr] = []
+        self.demoted: list[SourceLoc | None] = []
+        self._ranges = ranges
+        self._block = ""
+        self._next = len(ids)
+
+    def start(self, block: str) -> None:
+        """Begin a block."""
+        self._block = block
+        self.instrs = []
+
+    def id_of(self, op: Op) -> int:
+        """Number of the instruction that yields `op`'s result."""
+        return self.ids[op.name] if op.name else self.fresh()
+
+    def fresh(self) -> int:
+        """A number for an instruction that LLVM has not."""
+        self._next += 1
+        return self._next - 1
+
+    def emit(self, op: Op, opcode: Opcode, operands: tuple[Value, ...]) -> Ref:
+        """The instruction that yields `op`'s result."""
+        kind = "i1" if op.op in ("icmp", "fcmp") else op.type
+        return self._append(self.id_of(op), opcode, result_type(kind), operands, op.loc)
+
+    def helper(
+        self, op: Op, opcode: Opcode, *operands: Value, type_: Type = Type.I32
+    ) -> Ref:
+        """An instruction on the way to `op`'s result."""
+        return self._append(self.fresh(), opcode, type_, operands, op.loc)
+
+    def value(self, operand: Operand) -> Value:
+        """The word that holds an operand."""
+        while isinstance(operand, Local) and operand.name not in self.ids:
+            definition = self.function.definitions.get(operand.name)
+            if definition is None:
+                return Input(operand.name)
+            assert isinstance(definition, Op)
+            operand = definition.args[0]
+        if isinstance(operand, Local):
+            return Ref(self.ids[operand.name])
+        if isinstance(operand, Int | Float):
+            return constant(operand)
+        raise InternalError(f"a global is used as a value: {operand.name}")
+
+    def range(self, operand: Operand) -> Interval:
+        """Values of an integer operand here."""
+        return self._ranges.at(operand, self._block)
+
+    def signed(self, *operands: Operand) -> bool:
+        """Whether sign-extending the words gives the values."""
+        return all(contains(S32, self.range(operand)) for operand in operands)
+
+    def unsigned(self, *operands: Operand) -> bool:
+        """Whether zero-extending the words gives the values."""
+        return all(contains(U32, self.range(operand)) for operand in operands)
+
+    def require_signed(
+        self, operand: Operand, loc: SourceLoc | None, what: str, hint: str
+    ) -> None:
+        """Refuse the kernel unless the value fits in a signed word."""
+        if not self.signed(operand):
+            raise KernelError(f"{what} may not fit in 32 bits{self._range_text(operand)}", loc=loc, hint=hint)
+
+    def _range_text(self, operand: Operand) -> str:
+        low, high = self.range(operand)
+        return f" (its range is {low} to {high})" if abs(low) < 2**62 and abs(high) < 2**62 else ""
+
+    def type_of(self, operand: Operand) -> str:
+        """LLVM type of a local ("" for a constant)."""
+        return type_of(self.function, operand)
+
+    def demote(self, op: Op) -> None:
+        """Note that `op` computes in float64 what will be computed in float32."""
+        self.demoted.append(op.loc)
+
+    def _append(
+        self, id_: int, opcode: Opcode, type_: Type, operands: tuple[Value, ...], loc: SourceLoc | None
+    ) -> Ref:
+        self.instrs.append(Instr(id_, opcode, type_, operands, loc=loc))
+        return Ref(id_)

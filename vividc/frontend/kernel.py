@@ -1,0 +1,170 @@
+"""`@kernel`: a Python function with a numba signature, which runs through numba and lowers for the array."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.core import sigutils, types
+from numba.core.typing import Signature
+
+from vividc.dfg.cfg import DType, Function, Param
+from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.lower import lower
+
+_DTYPES = {types.float32: DType.F32, types.int32: DType.I32, types.uint32: DType.U32}
+_SCALARS = _DTYPES | {types.int64: DType.I64, types.boolean: DType.BOOL}
+_MAX_NDIM = 3
+_SUPPORTED = (
+    "scalars are float32, int32, uint32, int64 or bool; arrays hold float32, int32 or uint32 "
+    "in C order, as in float32[::1] or int32[:, ::1]"
+)
+
+
+class KernelFunction:
+    """A kernel. Calling it runs it through numba; `lower` gives it to the compiler.
+
+    Attributes
+    ----------
+    py_func
+        The function as written.
+    name
+        Name of the kernel.
+    signature
+        Numba's signature.
+    params
+        Parameters in order.
+    file, line
+        Where it is defined.
+    """
+
+    def __init__(self, py_func: Callable[..., Any], signature: str, name: str | None) -> None:
+        functools.update_wrapper(self, py_func)
+        self.py_func = py_func
+        self.name = name or py_func.__name__
+        self.file = inspect.getsourcefile(py_func) or py_func.__code__.co_filename
+        self.line = py_func.__code__.co_firstlineno
+        self._args, self._return_type = _parse(signature, self.loc)
+        self.signature = Signature(self._return_type, self._args, None)
+        self.params = _params(py_func, self._args, self.loc)
+        self._lowered: dict[bool, Function] = {}
+
+    @property
+    def loc(self) -> SourceLoc:
+        """Where the kernel is defined."""
+        return SourceLoc(self.file, self.line)
+
+    def __repr__(self) -> str:
+        return f"<kernel {self.name} {self.signature}>"
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        """Run the kernel on the host, compiled by numba for exactly its signature."""
+        return self._host(*args, **kwargs)
+
+    @functools.cached_property
+    def _host(self) -> Callable[..., Any]:
+        signature = self._args if self._return_type is None else self.signature
+        jit = numba.njit(signature, error_model="numpy", fastmath=False, boundscheck=False)
+        compiled: Callable[..., Any] = jit(self.py_func)
+        return compiled
+
+    def lower(self, strict_fp: bool = False) -> Function:
+        """The kernel as SSA words, once per option.
+
+        Parameters
+        ----------
+        strict_fp
+            Refuse float64 arithmetic; else it runs in float32 with a warning for each line.
+
+        Raises
+        ------
+        KernelError
+            The kernel uses something that cannot be compiled.
+        """
+        if strict_fp not in self._lowered:
+            self._lowered[strict_fp] = lower(
+                self.py_func,
+                self.name,
+                self.params,
+                self._args,
+                self._return_type,
+                self.loc,
+                strict_fp=strict_fp,
+            )
+        return self._lowered[strict_fp]
+
+
+def kernel(
+    signature: str, *, name: str | None = None
+) -> Callable[[Callable[..., Any]], KernelFunction]:
+    """Mark a function as a kernel.
+
+    Parameters
+    ----------
+    signature
+        Numba's signature, such as "void(float32[::1], float32[::1], int32)".
+    name
+        Name of the kernel; the function's if None.
+
+    Raises
+    ------
+    KernelError
+        When applied: the signature is malformed, has types that no array can hold, or does not fit the
+        function's parameters.
+    """
+
+    def decorate(py_func: Callable[..., Any]) -> KernelFunction:
+        return KernelFunction(py_func, signature, name)
+
+    return decorate
+
+
+def _parse(signature: str, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
+    hint = 'write for example "void(float32[::1], int32)"'
+    if not isinstance(signature, str):
+        raise KernelError(f"the signature {signature!r} is not a string", loc=loc, hint=hint)
+    try:
+        parsed = sigutils.normalize_signature(signature)
+    except (SyntaxError, NameError, TypeError, AttributeError, ValueError, KeyError) as error:
+        reason = f"the signature {signature!r} cannot be read: {error}"
+        raise KernelError(reason, loc=loc, hint=hint) from error
+    args, return_type = parsed
+    return tuple(args), return_type
+
+
+def _params(
+    py_func: Callable[..., Any], args: tuple[Any, ...], loc: SourceLoc
+) -> tuple[Param, ...]:
+    declared = inspect.signature(py_func).parameters.values()
+    for parameter in declared:
+        if parameter.kind is not inspect.Parameter.POSITIONAL_OR_KEYWORD:
+            raise KernelError(
+                f"parameter {parameter.name} is not an ordinary one",
+                loc=loc,
+                hint="a kernel has positional parameters only",
+            )
+    if len(declared) != len(args):
+        raise KernelError(
+            f"the signature has {len(args)} parameters, the function {len(declared)}",
+            loc=loc,
+            hint="give one type for each parameter",
+        )
+    return tuple(_param(p.name, type_, loc) for p, type_ in zip(declared, args, strict=True))
+
+
+def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
+    if type_ in _SCALARS:
+        return Param(name, _SCALARS[type_])
+    if not isinstance(type_, types.Array) or type_.dtype not in _DTYPES:
+        reason = f"parameter {name} has type {type_}, which the array cannot hold"
+        raise KernelError(reason, loc=loc, hint=_SUPPORTED)
+    if type_.layout != "C":
+        reason = f"array {name} is not contiguous in C order ({type_})"
+        raise KernelError(reason, loc=loc, hint=_SUPPORTED)
+    if not 1 <= type_.ndim <= _MAX_NDIM:
+        reason = f"array {name} has {type_.ndim} dimensions"
+        raise KernelError(reason, loc=loc, hint="arrays have one to three dimensions")
+    return Param(name, _DTYPES[type_.dtype], type_.ndim)

@@ -1,0 +1,165 @@
+"""LLVM's part of the frontend: link numba's modules, inline everything into one function, clean it up.
+
+The only module that talks to llvmlite for reading IR. Numba's calling convention disappears by inlining the
+kernel into an entry function of our own, whose parameters are the words that the host supplies at launch.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+
+import llvmlite.binding as binding
+
+from vividc.dfg.cfg import DType, Param
+from vividc.errors import SourceLoc
+from vividc.frontend.numba_target import DATA_LAYOUT, NumbaModule
+
+ENTRY = "vividc.entry"
+MAX_DIM = 1 << 13  # words of a scratchpad: no array dimension of a runnable kernel is larger
+
+_ELEMENT = {DType.F32: "float", DType.I32: "i32", DType.U32: "i32"}
+_SCALAR = {DType.F32: "float", DType.I32: "i32", DType.U32: "i32", DType.I64: "i64", DType.BOOL: "i8"}
+# Returned types that no kernel can have are read all the same: the error then names the line.
+_RETURN = {"float32": "float", "float64": "double", "int32": "i32", "uint32": "i32", "bool": "i8"}
+_RETURN |= {"int64": "i64", "uint64": "i64"}
+_DECLARE = re.compile(r'^.*llvm\.dbg\.(declare|value).*\n', re.MULTILINE)
+
+
+def optimised_ir(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> str:
+    """Link, inline and optimise a kernel.
+
+    Parameters
+    ----------
+    module
+        What numba made of the kernel.
+    params
+        The kernel's parameters, in order.
+    loc
+        Where the kernel is defined.
+
+    Returns
+    -------
+    str
+        Text of a module whose function `ENTRY` holds the whole kernel.
+    """
+    text = _entry_text(module, params, loc)
+    linked = _parse(text)
+    for part in module.texts:
+        linked.link_in(_parse(_DECLARE.sub("", part)))
+    for function in linked.functions:
+        if not function.is_declaration and function.name != ENTRY:
+            function.linkage = "internal"
+            function.add_function_attribute("alwaysinline")
+    _optimise(linked)
+    return str(linked)
+
+
+def _parse(text: str) -> binding.ModuleRef:
+    _initialise()
+    module = binding.parse_assembly(text)
+    module.data_layout = DATA_LAYOUT
+    return module
+
+
+@functools.cache
+def _initialise() -> None:
+    binding.initialize_native_target()
+
+
+def _optimise(module: binding.ModuleRef) -> None:
+    """Loops keep their while form: no rotation, threading, unrolling or vectorising."""
+    target = binding.Target.from_default_triple()
+    machine = target.create_target_machine(cpu="", features="", opt=1)
+    options = binding.create_pipeline_tuning_options(speed_level=1)
+    builder = binding.create_pass_builder(machine, options)
+    passes = binding.create_new_module_pass_manager()
+    passes.add_always_inliner_pass()
+    passes.add_global_dead_code_eliminate_pass()
+    for _ in range(2):
+        passes.add_sroa_pass()
+        passes.add_simplify_cfg_pass()
+        passes.add_instruction_combine_pass()
+        passes.add_new_gvn_pass()
+        passes.add_sccp_pass()
+        passes.add_dead_store_elimination_pass()
+        passes.add_aggressive_dce_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_lower_switch_pass()
+    passes.add_dead_code_elimination_pass()
+    passes.add_loop_simplify_pass()
+    passes.run(module, builder)
+
+
+def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> str:
+    """An entry function that rebuilds numba's flattened arguments: strides and sizes become functions of shapes."""
+    inputs: list[str] = []
+    body: list[str] = []
+    arguments: list[str] = []
+    for param in params:
+        array = param.ndim > 0
+        (_array_argument if array else _scalar_argument)(param, inputs, body, arguments)
+    returned = _RETURN.get(module.return_type, "ptr")
+    types = ", ".join(["ptr", *(argument.split(" ")[0] for argument in arguments)])
+    call = ", ".join(["ptr %.ret", *arguments])
+    file = loc.file.replace("\\", "\\5C").replace('"', "\\22")
+    result = "void" if module.return_type == "none" else returned
+    leave = "ret void" if result == "void" else f"%.value = load {returned}, ptr %.ret\n  ret {returned} %.value"
+    lines = "\n  ".join(body)
+    return f"""
+target datalayout = "{DATA_LAYOUT}"
+declare i32 @"{module.symbol}"({types})
+define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
+  %.ret = alloca {returned}
+  {lines}
+  %.status = call i32 @"{module.symbol}"({call}), !dbg !5
+  {leave}
+}}
+!llvm.dbg.cu = !{{!1}}
+!llvm.module.flags = !{{!6, !7}}
+!1 = distinct !DICompileUnit(language: DW_LANG_C_plus_plus, file: !2, emissionKind: LineTablesOnly)
+!2 = !DIFile(filename: "{file}", directory: "")
+!3 = distinct !DISubprogram(name: "{ENTRY}", file: !2, line: {loc.line}, type: !4, unit: !1, spFlags: DISPFlagDefinition)
+!4 = !DISubroutineType(types: !{{null}})
+!5 = !DILocation(line: {loc.line}, column: 1, scope: !3)
+!6 = !{{i32 2, !"Dwarf Version", i32 4}}
+!7 = !{{i32 2, !"Debug Info Version", i32 3}}
+"""
+
+
+def _scalar_argument(
+    param: Param, inputs: list[str], body: list[str], arguments: list[str]
+) -> None:
+    kind = _SCALAR[param.dtype]
+    name = f'%"{param.name}"'
+    if param.dtype is DType.I64:
+        inputs.append(f"i32 {name}")
+        body.append(f'%".{param.name}" = sext i32 {name} to i64')
+        name = f'%".{param.name}"'
+    elif param.dtype is DType.BOOL:
+        inputs.append(f"i1 {name}")
+        body.append(f'%".{param.name}" = zext i1 {name} to i8')
+        name = f'%".{param.name}"'
+    else:
+        inputs.append(f"{kind} {name}")
+    arguments.append(f"{kind} {name}")
+
+
+def _array_argument(param: Param, inputs: list[str], body: list[str], arguments: list[str]) -> None:
+    """A C-contiguous array: its data pointer and shape come from the host, the rest is computed."""
+    x = param.name
+    inputs.append(f'ptr %"&{x}"')
+    shapes, strides, stride = [], [], "4"
+    for axis in range(param.ndim):
+        inputs.append(f'i32 range(i32 0, {MAX_DIM + 1}) %"{x}.shape{axis}"')
+        body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
+        shapes.append(f'i64 %".{x}.shape{axis}"')
+    for axis in reversed(range(param.ndim)):
+        strides.insert(0, f"i64 {stride}")
+        body.append(f'%".{x}.size{axis}" = mul nuw nsw i64 {stride}, %".{x}.shape{axis}"')
+        stride = f'%".{x}.size{axis}"'
+    body.append(f'%".{x}.nitems" = lshr exact i64 {stride}, 2')
+    head = ["ptr null", "ptr null", f'i64 %".{x}.nitems"', "i64 4", f'ptr %"&{x}"']
+    arguments.extend(head + shapes + strides)

@@ -1,0 +1,135 @@
+"""From a Python function to `cfg.Function`: the frontend's stages in order, and numba's errors as the user's."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+from numba.core.errors import NumbaError
+
+from vividc.dfg.cfg import DType, Function, Param
+from vividc.dfg.cfg_check import check_function
+from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.hoist import hoist_invariants
+from vividc.frontend.interval import Interval
+from vividc.frontend.llvm import ENTRY, MAX_DIM, optimised_ir
+from vividc.frontend.llvm_text import read_function
+from vividc.frontend.memory import resolve_memory
+from vividc.frontend.narrow import narrow
+from vividc.frontend.numba_target import NumbaModule, numba_module
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.simplify import fold_by_ranges
+from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
+
+_ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
+_PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
+_RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
+
+
+def lower(
+    py_func: Callable[..., object],
+    name: str,
+    params: tuple[Param, ...],
+    args: tuple[Any, ...],
+    return_type: Any,
+    loc: SourceLoc,
+    *,
+    strict_fp: bool = False,
+) -> Function:
+    """Lower a kernel.
+
+    Parameters
+    ----------
+    params, args
+        The parameters as the compiler sees them, and as numba types.
+    return_type
+        Numba type, or None to infer it.
+    loc
+        Where the kernel is defined.
+    strict_fp
+        Refuse float64 arithmetic instead of warning about it.
+
+    Raises
+    ------
+    KernelError
+        The function uses something that cannot be compiled.
+
+    Warns
+    -----
+    VividcWarning
+        Once for each line whose float64 arithmetic runs in float32.
+    """
+    module = _typed(py_func, args, return_type, loc)
+    if module.return_type not in _RETURNS:
+        raise KernelError(
+            f"the kernel returns {module.return_type}",
+            loc=loc,
+            hint="return one float32, int32, uint32, int64 or bool, or store results into an array",
+        )
+    text = optimised_ir(module, params, loc)
+    wide = _prepared(read_function(text, ENTRY, loc.file))
+    bounds = _bounds(params)
+    wide = fold_by_ranges(wide, Ranges(wide, bounds))
+    returns = _RETURNS[module.return_type]
+    narrowed = narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+    _report_demotions(narrowed.demoted, loc, strict_fp=strict_fp)
+    function = hoist_invariants(narrowed.function)
+    problems = check_function(function)
+    if problems:
+        raise InternalError(f"the lowered kernel {name} is malformed: {'; '.join(problems)}")
+    return function
+
+
+def _prepared(wide: WideFunction) -> WideFunction:
+    return remove_dead(resolve_memory(remove_dead(remove_unreachable(wide))))
+
+
+def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
+    """Shapes: an array must fit in the scratchpad. Integer parameters are words (checked at launch)."""
+    bounds = {}
+    for param in params:
+        for axis in range(param.ndim):
+            bounds[f"{param.name}.shape{axis}"] = (0, MAX_DIM)
+    return bounds
+
+
+def _typed(
+    py_func: Callable[..., object], args: tuple[Any, ...], return_type: Any, loc: SourceLoc
+) -> NumbaModule:
+    try:
+        return numba_module(py_func, args, return_type)
+    except NumbaError as error:
+        raise KernelError(*_readable(error), loc=_place(error, loc)) from error
+
+
+def _readable(error: NumbaError) -> tuple[str]:
+    """Numba's message without its colours, banner and advice."""
+    lines = [line.strip() for line in _ESCAPE.sub("", str(error)).splitlines()]
+    text = [line for line in lines if line and not line.startswith(("Failed in", "File ", "During:"))]
+    return (f"numba: {' '.join(text[:3])}",)
+
+
+def _place(error: NumbaError, loc: SourceLoc) -> SourceLoc:
+    """The line in the user's file that numba names last: its messages go from the outer to the inner fault."""
+    places = [
+        int(match["line"])
+        for match in _PLACE.finditer(_ESCAPE.sub("", str(error)))
+        if loc.file.endswith(match["file"].lstrip("./"))
+    ]
+    return SourceLoc(loc.file, places[-1]) if places else loc
+
+
+def _report_demotions(
+    demoted: tuple[SourceLoc | None, ...], kernel: SourceLoc, *, strict_fp: bool
+) -> None:
+    for loc in sorted({loc or kernel for loc in demoted}):
+        if strict_fp:
+            raise KernelError(
+                "float64 arithmetic",
+                loc=loc,
+                hint="make every operand float32, with np.float32(...) around constants",
+            )
+        message = f"{loc}: float64 arithmetic runs in float32; write np.float32(...) around constants"
+        warnings.warn(message, VividcWarning, stacklevel=2)

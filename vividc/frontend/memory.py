@@ -1,0 +1,250 @@
+"""Turn pointers into array accesses: an array, an index, a shift and an offset for every load and store.
+
+After this stage no pointer is left. Pointer phis and selects within one array become phis and selects of byte
+offsets; a load through a phi of different arrays goes back to where LLVM merged it from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.ssa import Global, Int, Local, Op, Operand, WideBlock, WideFunction, WidePhi
+
+_SUFFIX = ".bytes"
+_WORD_BYTES = 4
+_LOCAL_HINT = "use scalar variables, or pass a scratch array as a parameter"
+_GLOBAL_HINT = "pass the array as a parameter: only scalar globals are constants of a kernel"
+
+
+@dataclass(frozen=True, slots=True)
+class _Address:
+    """Byte address: base of `array` + sum of value * stride + offset."""
+
+    array: str
+    terms: tuple[tuple[Operand, int], ...] = ()
+    offset: int = 0
+
+
+def resolve_memory(function: WideFunction) -> WideFunction:
+    """Give every load and store its array, and drop all pointers.
+
+    Raises
+    ------
+    KernelError
+        A pointer does not come from an array parameter.
+    """
+    split = _split_merged_loads(function)
+    return _Resolver(split).run()
+
+
+def _split_merged_loads(function: WideFunction) -> WideFunction:
+    """Undo `load (phi a, b)` where the pointers may be of different arrays."""
+    blocks = {block.name: block for block in function.blocks}
+    for block in function.blocks:
+        pointers = {
+            phi.name: phi
+            for phi in block.phis
+            if phi.type == "ptr"
+            # Else the load would run although the other branch is taken.
+            and all(len(blocks[pred].exit.targets) == 1 for pred, _ in phi.incoming)
+        }
+        if pointers:
+            _split_loads_of_block(blocks, block, pointers)
+    return replace(function, blocks=tuple(blocks[block.name] for block in function.blocks))
+
+
+def _split_loads_of_block(
+    blocks: dict[str, WideBlock], block: WideBlock, pointers: dict[str, WidePhi]
+) -> None:
+    new_phis: list[WidePhi] = []
+    kept: list[Op] = []
+    stored = False
+    for op in block.ops:
+        stored = stored or op.op in ("store", "call")
+        pointer = op.args[0] if op.op == "load" else None
+        if stored or not isinstance(pointer, Local) or pointer.name not in pointers:
+            kept.append(op)
+            continue
+        phi = pointers[pointer.name]
+        incoming = tuple((pred, Local(f"{op.name}.{index}")) for index, (pred, _) in enumerate(phi.incoming))
+        for (pred, value), (_, source) in zip(incoming, phi.incoming, strict=True):
+            before = blocks[pred]
+            load = replace(op, name=value.name, args=(source,))
+            blocks[pred] = replace(before, ops=(*before.ops, load))
+        new_phis.append(WidePhi(op.name, op.type, incoming, op.loc))
+    if new_phis:
+        current = blocks[block.name]
+        added = current.ops[len(block.ops) :]
+        blocks[block.name] = replace(current, phis=(*block.phis, *new_phis), ops=(*kept, *added))
+
+
+class _Resolver:
+    """One function's pointers, resolved on demand."""
+
+    def __init__(self, function: WideFunction) -> None:
+        self._function = function
+        self._definitions = function.definitions
+        self._arrays: dict[str, str] = {}
+        self._stores = 0
+        for name, type_ in function.params:
+            if type_ == "ptr":
+                self._arrays[name] = name.removeprefix("&")
+        self._find_arrays_of_merges()
+
+    def run(self) -> WideFunction:
+        blocks = tuple(self._block(block) for block in self._function.blocks)
+        return replace(self._function, blocks=blocks)
+
+    def _find_arrays_of_merges(self) -> None:
+        """Arrays of pointer phis and selects: a fixpoint, since phis may depend on each other."""
+        merges = [d for d in self._definitions.values() if _merged(d)]
+        changed = True
+        while changed:
+            changed = False
+            for merge in merges:
+                roots = [self._root(pointer) for pointer in _merged(merge)]
+                known = next((root for root in roots if root), "")
+                if known and merge.name not in self._arrays:
+                    self._arrays[merge.name] = known
+                    changed = True
+        for merge in merges:
+            if len({self._root(pointer) for pointer in _merged(merge)}) > 1:
+                raise KernelError(
+                    "one access to different arrays, chosen by a condition",
+                    loc=merge.loc,
+                    hint="write an `if` with an access in each branch",
+                )
+
+    def _root(self, pointer: Operand) -> str:
+        while isinstance(pointer, Local) and pointer.name not in self._arrays:
+            definition = self._definitions.get(pointer.name)
+            if not isinstance(definition, Op) or definition.op != "getelementptr":
+                return ""
+            pointer = definition.args[0]
+        return self._arrays[pointer.name] if isinstance(pointer, Local) else ""
+
+    def _block(self, block: WideBlock) -> WideBlock:
+        ops = tuple(new for op in block.ops for new in self._rewrite(op))
+        return replace(block, phis=tuple(self._phi(phi) for phi in block.phis), ops=ops)
+
+    def _phi(self, phi: WidePhi) -> WidePhi:
+        if phi.type != "ptr":
+            return phi
+        incoming = tuple((pred, self._bytes(value, phi.loc)) for pred, value in phi.incoming)
+        return WidePhi(phi.name + _SUFFIX, "i32", incoming, phi.loc)
+
+    def _rewrite(self, op: Op) -> Iterator[Op]:
+        if op.op == "load":
+            yield from self._access(op, op.args[0], ())
+        elif op.op == "store":
+            yield from self._access(op, op.args[1], (op.args[0],))
+        elif op.op == "getelementptr":
+            yield from self._gep_bytes(op)
+        elif op.op == "select" and op.type == "ptr":
+            chosen = tuple(self._bytes(pointer, op.loc) for pointer in op.args[1:])
+            yield replace(op, name=op.name + _SUFFIX, type="i32", args=(op.args[0], *chosen))
+        elif op.op == "alloca":
+            raise KernelError("a local array or tuple", loc=op.loc, hint=_LOCAL_HINT)
+        elif op.op in ("ptrtoint", "inttoptr") or (op.op in ("icmp", "freeze") and op.type == "ptr"):
+            raise KernelError("arithmetic on addresses", loc=op.loc, hint="use indices")
+        else:
+            yield op
+
+    def _access(self, op: Op, pointer: Operand, value: tuple[Operand, ...]) -> Iterator[Op]:
+        address = self._address(pointer, op.loc)
+        if op.type not in ("float", "i32"):
+            raise KernelError(
+                f"an array access of type {op.type}",
+                loc=op.loc,
+                hint="arrays hold float32, int32 or uint32",
+            )
+        index: Operand = Int(0)
+        shift = 2
+        if address.terms:
+            unit = min(stride & -stride for _, stride in address.terms)
+            shift = unit.bit_length() - 1
+            self._stores += 1
+            name = op.name or f".store{self._stores}"
+            *computed, index = _sum(name + ".index", address.terms, unit, op.loc)
+            yield from (new for new in computed if isinstance(new, Op))
+        yield replace(
+            op, args=(*value, index), array=address.array, shift=shift, offset=address.offset
+        )
+
+    def _gep_bytes(self, op: Op) -> Iterator[Op]:
+        """The byte offset as a value, for phis and selects of pointers; dead otherwise."""
+        if not op.strides or not self._root(Local(op.name)):
+            return
+        address = self._address(Local(op.name), op.loc)
+        terms = (*address.terms, (Int(address.offset), 1))
+        *computed, total = _sum(op.name + _SUFFIX, terms, 1, op.loc)
+        yield from (new for new in computed if isinstance(new, Op))
+        if isinstance(total, Local) and total.name == op.name + _SUFFIX:
+            return
+        if not isinstance(total, Op):
+            yield Op(op.name + _SUFFIX, "add", "i32", (total, Int(0)), loc=op.loc)
+
+    def _bytes(self, pointer: Operand, loc: SourceLoc | None) -> Operand:
+        if isinstance(pointer, Local) and pointer.name in self._definitions:
+            return Local(pointer.name + _SUFFIX)
+        self._address(pointer, loc)
+        return Int(0)
+
+    def _address(self, pointer: Operand, loc: SourceLoc | None) -> _Address:
+        if isinstance(pointer, Global):
+            raise KernelError(
+                "an access to a global array", loc=loc, hint=_GLOBAL_HINT
+            )
+        if not isinstance(pointer, Local):
+            raise KernelError("an access through a null pointer", loc=loc, hint=_LOCAL_HINT)
+        definition = self._definitions.get(pointer.name)
+        if definition is None:
+            return _Address(self._arrays[pointer.name])
+        if _merged(definition):
+            return _Address(self._arrays[pointer.name], ((Local(pointer.name + _SUFFIX), 1),))
+        if not isinstance(definition, Op) or definition.op != "getelementptr" or not definition.strides:
+            raise KernelError("a pointer that is no array parameter", loc=loc, hint=_LOCAL_HINT)
+        return _extend(self._address(definition.args[0], loc), definition)
+
+
+def _merged(definition: Op | WidePhi | None) -> tuple[Operand, ...]:
+    """The pointers that a pointer phi or select chooses from."""
+    if definition is None or definition.type != "ptr":
+        return ()
+    if isinstance(definition, WidePhi):
+        return tuple(value for _, value in definition.incoming)
+    return definition.args[1:] if definition.op == "select" else ()
+
+
+def _extend(base: _Address, gep: Op) -> _Address:
+    terms = list(base.terms)
+    offset = base.offset
+    for index, stride in zip(gep.args[1:], gep.strides, strict=True):
+        if isinstance(index, Int):
+            offset += index.value * stride
+        else:
+            terms.append((index, stride))
+    return _Address(base.array, tuple(terms), offset)
+
+
+def _sum(
+    name: str, terms: tuple[tuple[Operand, int], ...], unit: int, loc: SourceLoc | None
+) -> list[Op | Operand]:
+    """Instructions that add value * (stride / unit), then the operand that holds the sum."""
+    out: list[Op | Operand] = []
+    total: Operand | None = None
+    for position, (value, stride) in enumerate(terms):
+        factor = stride // unit
+        if factor != 1:
+            out.append(Op(f"{name}.mul{position}", "mul", "i32", (value, Int(factor)), loc=loc))
+            value = Local(f"{name}.mul{position}")
+        if total is not None:
+            last = position == len(terms) - 1
+            sum_name = name if last else f"{name}.add{position}"
+            out.append(Op(sum_name, "add", "i32", (total, value), loc=loc))
+            value = Local(sum_name)
+        total = value
+    assert total is not None
+    return [*out, total]

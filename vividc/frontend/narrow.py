@@ -1,0 +1,174 @@
+"""From LLVM's integers of 64 bits and doubles to the machine's words of 32 bits.
+
+Integers: a value is represented by its low word. Sums, products, left shifts and logic need no more of their
+operands, so they stay exact; comparisons, right shifts, divisions and conversions need the whole value, and it is
+proved by ranges that the word determines it (sign-extended or zero-extended), or the kernel is refused.
+
+Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A conversion of a
+float to an integer assumes that the result fits in 32 bits, as the machine saturates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vividc.dfg.cfg import Block, Branch, DType, Function, Input, Instr, Param, Phi, Value
+from vividc.dfg.opcodes import Opcode, Type
+from vividc.errors import KernelError, SourceLoc
+from vividc.frontend import narrow_float, narrow_int
+from vividc.frontend.emit import ALIASES, Emitter, result_type
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.ssa import Local, Op, Operand, WideBlock, WideFunction
+
+_RAISE = "vividc.raise "
+
+
+@dataclass(frozen=True, slots=True)
+class Narrowed:
+    """The kernel in words, and the lines whose float64 arithmetic became float32."""
+
+    function: Function
+    demoted: tuple[SourceLoc | None, ...]
+
+
+def narrow(
+    function: WideFunction,
+    ranges: Ranges,
+    name: str,
+    params: tuple[Param, ...],
+    returns: DType | None,
+    file: str,
+) -> Narrowed:
+    """Translate a function whose memory accesses are resolved.
+
+    Raises
+    ------
+    KernelError
+        A construct that the array cannot run, or a value that cannot be proved to fit in 32 bits.
+    """
+    narrower = _Narrower(function, ranges)
+    blocks = tuple(narrower.block(block, returns) for block in function.blocks)
+    result = Function(name, params, blocks, returns, file)
+    return Narrowed(result, tuple(dict.fromkeys(narrower.emitter.demoted)))
+
+
+class _Narrower:
+    """Translates block by block. Results are numbered beforehand: a phi may name a later one."""
+
+    def __init__(self, function: WideFunction, ranges: Ranges) -> None:
+        self._function = function
+        self._names = {block.name: f"b{index}" for index, block in enumerate(function.blocks)}
+        ids = {name: index for index, name in enumerate(_results(function))}
+        self.emitter = Emitter(function, ranges, ids)
+
+    def block(self, block: WideBlock, returns: DType | None) -> Block:
+        """One block."""
+        emitter = self.emitter
+        emitter.start(block.name)
+        phis = tuple(
+            Phi(
+                emitter.ids[phi.name],
+                result_type(phi.type),
+                tuple((self._names[pred], emitter.value(v)) for pred, v in phi.incoming),
+                phi.loc,
+            )
+            for phi in block.phis
+        )
+        for op in block.ops:
+            _translate(emitter, op)
+        branch = self._branch(block, returns)
+        return Block(self._names[block.name], phis, tuple(emitter.instrs), branch)
+
+    def _branch(self, block: WideBlock, returns: DType | None) -> Branch:
+        leave = block.exit
+        if leave.unreachable:
+            raise KernelError("the kernel can reach code that has no meaning", loc=leave.loc)
+        targets = [self._names[target] for target in leave.targets]
+        if not targets:
+            return Branch(value=self._returned(leave.value, returns, leave.loc), loc=leave.loc)
+        if leave.cond is None:
+            return Branch(targets[0], loc=leave.loc)
+        return Branch(targets[0], self.emitter.value(leave.cond), targets[1], loc=leave.loc)
+
+    def _returned(
+        self, value: Operand | None, returns: DType | None, loc: SourceLoc | None
+    ) -> Value | None:
+        if value is None or returns is None:
+            return None
+        definition = self._function.definitions.get(value.name) if isinstance(value, Local) else None
+        where = loc or (definition.loc if definition is not None else None)
+        if returns is DType.I64:
+            self.emitter.require_signed(value, where, "the returned integer", "return np.int32(...)")
+        return self.emitter.value(value)
+
+
+def _results(function: WideFunction) -> list[str]:
+    """Names that become instructions or phis of their own."""
+    return [
+        item.name
+        for block in function.blocks
+        for item in (*block.phis, *block.ops)
+        if item.name and not (isinstance(item, Op) and item.op in ALIASES and not _masks(item))
+    ]
+
+
+def _masks(op: Op) -> bool:
+    """A conversion that computes: to or from less than a word."""
+    return narrow_int.computes(op)
+
+
+def _translate(emitter: Emitter, op: Op) -> None:
+    if op.op == "bitcast" and "float" not in (op.type, op.source):
+        raise KernelError(f"the bits of a {op.source}", loc=op.loc, hint="use float32 and int32")
+    if op.op in ALIASES and not _masks(op):
+        return
+    if op.op == "call":
+        _call(emitter, op)
+    elif op.op == "load":
+        _memory(emitter, op, Opcode.LOAD, (op.args[0],))
+    elif op.op == "store":
+        _memory(emitter, op, Opcode.STORE, (op.args[1], op.args[0]))
+    elif op.op == "select":
+        emitter.emit(op, Opcode.SELECT, tuple(emitter.value(arg) for arg in op.args))
+    elif op.op in narrow_float.RULES:
+        narrow_float.RULES[op.op](emitter, op)
+    elif op.op in narrow_int.RULES:
+        narrow_int.RULES[op.op](emitter, op)
+    else:
+        raise KernelError(f"LLVM's `{op.op}` cannot run on the array", loc=op.loc)
+
+
+def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, ...]) -> None:
+    instr = Instr(
+        emitter.id_of(op),
+        opcode,
+        result_type(op.type) if opcode is Opcode.LOAD else Type.NONE,
+        (Input(f"&{op.array}"), *(emitter.value(operand) for operand in operands)),
+        array=op.array,
+        shift=op.shift,
+        offset=op.offset,
+        loc=op.loc,
+    )
+    emitter.instrs.append(instr)
+
+
+def _call(emitter: Emitter, op: Op) -> None:
+    callee = op.pred
+    if callee.startswith(_RAISE):
+        raise KernelError(
+            f"the kernel can raise {callee.removeprefix(_RAISE)}",
+            loc=op.loc,
+            hint="the array has no exceptions: return or store a flag instead",
+        )
+    stem = callee.removeprefix("llvm.").rsplit(".", 1)[0] if callee.startswith("llvm.") else callee
+    rule = narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem)
+    if rule is None:
+        reason = f"a call of `{stem}`, which the array cannot run"
+        raise KernelError(reason, loc=op.loc, hint=_call_hint(callee))
+    rule(emitter, op)
+
+
+def _call_hint(callee: str) -> str:
+    if callee.startswith(("NRT_", "numba_", "Py")):
+        return "arrays, strings and objects cannot be made inside a kernel: pass arrays as parameters"
+    return "of the mathematical functions math.exp, abs, min and max are supported"

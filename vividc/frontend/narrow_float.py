@@ -1,0 +1,168 @@
+"""Floating-point instructions in float32."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from vividc.dfg.cfg import Const
+from vividc.dfg.opcodes import Opcode, Type
+from vividc.errors import KernelError
+from vividc.frontend.emit import Emitter
+from vividc.frontend.ssa import Float, Local, Op, Operand
+
+Rule = Callable[[Emitter, Op], None]
+
+_O = Opcode
+_COMPARE: dict[str, tuple[Opcode, bool]] = {
+    "oeq": (_O.FCMP_OEQ, False),
+    "one": (_O.FCMP_ONE, False),
+    "ueq": (_O.FCMP_UEQ, False),
+    "une": (_O.FCMP_UNE, False),
+    "ord": (_O.FCMP_ORD, False),
+    "uno": (_O.FCMP_UNO, False),
+    "olt": (_O.FCMP_OLT, False),
+    "ole": (_O.FCMP_OLE, False),
+    "ult": (_O.FCMP_ULT, False),
+    "ule": (_O.FCMP_ULE, False),
+    "ogt": (_O.FCMP_OLT, True),
+    "oge": (_O.FCMP_OLE, True),
+    "ugt": (_O.FCMP_ULT, True),
+    "uge": (_O.FCMP_ULE, True),
+}
+_SIGN = 0x80000000
+
+
+def _direct(opcode: Opcode) -> Rule:
+    def rule(emitter: Emitter, op: Op) -> None:
+        _check_type(op)
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+
+    return rule
+
+
+def _arithmetic(opcode: Opcode) -> Rule:
+    """As `_direct`, and a double's result is rounded differently."""
+    plain = _direct(opcode)
+
+    def rule(emitter: Emitter, op: Op) -> None:
+        if op.type == "double":
+            emitter.demote(op)
+        plain(emitter, op)
+
+    return rule
+
+
+def _check_type(op: Op) -> None:
+    if op.type not in ("float", "double"):
+        raise KernelError(f"arithmetic on {op.type}", loc=op.loc, hint="use float32")
+
+
+def _compare(emitter: Emitter, op: Op) -> None:
+    if op.type == "double" and not all(_is_float32(emitter, arg) for arg in op.args):
+        emitter.demote(op)
+    opcode, swap = _COMPARE[op.pred]
+    left, right = (emitter.value(arg) for arg in op.args)
+    emitter.emit(op, opcode, (right, left) if swap else (left, right))
+
+
+def _is_float32(emitter: Emitter, operand: Operand) -> bool:
+    """Whether a double is a float32 exactly."""
+    if isinstance(operand, Float):
+        with np.errstate(over="ignore"):
+            rounded = float(np.float32(operand.value))
+        return rounded == operand.value or operand.value != operand.value  # noqa: PLR0124 - NaN
+    definition = emitter.function.definitions.get(operand.name) if isinstance(operand, Local) else None
+    return isinstance(definition, Op) and definition.op == "fpext"
+
+
+def _from_int(emitter: Emitter, op: Op) -> None:
+    """The conversion rounds once, from the exact integer."""
+    [operand] = op.args
+    source = op.source
+    if source == "i1":
+        word = emitter.value(operand)
+        if op.op == "sitofp":
+            word = emitter.helper(op, Opcode.SUB, Const(0), word)
+        emitter.emit(op, Opcode.SITOFP, (word,))
+        return
+    if op.type == "double":
+        low, high = emitter.range(operand)
+        if max(-low, high) > 2**24:
+            emitter.demote(op)
+    unsigned_word = op.op == "uitofp" and source == "i32"
+    nonnegative = emitter.range(operand)[0] >= 0
+    if emitter.signed(operand) and (op.op == "sitofp" or nonnegative):
+        emitter.emit(op, Opcode.SITOFP, (emitter.value(operand),))
+    elif unsigned_word or (nonnegative and emitter.unsigned(operand)):
+        emitter.emit(op, Opcode.UITOFP, (emitter.value(operand),))
+    else:
+        hint = "convert the integer first: np.float32(np.int32(...))"
+        emitter.require_signed(operand, op.loc, "the integer converted to a float", hint)
+        raise KernelError("a negative integer, converted as unsigned", loc=op.loc, hint=hint)
+
+
+def _to_signed(emitter: Emitter, op: Op) -> None:
+    _refuse_small(op)
+    emitter.emit(op, Opcode.FPTOSI, (emitter.value(op.args[0]),))
+
+
+def _to_unsigned(emitter: Emitter, op: Op) -> None:
+    """Values from 2**31 on are converted less 2**31, which is exact."""
+    _refuse_small(op)
+    value = emitter.value(op.args[0])
+    limit = Const(0x4F000000)  # 2**31 as a float32
+    small = emitter.helper(op, Opcode.FCMP_OLT, value, limit, type_=Type.PRED)
+    less = emitter.helper(op, Opcode.FSUB, value, limit, type_=Type.F32)
+    chosen = emitter.helper(op, Opcode.SELECT, small, value, less, type_=Type.F32)
+    word = emitter.helper(op, Opcode.FPTOSI, chosen)
+    high = emitter.helper(op, Opcode.SELECT, small, Const(0), Const(_SIGN))
+    emitter.emit(op, Opcode.XOR, (word, high))
+
+
+def _refuse_small(op: Op) -> None:
+    if op.type not in ("i32", "i64"):
+        raise KernelError(f"a conversion to {op.type}", loc=op.loc, hint="convert to np.int32")
+
+
+def _copysign(emitter: Emitter, op: Op) -> None:
+    _check_type(op)
+    magnitude, sign = (emitter.value(arg) for arg in op.args)
+    bits = emitter.helper(op, Opcode.AND, magnitude, Const(_SIGN - 1))
+    top = emitter.helper(op, Opcode.AND, sign, Const(_SIGN))
+    emitter.emit(op, Opcode.OR, (bits, top))
+
+
+def _unsupported(what: str, hint: str) -> Rule:
+    def rule(emitter: Emitter, op: Op) -> None:
+        raise KernelError(f"{what} cannot run on the array yet", loc=op.loc, hint=hint)
+
+    return rule
+
+
+_DIVISION = _unsupported("a float division", "multiply by a reciprocal that the host computes")
+RULES: dict[str, Rule] = {
+    "fadd": _arithmetic(Opcode.FADD),
+    "fsub": _arithmetic(Opcode.FSUB),
+    "fmul": _arithmetic(Opcode.FMUL),
+    "fneg": _direct(Opcode.FNEG),
+    "fdiv": _DIVISION,
+    "frem": _DIVISION,
+    "fcmp": _compare,
+    "sitofp": _from_int,
+    "uitofp": _from_int,
+    "fptosi": _to_signed,
+    "fptoui": _to_unsigned,
+}
+CALLS: dict[str, Rule] = {
+    "fabs": _direct(Opcode.FABS),
+    "minnum": _direct(Opcode.FMIN),
+    "maxnum": _direct(Opcode.FMAX),
+    "minimumnum": _direct(Opcode.FMIN),
+    "maximumnum": _direct(Opcode.FMAX),
+    "fma": _arithmetic(Opcode.FMA),
+    "fmuladd": _arithmetic(Opcode.FMA),
+    "exp": _arithmetic(Opcode.EXP),
+    "copysign": _copysign,
+}

@@ -1,0 +1,207 @@
+"""Which values an integer can have: intervals over SSA, refined by the branches that lead to a block.
+
+Widening and narrowing as by Cousot and Cousot (1977). Values of type iN are signed, except i1 (0 or 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from vividc.frontend.interval import BOTTOM, Interval, comparable, compare, evaluate, full, intersect, refine, union, widen
+from vividc.frontend.ssa import Flow, Int, Local, Op, Operand, WideBlock, WideFunction, WidePhi, flow_of
+
+_WIDEN_AFTER = 3
+_NARROWINGS = 4
+_DEPTH = 5
+_NEGATED = {"eq": "ne", "slt": "sge", "sgt": "sle", "ult": "uge", "ugt": "ule"}
+_NEGATED |= {v: k for k, v in _NEGATED.items()}
+_SWAPPED = {"eq": "eq", "ne": "ne", "slt": "sgt", "sle": "sge", "ult": "ugt", "ule": "uge"}
+_SWAPPED |= {v: k for k, v in _SWAPPED.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """`value pred other` holds; `type` is that of both."""
+
+    value: Operand
+    pred: str
+    other: Operand
+    type: str
+
+
+class Ranges:
+    """Intervals of all integer values of a function.
+
+    Parameters
+    ----------
+    function
+        A function without unreachable blocks, memory resolved.
+    bounds
+        Intervals of parameters that are tighter than their type.
+    """
+
+    def __init__(self, function: WideFunction, bounds: dict[str, Interval]) -> None:
+        self._function = function
+        self._definitions = function.definitions
+        self._flow: Flow = flow_of(function)
+        self._types = dict(function.params)
+        self._bounds = bounds
+        self._known: dict[str, Interval] = {}
+        self._facts = {name: tuple(self._facts_at(name)) for name in self._flow.order}
+        self._solve()
+
+    def at(self, operand: Operand, block: str) -> Interval:
+        """Values that `operand` can have while `block` runs."""
+        return self._at(operand, block, _DEPTH)
+
+    def compare_at(self, op: Op, block: str) -> bool | None:
+        """Whether the comparison is always true, always false, or neither."""
+        if op.op != "icmp" or not comparable(op):
+            return None
+        return compare(op.pred, self.at(op.args[0], block), self.at(op.args[1], block))
+
+    def _solve(self) -> None:
+        blocks = [self._function.by_name[name] for name in self._flow.order]
+        rounds = 0
+        changed = True
+        while changed:
+            rounds += 1
+            changed = any([self._ascend(block, rounds > _WIDEN_AFTER) for block in blocks])
+        for _ in range(_NARROWINGS):
+            for block in blocks:
+                self._descend(block)
+
+    def _ascend(self, block: WideBlock, widening: bool) -> bool:
+        changed = False
+        for item in (*block.phis, *block.ops):
+            if not item.name or not _is_int(_result_type(item)):
+                continue
+            old = self._known.get(item.name, BOTTOM)
+            new = union(old, self._transfer(item, block.name))
+            if widening and isinstance(item, WidePhi):
+                new = widen(old, new, item.type)
+            changed |= new != old
+            self._known[item.name] = new
+        return changed
+
+    def _descend(self, block: WideBlock) -> None:
+        for item in (*block.phis, *block.ops):
+            if item.name in self._known:
+                tighter = intersect(self._known[item.name], self._transfer(item, block.name))
+                self._known[item.name] = tighter
+
+    def _transfer(self, item: Op | WidePhi, block: str) -> Interval:
+        if isinstance(item, WidePhi):
+            total = BOTTOM
+            for pred, value in item.incoming:
+                total = union(total, self._on_edge(value, pred, block))
+            return total
+        return self._evaluate(item, block, _DEPTH)
+
+    def _evaluate(self, op: Op, block: str, depth: int) -> Interval:
+        if op.op == "select":
+            return self._select(op, block, depth)
+        operands = tuple(self._at(arg, block, depth) for arg in op.args)
+        return evaluate(op, operands)
+
+    def _select(self, op: Op, block: str, depth: int) -> Interval:
+        cond, yes, no = op.args
+        decided = self._at(cond, block, depth)
+        total = BOTTOM
+        for truth, value in ((True, yes), (False, no)):
+            if decided == (int(not truth), int(not truth)):
+                continue
+            facts = tuple(self._holding(cond, truth))
+            total = union(total, self._apply(facts, value, self._at(value, block, depth), block))
+        return total
+
+    def _on_edge(self, value: Operand, pred: str, block: str) -> Interval:
+        leave = self._function.by_name[pred].exit
+        if pred not in self._facts:
+            return BOTTOM
+        interval = self.at(value, pred)
+        if leave.cond is None:
+            return interval
+        if self._at(leave.cond, pred, _DEPTH) == (int(block != leave.targets[0]),) * 2:
+            return BOTTOM
+        facts = tuple(self._holding(leave.cond, block == leave.targets[0]))
+        return self._apply(facts, value, interval, pred)
+
+    def _at(self, operand: Operand, block: str, depth: int) -> Interval:
+        if isinstance(operand, Int):
+            return (operand.value, operand.value)
+        if not isinstance(operand, Local):
+            return full("i64")
+        interval = self._base(operand)
+        definition = self._definitions.get(operand.name)
+        if depth > 0 and isinstance(definition, Op) and interval != BOTTOM and _is_cheap(definition):
+            interval = intersect(interval, self._evaluate(definition, block, depth - 1))
+        return self._apply(self._facts[block], operand, interval, block)
+
+    def _base(self, operand: Operand) -> Interval:
+        if isinstance(operand, Int):
+            return (operand.value, operand.value)
+        if not isinstance(operand, Local):
+            return full("i64")
+        if operand.name in self._types:
+            type_ = self._types[operand.name]
+            return self._bounds.get(operand.name, full(type_ if _is_int(type_) else "i64"))
+        return self._known.get(operand.name, BOTTOM)
+
+    def _apply(
+        self, facts: tuple[Fact, ...], operand: Operand, interval: Interval, block: str
+    ) -> Interval:
+        for fact in facts:
+            if fact.value == operand:
+                interval = refine(interval, fact.pred, self._base(fact.other))
+            elif fact.other == operand:
+                interval = refine(interval, _SWAPPED[fact.pred], self._base(fact.value))
+        return interval
+
+    def _facts_at(self, block: str) -> Iterator[Fact]:
+        """Conditions of the branches that dominate the block."""
+        for name in self._flow.dominators(block):
+            preds = self._flow.predecessors[name]
+            if len(preds) != 1:
+                continue
+            leave = self._function.by_name[preds[0]].exit
+            if leave.cond is not None:
+                yield from self._holding(leave.cond, name == leave.targets[0])
+
+    def _holding(self, cond: Operand, truth: bool) -> Iterator[Fact]:
+        """What is known if `cond` has the given truth."""
+        definition = self._definitions.get(cond.name) if isinstance(cond, Local) else None
+        if not isinstance(definition, Op):
+            return
+        if definition.op == "icmp":
+            if not comparable(definition):
+                return
+            pred = definition.pred if truth else _NEGATED[definition.pred]
+            yield Fact(definition.args[0], pred, definition.args[1], definition.type)
+        elif definition.op == "xor" and definition.args[1] in (Int(1), Int(-1)):
+            yield from self._holding(definition.args[0], not truth)
+        elif _is_conjunction(definition) if truth else _is_disjunction(definition):
+            for part in definition.args:
+                yield from self._holding(part, truth)
+
+
+def _is_conjunction(op: Op) -> bool:
+    return (op.op == "and" and op.type == "i1") or (op.op == "select" and op.args[2] == Int(0) and op.type == "i1")
+
+
+def _is_disjunction(op: Op) -> bool:
+    return (op.op == "or" and op.type == "i1") or (op.op == "select" and op.args[1] == Int(1) and op.type == "i1")
+
+
+def _is_cheap(op: Op) -> bool:
+    """Worth evaluating again with what is known in a later block."""
+    return op.op in ("add", "sub", "sext", "zext", "trunc", "shl", "select", "and", "freeze", "mul")
+
+
+def _result_type(item: Op | WidePhi) -> str:
+    return "i1" if isinstance(item, Op) and item.op in ("icmp", "fcmp") else item.type
+
+
+def _is_int(type_: str) -> bool:
+    return type_[:1] == "i" and type_[1:].isdigit()

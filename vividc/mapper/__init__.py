@@ -1,0 +1,39 @@
+"""Maps DFGs onto fabrics: bounds, modulo scheduling, placement and routing, and the verifier of all
+of it.
+"""
+
+from vividc.mapper.api import map_dfg
+from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Status, Step
+from vividc.mapper.mapping_json import mapping_from_json, mapping_to_json
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
+from vividc.mapper.request import Mapper, MapRequest, Progress
+from vividc.mapper.verify import Violation, verify, violations
+
+__all__ = [
+    "ENTRY_POINT_GROUP",
+    "Bound",
+    "Deadline",
+    "MapProblem",
+    "MapRequest",
+    "MapResult",
+    "Mapper",
+    "Mapping",
+    "Place",
+    "Progress",
+    "Refutation",
+    "Status",
+    "Step",
+    "Violation",
+    "all_bounds",
+    "find_mapper",
+    "map_dfg",
+    "mapper_names",
+    "mapping_from_json",
+    "mapping_to_json",
+    "mii",
+    "verify",
+    "violations",
+]

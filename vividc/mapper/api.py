@@ -1,0 +1,100 @@
+"""`map_dfg`: the mapper's front door."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as ReadOnly
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import DFG
+from vividc.errors import InternalError, VividcError
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import MapResult
+from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.registry import find_mapper
+from vividc.mapper.request import MapRequest, Progress
+from vividc.mapper.verify import violations
+
+_SHOWN = 5
+
+
+def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
+    dfg: DFG,
+    fabric: Fabric,
+    mapper: str = "auto",
+    ii: int | None = None,
+    time_limit_s: float = 60.0,
+    *,
+    allowed: ReadOnly[int, frozenset[int]] | None = None,
+    resident: ReadOnly[int, frozenset[ConstantKey]] | None = None,
+    workers: int = 2,
+    progress: Progress | None = None,
+) -> MapResult:
+    """Map a loop's DFG onto a fabric with the least II that can be found, and say what was proved
+    about it.
+
+    Parameters
+    ----------
+    dfg, fabric
+        What to map onto what. The DFG is taken to be well-formed (`vividc.dfg.check`).
+    mapper
+        "auto", "cpsat" (joint model only), "decoupled", or a registered one.
+    ii
+        The only II to try. None: the least.
+    time_limit_s
+        Wall-clock limit in seconds.
+    allowed
+        PEs that a node may lie on, by node id; nodes not named are free.
+    resident
+        Constant-store entries that other regions hold, by PE.
+    workers
+        Threads the solver may use. With 1 and no limit reached a run can be repeated exactly.
+    progress
+        Called with one line at each step.
+
+    Returns
+    -------
+    MapResult
+        "optimal" only if every smaller II was refuted; "infeasible" only if no II (or not the given
+        one) works. Every mapping in it has passed `verify`.
+
+    Raises
+    ------
+    VividcError
+        Unknown mapper, or an II, time limit or worker count that makes no sense.
+    InternalError
+        The mapper returned an illegal mapping.
+    """
+    _check(ii, time_limit_s, workers)
+    run = find_mapper(mapper)
+    problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
+    result = run(problem, MapRequest(ii, Deadline.after(time_limit_s), workers, progress))
+    _confirm(problem, result)
+    return result
+
+
+def _check(ii: int | None, time_limit_s: float, workers: int) -> None:
+    if ii is not None and ii < 1:
+        raise VividcError(f"the II must be 1 or more, not {ii}", loc="ii")
+    if not time_limit_s > 0:
+        raise VividcError(
+            f"the time limit must be positive, not {time_limit_s}", loc="time_limit_s"
+        )
+    if workers < 1:
+        raise VividcError(f"at least 1 worker is needed, not {workers}", loc="workers")
+
+
+def _confirm(problem: MapProblem, result: MapResult) -> None:
+    if result.mapping is None:
+        return
+    found = violations(
+        problem.dfg,
+        problem.fabric,
+        result.mapping,
+        allowed=problem.allowed,
+        resident=problem.resident,
+    )
+    if found:
+        shown = "; ".join(str(violation) for violation in found[:_SHOWN])
+        raise InternalError(
+            f"mapper {result.mapper!r} made an illegal mapping of {problem.dfg.name!r}: {shown}"
+        )

@@ -1,0 +1,154 @@
+"""One II: the ways to map it or to refute it, from the cheapest to the complete one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vividc.mapper.cpsat import (
+    Prepared,
+    ScheduleOptions,
+    Search,
+    complete_slack,
+    fixed,
+    folded,
+    place_and_route,
+    refute_folded,
+    refute_schedule,
+    schedule,
+    windowed,
+)
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import MapRequest
+
+MAX_MODEL_SIZE = 600_000
+"""Booleans beyond which a model is not built: memory, and presolve would not stop in time."""
+
+_VARIABLES_PER_S = 30_000
+"""Booleans built and presolved in a second, cautiously (building alone: 100,000 on one core)."""
+
+_SCHEDULE_S = 1.0
+_SCHEDULE_S_PER_NODE = 0.02
+_ROUTE_S = 4.0
+_ROUTE_SHARE = 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """What became of one II: a mapping, a refutation (`refuted_by`), or neither."""
+
+    mapping: Mapping | None = None
+    refuted_by: str | None = None
+
+    @property
+    def decided(self) -> bool:
+        """Mapped or refuted."""
+        return self.mapping is not None or self.refuted_by is not None
+
+
+OPEN = Attempt()
+
+
+def refute_cheaply(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
+    """Modulo scheduling without places, first with short schedules: those that exist are found
+    faster there.
+    """
+    half = deadline.within(deadline.remaining_s / 2)
+    any_schedule = ScheduleOptions(slack=ii, carry=False)
+    search = Search(half, request.workers, light=True)
+    if schedule(task, ii, any_schedule, search).verdict == "found":
+        return OPEN
+    outcome = refute_schedule(task, ii, Search(deadline, request.workers))
+    if outcome.verdict == "refuted":
+        return Attempt(refuted_by="modulo scheduling without places and routes")
+    return OPEN
+
+
+def map_decoupled(
+    task: MapProblem, ii: int, request: MapRequest, deadline: Deadline, first_seed: int = 0
+) -> Attempt:
+    """Schedules first, then places and routes with the times fixed, or nearly; several schedules
+    until one routes.
+    """
+    seed = first_seed
+    seen: list[dict[int, int]] = []
+    while not deadline.passed:
+        start = _schedule(task, ii, request, deadline, seed)
+        seed += 1
+        if start is None or start in seen:
+            if seed - first_seed > 3 * (len(seen) + 1):
+                break
+            continue
+        seen.append(start)
+        for slack in (0, 1):
+            request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
+            share = deadline.within(max(_ROUTE_S, _ROUTE_SHARE * deadline.remaining_s))
+            search = Search(share, 1, seed, light=True)
+            attempt = _joint(fixed(task, ii, start, slack), search)
+            if attempt.mapping is not None:
+                return attempt
+            if attempt.refuted_by is None:
+                break  # out of time: wider windows would need more of it
+    return OPEN
+
+
+def refute_by_folding(
+    task: MapProblem, ii: int, request: MapRequest, deadline: Deadline
+) -> Attempt:
+    """Place and route in slots instead of times: no schedule, however long, can do what this
+    cannot.
+    """
+    problem = folded(task, ii)
+    if not _buildable(problem, deadline):
+        return OPEN
+    request.tell(f"II {ii}: solving the cyclic relaxation")
+    if refute_folded(problem, Search(deadline, request.workers)).verdict == "refuted":
+        return Attempt(refuted_by="the cyclic relaxation of time, place and route")
+    return OPEN
+
+
+def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
+    """Time, place and route in one model, with windows that grow until they are complete."""
+    complete = complete_slack(task, ii)
+    slack = min(max(ii // 2, 1), complete)
+    while not deadline.passed:
+        problem = windowed(task, ii, slack)
+        if not _buildable(problem, deadline):
+            return OPEN
+        request.tell(f"II {ii}: joint model with slack {slack}, {problem.size} Booleans")
+        last = slack >= complete
+        share = deadline if last else deadline.within(deadline.remaining_s / 2)
+        attempt = _joint(problem, Search(share, request.workers, light=not last))
+        if attempt.mapping is not None or last:
+            return attempt
+        slack = min(2 * slack, complete)
+    return OPEN
+
+
+def _schedule(
+    task: MapProblem, ii: int, request: MapRequest, deadline: Deadline, seed: int
+) -> dict[int, int] | None:
+    options = ScheduleOptions(
+        easy_life=(1, 2, 0)[seed % 3], slack=2 + (ii // 2) * (seed % 4), seed=seed // 3
+    )
+    budget_s = _SCHEDULE_S + len(task.dfg.placed) * _SCHEDULE_S_PER_NODE
+    budget = deadline.within(min(budget_s, deadline.remaining_s / 2))
+    return schedule(task, ii, options, Search(budget, request.workers, seed, light=True)).value
+
+
+def _joint(problem: Prepared, search: Search) -> Attempt:
+    """ "Refuted" is passed on for all windows alike; only complete ones may use it."""
+    if not _buildable(problem, search.deadline):
+        return OPEN
+    outcome = place_and_route(problem, search)
+    if outcome.value is not None:
+        return Attempt(mapping=outcome.value)
+    if outcome.verdict == "refuted":
+        return Attempt(refuted_by="the complete model of time, place and route")
+    return OPEN
+
+
+def _buildable(problem: Prepared, deadline: Deadline) -> bool:
+    within_time = problem.size <= _VARIABLES_PER_S * deadline.remaining_s
+    return within_time and problem.size <= MAX_MODEL_SIZE

@@ -1,0 +1,210 @@
+"""Lower bounds on the II that hold for every mapping, each with what binds it.
+
+RecMII is the exact maximum cycle ratio (Rau 1994, section 2.2); the resource bounds are Hall's
+condition (Hall 1935) on the PEs that can run each operation. One operation completes per PE and
+slot as well as one issues, so completion binds no more than issue does. Scratchpad banks give no
+bound: two accesses of a cycle that meet in a bank stall the tile, but are legal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from vividc.dfg.ir import Node
+from vividc.dfg.opcodes import Opcode
+from vividc.mapper.dependences import (
+    Dependence,
+    dependences,
+    earliest_starts,
+    positive_cycle,
+)
+from vividc.mapper.mapping import Bound
+from vividc.mapper.problem import ConstantKey, MapProblem
+
+_MAX_HALL_SETS = 256
+_SHOWN = 6
+
+
+def mii(bounds: Iterable[Bound]) -> int:
+    """The largest of the bounds, at least 1."""
+    return max((bound.ii for bound in bounds), default=1)
+
+
+def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """All bounds on the II, sharpest first. A bound above `controller.contexts` says that no II can
+    work.
+
+    Raises
+    ------
+    DFGError
+        Never: malformed graphs are `dfg.check`'s business; a cycle of distance 0 shows up as an
+        impossible RecMII.
+    """
+    never = placement_bounds(problem)
+    if never:
+        return never
+    found = [
+        *recurrence_bounds(problem),
+        *issue_bounds(problem),
+        *live_out_bounds(problem),
+        *control_bounds(problem),
+    ]
+    found += stage_bounds(problem, mii(found))
+    return tuple(sorted(found, key=lambda bound: -bound.ii))
+
+
+def no_ii(problem: MapProblem) -> int:
+    """The II that stands for "no II works": one more than the configuration memory holds."""
+    return problem.fabric.controller.contexts + 1
+
+
+def usable_pes(problem: MapProblem, node: Node) -> tuple[int, ...]:
+    """Candidate PEs of `node` whose constant store has room for the node's own constants."""
+    keys = frozenset(problem.constants_of(node))
+    return tuple(
+        pe
+        for pe in problem.candidates(node)
+        if len(keys | _resident(problem, pe)) <= problem.fabric.pes[pe].constants
+        or keys <= _resident(problem, pe)
+    )
+
+
+def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """A bound for each node that no PE can take."""
+    found = []
+    for node in problem.dfg.placed:
+        if usable_pes(problem, node):
+            continue
+        fault = (
+            "no PE allowed for it has that operation"
+            if not problem.candidates(node)
+            else f"its {len(problem.constants_of(node))} constants fit no PE's constant store"
+        )
+        reason = f"{_name(node)} cannot be placed: {fault}"
+        found.append(Bound("placement", no_ii(problem), reason, (node.id,)))
+    return tuple(found)
+
+
+def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """RecMII: max over cycles of ceil(sum of separations / sum of distances), with a cycle that
+    reaches it.
+
+    Binary search on the II; a cycle with a positive weight at II - 1 is one of ratio above II - 1.
+    """
+    nodes = tuple(node.id for node in problem.dfg.placed)
+    edges = dependences(problem.dfg, problem.fabric)
+    impossible = sum(max(edge.separation, 0) for edge in edges) + 1
+    low, high = 0, impossible
+    while low < high:
+        middle = (low + high) // 2
+        if earliest_starts(nodes, edges, middle) is None:
+            low = middle + 1
+        else:
+            high = middle
+    if low == 0:
+        return ()
+    cycle = positive_cycle(nodes, edges, low - 1)
+    if low == impossible:
+        reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}"
+        return (Bound("RecMII", no_ii(problem), reason, tuple(e.src for e in cycle)),)
+    return (_recurrence_bound(problem, low, cycle),)
+
+
+def issue_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """ResMII of each set of PEs that is all some operations can use; memory PEs form one."""
+    return _hall_bounds(problem, "ResMII", problem.dfg.operations)
+
+
+def live_out_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """A constant store takes one live-out a cycle."""
+    live_outs = tuple(node for node in problem.dfg.nodes if node.op is Opcode.LIVE_OUT)
+    return _hall_bounds(problem, "live-out writes", live_outs)
+
+
+def control_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """The tile controller takes one control result a cycle."""
+    users = tuple(node for node in problem.dfg.nodes if node.control is not None)
+    if not users:
+        return ()
+    reason = f"one control result a cycle: {_names(users)}"
+    return (Bound("control port", len(users), reason, tuple(node.id for node in users)),)
+
+
+def stage_bounds(problem: MapProblem, least: int) -> tuple[Bound, ...]:
+    """The longest dependence path must fit `max_stages` stages of II cycles; monotone in the II."""
+    nodes = tuple(node.id for node in problem.dfg.placed)
+    edges = dependences(problem.dfg, problem.fabric)
+    stages = problem.fabric.controller.max_stages
+    for ii in range(max(least, 1), no_ii(problem)):
+        starts = earliest_starts(nodes, edges, ii)
+        if starts is not None and max(starts.values(), default=0) < stages * ii:
+            break
+    else:
+        ii = no_ii(problem)
+    if ii <= least or not nodes:
+        return ()
+    reason = f"the longest path does not fit {stages} stages at a smaller II"
+    return (Bound("stages", ii, reason),)
+
+
+def hall_sets(candidates: Iterable[Iterable[int]]) -> tuple[frozenset[int], ...]:
+    """Unions of the candidate sets (at most `_MAX_HALL_SETS`: fewer only weaken the bound), small
+    ones first.
+    """
+    basic = sorted({frozenset(pes) for pes in candidates}, key=_order)
+    everything: frozenset[int] = frozenset().union(*basic)
+    found = dict.fromkeys([*basic[: _MAX_HALL_SETS - 1], everything])
+    frontier = list(found)
+    while frontier and len(found) < _MAX_HALL_SETS:
+        grown = [a | b for a in frontier for b in basic if (a | b) not in found]
+        frontier = sorted(dict.fromkeys(grown), key=_order)[: _MAX_HALL_SETS - len(found)]
+        found.update(dict.fromkeys(frontier))
+    return tuple(sorted((pes for pes in found if pes), key=_order))
+
+
+def _order(pes: frozenset[int]) -> tuple[int, tuple[int, ...]]:
+    return (len(pes), tuple(sorted(pes)))
+
+
+def _resident(problem: MapProblem, pe: int) -> frozenset[ConstantKey]:
+    return problem.resident.get(pe, frozenset())
+
+
+def _hall_bounds(problem: MapProblem, name: str, nodes: Sequence[Node]) -> tuple[Bound, ...]:
+    candidates = {node.id: frozenset(usable_pes(problem, node)) for node in nodes}
+    found = []
+    for pes in hall_sets(candidates.values()) if nodes else ():
+        users = [node for node in nodes if candidates[node.id] <= pes]
+        ii = -(-len(users) // len(pes))
+        reason = f"{len(users)} on {_pes_text(problem, pes)}: {_names(users)}"
+        found.append(Bound(name, ii, reason, tuple(node.id for node in users)))
+    best = max((bound.ii for bound in found), default=0)
+    return tuple(bound for bound in found if bound.ii == best)[:1]
+
+
+def _recurrence_bound(problem: MapProblem, ii: int, cycle: Sequence[Dependence]) -> Bound:
+    latency = sum(edge.separation for edge in cycle)
+    distance = sum(edge.distance for edge in cycle)
+    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}"
+    return Bound("RecMII", ii, reason, tuple(edge.src for edge in cycle))
+
+
+def _cycle_text(problem: MapProblem, cycle: Sequence[Dependence]) -> str:
+    nodes = [problem.dfg.by_id[edge.src] for edge in cycle]
+    return " -> ".join(_name(node) for node in [*nodes, nodes[0]])
+
+
+def _pes_text(problem: MapProblem, pes: frozenset[int]) -> str:
+    if len(pes) == len(problem.fabric.pes):
+        return f"all {len(pes)} PEs"
+    return f"the {len(pes)} PEs {', '.join(str(pe) for pe in sorted(pes))}"
+
+
+def _names(nodes: Sequence[Node]) -> str:
+    shown = ", ".join(_name(node) for node in nodes[:_SHOWN])
+    return shown if len(nodes) <= _SHOWN else f"{shown}, and {len(nodes) - _SHOWN} more"
+
+
+def _name(node: Node) -> str:
+    label = f"{node.op.value} {node.name}".strip()
+    return f"{label} #{node.id}" if node.loc is None else f"{label} #{node.id} ({node.loc})"

@@ -1,0 +1,84 @@
+"""The Boolean variables of time, place and route, each named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ortools.sat.python.cp_model import CpModel, IntVar
+
+from vividc.mapper.cpsat.problem import LinkAt, NodeAt, Prepared
+from vividc.mapper.problem import ConstantKey
+
+
+@dataclass(frozen=True, slots=True)
+class Variables:
+    """All variables of one model; keys as in `Prepared`.
+
+    Attributes
+    ----------
+    start
+        [node, pe, time]: the node issues there and then.
+    link
+        [word, link, time]: the word is readable at the end of the link.
+    held, written, read
+        [word, pe, time]: a register holds the word; it was written in the cycle before; an RF read
+        port reads it.
+    constant
+        [pe, key]: the constant store of the PE keeps the entry. Only where capacity could be
+        exceeded.
+    stage
+        Cyclic timeline only: stage of each node.
+    """
+
+    start: Mapping[NodeAt, IntVar]
+    link: Mapping[LinkAt, IntVar]
+    held: Mapping[NodeAt, IntVar]
+    written: Mapping[NodeAt, IntVar]
+    read: Mapping[NodeAt, IntVar]
+    constant: Mapping[tuple[int, ConstantKey], IntVar]
+    stage: Mapping[int, IntVar]
+
+
+def new_variables(model: CpModel, problem: Prepared) -> Variables:
+    """Create every variable, in a deterministic order."""
+
+    def booleans(name: str, keys: tuple[NodeAt, ...]) -> dict[NodeAt, IntVar]:
+        return {key: model.new_bool_var(f"{name}[{key[0]},{key[1]},{key[2]}]") for key in keys}
+
+    return Variables(
+        start=booleans("start", problem.starts),
+        link=booleans("link", problem.on_links),
+        held=booleans("held", problem.in_registers),
+        written=booleans("written", problem.in_registers),
+        read=booleans("read", problem.in_registers),
+        constant=_constants(model, problem),
+        stage=_stages(model, problem),
+    )
+
+
+def _constants(model: CpModel, problem: Prepared) -> dict[tuple[int, ConstantKey], IntVar]:
+    found: dict[tuple[int, ConstantKey], IntVar] = {}
+    for pe in problem.fabric.pes:
+        resident = problem.task.resident.get(pe.id, frozenset())
+        keys = dict.fromkeys(
+            key
+            for node in problem.nodes
+            if pe.id in problem.candidates[node.id]
+            for key in problem.task.constants_of(node)
+            if key not in resident
+        )
+        if len(keys) + len(resident) <= pe.constants:
+            continue
+        for key in keys:
+            found[pe.id, key] = model.new_bool_var(f"constant[{pe.id},{key[0]}:{key[1]}]")
+    return found
+
+
+def _stages(model: CpModel, problem: Prepared) -> dict[int, IntVar]:
+    if not problem.cyclic:
+        return {}
+    return {
+        node.id: model.new_int_var(0, problem.last_stage, f"stage[{node.id}]")
+        for node in problem.nodes
+    }

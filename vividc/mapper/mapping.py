@@ -1,0 +1,108 @@
+"""What a mapper returns: time and place of each node, the route of each edge, and what was proved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass, field
+from typing import Literal
+
+Status = Literal["optimal", "feasible", "infeasible", "timeout"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """`node` issues on PE `pe` at cycle `time` of its iteration (0 = the iteration's first cycle)."""
+
+    pe: int
+    time: int
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Step:
+    """Where a routed word is at cycle `time` (of the producer's iteration).
+
+    kind "link": it was driven onto link `index` in the cycle before and is readable at the link's
+    destination PE in cycle `time`. kind "reg": it is in register `index` of PE `pe`, readable in cycle
+    `time`. For links, `pe` is the destination PE.
+    """
+
+    kind: Literal["link", "reg"]
+    pe: int
+    index: int
+    time: int
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """A modulo schedule with routes.
+
+    Attributes
+    ----------
+    ii
+        Initiation interval; for a straight region its length in cycles.
+    places
+        Place of every placed node (operations and live-outs), by node id.
+    routes
+        For each index of a routed edge in `dfg.edges`: the steps of the word, one a cycle, from
+        start[src] + latency(src) to the cycle in which the consumer reads it,
+        start[dst] + II * distance. Empty: the consumer, on the same PE, reads the FU's output register
+        in the very cycle in which the result appears.
+    """
+
+    ii: int
+    places: ReadOnly[int, Place]
+    routes: ReadOnly[int, tuple[Step, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A proved lower bound on the II, with what binds it in words and as node ids."""
+
+    name: str
+    ii: int
+    reason: str
+    nodes: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """Why one II is impossible: by a bound, or by a solver that exhausted a complete model."""
+
+    ii: int
+    by: str
+
+
+@dataclass(frozen=True)
+class MapResult:
+    """The outcome of `map_dfg`.
+
+    Attributes
+    ----------
+    status
+        "optimal": every II below `ii` was refuted. "feasible": mapped, but the IIs from `lower_bound`
+        to `ii` - 1 are open. "infeasible": no II can work (or the requested one cannot). "timeout":
+        nothing found in time.
+    bounds
+        All bounds, sharpest first.
+    refuted
+        The refutations behind `lower_bound`.
+    wall_s
+        Seconds spent.
+    """
+
+    status: Status
+    ii: int | None
+    lower_bound: int
+    bounds: tuple[Bound, ...]
+    mapping: Mapping | None
+    mapper: str
+    wall_s: float
+    refuted: tuple[Refutation, ...] = ()
+    stats: ReadOnly[str, float] = field(default_factory=dict)
+
+    def explain(self) -> str:
+        """What was proved and what binds, in a few lines for a person."""
+        lines = [f"{self.status}: II {self.ii}, proved lower bound {self.lower_bound}"]
+        lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in self.bounds]
+        lines += [f"  II {item.ii} refuted by {item.by}" for item in self.refuted]
+        return "\n".join(lines)

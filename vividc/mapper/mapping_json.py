@@ -1,0 +1,175 @@
+"""A map result as JSON and back; nodes by id and edges by index, so it is read beside the DFG it
+was made from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, Final, TypeVar, cast, get_args
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import DFG
+from vividc.errors import VividcError
+from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Status, Step
+
+SCHEMA: Final = "vividc.mapping/1"
+T = TypeVar("T")
+
+
+def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, Any]:
+    """A JSON-ready object that `mapping_from_json` reads back."""
+    return {
+        "schema": SCHEMA,
+        "dfg": dfg.name,
+        "fabric": fabric.name,
+        "mapper": result.mapper,
+        "status": result.status,
+        "ii": result.ii,
+        "lower_bound": result.lower_bound,
+        "wall_s": result.wall_s,
+        "bounds": [
+            {"name": b.name, "ii": b.ii, "reason": b.reason, "nodes": list(b.nodes)}
+            for b in result.bounds
+        ],
+        "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
+        "stats": dict(result.stats),
+        "mapping": None if result.mapping is None else _mapping_object(result.mapping, dfg),
+    }
+
+
+def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
+    """The result that `mapping_to_json` wrote. The mapping is read, not verified: call `verify`
+    before using it.
+
+    Raises
+    ------
+    VividcError
+        Not such an object, of another version, or made for another DFG or fabric.
+    """
+    top = _object(data, "mapping file")
+    if top.get("schema") != SCHEMA:
+        raise _fault("schema", f"expected {SCHEMA!r}, found {top.get('schema')!r}")
+    for key, name in (("dfg", dfg.name), ("fabric", fabric.name)):
+        if top.get(key) != name:
+            raise _fault(key, f"made for {top.get(key)!r}, not for {name!r}")
+    status = _get(top, "status", str)
+    if status not in get_args(Status):
+        raise _fault("status", f"{status!r} is none of {', '.join(get_args(Status))}")
+    body = top.get("mapping")
+    return MapResult(
+        status=cast(Status, status),
+        ii=None if top.get("ii") is None else _get(top, "ii", int),
+        lower_bound=_get(top, "lower_bound", int),
+        bounds=tuple(_each(top, "bounds", _bound)),
+        mapping=None if body is None else _mapping(_object(body, "mapping"), dfg),
+        mapper=_get(top, "mapper", str),
+        wall_s=_number(top, "wall_s"),
+        refuted=tuple(_each(top, "refuted", _refutation)),
+        stats=_stats(top),
+    )
+
+
+def _mapping_object(mapping: Mapping, dfg: DFG) -> dict[str, Any]:
+    return {
+        "ii": mapping.ii,
+        "places": [
+            {"node": node, "pe": place.pe, "time": place.time}
+            for node, place in sorted(mapping.places.items())
+        ],
+        "routes": [
+            {
+                "edge": index,
+                "src": dfg.edges[index].src,
+                "dst": dfg.edges[index].dst,
+                "steps": [
+                    {"kind": s.kind, "pe": s.pe, "index": s.index, "time": s.time} for s in steps
+                ],
+            }
+            for index, steps in sorted(mapping.routes.items())
+        ],
+    }
+
+
+def _mapping(body: dict[str, Any], dfg: DFG) -> Mapping:
+    places = dict(_each(body, "places", _place))
+    known = {node.id for node in dfg.placed}
+    if places.keys() != known:
+        odd = sorted(places.keys() ^ known)[0]
+        raise _fault("places", f"node {odd} is in only one of the mapping and the DFG")
+    routes = dict(_each(body, "routes", lambda item: _route(item, dfg)))
+    return Mapping(_get(body, "ii", int), places, routes)
+
+
+def _place(item: dict[str, Any]) -> tuple[int, Place]:
+    return _get(item, "node", int), Place(_get(item, "pe", int), _get(item, "time", int))
+
+
+def _route(item: dict[str, Any], dfg: DFG) -> tuple[int, tuple[Step, ...]]:
+    index = _get(item, "edge", int)
+    if not 0 <= index < len(dfg.edges):
+        raise _fault("edge", f"the DFG has no edge {index}")
+    edge = dfg.edges[index]
+    if (_get(item, "src", int), _get(item, "dst", int)) != (edge.src, edge.dst):
+        raise _fault("edge", f"edge {index} of the DFG has other ends")
+    return index, tuple(_each(item, "steps", _step))
+
+
+def _step(item: dict[str, Any]) -> Step:
+    kind = _get(item, "kind", str)
+    pe, index, time = (_get(item, key, int) for key in ("pe", "index", "time"))
+    if kind == "link":
+        return Step("link", pe, index, time)
+    if kind == "reg":
+        return Step("reg", pe, index, time)
+    raise _fault("kind", f"{kind!r} is neither 'link' nor 'reg'")
+
+
+def _bound(item: dict[str, Any]) -> Bound:
+    nodes = item.get("nodes", [])
+    if not isinstance(nodes, list) or not all(isinstance(node, int) for node in nodes):
+        raise _fault("nodes", "not a list of node ids")
+    return Bound(
+        _get(item, "name", str), _get(item, "ii", int), _get(item, "reason", str), tuple(nodes)
+    )
+
+
+def _refutation(item: dict[str, Any]) -> Refutation:
+    return Refutation(_get(item, "ii", int), _get(item, "by", str))
+
+
+def _stats(top: dict[str, Any]) -> dict[str, float]:
+    stats = _object(top.get("stats", {}), "stats")
+    return {key: _number(stats, key) for key in stats}
+
+
+def _each(item: dict[str, Any], key: str, read: Callable[[dict[str, Any]], T]) -> Iterator[T]:
+    entries = item.get(key)
+    if not isinstance(entries, list):
+        raise _fault(key, "missing, or not a list")
+    for entry in entries:
+        yield read(_object(entry, key))
+
+
+def _number(item: dict[str, Any], key: str) -> float:
+    value = item.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise _fault(key, "missing, or not a number")
+    return float(value)
+
+
+def _get(item: dict[str, Any], key: str, kind: type[T]) -> T:
+    value = item.get(key)
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise _fault(key, f"missing, or not of type {kind.__name__}")
+    return value
+
+
+def _object(data: object, name: str) -> dict[str, Any]:
+    if not isinstance(data, dict):
+        raise _fault(name, "not a JSON object")
+    return data
+
+
+def _fault(place: str, reason: str) -> VividcError:
+    hint = "write the mapping anew with `vividc map`"
+    return VividcError(reason, loc=f"mapping file: {place}", hint=hint)

@@ -1,0 +1,237 @@
+"""Finds the least II: upward from the MII until one maps, then back down while time is left."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from vividc.mapper.attempt import (
+    OPEN,
+    Attempt,
+    map_decoupled,
+    map_jointly,
+    refute_by_folding,
+    refute_cheaply,
+)
+from vividc.mapper.bounds import all_bounds, mii, no_ii
+from vividc.mapper.cpsat.problem import hop_distances
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import Bound, Mapping, MapResult, Refutation, Status
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import MapRequest
+
+Strategy = Callable[[MapProblem, int, MapRequest, Deadline, int], Attempt]
+"""(problem, II, request, deadline of this try, number of earlier tries of this II)."""
+
+_FIRST_SHARE = 0.5
+_CLIMB_SHARE = 0.2
+_CLIMB_LEAST_S = 2.0
+_WORTH_TRYING_S = 0.3
+
+
+def auto(problem: MapProblem, request: MapRequest) -> MapResult:
+    """Every way: decoupled first, then relaxations and the joint model."""
+    return _search(problem, request, "auto", _try_everything)
+
+
+def cpsat(problem: MapProblem, request: MapRequest) -> MapResult:
+    """The joint model only, with the bounds and the scheduling relaxation before it."""
+    return _search(problem, request, "cpsat", _try_jointly)
+
+
+def decoupled(problem: MapProblem, request: MapRequest) -> MapResult:
+    """Schedule first, then place and route; "optimal" only where bounds and the relaxation prove
+    it.
+    """
+    return _search(problem, request, "decoupled", _try_decoupled)
+
+
+def ii_limit(problem: MapProblem) -> int:
+    """An II beyond which trying makes no sense: all operations one after another, each as far as
+    the array is wide.
+    """
+    hops = hop_distances(problem.fabric)
+    reachable = [d for row in hops for d in row if d < len(hops)]
+    step = max(reachable, default=0) + problem.fabric.controller.control_latency + 1
+    length = sum(problem.fabric.latency(node) + step for node in problem.dfg.placed)
+    return min(problem.fabric.controller.contexts, max(length, 1))
+
+
+@dataclass
+class _Campaign:
+    """State of one search over IIs."""
+
+    problem: MapProblem
+    request: MapRequest
+    strategy: Strategy
+    lower: int
+    best: Mapping | None = None
+    refuted: dict[int, str] = field(default_factory=dict)
+    tries: dict[int, int] = field(default_factory=dict)
+
+    def try_ii(self, ii: int, deadline: Deadline) -> Attempt:
+        """One more try of `ii`; keeps what it found."""
+        count = self.tries.get(ii, 0)
+        self.tries[ii] = count + 1
+        attempt = self.strategy(self.problem, ii, self.request, deadline, count)
+        if attempt.refuted_by is not None:
+            self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
+            self.refuted[ii] = attempt.refuted_by
+            self._raise_lower()
+        if attempt.mapping is not None:
+            self.request.tell(f"II {ii}: mapped")
+            self.best = attempt.mapping
+        return attempt
+
+    def open_iis(self) -> list[int]:
+        """IIs that are neither refuted nor worse than the best."""
+        end = self.lower if self.best is None else self.best.ii
+        return [ii for ii in range(self.lower, end) if ii not in self.refuted]
+
+    def _raise_lower(self) -> None:
+        while self.lower in self.refuted:
+            self.lower += 1
+
+
+def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strategy) -> MapResult:
+    began = time.monotonic()
+    bounds = all_bounds(problem)
+    campaign = _Campaign(problem, request, strategy, mii(bounds))
+    if campaign.lower >= no_ii(problem):
+        return _result(campaign, bounds, name, began, infeasible=True)
+    if request.ii is not None:
+        impossible = _only(campaign, request.ii)
+        return _result(campaign, bounds, name, began, infeasible=impossible)
+    _climb(campaign)
+    _descend(campaign)
+    exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
+    return _result(campaign, bounds, name, began, infeasible=exhausted)
+
+
+def _only(campaign: _Campaign, ii: int) -> bool:
+    """Try one II only, with all the time there is; whether it was refuted."""
+    request = campaign.request
+    if ii < campaign.lower or ii >= no_ii(campaign.problem):
+        return True
+    while not request.deadline.passed:
+        before = request.deadline.remaining_s
+        if campaign.try_ii(ii, request.deadline).decided:
+            break
+        if before - request.deadline.remaining_s < _WORTH_TRYING_S:
+            break
+    if campaign.best is not None:
+        _refute_below(campaign, ii)
+    return ii in campaign.refuted
+
+
+def _refute_below(campaign: _Campaign, ii: int) -> None:
+    while campaign.lower < ii:
+        lower = campaign.lower
+        attempt = refute_cheaply(
+            campaign.problem, lower, campaign.request, campaign.request.deadline
+        )
+        if attempt.refuted_by is None:
+            return
+        campaign.refuted[lower] = attempt.refuted_by
+        campaign.lower += 1
+
+
+def _climb(campaign: _Campaign) -> None:
+    """Upward from the MII with a share of the time each; steps grow after failures, so that
+    something is found.
+    """
+    deadline = campaign.request.deadline
+    total_s = deadline.remaining_s
+    limit = ii_limit(campaign.problem)
+    ii, failures = campaign.lower, 0
+    while ii <= limit and not deadline.passed:
+        share = _CLIMB_SHARE if failures else _FIRST_SHARE
+        attempt = campaign.try_ii(ii, deadline.within(max(_CLIMB_LEAST_S, share * total_s)))
+        if attempt.mapping is not None:
+            return
+        if attempt.refuted_by is None:
+            failures += 1
+        ii = max(ii + 1 + failures // 3, campaign.lower)
+
+
+def _descend(campaign: _Campaign) -> None:
+    """Spend what is left on the IIs below the best: map the largest, refute the rest; rounds get
+    longer.
+    """
+    deadline = campaign.request.deadline
+    while campaign.best is not None:
+        pending = campaign.open_iis()
+        if not pending or deadline.remaining_s < _WORTH_TRYING_S:
+            return
+        before = (len(pending), deadline.remaining_s)
+        share = deadline.remaining_s / (len(pending) + 1)
+        if len(pending) == 1:
+            share = deadline.remaining_s
+        for ii in reversed(pending):
+            if ii < campaign.best.ii:
+                campaign.try_ii(ii, deadline.within(share))
+        idle = before[1] - deadline.remaining_s < _WORTH_TRYING_S
+        if idle and len(campaign.open_iis()) == before[0]:
+            return
+
+
+def _try_everything(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
+) -> Attempt:
+    attempt = refute_cheaply(problem, ii, request, _part(deadline, 0.15)) if not tries else OPEN
+    if not attempt.decided:
+        attempt = map_decoupled(problem, ii, request, _part(deadline, 0.7), 1000 * tries)
+    if not attempt.decided:
+        attempt = refute_by_folding(problem, ii, request, _part(deadline, 0.4))
+    if not attempt.decided:
+        attempt = map_jointly(problem, ii, request, deadline)
+    return attempt
+
+
+def _try_jointly(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
+) -> Attempt:
+    attempt = refute_cheaply(problem, ii, request, _part(deadline, 0.15)) if not tries else OPEN
+    if not attempt.decided:
+        attempt = map_jointly(problem, ii, request, deadline)
+    return attempt
+
+
+def _try_decoupled(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
+) -> Attempt:
+    attempt = refute_cheaply(problem, ii, request, _part(deadline, 0.15)) if not tries else OPEN
+    if not attempt.decided:
+        attempt = map_decoupled(problem, ii, request, deadline, 1000 * tries)
+    return attempt
+
+
+def _part(deadline: Deadline, share: float) -> Deadline:
+    return deadline.within(deadline.remaining_s * share)
+
+
+def _result(
+    campaign: _Campaign, bounds: tuple[Bound, ...], name: str, began: float, *, infeasible: bool
+) -> MapResult:
+    best = campaign.best
+    refuted = [Refutation(ii, by) for ii, by in sorted(campaign.refuted.items())]
+    return MapResult(
+        status=_status(campaign, infeasible=infeasible),
+        ii=None if best is None else best.ii,
+        lower_bound=campaign.lower,
+        bounds=bounds,
+        mapping=best,
+        mapper=name,
+        wall_s=time.monotonic() - began,
+        refuted=tuple(item for item in refuted if best is None or item.ii < best.ii),
+        stats={"tries": float(sum(campaign.tries.values()))},
+    )
+
+
+def _status(campaign: _Campaign, *, infeasible: bool) -> Status:
+    if infeasible:
+        return "infeasible"
+    if campaign.best is None:
+        return "timeout"
+    return "optimal" if campaign.lower >= campaign.best.ii else "feasible"

@@ -1,0 +1,52 @@
+"""Mappers by name: the built-in ones and those that other packages register."""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+from typing import Final, cast
+
+from vividc.errors import VividcError
+from vividc.mapper.portfolio import auto, cpsat, decoupled
+from vividc.mapper.request import Mapper
+
+ENTRY_POINT_GROUP: Final = "vividc.mappers"
+
+BUILT_IN: Final[dict[str, Mapper]] = {"auto": auto, "cpsat": cpsat, "decoupled": decoupled}
+
+
+def mapper_names() -> tuple[str, ...]:
+    """Names of all mappers, the built-in ones first."""
+    guests = sorted(point.name for point in entry_points(group=ENTRY_POINT_GROUP))
+    return tuple(dict.fromkeys([*BUILT_IN, *guests]))
+
+
+def find_mapper(name: str) -> Mapper:
+    """The mapper called `name`. Built-in names cannot be taken over.
+
+    Raises
+    ------
+    VividcError
+        No mapper has this name, or its package does not load.
+    """
+    if name in BUILT_IN:
+        return BUILT_IN[name]
+    for point in entry_points(group=ENTRY_POINT_GROUP, name=name):
+        return _load(name, point.load)
+    known = ", ".join(mapper_names())
+    raise VividcError(f"unknown mapper {name!r}", loc="mapper", hint=f"choose one of: {known}")
+
+
+def _load(name: str, load: object) -> Mapper:
+    if not callable(load):
+        raise VividcError(f"mapper {name!r} cannot be loaded", loc="mapper")
+    try:
+        found = load()
+    except (ImportError, AttributeError) as error:
+        hint = "reinstall the package that provides it"
+        raise VividcError(
+            f"mapper {name!r} cannot be loaded: {error}", loc="mapper", hint=hint
+        ) from error
+    if not callable(found):
+        hint = "its entry point must name a function (MapProblem, MapRequest) -> MapResult"
+        raise VividcError(f"mapper {name!r} is not callable", loc="mapper", hint=hint)
+    return cast(Mapper, found)

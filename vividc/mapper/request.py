@@ -1,0 +1,45 @@
+"""What a caller asks of a mapper besides the problem itself, and the type of a mapper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import MapResult
+from vividc.mapper.problem import MapProblem
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class MapRequest:
+    """Limits of one run.
+
+    Attributes
+    ----------
+    ii
+        The only II to try; None: the least.
+    deadline
+        When to stop, found or not.
+    workers
+        Threads the solver may use.
+    progress
+        Called with one line at each step; None: silent.
+    """
+
+    ii: int | None
+    deadline: Deadline
+    workers: int = 2
+    progress: Progress | None = None
+
+    def tell(self, line: str) -> None:
+        """Report progress."""
+        if self.progress is not None:
+            self.progress(line)
+
+
+Mapper = Callable[[MapProblem, MapRequest], MapResult]
+"""A mapper. Entry points of the group "vividc.mappers" load to one; its mappings are verified by
+`map_dfg`.
+"""

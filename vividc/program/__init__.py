@@ -1,0 +1,55 @@
+"""Configuration words, region table, memory layout: one versioned bundle."""
+
+from vividc.dfg.cfg import DType, Param
+from vividc.program.decode import decode, unpack
+from vividc.program.disasm import disassemble
+from vividc.program.encode import encode
+from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use, Write
+from vividc.program.layout import Field, WordLayout, word_layout
+from vividc.program.memory import place_arrays
+from vividc.program.program import Program, load
+from vividc.program.tables import (
+    BoundReport,
+    DebugRow,
+    Home,
+    LaunchRow,
+    Option,
+    Provenance,
+    RefutationReport,
+    RegionReport,
+    RegionRow,
+)
+from vividc.program.words import pack
+
+__all__ = [
+    "BoundReport",
+    "Capture",
+    "DType",
+    "DebugRow",
+    "Entry",
+    "Field",
+    "Home",
+    "Issue",
+    "LaunchRow",
+    "Operand",
+    "Option",
+    "Param",
+    "Program",
+    "Provenance",
+    "RefutationReport",
+    "RegionReport",
+    "RegionRow",
+    "Sel",
+    "Select",
+    "Use",
+    "WordLayout",
+    "Write",
+    "decode",
+    "disassemble",
+    "encode",
+    "load",
+    "pack",
+    "place_arrays",
+    "unpack",
+    "word_layout",
+]

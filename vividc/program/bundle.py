@@ -1,0 +1,204 @@
+"""The `.vivid` file: a zip of one JSON manifest and plain arrays, versioned, reproducible, bounded.
+
+Members are stored, not compressed, so a file can never unpack to more than its own size, and carry
+no time of day, so the same program gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import struct
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+
+from vividc.dfg.cfg import DType, Param
+from vividc.errors import BundleError
+from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+SCHEMA: Final = "vividc.program/1"
+MAX_FILE_BYTES: Final = 256 << 20
+_MANIFEST: Final = "program.json"
+_ARRAYS: Final = ("words", "images", "images_set")
+_EPOCH: Final = (1980, 1, 1, 0, 0, 0)
+_DAMAGE: Final = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    EOFError,
+    KeyError,
+    IndexError,
+    ValueError,
+    OverflowError,
+    MemoryError,
+    RuntimeError,
+    OSError,
+)
+"""What zipfile, json and numpy raise for a file that is not what it claims to be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """`program.json`: every part of a program but its arrays. `fabric` is YAML text."""
+
+    schema: str
+    opcodes: tuple[str, ...]
+    name: str
+    params: tuple[Param, ...]
+    returns: DType | None
+    fabric_name: str
+    fabric: str
+    contexts: int
+    table: tuple[RegionRow, ...]
+    launch: tuple[LaunchRow, ...]
+    return_home: Home | None
+    debug: tuple[DebugRow, ...]
+    regions: tuple[RegionReport, ...]
+    provenance: Provenance
+    warnings: tuple[str, ...]
+
+
+_ADAPTER: Final = TypeAdapter(Manifest)
+
+
+def write_bundle(
+    path: Path, manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]
+) -> None:
+    """Write `path` by way of a temporary file beside it, so that it is complete or untouched.
+
+    Raises
+    ------
+    BundleError
+        The file cannot be written.
+    """
+    data = _bytes(manifest, arrays)
+    try:
+        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        raise BundleError(f"cannot write: {error.strerror}", loc=str(path)) from error
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        Path(temporary).chmod(0o644)  # mkstemp gives 0600, unlike a file opened for writing
+        os.replace(temporary, path)
+    except OSError as error:
+        Path(temporary).unlink(missing_ok=True)
+        raise BundleError(f"cannot write: {error.strerror}", loc=str(path)) from error
+
+
+class BundleReader:
+    """An open `.vivid` file; damage in its `with` block becomes a `BundleError`."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __enter__(self) -> BundleReader:
+        try:
+            if self.path.stat().st_size > MAX_FILE_BYTES:
+                reason = f"larger than {MAX_FILE_BYTES >> 20} MiB, so not a .vivid file"
+                raise BundleError(reason, loc=str(self.path))
+            self._data = self.path.read_bytes()
+        except OSError as error:
+            raise BundleError(
+                f"cannot read: {error.strerror}",
+                loc=str(self.path),
+                hint="`vividc compile FILE.py -o OUT.vivid` writes such a file",
+            ) from error
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if isinstance(error, BundleError) and error.loc is None:
+            raise BundleError(error.reason, loc=str(self.path), hint=error.hint) from error
+        if isinstance(error, _DAMAGE):
+            raise BundleError(
+                f"not a complete .vivid file ({_short(error)})",
+                loc=str(self.path),
+                hint="compile the kernel again",
+            ) from error
+
+    def manifest(self) -> Manifest:
+        """The JSON part, checked for its schema first."""
+        text = self._member(_MANIFEST)
+        raw = json.loads(text)
+        schema = raw.get("schema") if isinstance(raw, dict) else None
+        if schema != SCHEMA:
+            raise BundleError(
+                f"schema {schema!r}, and this version reads {SCHEMA!r}",
+                hint="compile the kernel again with this version",
+            )
+        return _ADAPTER.validate_json(text, strict=True)
+
+    def array(self, name: str, dtype: np.dtype[Scalar], shape: tuple[int, ...]) -> NDArray[Scalar]:
+        """An array member, refused before any allocation unless it has this dtype and shape."""
+        data = self._member(f"{name}.npy")
+        header = _npy_header(shape, dtype)
+        size = dtype.itemsize * int(np.prod(shape))
+        if data[: len(header)] != header or len(data) != len(header) + size:
+            raise BundleError(f"array {name} is not {dtype.name} of shape {shape}")
+        array: NDArray[Scalar] = np.load(io.BytesIO(data), allow_pickle=False)
+        return array
+
+    def _member(self, name: str) -> bytes:
+        with zipfile.ZipFile(io.BytesIO(self._data)) as archive:
+            if sorted(archive.namelist()) != sorted(_members()):
+                raise BundleError("its members are not those of a .vivid file")
+            info = archive.getinfo(name)
+            if info.compress_type != zipfile.ZIP_STORED or info.file_size > len(self._data):
+                raise BundleError(f"member {name} is not stored plainly")
+            return archive.read(info)
+
+
+def _members() -> tuple[str, ...]:
+    return (_MANIFEST, *(f"{name}.npy" for name in _ARRAYS))
+
+
+def _bytes(manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]) -> bytes:
+    tree = _ADAPTER.dump_python(manifest, mode="json")
+    for report in tree["regions"]:
+        report["wall_s"] = None  # a measured time would make every file differ
+    members = {_MANIFEST: (json.dumps(tree, indent=1, sort_keys=True) + "\n").encode()}
+    for name in _ARRAYS:
+        array = np.ascontiguousarray(arrays[name])
+        members[f"{name}.npy"] = _npy_header(array.shape, array.dtype) + array.tobytes()
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
+        for name, data in members.items():
+            info = zipfile.ZipInfo(name, _EPOCH)
+            info.external_attr = 0o644 << 16
+            info.create_system = 3  # the same bytes on every system
+            archive.writestr(info, data)
+    return buffer.getvalue()
+
+
+def _npy_header(shape: tuple[int, ...], dtype: np.dtype[np.generic]) -> bytes:
+    buffer = io.BytesIO()
+    descr = np.lib.format.dtype_to_descr(dtype.newbyteorder("<"))
+    header = {"descr": descr, "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(buffer, header)
+    return buffer.getvalue()
+
+
+def _short(error: BaseException) -> str:
+    if isinstance(error, ValidationError):
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        return f"{where}: {first['msg']}"
+    return str(error).splitlines()[0] if str(error) else type(error).__name__

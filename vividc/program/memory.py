@@ -1,0 +1,54 @@
+"""Where a launch's arrays lie in the scratchpad."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+
+from vividc.arch.fabric import Scratchpad
+from vividc.errors import ArgumentError
+
+WORD_BYTES = 4
+
+
+def place_arrays(arrays: Sequence[tuple[str, int]], scratchpad: Scratchpad) -> dict[str, int]:
+    """Byte address of each array.
+
+    Array j starts in bank j mod banks, so that accesses to several arrays at one index meet in no
+    bank (structures of arrays). If the gaps this leaves do not fit, the arrays are packed without
+    them.
+
+    Parameters
+    ----------
+    arrays
+        (name, size in 32-bit words), in the order of the kernel's parameters.
+
+    Raises
+    ------
+    ArgumentError
+        The arrays need more bytes than the scratchpad has.
+    """
+    sizes = [words for _, words in arrays]
+    needed = sum(sizes)
+    if needed > scratchpad.words:
+        raise ArgumentError(
+            f"the arrays need {needed * WORD_BYTES} bytes and the scratchpad has "
+            f"{scratchpad.size_bytes}: "
+            + ", ".join(f"{name} {words * WORD_BYTES}" for name, words in arrays),
+            hint="run the kernel on pieces of the arrays that fit together",
+        )
+    starts, end = _staggered(sizes, scratchpad.banks)
+    if end > scratchpad.words:
+        starts = list(accumulate(sizes, initial=0))[:-1]
+    return {name: start * WORD_BYTES for (name, _), start in zip(arrays, starts, strict=True)}
+
+
+def _staggered(sizes: Iterable[int], banks: int) -> tuple[list[int], int]:
+    starts = []
+    end = 0
+    for j, words in enumerate(sizes):
+        start = end + (j - end) % banks
+        starts.append(start)
+        if words:
+            end = start + words
+    return starts, end

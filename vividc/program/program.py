@@ -1,0 +1,236 @@
+"""A compiled program: configuration words and tables, all that a run on the fabric needs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.arch import load_text
+from vividc.arch.fabric import Fabric
+from vividc.dfg.cfg import DType, Param
+from vividc.errors import BundleError, VividcError
+from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
+from vividc.program.decode import decode
+from vividc.program.entry import Entry
+from vividc.program.layout import OPCODE_NUMBERS, word_layout
+from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """Everything the hardware and the host need to run a kernel, and where it came from.
+
+    Attributes
+    ----------
+    params, returns
+        The Python function's signature.
+    words
+        Configuration memory: uint32, [contexts, PEs, words per entry].
+    table
+        The tile controller's region table; row 0 runs first.
+    images, images_set
+        Initial words of the constant stores (uint32) and which entries they set (bool), both [PEs,
+        entries of the largest store].
+    launch
+        Constant-store entries the host writes at launch.
+    return_home
+        Entry that holds the returned scalar at the end.
+    debug
+        What each configuration entry was made from.
+    regions
+        What the compiler achieved and proved, one report per row of `table`.
+    """
+
+    name: str
+    params: tuple[Param, ...]
+    returns: DType | None
+    fabric: Fabric
+    words: NDArray[np.uint32]
+    table: tuple[RegionRow, ...]
+    images: NDArray[np.uint32]
+    images_set: NDArray[np.bool_]
+    launch: tuple[LaunchRow, ...]
+    return_home: Home | None
+    debug: tuple[DebugRow, ...]
+    regions: tuple[RegionReport, ...]
+    provenance: Provenance
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def fabric_name(self) -> str:
+        """Name of the fabric the program is for."""
+        return self.fabric.name
+
+    @cached_property
+    def entries(self) -> list[list[Entry]]:
+        """Decoded configuration memory, by context and PE."""
+        return decode(self.fabric, self.words)
+
+    @cached_property
+    def stored_arrays(self) -> frozenset[str]:
+        """Names of the arrays that some store writes."""
+        return frozenset(row.name for row in self.debug if row.op == "store")
+
+    def debug_row(self, region: int, slot: int, pe: int, role: str) -> DebugRow | None:
+        """What the operation or live-out at this place was made from."""
+        return self._debug_index.get((region, slot, pe, role))
+
+    @cached_property
+    def _debug_index(self) -> dict[tuple[int, int, int, str], DebugRow]:
+        return {(row.region, row.slot, row.pe, row.role): row for row in self.debug}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Program):
+            return NotImplemented
+        mine, theirs = _manifest(self), _manifest(other)
+        arrays = zip(_arrays(self).values(), _arrays(other).values(), strict=True)
+        return mine == theirs and all(np.array_equal(a, b) for a, b in arrays)
+
+    __hash__ = None  # type: ignore[assignment]  # equality by content of mutable arrays
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the `.vivid` file `path`, completely or not at all; equal programs, equal bytes.
+
+        Raises
+        ------
+        BundleError
+            The file cannot be written, or the fabric has no YAML text to store.
+        """
+        if not self.fabric.source:
+            raise BundleError(
+                f"the fabric {self.fabric.name} has no YAML text to store",
+                loc=os.fspath(path),
+                hint="build the fabric with vividc.arch.load or load_text",
+            )
+        write_bundle(Path(path), _manifest(self), _arrays(self))
+
+
+def load(path: str | os.PathLike[str]) -> Program:
+    """Read a `.vivid` file. Nothing in the file is executed.
+
+    Raises
+    ------
+    BundleError
+        The file is missing, damaged, of another version, or inconsistent; it names the path.
+    """
+    with BundleReader(Path(path)) as reader:
+        manifest = reader.manifest()
+        program = _assemble(reader, manifest)
+        for fault in _faults(program):
+            raise BundleError(fault)
+        return program
+
+
+def _manifest(program: Program) -> Manifest:
+    return Manifest(
+        schema=SCHEMA,
+        opcodes=_opcode_names(),
+        name=program.name,
+        params=program.params,
+        returns=program.returns,
+        fabric_name=program.fabric.name,
+        fabric=program.fabric.source,
+        contexts=program.words.shape[0],
+        table=program.table,
+        launch=program.launch,
+        return_home=program.return_home,
+        debug=program.debug,
+        regions=program.regions,
+        provenance=program.provenance,
+        warnings=program.warnings,
+    )
+
+
+def _arrays(program: Program) -> dict[str, NDArray[np.generic]]:
+    return {
+        "words": program.words,
+        "images": program.images,
+        "images_set": program.images_set,
+    }
+
+
+def _opcode_names() -> tuple[str, ...]:
+    return tuple("" if op is None else op.value for op in OPCODE_NUMBERS)
+
+
+def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
+    if manifest.opcodes != _opcode_names():
+        raise BundleError(
+            "the program was made with another opcode table",
+            hint="compile the kernel again with this version",
+        )
+    try:
+        fabric = load_text(manifest.fabric, str(reader.path))
+    except VividcError as error:
+        raise BundleError(f"its fabric cannot be read: {error.reason}") from error
+    pes = len(fabric.pes)
+    words = (manifest.contexts, pes, word_layout(fabric).words_per_entry)
+    images = (pes, max(pe.constants for pe in fabric.pes))
+    return Program(
+        name=manifest.name,
+        params=manifest.params,
+        returns=manifest.returns,
+        fabric=fabric,
+        words=reader.array("words", np.dtype(np.uint32), words),
+        table=manifest.table,
+        images=reader.array("images", np.dtype(np.uint32), images),
+        images_set=reader.array("images_set", np.dtype(np.bool_), images),
+        launch=manifest.launch,
+        return_home=manifest.return_home,
+        debug=manifest.debug,
+        regions=manifest.regions,
+        provenance=manifest.provenance,
+        warnings=manifest.warnings,
+    )
+
+
+def _faults(program: Program) -> Iterator[str]:
+    """What would let a run leave the tables; decoding `entries` checks the words themselves."""
+    contexts, rows = program.words.shape[0], len(program.table)
+    if contexts > program.fabric.controller.contexts or not rows:
+        yield f"{contexts} contexts and {rows} regions do not fit the fabric"
+    if len(program.regions) != rows:
+        yield "its reports and its region table differ in length"
+    for index, row in enumerate(program.table):
+        yield from _row_faults(index, row, contexts, rows)
+    homes = [(item.pe, item.entry) for item in program.launch]
+    if program.return_home is not None:
+        homes.append((program.return_home.pe, program.return_home.entry))
+    for pe, entry in homes:
+        if not 0 <= pe < len(program.fabric.pes) or not (
+            0 <= entry < program.fabric.pes[pe].constants
+        ):
+            yield f"constant-store entry {entry} of PE {pe} does not exist"
+    unknown = {item.key for item in program.launch} - _input_keys(program.params)
+    if unknown:
+        yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
+    if (program.returns is None) is not (program.return_home is None):
+        yield "its return type and its return value disagree"
+    if len(program.entries) != contexts:
+        yield "its configuration memory is incomplete"
+
+
+def _input_keys(params: tuple[Param, ...]) -> set[str]:
+    keys = {param.name for param in params if not param.ndim}
+    for param in params:
+        if param.ndim:
+            keys |= {f"&{param.name}", *(f"{param.name}.shape{k}" for k in range(param.ndim))}
+    return keys
+
+
+def _row_faults(index: int, row: RegionRow, contexts: int, rows: int) -> Iterator[str]:
+    targets = [target for target in (row.next, row.branch) if target is not None]
+    if row.ii < 1 or row.context < 0 or row.context + row.ii > contexts:
+        yield f"region {index} lies outside the configuration memory"
+    if row.span < 1 or row.stages < 1 or (row.kind == "straight" and row.span != row.ii):
+        yield f"region {index} has an impossible span"
+    if any(not 0 <= target < rows for target in targets):
+        yield f"region {index} continues at a region that does not exist"
+    if row.kind == "loop" and not (row.counted or row.has_exit):
+        yield f"region {index} never ends"

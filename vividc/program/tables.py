@@ -1,0 +1,172 @@
+"""The rows of a program's tables: regions, launch words, debug information, reports, provenance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from vividc.errors import SourceLoc
+
+RegionKind = Literal["loop", "straight"]
+
+
+@dataclass(frozen=True, slots=True)
+class RegionRow:
+    """A row of the tile controller's region table (docs/machine.md).
+
+    Attributes
+    ----------
+    context
+        First context.
+    ii
+        Contexts of the region: the II of a loop, the length of a straight region.
+    span
+        Cycles from an iteration's first issue to its last completion, control latency included.
+    stages
+        Live bits the region uses.
+    next, branch
+        Index of the row that runs next, and of the one to branch to; None: the program ends, there
+        is no branch.
+    """
+
+    kind: RegionKind
+    context: int
+    ii: int
+    span: int
+    stages: int
+    counted: bool
+    has_exit: bool
+    next: int | None
+    branch: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class LaunchRow:
+    """The host writes the word of `key` (see `dfg.cfg.Input`) to `entry` of PE `pe` at launch."""
+
+    pe: int
+    entry: int
+    key: str
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """A constant-store entry."""
+
+    pe: int
+    entry: int
+
+
+@dataclass(frozen=True, slots=True)
+class DebugRow:
+    """What a configuration entry was made from.
+
+    Attributes
+    ----------
+    role
+        "issue": the FU's operation; "live_out": the write to the constant store.
+    node
+        Id of the DFG node.
+    op
+        Opcode name.
+    name
+        Array of a load or store, variable of a live-out.
+    """
+
+    region: int
+    slot: int
+    pe: int
+    role: Literal["issue", "live_out"]
+    node: int
+    op: str
+    name: str = ""
+    loc: SourceLoc | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class BoundReport:
+    """A proved lower bound on the II, in words."""
+
+    name: str
+    ii: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class RefutationReport:
+    """Why one II is impossible."""
+
+    ii: int
+    by: str
+
+
+@dataclass(frozen=True, slots=True)
+class RegionReport:
+    """What the compiler achieved on one region, and what it proved about it.
+
+    Attributes
+    ----------
+    ii
+        Initiation interval of a loop; length in cycles of a straight region.
+    mii
+        Largest of `bounds`.
+    lower_bound
+        No smaller II exists: `bounds` and `refuted` prove it.
+    status
+        "optimal" if every II below `ii` was refuted, else "feasible".
+    utilization
+        Share of the FU issue slots that the region's operations take, 0 .. 1.
+    wall_s
+        Seconds the mapper spent; None in a loaded program, as files are reproducible.
+    """
+
+    name: str
+    kind: RegionKind
+    ii: int
+    mii: int
+    lower_bound: int
+    status: Literal["optimal", "feasible"]
+    utilization: float
+    operations: int
+    span: int
+    stages: int
+    mapper: str = ""
+    bounds: tuple[BoundReport, ...] = ()
+    refuted: tuple[RefutationReport, ...] = ()
+    loc: SourceLoc | None = None
+    wall_s: float | None = field(default=None, compare=False)
+
+    def explain(self) -> str:
+        """What was proved and what binds, in a few lines for a person."""
+        what = "II" if self.kind == "loop" else "length"
+        head = f"{self.name}: {self.status}, {what} {self.ii}, lower bound {self.lower_bound}"
+        lines = [head if self.loc is None else f"{head} ({self.loc})"]
+        lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in self.bounds]
+        lines += [f"  {what} {item.ii} refuted by {item.by}" for item in self.refuted]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """A compiler option the program was made with."""
+
+    name: str
+    value: str | int | float | bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """What made a program. No time of day: the same input gives the same file.
+
+    Attributes
+    ----------
+    versions
+        (package, version) of vividc and of the packages that shape its output.
+    kernel_file, kernel_sha256
+        The source file and the SHA-256 of its text, both "" if there is none.
+    """
+
+    versions: tuple[tuple[str, str], ...]
+    kernel_file: str
+    kernel_sha256: str
+    options: tuple[Option, ...] = ()

@@ -1,0 +1,24 @@
+"""Simulation of compiled programs: engines execute the configuration words and count cycles."""
+
+from vividc.sim.engine import Activity, Engine, EngineFactory, Launch, Progress, RegionRun, Run
+from vividc.sim.reference import ReferenceEngine
+from vividc.sim.run import CYCLE_LIMIT, ENGINES, Result, simulate
+from vividc.sim.stats import RegionStats, Stats, statistics
+
+__all__ = [
+    "CYCLE_LIMIT",
+    "ENGINES",
+    "Activity",
+    "Engine",
+    "EngineFactory",
+    "Launch",
+    "Progress",
+    "ReferenceEngine",
+    "RegionRun",
+    "RegionStats",
+    "Result",
+    "Run",
+    "Stats",
+    "simulate",
+    "statistics",
+]

@@ -1,0 +1,127 @@
+"""The seam between a launch and the engine that runs it, and what every engine returns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.program import Program
+
+Progress = Callable[[int], None]
+"""Called now and then with the cycles run so far."""
+
+
+@dataclass(frozen=True, slots=True)
+class Launch:
+    """What the host gives a program.
+
+    Attributes
+    ----------
+    memory
+        Scratchpad contents: uint32 words. An engine works on a copy.
+    inputs
+        Word of each launch key (see `program.LaunchRow`).
+    cycle_limit
+        Cycles after which the run is an error.
+    """
+
+    memory: NDArray[np.uint32]
+    inputs: Mapping[str, int]
+    cycle_limit: int
+    progress: Progress | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RegionRun:
+    """Activity of one region, summed over all its runs.
+
+    Attributes
+    ----------
+    entries
+        Times the region ran.
+    iterations
+        Live iterations; speculative ones that an exit killed are not among them.
+    cycles
+        Cycles of the region, stalls included.
+    bank_stalls
+        Cycles the tile stood still because accesses met in a bank.
+    issued
+        Operations issued, by opcode name, those of killed iterations included.
+    """
+
+    entries: int
+    iterations: int
+    cycles: int
+    bank_stalls: int
+    issued: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Activity:
+    """Words that moved, over the whole run; what moved nothing valid is not counted.
+
+    Attributes
+    ----------
+    link_words
+        Words driven onto links.
+    register_reads, register_writes
+        RF reads by operands, links, copies and live-outs; RF writes.
+    constant_reads, constant_writes
+        Constant-store reads by operands and addresses; live-outs.
+    scratchpad_reads, scratchpad_writes
+        Accesses to the scratchpad.
+    """
+
+    link_words: int = 0
+    register_reads: int = 0
+    register_writes: int = 0
+    constant_reads: int = 0
+    constant_writes: int = 0
+    scratchpad_reads: int = 0
+    scratchpad_writes: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """The outcome of a launch.
+
+    Attributes
+    ----------
+    cycles
+        Cycles from the first of region 0 to the last of the last region, stalls included.
+    switch_cycles
+        Those of them that passed between regions.
+    memory
+        Scratchpad contents at the end: uint32 words.
+    value
+        The word of the returned scalar, if the program returns one.
+    regions
+        One per row of the region table.
+    """
+
+    cycles: int
+    switch_cycles: int
+    memory: NDArray[np.uint32]
+    value: int | None
+    regions: tuple[RegionRun, ...]
+    activity: Activity
+
+
+class Engine(Protocol):
+    """Runs the words of one program, as often as wanted."""
+
+    def run(self, launch: Launch) -> Run:
+        """Run the program once.
+
+        Raises
+        ------
+        SimulationError
+            The program did something the machine forbids, or the cycle limit was reached.
+        """
+
+
+EngineFactory = Callable[[Program], Engine]

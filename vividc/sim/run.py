@@ -1,0 +1,80 @@
+"""`simulate`: a program on numpy arrays, as numba would run the kernel, and what it cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from vividc.errors import ArgumentError
+from vividc.program import Program
+from vividc.sim.bind import bind, returned
+from vividc.sim.engine import EngineFactory, Launch, Progress
+from vividc.sim.reference import ReferenceEngine
+from vividc.sim.stats import Stats, statistics
+
+ENGINES: Final[dict[str, EngineFactory]] = {"reference": ReferenceEngine}
+"""Engines by name; all give the same `Run` for the same launch."""
+
+CYCLE_LIMIT: Final = 100_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The outcome of `simulate`.
+
+    Attributes
+    ----------
+    cycles
+        Cycles of the tile, stalls and region switches included.
+    value
+        The returned scalar, None if the kernel returns nothing.
+    stats
+        Where the cycles went and what was active.
+    """
+
+    cycles: int
+    value: int | float | bool | None
+    stats: Stats
+
+
+def simulate(
+    program: Program,
+    *args: object,
+    progress: Progress | None = None,
+    cycle_limit: int = CYCLE_LIMIT,
+    engine: str = "reference",
+    **kwargs: object,
+) -> Result:
+    """Run a program; arrays the kernel writes are updated in place, but only if the run succeeds.
+
+    Parameters
+    ----------
+    args, kwargs
+        The kernel's arguments, by position or by parameter name: C-contiguous numpy arrays of
+        exactly the declared dtype, Python or numpy scalars.
+    progress
+        Called now and then with the cycles run so far.
+    cycle_limit
+        Cycles after which the run is given up.
+    engine
+        Name of the engine, a key of `ENGINES`.
+
+    Raises
+    ------
+    ArgumentError
+        The arguments do not fit the kernel's signature or the scratchpad, or the engine is unknown.
+    SimulationError
+        The program broke a rule of the machine, or ran past `cycle_limit`.
+    """
+    if engine not in ENGINES:
+        raise ArgumentError(
+            f"unknown engine {engine!r}", hint=f"engines: {', '.join(sorted(ENGINES))}"
+        )
+    bound = bind(program, args, kwargs)
+    launch = Launch(bound.memory, bound.inputs, cycle_limit, progress)
+    run = ENGINES[engine](program).run(launch)
+    bound.copy_back(run.memory, program.stored_arrays)
+    value = None
+    if program.returns is not None and run.value is not None:
+        value = returned(program.returns, run.value)
+    return Result(run.cycles, value, statistics(program, run))
