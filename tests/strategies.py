@@ -222,7 +222,7 @@ def _ancestors(builder: _Builder, node_id: int) -> set[int]:
 
 @st.composite
 def foreign_dfgs(draw: st.DrawFn, max_nodes: int = 5, max_distance: int = 2) -> DFG:
-    """Connected graphs of `generic` nodes with unit-size recurrences, for mappers; not executable."""
+    """Connected graphs of `generic` nodes, some with recurrences, for mappers; not executable."""
     count = draw(st.integers(1, max_nodes))
     nodes = tuple(Node(index, Opcode.GENERIC, name="op") for index in range(count))
     edges: list[Edge] = []

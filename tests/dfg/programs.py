@@ -162,9 +162,7 @@ def _run(statements: Sequence[object], v: list[int], a: list[int]) -> None:
                 _while(left, right, fuel, body, v, a)
 
 
-def _loop(
-    indices: object, target: int, body: Sequence[object], v: list[int], a: list[int]
-) -> None:
+def _loop(indices: object, target: int, body: Sequence[object], v: list[int], a: list[int]) -> None:
     for index in indices:  # type: ignore[attr-defined]
         v[target] = index
         try:
@@ -256,9 +254,7 @@ def lower(program: Sequence[object]) -> Function:
     return Function("random", (Param("a", DType.I32, 1),), tuple(low.done))
 
 
-def _lower(
-    statements: Sequence[object], env: Env, low: _Lowering, loop: Targets | None
-) -> Env:
+def _lower(statements: Sequence[object], env: Env, low: _Lowering, loop: Targets | None) -> Env:
     for s in statements:
         env = list(env)
         match s:
@@ -266,13 +262,9 @@ def _lower(
                 other = env[right] if constant is None else Const(constant & MASK)
                 env[target] = low.emit(Opcode(op), Type.I32, env[left], other)
             case Load(target, index):
-                env[target] = low.emit(
-                    Opcode.LOAD, Type.I32, Input("&a"), low.address(env, index)
-                )
+                env[target] = low.emit(Opcode.LOAD, Type.I32, Input("&a"), low.address(env, index))
             case Store(index, value):
-                low.emit(
-                    Opcode.STORE, Type.NONE, Input("&a"), low.address(env, index), env[value]
-                )
+                low.emit(Opcode.STORE, Type.NONE, Input("&a"), low.address(env, index), env[value])
             case If():
                 env = _lower_if(s, env, low, loop)
             case Jump():

@@ -1,4 +1,6 @@
-"""Runs a `cfg.Function` on numpy arrays: the oracle of the frontend's tests, independent of the rest of vividc."""
+"""Runs a `cfg.Function` on numpy arrays: the oracle of the frontend's tests, independent of the
+rest of vividc.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vividc.dfg.cfg import Block, Const, DType, Function, Input, Instr, Ref, Value
+from vividc.dfg.cfg import Block, Const, DType, Function, Input, Instr, Value
 from vividc.dfg.opcodes import Opcode
 
 _MASK = 0xFFFFFFFF

@@ -117,7 +117,9 @@ class _Placer:
             ):
                 return False
         placed = [e for e in self.dfg.edges if node.id in {e.src, e.dst} and self._both_placed(e)]
-        return all(self._far_enough(edge) for edge in placed) and self._constants_fit(pe)
+        if not all(self._far_enough(edge) for edge in placed):
+            return False
+        return self._constants_fit(pe) and self._old_words_survive(pe)
 
     def _both_placed(self, edge: Edge) -> bool:
         return edge.src in self.start and edge.dst in self.start
@@ -148,6 +150,19 @@ class _Placer:
             if place == pe:
                 held |= _entries(self.dfg, self.dfg.by_id[node_id])
         return len(held) <= self.fabric.pes[pe].constants
+
+    def _old_words_survive(self, pe: int) -> bool:
+        """A loop comes back to read, so no variable is read on a PE on which it is written."""
+        here = [self.dfg.by_id[n] for n, (place, _) in self.start.items() if place == pe]
+        written = {node.name for node in here if node.op is Opcode.LIVE_OUT}
+        sources = (
+            self.dfg.by_id[source]
+            for node in here
+            for edge in self.dfg.in_edges[node.id]
+            for source in (edge.src, edge.init)
+            if source is not None and edge.kind is EdgeKind.DATA
+        )
+        return not any(s.op is Opcode.LIVE_IN and s.name in written for s in sources)
 
     def _is_routable(self) -> bool:
         pending = []

@@ -74,7 +74,7 @@ def accumulator(op: Opcode = Opcode.FADD) -> DFG:
 
 
 def blending() -> DFG:
-    """One Gaussian blended into one pixel: 9 loads, exp by polynomial, alpha test, four recurrences."""
+    """One Gaussian blended into one pixel: 9 loads, a polynomial exp, alpha test, recurrences."""
     g = GraphBuilder("blending")
     iv, px, py = g.source(Opcode.IV), *(g.source(Opcode.LIVE_IN, name=n) for n in ("px", "py"))
     names = ("x", "y", "a", "b", "c", "opacity", "red", "green", "blue")

@@ -73,6 +73,7 @@ class _Machine:
         self.operand: dict[int, Resource] = {}
         self.state: dict[Resource, Tag | None] = {}
         self.out: dict[int, Tag | None] = {}
+        self.rewritten: set[tuple[int, str]] = set()
 
     def encode(self) -> None:
         """One source for each (link or register, slot) and for each operand."""
@@ -150,11 +151,24 @@ class _Machine:
             (self.mapping.places[node].pe, self.dfg.by_id[node].uses_fu) for node, _ in tags
         )
         _need(max(units.values(), default=0) <= 1, "two issue on one PE")
+        for node, _ in tags:
+            self._check_constants(node)
         for node, iteration in tags:
+            if self.dfg.by_id[node].op is Opcode.LIVE_OUT:
+                self.rewritten.add((self.mapping.places[node].pe, self.dfg.by_id[node].name))
             for index, source in self.operand.items():
                 edge = self.dfg.edges[index]
                 if edge.dst == node and iteration >= edge.distance:
                     self._check_operand(edge, source, iteration - edge.distance)
+
+    def _check_constants(self, node: int) -> None:
+        """A constant-store entry holds the word from before the region until a live-out."""
+        pe = self.mapping.places[node].pe
+        operands = [edge for edge in self.dfg.in_edges[node] if edge.kind is EdgeKind.DATA]
+        for source in (end for edge in operands for end in (edge.src, edge.init)):
+            if source is not None and self.dfg.by_id[source].op is Opcode.LIVE_IN:
+                name = self.dfg.by_id[source].name
+                _need((pe, name) not in self.rewritten, f"{name} is read after it was written")
 
     def _check_operand(self, edge: Edge, source: Resource, iteration: int) -> None:
         pe = self.mapping.places[edge.dst].pe

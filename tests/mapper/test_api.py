@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import _thread
+import threading
 import time
 from dataclasses import replace
 
@@ -89,6 +91,15 @@ def test_the_time_limit_is_kept() -> None:
     result = map_dfg(blending(), grid(4, 4, registers=1, constants=32), time_limit_s=0.5)
     assert time.monotonic() - began < 3
     assert result.status in {"timeout", "feasible", "optimal"}
+
+
+def test_an_interrupt_stops_the_solver() -> None:
+    timer = threading.Timer(0.7, _thread.interrupt_main)
+    timer.start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        map_dfg(blending(), arch.load("vivid-tile"), "cpsat", ii=4, time_limit_s=60)
+    assert time.monotonic() - began < 10
 
 
 def test_one_worker_gives_the_same_mapping_twice() -> None:

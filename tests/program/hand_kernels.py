@@ -1,4 +1,4 @@
-"""Small kernels scheduled, placed and routed by hand; their cycle counts follow from docs/machine.md."""
+"""Small kernels scheduled, placed and routed by hand; docs/machine.md gives their cycle counts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ FILE = "kernels/hand.py"
 
 def fabric(name: str = "mesh-2x2", **changes: str) -> Fabric:
     """A preset with some of its top-level keys changed, as YAML."""
-    lines = [f"extends: {name}", *(f"{key}: {value}" for key, value in changes.items())]
+    lines = [
+        "name: hand",
+        f"extends: {name}",
+        *(f"{key}: {value}" for key, value in changes.items()),
+    ]
     return load_text("\n".join(lines) + "\n")
 
 
@@ -59,10 +63,12 @@ class Hand:
         self.places[node.id] = Place(pe, time)
         return node.id
 
-    def feed(self, src: int, dst: int, port: int = 0, *, via: str = "", first: int | None = None) -> None:
-        """Edge to `port`; `first`: the source read in iteration 0, and the distance is 1.
+    def feed(
+        self, src: int, dst: int, port: int = 0, *, via: str = "", first: int | None = None
+    ) -> None:
+        """Edge to `port`; `first`: the source read in iteration 0, with distance 1.
 
-        `via` lists where the word is, a cycle each: "1" is the link into PE 1, "r2" register 2 there.
+        `via` lists where the word is, a cycle each: "1" the link into PE 1, "r2" register 2 there.
         """
         index = len(self.edges)
         self.edges.append(Edge(src, dst, port, 0 if first is None else 1, first))
@@ -98,8 +104,12 @@ ARRAYS = (Param("x", DType.F32, 1), Param("y", DType.F32, 1))
 N = Param("n", DType.I32)
 
 
-def program(name: str, params: tuple[Param, ...], regions: list[tuple[Region, Hand]],
-            returns: DType | None = None) -> Program:
+def program(
+    name: str,
+    params: tuple[Param, ...],
+    regions: list[tuple[Region, Hand]],
+    returns: DType | None = None,
+) -> Program:
     """Encode the regions on the fabric of the first."""
     kernel = Kernel(name, params, tuple(region for region, _ in regions), returns, FILE)
     mappings = {index: hand.mapping() for index, (_, hand) in enumerate(regions)}
@@ -113,8 +123,9 @@ def trip_region(fab: Fabric, key: str = "n", after: int = 1) -> tuple[Region, Ha
     return Region("trip", "straight", hand.dfg("trip"), next=after), hand
 
 
-def memory_op(hand: Hand, op: Opcode, pe: int, time: int, array: str, index: int,
-              **attributes: object) -> int:
+def memory_op(
+    hand: Hand, op: Opcode, pe: int, time: int, array: str, index: int, **attributes: object
+) -> int:
     """A load or store of `array` at source node `index`, 4-byte elements."""
     node = hand.op(op, pe, time, name=array, shift=2, **attributes)
     hand.feed(index, node, 0)
@@ -139,7 +150,7 @@ def saxpy(fab: Fabric) -> Program:
 
 
 def dot(fab: Fabric) -> Program:
-    """Sum of x[i] y[i] with fma latency 4, so II 4 (recurrence through `out`); the sum is returned."""
+    """Return the sum of x[i] y[i]; fma latency 4, so II 4 (recurrence through `out`)."""
     start = Hand(fab, 2)
     trip = start.op(O.MOV, 0, 0, control=Control.TRIP)
     start.feed(start.live_in("n"), trip)

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.program.hand_kernels import dot, fabric, find, saxpy
 
+from tests.program.hand_kernels import dot, fabric, find, saxpy
 from vividc.errors import BundleError
 from vividc.program import Program, load
 from vividc.sim import simulate
@@ -156,9 +156,10 @@ def test_foreign_and_hostile_files(saved: tuple[Program, bytes], tmp_path: Path)
     pickled = rewritten(saved[1], "words.npy", lambda b: b.replace(b"<u4", b"|O "))
     assert "array words" in refusal(path, pickled)
     bomb = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(saved[1])) as good, zipfile.ZipFile(
-        bomb, "w", zipfile.ZIP_DEFLATED
-    ) as archive:
+    with (
+        zipfile.ZipFile(io.BytesIO(saved[1])) as good,
+        zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
         for name in good.namelist():
             archive.writestr(name, bytes(10_000_000))
     assert "not stored plainly" in refusal(path, bomb.getvalue())

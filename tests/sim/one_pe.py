@@ -1,4 +1,4 @@
-"""A mapper for one PE with plenty of registers: every word waits in a register of its own.
+"""A mapper for one PE with plenty of registers: every word waits in registers of its own.
 
 It overlaps iterations as far as one PE can, so that random kernels exercise the engine's stages,
 speculation and first-iteration operands without a solver.
@@ -21,7 +21,7 @@ def one_pe(latencies: str, control_latency: int, scratchpad_bytes: int = 64) -> 
         "extends: mesh-1x1\n"
         f"latencies: {latencies}\n"
         "pe:\n"
-        "  register_file: {registers: 256, read_ports: 8, write_ports: 2}\n"
+        "  register_file: {registers: 256, read_ports: 16, write_ports: 16}\n"
         "  constants: 256\n"
         f"scratchpad: {{size_bytes: {scratchpad_bytes}, banks: 2}}\n"
         f"controller: {{contexts: 4096, control_latency: {control_latency}, max_stages: 256}}\n"
@@ -53,7 +53,7 @@ def _separation(dfg: DFG, fabric: Fabric, node: int, kind: EdgeKind = EdgeKind.C
 
 
 def _schedule(dfg: DFG, fabric: Fabric, ii: int) -> dict[int, int]:
-    """Earliest free slot in topological order; live-outs last, after every read of their variable."""
+    """Earliest free slot in topological order; live-outs after every read of their variable."""
     graph = nx.DiGraph()
     graph.add_nodes_from(node.id for node in dfg.placed)
     graph.add_edges_from((e.src, e.dst) for e in _between(dfg) if e.distance == 0)
@@ -91,24 +91,37 @@ def _between(dfg: DFG) -> list[Edge]:
 
 
 def _carries(dfg: DFG, fabric: Fabric, start: dict[int, int], ii: int) -> bool:
-    """Dependences hold, and no word waits in its register for longer than II cycles."""
+    """Dependences hold, those from the iteration before too."""
     if not start:
         return not dfg.placed
     for edge in _between(dfg):
         waits = start[edge.dst] + ii * edge.distance - start[edge.src]
         waits -= _separation(dfg, fabric, edge.src, edge.kind)
-        if waits < 0 or (edge.is_data and waits >= ii):
+        if waits < 0:
             return False
     return True
 
 
 def _mapping(dfg: DFG, fabric: Fabric, start: dict[int, int], ii: int) -> Mapping:
-    register = {node.id: k for k, node in enumerate(dfg.operations)}
+    """Each word has registers of its own; after II cycles in one it is copied into the next."""
+    reads = {
+        index: (
+            start[edge.src] + fabric.latency(dfg.by_id[edge.src]),
+            start[edge.dst] + ii * edge.distance,
+        )
+        for index, edge in dfg.routed_edges()
+    }
+    copies: dict[int, int] = {}
+    for index, (ready, read) in reads.items():
+        node = dfg.edges[index].src
+        copies[node] = max(copies.get(node, 0), (read - ready) // ii + 1)
+    first = {node: sum(list(copies.values())[:k]) for k, node in enumerate(copies)}
     routes = {}
-    for index, edge in dfg.routed_edges():
-        ready = start[edge.src] + fabric.latency(dfg.by_id[edge.src])
-        read = start[edge.dst] + ii * edge.distance
+    for index, (ready, read) in reads.items():
+        edge = dfg.edges[index]
         at_once = read == ready and (edge.src + edge.dst) % 2
         times = () if at_once else range(ready, read + 1)
-        routes[index] = tuple(Step("reg", 0, register[edge.src], time) for time in times)
+        routes[index] = tuple(
+            Step("reg", 0, first[edge.src] + (time - ready) // ii, time) for time in times
+        )
     return Mapping(ii, {node: Place(0, time) for node, time in start.items()}, routes)

@@ -1,11 +1,11 @@
-"""The reference engine against numpy and against cycle counts worked out by hand from docs/machine.md."""
+"""The reference engine against numpy, and against cycle counts by hand from docs/machine.md."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
 
+from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
 from vividc.errors import SimulationError
 from vividc.sim import simulate
 

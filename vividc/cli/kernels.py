@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
 from collections.abc import Iterator, Mapping
@@ -37,7 +38,7 @@ def _run(file: Path) -> ModuleType:
     """Execute `file` as a module, with its folder on the import path as for a script."""
     code = _compiled(file)
     module = ModuleType(f"_vividc_kernel_{file.stem}")
-    module.__file__ = str(file)
+    module.__file__ = os.path.abspath(file)
     sys.modules[module.__name__] = module
     with _imports_from(file.resolve().parent), redirect_stdout(sys.stderr):
         try:
@@ -57,7 +58,8 @@ def _compiled(file: Path) -> CodeType:
         hint = "the form is FILE.py or FILE.py:KERNEL"
         raise KernelError(f"cannot be read: {error.strerror}", loc=str(file), hint=hint) from error
     try:
-        return compile(source, str(file), "exec", dont_inherit=True)
+        # Absolute, as an import would have it: the program records it, for runs from other folders.
+        return compile(source, os.path.abspath(file), "exec", dont_inherit=True)
     except SyntaxError as error:
         raise KernelError(
             f"not Python: {error.msg}", loc=SourceLoc(str(file), error.lineno or 1)
@@ -78,7 +80,7 @@ def _imports_from(folder: Path) -> Iterator[None]:
 
 def _as_kernel_error(error: BaseException, file: Path) -> KernelError:
     frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == str(file)]
+    lines = [frame.lineno for frame in frames if frame.filename == os.path.abspath(file)]
     what = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     hint = "the file is run to find its kernels; it must be importable"
     return KernelError(what, loc=SourceLoc(str(file), (lines and lines[-1]) or 1), hint=hint)

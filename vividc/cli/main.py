@@ -1,4 +1,4 @@
-"""The `vividc` command: finds its sub-commands, turns every error into a message and an exit code.
+"""The `vividc` command and its sub-commands; every error becomes a message and an exit code.
 
 Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 proved infeasible, 4 time limit,
 5 mismatch against the reference, 130 interrupted.
@@ -6,7 +6,6 @@ Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 proved infeasibl
 
 from __future__ import annotations
 
-import importlib
 import os
 import traceback
 import warnings
@@ -14,38 +13,20 @@ from typing import Any, Final, TextIO
 
 import click
 
-from vividc.errors import InternalError, VividcError
+from vividc import __version__
+from vividc.cli import compile_command, disasm_command, map_command, simulate_command
+from vividc.errors import InternalError, VividcError, VividcWarning
 
 INTERRUPTED: Final = 130
-_COMMANDS: Final = {
-    "compile": "Compile a kernel for a fabric and write the program.",
-    "simulate": "Run a program on the machine, cycle by cycle.",
-    "map": "Map a dataflow graph and say what was proved.",
-    "disasm": "Print what each PE does in each context of a program.",
-}
 _DEBUG: Final = "VIVIDC_DEBUG"
 
 
 class _Commands(click.Group):
-    """Imports a command when it is asked for: `--help` waits for no compiler and no solver."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(_COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _COMMANDS:
-            return None
-        command = importlib.import_module(f"vividc.cli.{cmd_name}_command").command
-        assert isinstance(command, click.Command)
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(_COMMANDS.items()))
+    """Turns what a command raises into one message and an exit code."""
 
     def invoke(self, ctx: click.Context) -> Any:
         with warnings.catch_warnings():
-            warnings.simplefilter("default")
+            warnings.simplefilter("always", VividcWarning)
             warnings.showwarning = _show_warning
             return self._guarded(ctx)
 
@@ -95,6 +76,10 @@ def _show_warning(
 
 
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="vividc", prog_name="vividc")
+@click.version_option(__version__, prog_name="vividc")
 def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""
+
+
+for _module in (compile_command, simulate_command, map_command, disasm_command):
+    main.add_command(_module.command)

@@ -22,7 +22,7 @@ from vividc.cli.reference import (
 )
 from vividc.cli.report import percent, print_json, print_table, progress
 from vividc.program import Program
-from vividc.sim import Result
+from vividc.sim import CYCLE_LIMIT, Result
 
 SCHEMA = "vividc.simulate/1"
 MISMATCH: Final = 5
@@ -55,7 +55,14 @@ MISMATCH: Final = 5
 @click.option(
     "--atol", type=float, callback=options.finite, default=1e-6, show_default=True, metavar="A"
 )
-@click.option("--cycle-limit", type=click.IntRange(min=1), metavar="N", help="Stop after N cycles.")
+@click.option(
+    "--cycle-limit",
+    type=click.IntRange(min=1),
+    default=CYCLE_LIMIT,
+    show_default=True,
+    metavar="N",
+    help="Give the run up after N cycles.",
+)
 @options.as_json
 def command(
     program: Path,
@@ -65,7 +72,7 @@ def command(
     kernel: str | None,
     rtol: float,
     atol: float,
-    cycle_limit: int | None,
+    cycle_limit: int,
     as_json: bool,
 ) -> None:
     """Run a program on the machine, cycle by cycle.
@@ -97,12 +104,11 @@ def command(
         raise click.exceptions.Exit(MISMATCH)
 
 
-def _simulate(program: Program, arguments: dict[str, Array], cycle_limit: int | None) -> Result:
+def _simulate(program: Program, arguments: dict[str, Array], cycle_limit: int) -> Result:
     values = scalars_unpacked(arguments, program.params)
-    limit = {} if cycle_limit is None else {"cycle_limit": cycle_limit}
     with progress(f"simulating {program.name}") as show:
         report = None if show is None else lambda cycles: show(f"{program.name}: {cycles:,} cycles")
-        return vividc.simulate(program, *values, progress=report, **limit)
+        return vividc.simulate(program, *values, progress=report, cycle_limit=cycle_limit)
 
 
 def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:

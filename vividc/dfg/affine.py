@@ -79,9 +79,7 @@ class AffineAnalysis:
         """Whether `value` is defined outside the loop."""
         if isinstance(value, Const | Input):
             return True
-        return not (
-            value.id in self._instrs or value.id in self._phis or value.id in self._merges
-        )
+        return not (value.id in self._instrs or value.id in self._phis or value.id in self._merges)
 
     def step(self, phi: Phi) -> int | None:
         """What each iteration adds to a header phi, if it is the same constant every time."""

@@ -47,9 +47,7 @@ def build_kernel(function: Function) -> Kernel:
     plan = _plan(copy_exit_values(normalize(function)))
     cutter = _Cutter(plan)
     regions = _drop_empty(cutter.regions())
-    return Kernel(
-        function.name, function.params, tuple(regions), function.returns, function.file
-    )
+    return Kernel(function.name, function.params, tuple(regions), function.returns, function.file)
 
 
 def _plan(function: Function) -> _Plan:
@@ -82,9 +80,7 @@ class _Cutter:
     def __init__(self, plan: _Plan) -> None:
         self.plan = plan
         self.blocks = {block.name: block for block in plan.function.blocks}
-        self.loop_of = {
-            name: header for header, loop in plan.loops.items() for name in loop.blocks
-        }
+        self.loop_of = {name: header for header, loop in plan.loops.items() for name in loop.blocks}
         self.order = [
             block.name
             for block in plan.function.blocks
@@ -257,6 +253,3 @@ def _drop_empty(regions: list[Region]) -> list[Region]:
 
 def _is_empty(region: Region) -> bool:
     return region.kind == "straight" and region.branch is None and not region.dfg.placed
-
-
-

@@ -10,15 +10,17 @@ from vividc.dfg.loops import block_graph, dominators
 from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 
 _WORD_LIMIT = 1 << 32
-_NOT_INSTRUCTIONS = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.LIVE_OUT, Opcode.IV, Opcode.GENERIC})
+_NOT_INSTRUCTIONS = frozenset(
+    {Opcode.CONST, Opcode.LIVE_IN, Opcode.LIVE_OUT, Opcode.IV, Opcode.GENERIC}
+)
 
 
 def check_function(fn: Function) -> list[str]:
     """Every broken invariant of a function, one sentence each; empty if it is well formed.
 
-    Blocks and results are unique; branches name blocks, and every block can be reached; operands are as many as
-    the opcode takes and constants are words; phis list exactly their block's predecessors; definitions
-    dominate uses.
+    Blocks and results are unique; branches name blocks, and every block can be reached; operands
+    are as many as the opcode takes and constants are words; phis list exactly their block's
+    predecessors; definitions dominate uses.
     """
     structure = [*_unique(fn), *_targets(fn)]
     if structure:  # the other rules look blocks up by name
@@ -32,17 +34,25 @@ def _unique(fn: Function) -> Iterator[str]:
     for name, count in Counter(block.name for block in fn.blocks).items():
         if count > 1:
             yield f"{count} blocks are named {name}"
-    ids = Counter(item.id for block in fn.blocks for item in (*block.phis, *block.instrs))
+    ids = Counter(id_ for block in fn.blocks for id_ in _defined(block))
     for id_, count in ids.items():
         if count > 1:
             yield f"{count} definitions have id {id_}"
+
+
+def _defined(block: Block) -> list[int]:
+    return [phi.id for phi in block.phis] + [instr.id for instr in block.instrs]
 
 
 def _targets(fn: Function) -> Iterator[str]:
     names = {block.name for block in fn.blocks}
     for block in fn.blocks:
         branch = block.branch
-        yield from (f"{block.name} branches to {t}, which is no block" for t in branch.successors if t not in names)
+        yield from (
+            f"{block.name} branches to {t}, which is no block"
+            for t in branch.successors
+            if t not in names
+        )
         if branch.cond is not None and (branch.target is None or branch.otherwise is None):
             yield f"{block.name} branches on a condition to fewer than two blocks"
         if branch.value is not None and branch.target is not None:
@@ -86,14 +96,15 @@ def _phis(fn: Function) -> Iterator[str]:
 
 def _dominance(fn: Function) -> Iterator[str]:
     dominating = dominators(block_graph(fn), fn.blocks[0].name)
-    home = {item.id: block.name for block in fn.blocks for item in (*block.phis, *block.instrs)}
+    home = {id_: block.name for block in fn.blocks for id_ in _defined(block)}
     for block in fn.blocks:
         if block.name not in dominating:
             continue
         for phi in block.phis:
             for pred, value in phi.incoming:
                 if pred in dominating and not _available(value, home, dominating[pred]):
-                    yield f"phi {phi.id} in {block.name} reads {value} from {pred}, where it is not defined"
+                    place = f"phi {phi.id} in {block.name}"
+                    yield f"{place} reads {value} from {pred}, where it is not defined"
         yield from _order(block, home, dominating[block.name])
 
 
@@ -103,11 +114,12 @@ def _order(block: Block, home: dict[int, str], dominating: frozenset[str]) -> It
     for instr in block.instrs:
         for value in instr.operands:
             if _is_in(value, later) or not _available(value, home, dominating):
-                yield f"{instr.op.value} {instr.id} in {block.name} reads {value} before its definition"
+                place = f"{instr.op.value} {instr.id} in {block.name}"
+                yield f"{place} reads {value} before its definition"
         later.discard(instr.id)
-    for value in (block.branch.cond, block.branch.value):
-        if value is not None and not _available(value, home, dominating):
-            yield f"the branch of {block.name} reads {value}, which is not defined there"
+    for read in (block.branch.cond, block.branch.value):
+        if read is not None and not _available(read, home, dominating):
+            yield f"the branch of {block.name} reads {read}, which is not defined there"
 
 
 def _is_in(value: Value, ids: set[int]) -> bool:

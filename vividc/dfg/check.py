@@ -68,7 +68,7 @@ def _ports_exist(dfg: DFG) -> Iterator[str]:
         node = dfg.by_id[edge.dst]
         if not edge.is_data:
             if edge.port != ORDER:
-                yield f"{_show(edge)}: a {edge.kind.value} edge has port {ORDER}"
+                yield f"{_show(edge)}: the port of {edge.kind.value} edges is {ORDER}"
         elif not _port_is_legal(node, edge.port, foreign=foreign):
             yield f"{_show(edge)}: {node.op.value} has no port {edge.port}"
 
@@ -165,6 +165,8 @@ def _sources_and_bases(dfg: DFG) -> Iterator[str]:
             yield f"{_show(edge)}: the controller keeps no iv of an earlier iteration"
         if dst.op is Opcode.LIVE_OUT and src.is_source:
             yield f"{_show(edge)}: a live-out reads an operation, not {src.op.value}"
+        if dst.op is Opcode.LIVE_OUT and edge.is_data and edge.distance:
+            yield f"{_show(edge)}: a live-out reads its own iteration's result"
         if edge.port == BASE and (src.op not in _INIT_SOURCES or edge.distance):
             yield f"{_show(edge)}: a base address is a constant or a live-in"
 

@@ -19,6 +19,7 @@ from vividc.errors import DFGError
 _TOKEN: Final = re.compile(
     r"""(?P<space>\s+|//[^\n]*|\#[^\n]*|/\*.*?\*/)
     |(?P<arrow>->)
+    |(?P<line>--)
     |(?P<mark>[{}\[\]=;,:])
     |"(?P<string>(?:[^"\\]|\\.)*)"
     |(?P<word>-?(?:\.\d+|\d+(?:\.\d*)?)|[A-Za-z_\x80-\U0010FFFF][\w\x80-\U0010FFFF.]*)""",

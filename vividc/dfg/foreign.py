@@ -59,7 +59,7 @@ def foreign_node(node_id: int, op: str, label: str, word: str | None, *, has_inp
         return Node(node_id, Opcode.STORE)
     if key not in _CONSTANTS or has_inputs:
         return Node(node_id, Opcode.GENERIC, name=op)
-    const = parse_word(word if word is not None else label)
+    const = None if word is None else parse_word(word)
     if const is None:
         return Node(node_id, Opcode.LIVE_IN, name=label)
     return Node(node_id, Opcode.CONST, const=const)

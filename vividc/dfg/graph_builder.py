@@ -93,9 +93,7 @@ class GraphBuilder:
     ) -> Operand:
         """A new node fed by `operands` on ports 0, 1, ..., by `pred` and by `base`."""
         ident = len(self._nodes)
-        self._nodes.append(
-            Node(ident, op, None, name, shift, offset, None, unless_exit, loc)
-        )
+        self._nodes.append(Node(ident, op, None, name, shift, offset, None, unless_exit, loc))
         ports = list(enumerate(operands))
         ports += [(PRED, pred)] if pred is not None else []
         ports += [(BASE, base)] if base is not None else []
@@ -131,9 +129,7 @@ class GraphBuilder:
 
     def order(self, before: Operand, after: Operand, distance: int) -> None:
         """Two memory operations that must keep their order."""
-        self._edges.append(
-            Edge(before.node, after.node, ORDER, distance, kind=EdgeKind.ORDER)
-        )
+        self._edges.append(Edge(before.node, after.node, ORDER, distance, kind=EdgeKind.ORDER))
 
     def control(self, exit_node: Operand, effect: Operand, distance: int) -> None:
         """An effect that must wait for the exit decision."""

@@ -197,11 +197,13 @@ def _foreign(
 
 def _foreign_node(fields: Fields, numbers: Mapping[int | str, int], fed: set[int]) -> Node:
     number = fields.reference("id", numbers)
-    word = fields.data.get("const")
+    node_id = fields.data.get("id")
+    # Some files name a constant by its word: the id "255".
+    word = fields.data.get("const", node_id if isinstance(node_id, str) else None)
     return foreign_node(
         number,
         fields.text("op", None),
-        str(fields.data.get("id")),
+        str(node_id),
         str(word) if isinstance(word, str | int | float) else None,
         has_inputs=number in fed,
     )

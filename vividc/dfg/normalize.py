@@ -104,9 +104,7 @@ def _is_loop_edge(function: Function, source: str, target: str) -> bool:
     return any(source in loop.blocks for loop in innermost(find_loops(function)))
 
 
-def _until_stable(
-    function: Function, step: Callable[[Function], Function | None]
-) -> Function:
+def _until_stable(function: Function, step: Callable[[Function], Function | None]) -> Function:
     while True:
         changed = step(function)
         if changed is None:
@@ -157,9 +155,7 @@ def _join(
     header = _block(function, target)
     moved, kept = [], []
     for offset, phi in enumerate(header.phis):
-        inner = Phi(
-            free + offset, phi.type, tuple((s, incoming(phi, s)) for s in sources), phi.loc
-        )
+        inner = Phi(free + offset, phi.type, tuple((s, incoming(phi, s)) for s in sources), phi.loc)
         moved.append(inner)
         rest = tuple(item for item in phi.incoming if item[0] not in sources)
         kept.append(replace(phi, incoming=(*rest, (name, Ref(inner.id)))))
@@ -327,12 +323,12 @@ def copy_exit_values(function: Function) -> Function:
     for loop in loops:
         outside = [p for p in _predecessors(function, loop.header) if p not in loop.blocks]
         preheader = _block(function, outside[0])
+        body = [block for block in function.blocks if block.name in loop.blocks]
+        closing = _block(function, loop.exits[0][1])
+        values = [value for block in body for value in _all_values(block)]
+        values += [value for phi in closing.phis for _, value in phi.incoming]
         read = dict.fromkeys(
-            value.id
-            for block in function.blocks
-            if block.name in loop.blocks
-            for value in _all_values(block)
-            if isinstance(value, Ref) and value.id in left_behind
+            value.id for value in values if isinstance(value, Ref) and value.id in left_behind
         )
         free = next_id(function)
         copies: dict[int, Value] = {old: Ref(free + i) for i, old in enumerate(read)}
@@ -340,11 +336,13 @@ def copy_exit_values(function: Function) -> Function:
             Instr(free + i, Opcode.MOV, left_behind[old], (Ref(old),))
             for i, old in enumerate(read)
         )
-        inner = replace(
-            function, blocks=tuple(b for b in function.blocks if b.name in loop.blocks)
-        )
+        copied = substitute(replace(function, blocks=(*body, closing)), copies).blocks
+        closing = replace(closing, phis=copied[-1].phis)
         preheader = replace(preheader, instrs=(*preheader.instrs, *movs))
-        function = with_blocks(function, (*substitute(inner, copies).blocks, preheader))
+        function = with_blocks(function, (*copied[:-1], closing))
+        if preheader.name == closing.name:  # the outer loop's only other block
+            preheader = replace(preheader, phis=closing.phis)
+        function = with_blocks(function, (preheader,))
     return function
 
 

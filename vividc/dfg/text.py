@@ -8,7 +8,7 @@ One node a line, with the edges that enter it; full lines that start with ``#`` 
     %2 = iv
     %3 = load "x" %2 shift 2 base %1 !dot.py:4
     %4 = fma %3, %3, %4@1(init=%0) if %7 !dot.py:4
-    %5 = live_out "%s" %4 unless_exit control %8
+    %5 = live_out "%s" %4 control %8 unless_exit
     %6 = store "y" %2, %4 shift 2 base %1 after %3, %6@1
 
 ``%4@1(init=%0)`` is the word of node 4 one iteration ago, of node 0 in the first. Operands fill

@@ -1,4 +1,6 @@
-"""What the translations of integers and of floats share: numbering, operands, and the proof that a word suffices."""
+"""What the translations of integers and of floats share: numbering, operands, and the proof that a
+word suffices.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +9,7 @@ import numpy as np
 from vividc.dfg.cfg import Const, Input, Instr, Ref, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import InternalError, KernelError, SourceLoc
+from vividc.frontend.demand import demanded_bits
 from vividc.frontend.interval import S32, U32, Interval, contains
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Float, Int, Local, Op, Operand, WideFunction, type_of
@@ -40,6 +43,7 @@ class Emitter:
         self.instrs: list[Instr] = []
         self.demoted: list[SourceLoc | None] = []
         self._ranges = ranges
+        self._demand = demanded_bits(function)
         self._block = ""
         self._next = len(ids)
 
@@ -62,9 +66,7 @@ class Emitter:
         kind = "i1" if op.op in ("icmp", "fcmp") else op.type
         return self._append(self.id_of(op), opcode, result_type(kind), operands, op.loc)
 
-    def helper(
-        self, op: Op, opcode: Opcode, *operands: Value, type_: Type = Type.I32
-    ) -> Ref:
+    def helper(self, op: Op, opcode: Opcode, *operands: Value, type_: Type = Type.I32) -> Ref:
         """An instruction on the way to `op`'s result."""
         return self._append(self.fresh(), opcode, type_, operands, op.loc)
 
@@ -86,6 +88,10 @@ class Emitter:
         """Values of an integer operand here."""
         return self._ranges.at(operand, self._block)
 
+    def demand(self, op: Op) -> int:
+        """Low bits of `op`'s result that anything reads."""
+        return self._demand.get(op.name, 0)
+
     def signed(self, *operands: Operand) -> bool:
         """Whether sign-extending the words gives the values."""
         return all(contains(S32, self.range(operand)) for operand in operands)
@@ -94,12 +100,12 @@ class Emitter:
         """Whether zero-extending the words gives the values."""
         return all(contains(U32, self.range(operand)) for operand in operands)
 
-    def require_signed(
-        self, operand: Operand, loc: SourceLoc | None, what: str, hint: str
-    ) -> None:
+    def require_signed(self, operand: Operand, loc: SourceLoc | None, what: str, hint: str) -> None:
         """Refuse the kernel unless the value fits in a signed word."""
         if not self.signed(operand):
-            raise KernelError(f"{what} may not fit in 32 bits{self._range_text(operand)}", loc=loc, hint=hint)
+            raise KernelError(
+                f"{what} may not fit in 32 bits{self._range_text(operand)}", loc=loc, hint=hint
+            )
 
     def _range_text(self, operand: Operand) -> str:
         low, high = self.range(operand)
@@ -114,7 +120,12 @@ class Emitter:
         self.demoted.append(op.loc)
 
     def _append(
-        self, id_: int, opcode: Opcode, type_: Type, operands: tuple[Value, ...], loc: SourceLoc | None
+        self,
+        id_: int,
+        opcode: Opcode,
+        type_: Type,
+        operands: tuple[Value, ...],
+        loc: SourceLoc | None,
     ) -> Ref:
         self.instrs.append(Instr(id_, opcode, type_, operands, loc=loc))
         return Ref(id_)

@@ -1,4 +1,6 @@
-"""Move what does not change in a loop to before the loop: LLVM's own pass is out of llvmlite's reach."""
+"""Move what does not change in a loop to before the loop: LLVM's own pass is out of llvmlite's
+reach.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +14,8 @@ from vividc.frontend.ssa import Flow
 def hoist_invariants(function: Function) -> Function:
     """Hoist loop-invariant operations into preheaders, out of as many loops as possible.
 
-    Every operation but an access to memory may run speculatively. Accesses stay: the loop may not run at all, or
-    may store to the same place.
+    Every operation but an access to memory may run speculatively. Accesses stay: the loop may not
+    run at all, or may store to the same place.
     """
     flow = Flow(function.blocks[0].name, {b.name: b.branch.successors for b in function.blocks})
     instrs = {block.name: list(block.instrs) for block in function.blocks}
@@ -33,8 +35,8 @@ def hoist_invariants(function: Function) -> Function:
 def _homes(function: Function) -> dict[int, str]:
     home: dict[int, str] = {}
     for block in function.blocks:
-        for item in (*block.phis, *block.instrs):
-            home[item.id] = block.name
+        home.update((phi.id, block.name) for phi in block.phis)
+        home.update((instr.id, block.name) for instr in block.instrs)
     return home
 
 

@@ -1,4 +1,4 @@
-"""Interval arithmetic on integers of a fixed width: the abstract operations of the range analysis."""
+"""Interval arithmetic on integers of a fixed width: what the range analysis computes with."""
 
 from __future__ import annotations
 
@@ -115,30 +115,26 @@ def _without(a: Interval, b: Interval) -> Interval:
 
 
 def comparable(op: Op) -> bool:
-    """Whether intervals say anything about the comparison: not about pointers, nor signed ones of small types."""
+    """Whether intervals say anything about the comparison: not about pointers, nor signed ones of
+    small types.
+    """
     return op.type[:1] == "i" and not (width(op.type) < _WORD and op.pred[0] == "s")
 
 
 def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
     """Interval of an instruction's result from those of its operands."""
-    if op.op == "icmp":
-        if not comparable(op):
-            return _BOOL
-        decided = compare(op.pred, *operands)
+    if op.op in ("icmp", "fcmp"):
+        decided = compare(op.pred, *operands) if op.op == "icmp" and comparable(op) else None
         return _BOOL if decided is None else (int(decided), int(decided))
-    if op.op == "fcmp":
-        return _BOOL
-    if op.op in _CONVERTED and width(op.type) > 32:
+    if op.op in _CONVERTED and width(op.type) > _WORD:
         return _CONVERTED[op.op]
     key = op.pred.rsplit(".", 1)[0] if op.op == "call" else op.op
     if op.op in ("sext", "zext", "trunc"):
         return BOTTOM if BOTTOM in operands else _convert(op, operands[0])
     rule = _RULES.get(key)
-    if rule is None:
-        return full(op.type)
-    if BOTTOM in operands:
+    if rule is not None and BOTTOM in operands:
         return BOTTOM
-    result = rule(op, *operands)
+    result = full(op.type) if rule is None else rule(op, *operands)
     return result if contains(full(op.type), result) else full(op.type)
 
 
@@ -211,7 +207,9 @@ def _divide(op: Op, a: Interval, b: Interval) -> Interval:
     if b[0] <= 0:
         return full(op.type)
     quotients = [abs(x) // y * (1 if x >= 0 else -1) for x in a for y in b]
-    return (min(*quotients, 0), max(*quotients, 0)) if op.op == "sdiv" or a[0] >= 0 else full(op.type)
+    return (
+        (min(*quotients, 0), max(*quotients, 0)) if op.op == "sdiv" or a[0] >= 0 else full(op.type)
+    )
 
 
 def _remainder(op: Op, a: Interval, b: Interval) -> Interval:

@@ -1,4 +1,6 @@
-"""`@kernel`: a Python function with a numba signature, which runs through numba and lowers for the array."""
+"""`@kernel`: a Python function with a numba signature, which runs through numba and lowers for the
+array.
+"""
 
 from __future__ import annotations
 
@@ -112,8 +114,8 @@ def kernel(
     Raises
     ------
     KernelError
-        When applied: the signature is malformed, has types that no array can hold, or does not fit the
-        function's parameters.
+        When applied: the signature is malformed, has types that no array can hold, or does not fit
+        the function's parameters.
     """
 
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:

@@ -1,7 +1,9 @@
-"""LLVM's part of the frontend: link numba's modules, inline everything into one function, clean it up.
+"""LLVM's part of the frontend: link numba's modules, inline everything into one function, clean it
+up.
 
-The only module that talks to llvmlite for reading IR. Numba's calling convention disappears by inlining the
-kernel into an entry function of our own, whose parameters are the words that the host supplies at launch.
+The only module that talks to llvmlite for reading IR. Numba's calling convention disappears by
+inlining the kernel into an entry function of our own, whose parameters are the words that the host
+supplies at launch.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 import functools
 import re
 
-import llvmlite.binding as binding
+from llvmlite import binding
 
 from vividc.dfg.cfg import DType, Param
 from vividc.errors import SourceLoc
@@ -19,11 +21,17 @@ ENTRY = "vividc.entry"
 MAX_DIM = 1 << 13  # words of a scratchpad: no array dimension of a runnable kernel is larger
 
 _ELEMENT = {DType.F32: "float", DType.I32: "i32", DType.U32: "i32"}
-_SCALAR = {DType.F32: "float", DType.I32: "i32", DType.U32: "i32", DType.I64: "i64", DType.BOOL: "i8"}
+_SCALAR = {
+    DType.F32: "float",
+    DType.I32: "i32",
+    DType.U32: "i32",
+    DType.I64: "i64",
+    DType.BOOL: "i8",
+}
 # Returned types that no kernel can have are read all the same: the error then names the line.
 _RETURN = {"float32": "float", "float64": "double", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _RETURN |= {"int64": "i64", "uint64": "i64"}
-_DECLARE = re.compile(r'^.*llvm\.dbg\.(declare|value).*\n', re.MULTILINE)
+_DECLARE = re.compile(r"^.*llvm\.dbg\.(declare|value).*\n", re.MULTILINE)
 
 
 def optimised_ir(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> str:
@@ -94,7 +102,9 @@ def _optimise(module: binding.ModuleRef) -> None:
 
 
 def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> str:
-    """An entry function that rebuilds numba's flattened arguments: strides and sizes become functions of shapes."""
+    """An entry function that rebuilds numba's flattened arguments: strides and sizes become
+    functions of shapes.
+    """
     inputs: list[str] = []
     body: list[str] = []
     arguments: list[str] = []
@@ -106,12 +116,18 @@ def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
     call = ", ".join(["ptr %.ret", *arguments])
     file = loc.file.replace("\\", "\\5C").replace('"', "\\22")
     result = "void" if module.return_type == "none" else returned
-    leave = "ret void" if result == "void" else f"%.value = load {returned}, ptr %.ret\n  ret {returned} %.value"
+    leave = (
+        "ret void"
+        if result == "void"
+        else f"%.value = load {returned}, ptr %.ret\n  ret {returned} %.value"
+    )
     lines = "\n  ".join(body)
+    line, flags = loc.line, "spFlags: DISPFlagDefinition"
     return f"""
 target datalayout = "{DATA_LAYOUT}"
 declare i32 @"{module.symbol}"({types})
 define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
+entry:
   %.ret = alloca {returned}
   {lines}
   %.status = call i32 @"{module.symbol}"({call}), !dbg !5
@@ -121,9 +137,9 @@ define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
 !llvm.module.flags = !{{!6, !7}}
 !1 = distinct !DICompileUnit(language: DW_LANG_C_plus_plus, file: !2, emissionKind: LineTablesOnly)
 !2 = !DIFile(filename: "{file}", directory: "")
-!3 = distinct !DISubprogram(name: "{ENTRY}", file: !2, line: {loc.line}, type: !4, unit: !1, spFlags: DISPFlagDefinition)
+!3 = distinct !DISubprogram(name: "{ENTRY}", file: !2, line: {line}, type: !4, unit: !1, {flags})
 !4 = !DISubroutineType(types: !{{null}})
-!5 = !DILocation(line: {loc.line}, column: 1, scope: !3)
+!5 = !DILocation(line: {line}, column: 1, scope: !3)
 !6 = !{{i32 2, !"Dwarf Version", i32 4}}
 !7 = !{{i32 2, !"Debug Info Version", i32 3}}
 """
@@ -151,7 +167,9 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
     """A C-contiguous array: its data pointer and shape come from the host, the rest is computed."""
     x = param.name
     inputs.append(f'ptr %"&{x}"')
-    shapes, strides, stride = [], [], "4"
+    shapes: list[str] = []
+    strides: list[str] = []
+    stride = "4"
     for axis in range(param.ndim):
         inputs.append(f'i32 range(i32 0, {MAX_DIM + 1}) %"{x}.shape{axis}"')
         body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')

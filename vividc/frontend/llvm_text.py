@@ -1,7 +1,9 @@
-"""Read the text of LLVM IR into `ssa.WideFunction`: the part of the language that optimised kernels use.
+"""Read the text of LLVM IR into `ssa.WideFunction`: the part of the language that optimised kernels
+use.
 
-Debug locations are read from the metadata once. Of a chain of inlined calls the innermost line in the user's
-own file counts: a fault inside a helper or inside numba is reported where the kernel asked for it.
+Debug locations are read from the metadata once. Of a chain of inlined calls the innermost line in
+the user's own file counts: a fault inside a helper or inside numba is reported where the kernel
+asked for it.
 """
 
 from __future__ import annotations
@@ -35,13 +37,54 @@ _LABEL = re.compile(r'^(?:"(?P<quoted>(?:[^"\\]|\\.)*)"|(?P<name>[-\w.$]+)):')
 _METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
 _FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
 _FLAGS = frozenset(
-    "nuw nsw exact disjoint nneg samesign inbounds nusw volatile fast nnan ninf nsz arcp contract afn reassoc "
-    "tail musttail notail inreg noundef nonnull dso_local zeroext signext".split()
+    [
+        "nuw",
+        "nsw",
+        "exact",
+        "disjoint",
+        "nneg",
+        "samesign",
+        "inbounds",
+        "nusw",
+        "volatile",
+        "fast",
+        "nnan",
+        "ninf",
+        "nsz",
+        "arcp",
+        "contract",
+        "afn",
+        "reassoc",
+        "tail",
+        "musttail",
+        "notail",
+        "inreg",
+        "noundef",
+        "nonnull",
+        "dso_local",
+        "zeroext",
+        "signext",
+    ]
 )
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "ptr": 4, "i64": 8, "double": 8}
+_FLOAT_DIGITS = 8
 _SMALL = {"i8": 0xFF, "i16": 0xFFFF}
 _CASTS = frozenset(
-    "trunc zext sext fptrunc fpext fptoui fptosi uitofp sitofp ptrtoint inttoptr bitcast addrspacecast".split()
+    [
+        "trunc",
+        "zext",
+        "sext",
+        "fptrunc",
+        "fpext",
+        "fptoui",
+        "fptosi",
+        "uitofp",
+        "sitofp",
+        "ptrtoint",
+        "inttoptr",
+        "bitcast",
+        "addrspacecast",
+    ]
 )
 
 
@@ -133,11 +176,13 @@ class _Cursor:
         return token
 
     def operand(self, type_: str) -> Operand:
+        """A value of the given type; a constant expression is kept as its operation's name."""
         token = self.take()
-        if token[:1] == "%":
-            return Local(_bare(token))
-        if token[:1] == "@":
-            return Global(_bare(token))
+        if token[:1] in ("%", "@"):
+            return Local(_bare(token)) if token[0] == "%" else Global(_bare(token))
+        return self._constant(token, type_)
+
+    def _constant(self, token: str, type_: str) -> Operand:
         if token in ("true", "false"):
             return Int(int(token == "true"))
         if type_ in ("float", "double"):
@@ -183,7 +228,7 @@ def _bare(token: str) -> str:
 def _float(token: str) -> float:
     if token.startswith("f0x"):
         digits = token[3:]
-        layout = (">f", 4) if len(digits) <= 8 else (">d", 8)
+        layout = (">f", 4) if len(digits) <= _FLOAT_DIGITS else (">d", 8)
         return float(struct.unpack(layout[0], int(digits, 16).to_bytes(layout[1], "big"))[0])
     if token.startswith("0x"):
         return float(struct.unpack(">d", int(token[2:], 16).to_bytes(8, "big"))[0])
@@ -233,7 +278,9 @@ class _Locations:
         _, file = self._nodes[fields["file"]]
         name = re.sub(r"\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), file.get("filename", ""))
         directory = file.get("directory", "")
-        return f"{directory}/{name}" if directory and not name.startswith(("/", directory)) else name
+        return (
+            f"{directory}/{name}" if directory and not name.startswith(("/", directory)) else name
+        )
 
 
 def _blocks(lines: list[str], locations: _Locations) -> Iterator[WideBlock]:
@@ -263,7 +310,9 @@ def _joined(lines: list[str]) -> Iterator[str]:
     pending = ""
     for line in lines:
         pending += line
-        if pending.rstrip().endswith("[") or (pending.count("[") > pending.count("]") and "switch" in pending):
+        if pending.rstrip().endswith("[") or (
+            pending.count("[") > pending.count("]") and "switch" in pending
+        ):
             continue
         yield pending
         pending = ""
@@ -292,7 +341,8 @@ def _read_phi(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) ->
         cursor.expect("]")
         if not cursor.accept(","):
             break
-    return WidePhi(name, type_, tuple(incoming), loc)
+    # A predecessor with two edges is listed twice.
+    return WidePhi(name, type_, tuple(dict.fromkeys(incoming)), loc)
 
 
 def _read_br(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
@@ -400,7 +450,9 @@ def _read_call(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -
 
 
 def _read_other(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
-    """Arithmetic: `op type a[, b]`. What the kernel may not use is refused later, by opcode, with its line."""
+    """Arithmetic: `op type a[, b]`. What the kernel may not use is refused later, by opcode, with
+    its line.
+    """
     type_ = cursor.type()
     args: list[Operand] = []
     if opcode in _ARITHMETIC:
@@ -411,9 +463,31 @@ def _read_other(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) 
 
 
 _ARITHMETIC = frozenset(
-    "add sub mul sdiv udiv srem urem shl lshr ashr and or xor fadd fsub fmul fdiv frem fneg freeze".split()
+    [
+        "add",
+        "sub",
+        "mul",
+        "sdiv",
+        "udiv",
+        "srem",
+        "urem",
+        "shl",
+        "lshr",
+        "ashr",
+        "and",
+        "or",
+        "xor",
+        "fadd",
+        "fsub",
+        "fmul",
+        "fdiv",
+        "frem",
+        "fneg",
+        "freeze",
+    ]
 )
-_Reader = Callable[[_Cursor, str, str, SourceLoc | None], Op | WidePhi | Exit]
+_Item = Op | WidePhi | Exit
+_Reader = Callable[[_Cursor, str, str, SourceLoc | None], _Item]
 _READERS: dict[str, _Reader] = {
     "phi": _read_phi,
     "br": _read_br,
@@ -426,4 +500,5 @@ _READERS: dict[str, _Reader] = {
     "store": _read_store,
     "getelementptr": _read_gep,
     "call": _read_call,
-} | dict.fromkeys(_CASTS, _read_cast)
+    **dict.fromkeys(_CASTS, _read_cast),
+}

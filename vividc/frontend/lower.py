@@ -1,4 +1,6 @@
-"""From a Python function to `cfg.Function`: the frontend's stages in order, and numba's errors as the user's."""
+"""From a Python function to `cfg.Function`: the frontend's stages in order, and numba's errors as
+the user's.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import narrow
 from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
-from vividc.frontend.simplify import fold_by_ranges
+from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
@@ -83,11 +85,13 @@ def lower(
 
 
 def _prepared(wide: WideFunction) -> WideFunction:
-    return remove_dead(resolve_memory(remove_dead(remove_unreachable(wide))))
+    return recover_extensions(resolve_memory(remove_dead(remove_unreachable(wide))))
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
-    """Shapes: an array must fit in the scratchpad. Integer parameters are words (checked at launch)."""
+    """Shapes: an array must fit in the scratchpad. Integer parameters are words (checked at
+    launch).
+    """
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
@@ -107,12 +111,16 @@ def _typed(
 def _readable(error: NumbaError) -> tuple[str]:
     """Numba's message without its colours, banner and advice."""
     lines = [line.strip() for line in _ESCAPE.sub("", str(error)).splitlines()]
-    text = [line for line in lines if line and not line.startswith(("Failed in", "File ", "During:"))]
+    text = [
+        line for line in lines if line and not line.startswith(("Failed in", "File ", "During:"))
+    ]
     return (f"numba: {' '.join(text[:3])}",)
 
 
 def _place(error: NumbaError, loc: SourceLoc) -> SourceLoc:
-    """The line in the user's file that numba names last: its messages go from the outer to the inner fault."""
+    """The line in the user's file that numba names last: its messages go from the outer to the
+    inner fault.
+    """
     places = [
         int(match["line"])
         for match in _PLACE.finditer(_ESCAPE.sub("", str(error)))
@@ -131,5 +139,7 @@ def _report_demotions(
                 loc=loc,
                 hint="make every operand float32, with np.float32(...) around constants",
             )
-        message = f"{loc}: float64 arithmetic runs in float32; write np.float32(...) around constants"
+        message = (
+            f"{loc}: float64 arithmetic runs in float32; write np.float32(...) around constants"
+        )
         warnings.warn(message, VividcWarning, stacklevel=2)

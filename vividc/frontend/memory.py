@@ -1,7 +1,8 @@
-"""Turn pointers into array accesses: an array, an index, a shift and an offset for every load and store.
+"""Turn pointers into array accesses: an array, an index, a shift and an offset for every load and
+store.
 
-After this stage no pointer is left. Pointer phis and selects within one array become phis and selects of byte
-offsets; a load through a phi of different arrays goes back to where LLVM merged it from.
+After this stage no pointer is left. Pointer phis and selects within one array become phis and
+selects of byte offsets.
 """
 
 from __future__ import annotations
@@ -10,7 +11,18 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.ssa import Global, Int, Local, Op, Operand, WideBlock, WideFunction, WidePhi
+from vividc.frontend.ssa import (
+    Global,
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideBlock,
+    WideFunction,
+    WidePhi,
+    remove_dead,
+)
+from vividc.frontend.unmerge import split_merged_loads
 
 _SUFFIX = ".bytes"
 _WORD_BYTES = 4
@@ -35,49 +47,7 @@ def resolve_memory(function: WideFunction) -> WideFunction:
     KernelError
         A pointer does not come from an array parameter.
     """
-    split = _split_merged_loads(function)
-    return _Resolver(split).run()
-
-
-def _split_merged_loads(function: WideFunction) -> WideFunction:
-    """Undo `load (phi a, b)` where the pointers may be of different arrays."""
-    blocks = {block.name: block for block in function.blocks}
-    for block in function.blocks:
-        pointers = {
-            phi.name: phi
-            for phi in block.phis
-            if phi.type == "ptr"
-            # Else the load would run although the other branch is taken.
-            and all(len(blocks[pred].exit.targets) == 1 for pred, _ in phi.incoming)
-        }
-        if pointers:
-            _split_loads_of_block(blocks, block, pointers)
-    return replace(function, blocks=tuple(blocks[block.name] for block in function.blocks))
-
-
-def _split_loads_of_block(
-    blocks: dict[str, WideBlock], block: WideBlock, pointers: dict[str, WidePhi]
-) -> None:
-    new_phis: list[WidePhi] = []
-    kept: list[Op] = []
-    stored = False
-    for op in block.ops:
-        stored = stored or op.op in ("store", "call")
-        pointer = op.args[0] if op.op == "load" else None
-        if stored or not isinstance(pointer, Local) or pointer.name not in pointers:
-            kept.append(op)
-            continue
-        phi = pointers[pointer.name]
-        incoming = tuple((pred, Local(f"{op.name}.{index}")) for index, (pred, _) in enumerate(phi.incoming))
-        for (pred, value), (_, source) in zip(incoming, phi.incoming, strict=True):
-            before = blocks[pred]
-            load = replace(op, name=value.name, args=(source,))
-            blocks[pred] = replace(before, ops=(*before.ops, load))
-        new_phis.append(WidePhi(op.name, op.type, incoming, op.loc))
-    if new_phis:
-        current = blocks[block.name]
-        added = current.ops[len(block.ops) :]
-        blocks[block.name] = replace(current, phis=(*block.phis, *new_phis), ops=(*kept, *added))
+    return _Resolver(remove_dead(split_merged_loads(function))).run()
 
 
 class _Resolver:
@@ -147,7 +117,9 @@ class _Resolver:
             yield replace(op, name=op.name + _SUFFIX, type="i32", args=(op.args[0], *chosen))
         elif op.op == "alloca":
             raise KernelError("a local array or tuple", loc=op.loc, hint=_LOCAL_HINT)
-        elif op.op in ("ptrtoint", "inttoptr") or (op.op in ("icmp", "freeze") and op.type == "ptr"):
+        elif op.op in ("ptrtoint", "inttoptr") or (
+            op.op in ("icmp", "freeze") and op.type == "ptr"
+        ):
             raise KernelError("arithmetic on addresses", loc=op.loc, hint="use indices")
         else:
             yield op
@@ -167,8 +139,8 @@ class _Resolver:
             shift = unit.bit_length() - 1
             self._stores += 1
             name = op.name or f".store{self._stores}"
-            *computed, index = _sum(name + ".index", address.terms, unit, op.loc)
-            yield from (new for new in computed if isinstance(new, Op))
+            computed, index = _sum(name + ".index", address.terms, unit, op.loc)
+            yield from computed
         yield replace(
             op, args=(*value, index), array=address.array, shift=shift, offset=address.offset
         )
@@ -179,11 +151,9 @@ class _Resolver:
             return
         address = self._address(Local(op.name), op.loc)
         terms = (*address.terms, (Int(address.offset), 1))
-        *computed, total = _sum(op.name + _SUFFIX, terms, 1, op.loc)
-        yield from (new for new in computed if isinstance(new, Op))
-        if isinstance(total, Local) and total.name == op.name + _SUFFIX:
-            return
-        if not isinstance(total, Op):
+        computed, total = _sum(op.name + _SUFFIX, terms, 1, op.loc)
+        yield from computed
+        if total != Local(op.name + _SUFFIX):
             yield Op(op.name + _SUFFIX, "add", "i32", (total, Int(0)), loc=op.loc)
 
     def _bytes(self, pointer: Operand, loc: SourceLoc | None) -> Operand:
@@ -194,9 +164,7 @@ class _Resolver:
 
     def _address(self, pointer: Operand, loc: SourceLoc | None) -> _Address:
         if isinstance(pointer, Global):
-            raise KernelError(
-                "an access to a global array", loc=loc, hint=_GLOBAL_HINT
-            )
+            raise KernelError("an access to a global array", loc=loc, hint=_GLOBAL_HINT)
         if not isinstance(pointer, Local):
             raise KernelError("an access through a null pointer", loc=loc, hint=_LOCAL_HINT)
         definition = self._definitions.get(pointer.name)
@@ -204,7 +172,11 @@ class _Resolver:
             return _Address(self._arrays[pointer.name])
         if _merged(definition):
             return _Address(self._arrays[pointer.name], ((Local(pointer.name + _SUFFIX), 1),))
-        if not isinstance(definition, Op) or definition.op != "getelementptr" or not definition.strides:
+        if (
+            not isinstance(definition, Op)
+            or definition.op != "getelementptr"
+            or not definition.strides
+        ):
             raise KernelError("a pointer that is no array parameter", loc=loc, hint=_LOCAL_HINT)
         return _extend(self._address(definition.args[0], loc), definition)
 
@@ -231,20 +203,20 @@ def _extend(base: _Address, gep: Op) -> _Address:
 
 def _sum(
     name: str, terms: tuple[tuple[Operand, int], ...], unit: int, loc: SourceLoc | None
-) -> list[Op | Operand]:
-    """Instructions that add value * (stride / unit), then the operand that holds the sum."""
-    out: list[Op | Operand] = []
+) -> tuple[list[Op], Operand]:
+    """Instructions that add up value * (stride / unit), and the operand that holds the sum."""
+    out: list[Op] = []
     total: Operand | None = None
     for position, (value, stride) in enumerate(terms):
-        factor = stride // unit
-        if factor != 1:
-            out.append(Op(f"{name}.mul{position}", "mul", "i32", (value, Int(factor)), loc=loc))
-            value = Local(f"{name}.mul{position}")
+        term = value
+        if stride != unit:
+            scaled = f"{name}.mul{position}"
+            out.append(Op(scaled, "mul", "i32", (value, Int(stride // unit)), loc=loc))
+            term = Local(scaled)
         if total is not None:
-            last = position == len(terms) - 1
-            sum_name = name if last else f"{name}.add{position}"
-            out.append(Op(sum_name, "add", "i32", (total, value), loc=loc))
-            value = Local(sum_name)
-        total = value
+            sum_name = name if position == len(terms) - 1 else f"{name}.add{position}"
+            out.append(Op(sum_name, "add", "i32", (total, term), loc=loc))
+            term = Local(sum_name)
+        total = term
     assert total is not None
-    return [*out, total]
+    return out, total

@@ -1,11 +1,13 @@
 """From LLVM's integers of 64 bits and doubles to the machine's words of 32 bits.
 
-Integers: a value is represented by its low word. Sums, products, left shifts and logic need no more of their
-operands, so they stay exact; comparisons, right shifts, divisions and conversions need the whole value, and it is
-proved by ranges that the word determines it (sign-extended or zero-extended), or the kernel is refused.
+Integers: a value is represented by its low word. Sums, products, left shifts and logic need no more
+of their operands, so they stay exact; comparisons, right shifts, divisions and conversions need the
+whole value, and it is proved by ranges that the word determines it (sign-extended or
+zero-extended), or the kernel is refused.
 
-Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A conversion of a
-float to an integer assumes that the result fits in 32 bits, as the machine saturates.
+Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A
+conversion of a float to an integer assumes that the result fits in 32 bits, as the machine
+saturates.
 """
 
 from __future__ import annotations
@@ -95,10 +97,14 @@ class _Narrower:
     ) -> Value | None:
         if value is None or returns is None:
             return None
-        definition = self._function.definitions.get(value.name) if isinstance(value, Local) else None
+        definition = (
+            self._function.definitions.get(value.name) if isinstance(value, Local) else None
+        )
         where = loc or (definition.loc if definition is not None else None)
         if returns is DType.I64:
-            self.emitter.require_signed(value, where, "the returned integer", "return np.int32(...)")
+            self.emitter.require_signed(
+                value, where, "the returned integer", "return np.int32(...)"
+            )
         return self.emitter.value(value)
 
 
@@ -107,7 +113,7 @@ def _results(function: WideFunction) -> list[str]:
     return [
         item.name
         for block in function.blocks
-        for item in (*block.phis, *block.ops)
+        for item in block.items
         if item.name and not (isinstance(item, Op) and item.op in ALIASES and not _masks(item))
     ]
 
@@ -170,5 +176,7 @@ def _call(emitter: Emitter, op: Op) -> None:
 
 def _call_hint(callee: str) -> str:
     if callee.startswith(("NRT_", "numba_", "Py")):
-        return "arrays, strings and objects cannot be made inside a kernel: pass arrays as parameters"
+        return (
+            "arrays, strings and objects cannot be made inside a kernel: pass arrays as parameters"
+        )
     return "of the mathematical functions math.exp, abs, min and max are supported"

@@ -72,8 +72,10 @@ def _is_float32(emitter: Emitter, operand: Operand) -> bool:
     if isinstance(operand, Float):
         with np.errstate(over="ignore"):
             rounded = float(np.float32(operand.value))
-        return rounded == operand.value or operand.value != operand.value  # noqa: PLR0124 - NaN
-    definition = emitter.function.definitions.get(operand.name) if isinstance(operand, Local) else None
+        return rounded == operand.value or operand.value != operand.value
+    definition = (
+        emitter.function.definitions.get(operand.name) if isinstance(operand, Local) else None
+    )
     return isinstance(definition, Op) and definition.op == "fpext"
 
 

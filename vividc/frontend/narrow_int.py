@@ -74,7 +74,9 @@ def _small(op: Op) -> bool:
 
 
 def _whole(emitter: Emitter, op: Op, *operands: Operand, what: str) -> bool:
-    """Whether the operands' words are to be read as signed (else as unsigned); refuses if neither is right."""
+    """Whether the operands' words are to be read as signed (else as unsigned); refuses if neither
+    is right.
+    """
     if emitter.signed(*operands):
         return True
     if width(op.type) == _WORD or emitter.unsigned(*operands):
@@ -118,7 +120,9 @@ def _shift_left(emitter: Emitter, op: Op) -> None:
 
 
 def _shift_right(emitter: Emitter, op: Op) -> None:
-    """Logical or arithmetic; a value of 64 bits must be its word's extension, and its sign decides which."""
+    """Logical or arithmetic; a value of 64 bits must be its word's extension, and its sign decides
+    which.
+    """
     if _small(op):
         _refuse_small_arithmetic(op)
         emitter.emit(op, Opcode.LSHR, tuple(emitter.value(arg) for arg in op.args))
@@ -129,17 +133,27 @@ def _shift_right(emitter: Emitter, op: Op) -> None:
         opcode = Opcode.ASHR if op.op == "ashr" else Opcode.LSHR
         emitter.emit(op, opcode, (word, emitter.value(amount)))
         return
+    if isinstance(amount, Int) and emitter.demand(op) + amount.value <= _WORD:
+        # What comes in from above the word is not looked at.
+        emitter.emit(op, Opcode.LSHR, (word, Const(amount.value)))
+        return
     if not _whole(emitter, op, value, what="the shifted integer"):
         _emit_shift(emitter, op, Opcode.LSHR, word, amount, outside=Const(0))
     elif op.op == "lshr" and emitter.range(value)[0] < 0:
         _shift_sign_down(emitter, op, word, amount)
     else:
-        outside = emitter.helper(op, Opcode.ASHR, word, Const(_WORD - 1)) if _may_exceed(emitter, amount) else Const(0)
+        outside = (
+            emitter.helper(op, Opcode.ASHR, word, Const(_WORD - 1))
+            if _may_exceed(emitter, amount)
+            else Const(0)
+        )
         _emit_shift(emitter, op, Opcode.ASHR, word, amount, outside=outside)
 
 
 def _shift_sign_down(emitter: Emitter, op: Op, word: Value, amount: Operand) -> None:
-    """lshr i64 of a negative value: below 32 the result's low word is that of ashr, from 32 on the sign's."""
+    """lshr i64 of a negative value: below 32 the result's low word is that of ashr, from 32 on the
+    sign's.
+    """
     if not isinstance(amount, Int):
         raise KernelError("a shift of a negative integer as unsigned", loc=op.loc, hint=_HINT)
     if amount.value < _WORD:
@@ -178,7 +192,9 @@ def _refuse_small_arithmetic(op: Op) -> None:
 
 
 def _divide(emitter: Emitter, op: Op) -> None:
-    """By a power of two: a shift, with a correction for negative dividends; a remainder is what is left."""
+    """By a power of two: a shift, with a correction for negative dividends; a remainder is what is
+    left.
+    """
     _refuse_small(op)
     value, divisor = op.args
     if not isinstance(divisor, Int) or divisor.value <= 0 or divisor.value & (divisor.value - 1):

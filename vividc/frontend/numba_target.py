@@ -1,9 +1,9 @@
 """Unoptimised LLVM IR of a Python function, typed and lowered by a numba target of our own.
 
-The only module that relies on numba's internals. The target is numba's CPU without everything that an
-array has not: code generation, reference counting, Python wrappers, exceptions. A raise becomes a call of a
-function named after it, so that a reachable one can be reported with its line. `range` iterates by comparing
-with its stop value: numba's own trip counter needs a division.
+The only module that relies on numba's internals. The target is numba's CPU without everything that
+an array has not: code generation, reference counting, Python wrappers, exceptions. A raise becomes
+a call of a function named after it, so that a reachable one can be reported with its line. `range`
+iterates by comparing with its stop value: numba's own trip counter needs a division.
 """
 
 from __future__ import annotations
@@ -14,14 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import llvmlite.binding as binding
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types, typing
 from numba.core.codegen import Codegen, CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.descriptors import TargetDescriptor
 from numba.core.dispatcher import Dispatcher
-from numba.core.imputils import iternext_impl, RefType
+from numba.core.imputils import RefType, iternext_impl
 from numba.core.registry import cpu_target
 from numba.core.runtime import rtsys
 from numba.core.target_extension import (
@@ -57,7 +56,7 @@ class NumbaModule:
     return_type: str
 
 
-class _Target(CPU):
+class _Target(CPU):  # type: ignore[misc]
     """Numba's name tag of the target: inherits all overloads made for CPUs."""
 
 
@@ -143,7 +142,13 @@ class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
         self._emit_raise(builder, exc, exc_args)
 
     def return_dynamic_user_exc(
-        self, builder: Any, exc: Any, exc_args: Any, nb_types: Any, loc: Any = None, func_name: Any = None
+        self,
+        builder: Any,
+        exc: Any,
+        exc_args: Any,
+        nb_types: Any,
+        loc: Any = None,
+        func_name: Any = None,
     ) -> None:
         self._emit_raise(builder, exc, ("...",))
 
@@ -191,7 +196,8 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         self._internal_codegen = _Codegen()
 
     def load_additional_registries(self) -> None:
-        # The runtime belongs to the host's context: were it made with this one, numba itself would break.
+        # The runtime belongs to the host's context: were it made with this one, numba itself would
+        # break.
         rtsys.initialize(cpu_target.target_context)
         super().load_additional_registries()
 
@@ -219,7 +225,9 @@ _RANGE = ir.LiteralStructType([_I64, _I64, _I64])
 
 
 def _range_iterator(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
-    """Start, stop and step, widened, behind the first pointer of numba's iterator; its other fields stay unused."""
+    """Start, stop and step, widened, behind the first pointer of numba's iterator; its other fields
+    stay unused.
+    """
     dtype = sig.args[0].dtype
     slot = cgutils.alloca_once(builder, _RANGE)
     for position in range(3):
@@ -250,7 +258,8 @@ def _range_step(context: _Context, builder: ir.IRBuilder, sig: Any, args: Any, r
     result.set_valid(valid)
     item = context.get_value_type(sig.args[0].yield_type)
     result.yield_(value if item == _I64 else builder.trunc(value, item))
-    # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted iterator.
+    # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
+    # iterator.
     builder.store(builder.add(value, step, flags=["nsw"]), field[0])
 
 
@@ -278,7 +287,7 @@ def _flags() -> compiler.Flags:
 
 
 class _Dispatcher(Dispatcher):  # type: ignore[misc]
-    """A helper function within the target: compiled on demand for the argument types of its calls."""
+    """A helper function of the target, compiled on demand for the types of each call."""
 
     targetdescr = _Descriptor(TARGET_NAME)
 

@@ -1,6 +1,8 @@
-"""Which values an integer can have: intervals over SSA, refined by the branches that lead to a block.
+"""Which values an integer can have: intervals over SSA, refined by the branches that lead to a
+block.
 
-Widening and narrowing as by Cousot and Cousot (1977). Values of type iN are signed, except i1 (0 or 1).
+Widening and narrowing as by Cousot and Cousot (1977). Values of type iN are signed, except i1 (0 or
+1).
 """
 
 from __future__ import annotations
@@ -8,8 +10,30 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from vividc.frontend.interval import BOTTOM, Interval, comparable, compare, evaluate, full, intersect, refine, union, widen
-from vividc.frontend.ssa import Flow, Int, Local, Op, Operand, WideBlock, WideFunction, WidePhi, flow_of
+from vividc.frontend.interval import (
+    BOTTOM,
+    Interval,
+    comparable,
+    compare,
+    evaluate,
+    full,
+    intersect,
+    refine,
+    union,
+    widen,
+)
+from vividc.frontend.ssa import (
+    Flow,
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideBlock,
+    WideFunction,
+    WidePhi,
+    flow_of,
+)
+from vividc.frontend.trips import counter_bounds
 
 _WIDEN_AFTER = 3
 _NARROWINGS = 4
@@ -48,8 +72,13 @@ class Ranges:
         self._types = dict(function.params)
         self._bounds = bounds
         self._known: dict[str, Interval] = {}
+        self._limits: dict[str, Interval] = {}
         self._facts = {name: tuple(self._facts_at(name)) for name in self._flow.order}
         self._solve()
+        self._limits = counter_bounds(function, self._flow, self.at)
+        if any(self._known[name] != limit for name, limit in self._limits.items()):
+            self._known = {}
+            self._solve()
 
     def at(self, operand: Operand, block: str) -> Interval:
         """Values that `operand` can have while `block` runs."""
@@ -74,7 +103,7 @@ class Ranges:
 
     def _ascend(self, block: WideBlock, widening: bool) -> bool:
         changed = False
-        for item in (*block.phis, *block.ops):
+        for item in block.items:
             if not item.name or not _is_int(_result_type(item)):
                 continue
             old = self._known.get(item.name, BOTTOM)
@@ -86,7 +115,7 @@ class Ranges:
         return changed
 
     def _descend(self, block: WideBlock) -> None:
-        for item in (*block.phis, *block.ops):
+        for item in block.items:
             if item.name in self._known:
                 tighter = intersect(self._known[item.name], self._transfer(item, block.name))
                 self._known[item.name] = tighter
@@ -96,7 +125,8 @@ class Ranges:
             total = BOTTOM
             for pred, value in item.incoming:
                 total = union(total, self._on_edge(value, pred, block))
-            return total
+            limit = self._limits.get(item.name)
+            return total if limit is None else intersect(total, limit)
         return self._evaluate(item, block, _DEPTH)
 
     def _evaluate(self, op: Op, block: str, depth: int) -> Interval:
@@ -135,7 +165,12 @@ class Ranges:
             return full("i64")
         interval = self._base(operand)
         definition = self._definitions.get(operand.name)
-        if depth > 0 and isinstance(definition, Op) and interval != BOTTOM and _is_cheap(definition):
+        if (
+            depth > 0
+            and isinstance(definition, Op)
+            and interval != BOTTOM
+            and _is_cheap(definition)
+        ):
             interval = intersect(interval, self._evaluate(definition, block, depth - 1))
         return self._apply(self._facts[block], operand, interval, block)
 
@@ -187,11 +222,15 @@ class Ranges:
 
 
 def _is_conjunction(op: Op) -> bool:
-    return (op.op == "and" and op.type == "i1") or (op.op == "select" and op.args[2] == Int(0) and op.type == "i1")
+    return (op.op == "and" and op.type == "i1") or (
+        op.op == "select" and op.args[2] == Int(0) and op.type == "i1"
+    )
 
 
 def _is_disjunction(op: Op) -> bool:
-    return (op.op == "or" and op.type == "i1") or (op.op == "select" and op.args[1] == Int(1) and op.type == "i1")
+    return (op.op == "or" and op.type == "i1") or (
+        op.op == "select" and op.args[1] == Int(1) and op.type == "i1"
+    )
 
 
 def _is_cheap(op: Op) -> bool:

@@ -18,6 +18,9 @@ from vividc.frontend.ssa import (
     substitute,
 )
 
+_WORD = 32
+_NEUTRAL_ZERO = frozenset({"add", "sub", "or", "xor", "shl", "lshr", "ashr"})
+
 
 def fold_by_ranges(function: WideFunction, ranges: Ranges) -> WideFunction:
     """Fold decided comparisons, selects on them and branches on them, then drop dead code.
@@ -30,11 +33,16 @@ def fold_by_ranges(function: WideFunction, ranges: Ranges) -> WideFunction:
             outcome = ranges.compare_at(op, block.name)
             if outcome is not None:
                 known[op.name] = Int(int(outcome))
-    while known:
-        function = remove_dead(substitute(function, known))
-        known = _trivial(function)
+    function = _without_trivial(substitute(function, known))
     blocks = tuple(replace(block, exit=_decided(block.exit)) for block in function.blocks)
-    return remove_dead(remove_unreachable(replace(function, blocks=blocks)))
+    return _without_trivial(remove_unreachable(replace(function, blocks=blocks)))
+
+
+def _without_trivial(function: WideFunction) -> WideFunction:
+    function = remove_dead(function)
+    while known := _trivial(function):
+        function = remove_dead(substitute(function, known))
+    return function
 
 
 def _trivial(function: WideFunction) -> dict[str, Operand]:
@@ -55,8 +63,8 @@ def _value(op: Op) -> Operand | None:
         if isinstance(cond, Int):
             return yes if cond.value & 1 else no
         return yes if yes == no else None
-    if op.op == "add" and Int(0) in op.args:
-        return op.args[0] if op.args[1] == Int(0) else op.args[1]
+    if op.op in _NEUTRAL_ZERO and op.args[1] == Int(0):
+        return op.args[0]
     return _logic(op) if op.op in ("and", "or", "xor") and op.type == "i1" else None
 
 
@@ -86,3 +94,39 @@ def _decided(leave: Exit) -> Exit:
         return leave
     target = leave.targets[0] if leave.cond.value & 1 else leave.targets[1]
     return replace(leave, targets=(target,), cond=None)
+
+
+def recover_extensions(function: WideFunction) -> WideFunction:
+    """Rewrite `(x << a) >> b`, both at least 32, in words: LLVM's form of sign or zero extending a
+    truncation.
+    """
+    blocks = tuple(
+        replace(block, ops=tuple(new for op in block.ops for new in _in_words(function, op)))
+        for block in function.blocks
+    )
+    return remove_dead(replace(function, blocks=blocks))
+
+
+def _in_words(function: WideFunction, op: Op) -> tuple[Op, ...]:
+    by = _high_shift(op, ("ashr", "lshr"))
+    if by is None or not isinstance(op.args[0], Local):
+        return (op,)
+    inner = function.definitions.get(op.args[0].name)
+    up = _high_shift(inner, ("shl",)) if isinstance(inner, Op) else None
+    if up is None or not isinstance(inner, Op):
+        return (op,)
+    word, high, low = (Local(f"{op.name}.{part}") for part in ("word", "high", "low"))
+    return (
+        Op(word.name, "trunc", "i32", inner.args[:1], source="i64", loc=op.loc),
+        Op(high.name, "shl", "i32", (word, Int(up - _WORD)), loc=op.loc),
+        Op(low.name, op.op, "i32", (high, Int(by - _WORD)), loc=op.loc),
+        Op(op.name, "sext" if op.op == "ashr" else "zext", "i64", (low,), source="i32", loc=op.loc),
+    )
+
+
+def _high_shift(op: Op, opcodes: tuple[str, ...]) -> int | None:
+    """Amount of a 64-bit shift by at least a word."""
+    if op.op not in opcodes or op.type != "i64":
+        return None
+    amount = op.args[1]
+    return amount.value if isinstance(amount, Int) and amount.value >= _WORD else None

@@ -1,6 +1,7 @@
 """LLVM IR as plain data: what the frontend's stages rewrite between the parser and `cfg.Function`.
 
-Types are LLVM's names ("i64", "float", "ptr", ...). Everything is frozen; a stage returns a new function.
+Types are LLVM's names ("i64", "float", "ptr", ...). Everything is frozen; a stage returns a new
+function.
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ class Op:
     type
         Type of the result; for a store the type stored, for a comparison that of its operands.
     args
-        Operands. `load`: index once the address is resolved, pointer before. `store`: value, then the same.
+        Operands. `load`: index once the address is resolved, pointer before. `store`: value, then
+        the same.
     pred
         Predicate of a comparison, or callee of a call.
     source
@@ -92,7 +94,9 @@ class WidePhi:
 
 @dataclass(frozen=True, slots=True)
 class Exit:
-    """A terminator. No targets: return of `value`; one: jump; two: taken if `cond` is 1, else the second."""
+    """A terminator. No targets: return of `value`; one: jump; two: taken if `cond` is 1, else the
+    second.
+    """
 
     targets: tuple[str, ...] = ()
     cond: Operand | None = None
@@ -109,6 +113,11 @@ class WideBlock:
     phis: tuple[WidePhi, ...]
     ops: tuple[Op, ...]
     exit: Exit
+
+    @property
+    def items(self) -> tuple[Op | WidePhi, ...]:
+        """Phis, then instructions."""
+        return (*self.phis, *self.ops)
 
 
 @dataclass(frozen=True)
@@ -267,7 +276,7 @@ def has_effect(op: Op) -> bool:
 
 @dataclass(frozen=True)
 class Flow:
-    """Dominators of a control-flow graph given by its successors (Cooper, Harvey and Kennedy 2001)."""
+    """Dominators of a control-flow graph (Cooper, Harvey and Kennedy 2001)."""
 
     entry: str
     successors: Mapping[str, tuple[str, ...]]
@@ -287,7 +296,7 @@ class Flow:
 
     def dominates(self, a: str, b: str) -> bool:
         """Whether every path from the entry to `b` passes `a` (a block dominates itself)."""
-        while b != a and b != self.entry:
+        while b not in (a, self.entry):
             b = self.idom[b]
         return a == b
 

@@ -42,7 +42,9 @@ def _header(index: int, name: str, row: RegionRow) -> str:
     if row.branch is not None:
         after += f" or region {row.branch}"
     kind = " ".join((row.kind, *marks))
-    size = f"II {row.ii}, span {row.span}, {row.stages} stages"
+    size = f"length {row.ii}"
+    if row.kind == "loop":
+        size = f"II {row.ii}, span {row.span}, {row.stages} stages"
     return f"region {index} {name}: {kind}, {size}, then {after}"
 
 

@@ -1,4 +1,4 @@
-"""Each constraint family decides some problem: with all of them it has no solution, without that one it has."""
+"""Each constraint family decides some problem: without it there is a solution, with it none."""
 
 from __future__ import annotations
 
@@ -12,7 +12,15 @@ from random_graphs import random_loop
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.opcodes import LatencyClass, Opcode
-from vividc.mapper.cpsat import CONSTRAINT_FAMILIES, Prepared, Search, Window, build, folded, windowed
+from vividc.mapper.cpsat import (
+    CONSTRAINT_FAMILIES,
+    Prepared,
+    Search,
+    Window,
+    build,
+    folded,
+    windowed,
+)
 from vividc.mapper.cpsat.run import Verdict, run
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
@@ -69,7 +77,7 @@ def _two_words_meet() -> DFG:
 @pytest.mark.parametrize(("registers", "verdict"), [(1, "refuted"), (2, "found")])
 def test_two_words_at_a_time_need_two_registers(registers: int, verdict: str) -> None:
     fabric = grid(1, 1, registers=registers, read_ports=2, write_ports=2)
-    windows = {0: Window(3, 3), 1: Window(0, 0), 2: Window(1, 1)}
+    windows = {0: Window(0, 0), 1: Window(1, 1), 2: Window(3, 3)}
     problem = Prepared(MapProblem(_two_words_meet(), fabric), 8, windows)
     assert _verdict(problem) == verdict
     assert _verdict(problem, "words_fit_registers") == "found"

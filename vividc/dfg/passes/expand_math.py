@@ -18,7 +18,7 @@ ROUNDED_LIMIT: Final = 0x4B4000FF
 # -ln 2 in two words (Cody and Waite, Software Manual for the Elementary Functions, 1980).
 MINUS_LN2_HIGH: Final = 0xBF317218
 MINUS_LN2_LOW: Final = 0x3102E308
-# 2 * exp(r) on |r| <= ln(2) / 2 with relative error 2**-28.2, from the highest power to the constant.
+# 2 exp(r) on |r| <= ln(2) / 2, relative error 2**-28.2, from the highest power to the constant.
 POLYNOMIAL: Final = (
     0x3B35265A,
     0x3C891CC3,

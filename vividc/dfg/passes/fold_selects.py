@@ -12,7 +12,8 @@ from vividc.dfg.semantics import SEMANTICS
 def fold_selects(dfg: DFG) -> DFG:
     """Turn `select(p, op(.., x), x)` into `op(.., x)` predicated by p, which passes x through.
 
-    The operation must have no other reader; operands of a commuting one are swapped to bring x
+    An operation with other readers is copied if x is the select's own earlier word, which takes the select out of
+    that recurrence at no cost in operations; else it must have no other reader. Operands of a commuting one are swapped to bring x
     last. `select(p, x, op(.., x))` needs the inverse predicate: the inverse comparison, or `p xor
     1`. That costs one operation, shared by all selects of p, and saves at least one. Where the
     predicate itself depends on the select over a recurrence, the fold must not make that recurrence
@@ -26,7 +27,7 @@ def _fold(rewrite: Rewrite, node: Node) -> bool:
         return False
     pred, if_true, if_false = rewrite.operands(node)
     for guarded, kept, inverted in ((if_true, if_false, False), (if_false, if_true, True)):
-        operation = _guarded(rewrite, guarded, kept)
+        operation = _guarded(rewrite, guarded, kept, copies=kept.src == node.id)
         if operation is None or not _keeps_recurrence(rewrite, node, pred, kept):
             continue
         if not rewrite.can_forward(node.id, guarded):
@@ -34,6 +35,10 @@ def _fold(rewrite: Rewrite, node: Node) -> bool:
         compared = is_comparison(rewrite.nodes[pred.src].op)
         if inverted and not compared and _depends(rewrite, pred.src, node.id):
             continue  # the inversion would lengthen the recurrence through the predicate
+        if len(rewrite.uses(operation.id)) != 1:
+            operation = rewrite.nodes[
+                rewrite.add_node(operation.op, rewrite.operands(operation), operation.loc)
+            ]
         _predicate(rewrite, operation, _inverse(rewrite, pred) if inverted else pred, kept)
         rewrite.forward(node.id, Value(operation.id))
         rewrite.remove_node(node.id)
@@ -41,12 +46,12 @@ def _fold(rewrite: Rewrite, node: Node) -> bool:
     return False
 
 
-def _guarded(rewrite: Rewrite, value: Value, kept: Value) -> Node | None:
-    """The operation that `value` reads, if it can pass `kept` through instead."""
+def _guarded(rewrite: Rewrite, value: Value, kept: Value, *, copies: bool) -> Node | None:
+    """The operation that `value` reads, if it (or a copy of it) can pass `kept` through instead."""
     source = rewrite.nodes[value.src]
     if value.distance or source.op not in SEMANTICS or source.control is not None:
         return None
-    if rewrite.predicated(source.id) or len(rewrite.uses(source.id)) != 1:
+    if rewrite.predicated(source.id) or (len(rewrite.uses(source.id)) != 1 and not copies):
         return None
     if source.info.result is Type.PRED or source.op is Opcode.EXP:
         return None  # a predicate does not pass a compared operand on

@@ -180,8 +180,8 @@ class Rewrite:
         source, reader = self.nodes[value.src], self.nodes[edge.dst]
         if edge.distance and (value.distance or source.op is Opcode.IV):
             return False
-        if reader.op is Opcode.LIVE_OUT and source.is_source:
-            return False
+        if reader.op is Opcode.LIVE_OUT and (source.is_source or value.distance):
+            return False  # its write port takes this iteration's result only
         if edge.port == BASE and (source.op not in _INIT_SOURCES or value.distance):
             return False
         wanted = _port_type(reader, edge.port)

@@ -1,0 +1,154 @@
+"""Arguments of `simulate`: what is accepted, what is refused, what a failed run leaves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.program.hand_kernels import Hand, N, O, fabric, find, positive, program, saxpy
+from vividc.dfg.regions import RETURN_VARIABLE, Region
+from vividc.errors import ArgumentError
+from vividc.program import DType, Param, Program
+from vividc.sim import simulate
+
+
+def echo(dtype: DType) -> Program:
+    """Return the scalar argument."""
+    hand = Hand(fabric("mesh-1x1"), 2)
+    value = hand.op(O.MOV, 0, 0)
+    hand.feed(hand.live_in("v"), value)
+    hand.feed(value, hand.op(O.LIVE_OUT, 0, 1, name=RETURN_VARIABLE))
+    region = Region("echo", "straight", hand.dfg("echo"))
+    return program("echo", (Param("v", dtype),), [(region, hand)], dtype)
+
+
+@pytest.mark.parametrize(
+    ("dtype", "given", "value"),
+    [
+        (DType.I32, -5, -5),
+        (DType.I32, np.int64(7), 7),
+        (DType.I32, True, 1),
+        (DType.U32, 2**32 - 1, 2**32 - 1),
+        (DType.I64, -(2**31), -(2**31)),
+        (DType.F32, 0.1, float(np.float32(0.1))),
+        (DType.F32, np.float64(-0.0), -0.0),
+        (DType.F32, 3, 3.0),
+        (DType.F32, float("-inf"), float("-inf")),
+        (DType.BOOL, np.True_, True),
+        (DType.BOOL, 0, False),
+    ],
+)
+def test_scalars(dtype: DType, given: object, value: object) -> None:
+    result = simulate(echo(dtype), given).value
+    assert result == value
+    assert type(result) is type(value)
+
+
+@pytest.mark.parametrize(
+    ("dtype", "given"),
+    [
+        (DType.I32, 2**31),
+        (DType.I32, 1.0),
+        (DType.I32, "1"),
+        (DType.I32, None),
+        (DType.I32, np.zeros(())),
+        (DType.U32, -1),
+        (DType.I64, 2**31),
+        (DType.F32, 1e39),
+        (DType.F32, 10**400),
+        (DType.F32, 1j),
+        (DType.BOOL, 2),
+    ],
+)
+def test_refused_scalars(dtype: DType, given: object) -> None:
+    with pytest.raises(ArgumentError, match="argument v"):
+        simulate(echo(dtype), given)
+
+
+def arrays(n: int = 4) -> tuple[np.ndarray, np.ndarray]:
+    return np.ones(n, np.float32), np.ones(n, np.float32)
+
+
+def test_keywords_and_their_errors() -> None:
+    x, y = arrays()
+    simulate(saxpy(fabric()), x, n=4, y=y)
+    assert y.tolist() == [3.0] * 4
+    for args, kwargs, reason in (
+        ((x, y), {}, "misses n"),
+        ((x, y, 4, 5), {}, "takes 3 arguments, not 4"),
+        ((x, y, 4), {"n": 4}, "got 'n' twice"),
+        ((x, y, 4), {"m": 4}, "no parameter 'm'"),
+        ((x, y, 4), {"engine": "warp"}, "unknown engine 'warp'"),
+    ):
+        with pytest.raises(ArgumentError, match=reason):
+            simulate(saxpy(fabric()), *args, **kwargs)
+
+
+@pytest.mark.parametrize(
+    ("bad", "reason"),
+    [
+        ([1.0], "got list"),
+        (np.ones(4), "got float64"),
+        (np.ones(4, ">f4"), "got >f4"),
+        (np.ones((2, 2), np.float32), "float32 with 2"),
+        (np.ones(8, np.float32)[::2], "strides"),
+    ],
+)
+def test_refused_arrays(bad: object, reason: str) -> None:
+    with pytest.raises(ArgumentError, match=reason) as caught:
+        simulate(saxpy(fabric()), bad, np.ones(4, np.float32), 4)
+    assert "argument x of saxpy" in str(caught.value)
+
+
+def test_read_only_arrays_may_be_read_but_not_written() -> None:
+    x, y = arrays()
+    x.flags.writeable = False
+    simulate(saxpy(fabric()), x, y, 4)
+    y.flags.writeable = False
+    with pytest.raises(ArgumentError, match="read-only"):
+        simulate(saxpy(fabric()), x, y, 4)
+
+
+def test_overlapping_arrays_are_refused() -> None:
+    base = np.ones(8, np.float32)
+    with pytest.raises(ArgumentError, match="arrays x and y overlap"):
+        simulate(saxpy(fabric()), base, base, 4)
+    with pytest.raises(ArgumentError, match="overlap"):
+        simulate(saxpy(fabric()), base[:5], base[4:], 4)
+    simulate(saxpy(fabric()), base[:4], base[4:], 4)
+
+
+def test_arrays_larger_than_the_scratchpad() -> None:
+    big = np.ones(8192, np.float32)
+    with pytest.raises(ArgumentError, match="65536 bytes and the scratchpad has 32768"):
+        simulate(saxpy(fabric()), big, big.copy(), 4)
+
+
+def test_arrays_only_read_stay_untouched_even_with_nan_payloads() -> None:
+    x = np.array([0x7FC12345, 0xFF800001], np.uint32).view(np.float32)
+    y = np.zeros(2, np.float32)
+    simulate(saxpy(fabric()), x, y, 0)
+    assert x.view(np.uint32).tolist() == [0x7FC12345, 0xFF800001]
+
+
+def test_64_bit_and_bool_arrays_hold_one_word_per_element() -> None:
+    compiled = positive(fabric())
+    params = (Param("x", DType.I64, 1), Param("y", DType.BOOL, 1), N)
+    wide = type(compiled)(**{**fields(compiled), "params": params})
+    x, y = np.array([5, -3, 1]), np.zeros(3, np.bool_)
+    simulate(wide, x, y, 3)
+    assert y.tolist() == [True, False, True]
+    with pytest.raises(ArgumentError, match="32 bits"):
+        simulate(wide, x * 2**40, y, 3)
+
+
+def fields(compiled: Program) -> dict[str, object]:
+    return {name: getattr(compiled, name) for name in type(compiled).__dataclass_fields__}
+
+
+def test_failed_run_leaves_arrays_untouched() -> None:
+    x = np.arange(8, dtype=np.int32)
+    y = np.zeros(8, np.int32)
+    with pytest.raises(Exception, match="out-of-bounds"):
+        simulate(find(fabric()), x, y, 12345)
+    assert not y.any()
