@@ -15,7 +15,7 @@ import numpy as np
 from rich.console import Console
 
 import vividc
-from vividc.cli.tables import print_regions
+from vividc.cli.program_report import print_regions
 from vividc.render import (
     BlendLaunch,
     Crop,
@@ -98,7 +98,7 @@ def main(fabric: str, corner: tuple[int, int, int, int], time_limit: float, outp
     console.print(f"compiling kernels/gs_blend.py for {fabric} ...")
     start = time.perf_counter()
     program = vividc.compile(kernel, fabric=fabric, time_limit_s=time_limit)
-    print_regions(console, program)
+    print_regions(program)
     console.print(f"compiled in {time.perf_counter() - start:.1f} s\n")
     crop = Crop(*corner)
     gaussians, lists = scene_lists()

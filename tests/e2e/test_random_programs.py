@@ -23,7 +23,7 @@ def check_program(program: tuple[object, ...], fabric: str) -> None:
     """Compiles and simulates `program`, and compares the array with its direct meaning."""
     machine = arch.load(fabric)
     kernel = optimize_kernel(build_kernel(lower(program)))
-    mapped, results = map_kernel(kernel, machine, CompileOptions(time_limit_s=20.0))
+    mapped, results = map_kernel(kernel, machine, CompileOptions(time_limit_s=60.0))
     mappings = {i: r.mapping for i, r in results.items() if r.mapping is not None}
     words = encode(mapped, machine, mappings, reports=results)
     memory = np.arange(WORDS, dtype=np.int32)

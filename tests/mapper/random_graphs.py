@@ -56,11 +56,14 @@ class _Graph:
         return DFG(name, tuple(self.nodes), tuple(self.edges))
 
 
-def random_loop(seed: int, size: int) -> DFG:
-    """A loop body of `size` placed nodes: recurrences, memory order, live-outs, maybe an exit."""
+def random_loop(seed: int, size: int, weights: tuple[int, int, int] = (6, 2, 1)) -> DFG:
+    """A loop body of `size` placed nodes: recurrences, memory order, live-outs, maybe an exit.
+
+    `weights`: how often computation, memory operations and live-outs occur.
+    """
     rng = random.Random(seed)
     graph = _Graph(rng)
-    kinds = rng.choices(("compute", "memory", "live_out"), (6, 2, 1), k=size)
+    kinds = rng.choices(("compute", "memory", "live_out"), weights, k=size)
     memory: list[int] = []
     effects: list[int] = []
     for kind in kinds:

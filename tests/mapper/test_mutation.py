@@ -18,7 +18,7 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.opcodes import LatencyClass
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.mapper.problem import MapProblem
+from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.verify import violations
 
 _LATENCIES = {LatencyClass.IMUL: 3, LatencyClass.LOAD: 2}
@@ -30,7 +30,7 @@ _LOOP_FABRICS = (
 _REGION_FABRIC = tiny_fabric(
     2, 2, registers=4, read_ports=2, constants=40, latencies=_LATENCIES, memory=frozenset({0, 2})
 )
-_PER_CASE = 60
+_PER_CASE = 30
 
 Mutation = Callable[[random.Random, Fabric, Mapping], Mapping]
 
@@ -188,13 +188,25 @@ MUTATIONS: tuple[Mutation, ...] = (
 @cache
 def _legal_loops() -> tuple[tuple[DFG, Fabric, Mapping], ...]:
     cases = []
-    for seed in range(36):
+    for seed in range(48):
         fabric = _LOOP_FABRICS[seed % len(_LOOP_FABRICS)]
-        dfg = random_loop(1000 + seed, 3 + seed % 3)
+        weights = (6, 2, 1) if seed % 2 else (2, 3, 2)
+        dfg = random_loop(1000 + seed, 3 + seed % 3, weights)
         found = minimum_ii(dfg, fabric)
         if found is not None:
-            cases.append((dfg, fabric, found[1]))
+            cases.append((dfg, _tightened(dfg, fabric, found[1]), found[1]))
     return tuple(cases)
+
+
+def _tightened(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Fabric:
+    """The fabric with no more contexts, and no larger constant stores, than the mapping needs."""
+    task = MapProblem(dfg, fabric)
+    entries: dict[int, set[ConstantKey]] = {pe.id: set() for pe in fabric.pes}
+    for node, place in mapping.places.items():
+        entries[place.pe].update(task.constants_of(dfg.by_id[node]))
+    pes = tuple(replace(pe, constants=len(entries[pe.id])) for pe in fabric.pes)
+    controller = replace(fabric.controller, contexts=mapping.ii)
+    return replace(fabric, pes=pes, controller=controller)
 
 
 @cache

@@ -10,7 +10,8 @@ import vividc
 from vividc.cli import options
 from vividc.cli.files import check_output
 from vividc.cli.kernels import load_kernel
-from vividc.cli.report import percent, print_json, print_table, progress
+from vividc.cli.program_report import print_regions
+from vividc.cli.report import print_json, progress
 from vividc.program import Program
 
 SCHEMA = "vividc.compile/1"
@@ -65,7 +66,8 @@ def command(
     if as_json:
         print_json(SCHEMA, _as_object(program, path))
     else:
-        _print(program, path)
+        print_regions(program)
+        click.echo(f"written: {path}")
 
 
 def _as_object(program: Program, path: Path) -> dict[str, object]:
@@ -94,24 +96,3 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
         ],
         "warnings": [str(warning) for warning in program.warnings],
     }
-
-
-def _print(program: Program, path: Path) -> None:
-    columns = ("region", "kind", "line", "operations", "II", "MII", "status", "use", "seconds")
-    rows = (
-        (
-            region.name,
-            region.kind,
-            region.loc,
-            region.operations,
-            region.ii,
-            region.mii,
-            region.status,
-            percent(region.utilization),
-            None if region.wall_s is None else f"{region.wall_s:.1f}",
-        )
-        for region in program.regions
-    )
-    title = f"{program.name} on {program.fabric_name}"
-    print_table(title, columns, rows, numeric="operations II MII use seconds")
-    click.echo(f"written: {path}")

@@ -19,11 +19,12 @@ from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, MAX_DIM, optimised_ir
 from vividc.frontend.llvm_text import read_function
 from vividc.frontend.memory import resolve_memory
-from vividc.frontend.narrow import narrow
+from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
 from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
-from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
+from vividc.frontend.single_trip import straighten_single_trips
+from vividc.frontend.ssa import remove_dead, remove_unreachable
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -65,17 +66,15 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
-        raise KernelError(
-            f"the kernel returns {module.return_type}",
-            loc=loc,
-            hint="return one float32, int32, uint32, int64 or bool, or store results into an array",
-        )
+        hint = "return one float32, int32, uint32, int64 or bool, or store results into an array"
+        raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
     text = optimised_ir(module, params, loc)
-    wide = _prepared(read_function(text, ENTRY, loc.file))
-    bounds = _bounds(params)
-    wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    returns = _RETURNS[module.return_type]
-    narrowed = narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+    try:
+        narrowed = _narrowed(text, name, params, _RETURNS[module.return_type], loc)
+    except KernelError as error:
+        if error.loc is not None:
+            raise
+        raise KernelError(error.reason, loc=loc, hint=error.hint) from error
     _report_demotions(narrowed.demoted, loc, strict_fp=strict_fp)
     function = hoist_invariants(narrowed.function)
     problems = check_function(function)
@@ -84,8 +83,18 @@ def lower(
     return function
 
 
-def _prepared(wide: WideFunction) -> WideFunction:
-    return recover_extensions(resolve_memory(remove_dead(remove_unreachable(wide))))
+def _narrowed(
+    text: str, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
+) -> Narrowed:
+    wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
+    refuse_calls(wide)
+    if all(block.exit.targets for block in wide.blocks):
+        raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
+    # Memory first: the other stages know no pointers.
+    wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
+    bounds = _bounds(params)
+    wide = fold_by_ranges(wide, Ranges(wide, bounds))
+    return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
@@ -104,20 +113,25 @@ def _typed(
 ) -> NumbaModule:
     try:
         return numba_module(py_func, args, return_type)
-    except NumbaError as error:
-        raise KernelError(*_readable(error), loc=_place(error, loc)) from error
+    except (NumbaError, NotImplementedError) as error:
+        hint = None
+        if "NRT required" in str(error):
+            hint = "a kernel cannot make arrays, lists or copies of slices: pass arrays"
+        raise KernelError(_readable(error), loc=_place(error, loc), hint=hint) from error
 
 
-def _readable(error: NumbaError) -> tuple[str]:
+def _readable(error: Exception) -> str:
     """Numba's message without its colours, banner and advice."""
     lines = [line.strip() for line in _ESCAPE.sub("", str(error)).splitlines()]
     text = [
-        line for line in lines if line and not line.startswith(("Failed in", "File ", "During:"))
+        line
+        for line in lines
+        if line and not line.startswith(("Failed in", "File ", "During:", ">>>"))
     ]
-    return (f"numba: {' '.join(text[:3])}",)
+    return f"numba: {' '.join(text[:3])}"
 
 
-def _place(error: NumbaError, loc: SourceLoc) -> SourceLoc:
+def _place(error: Exception, loc: SourceLoc) -> SourceLoc:
     """The line in the user's file that numba names last: its messages go from the outer to the
     inner fault.
     """

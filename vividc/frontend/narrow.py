@@ -19,10 +19,9 @@ from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_float, narrow_int
 from vividc.frontend.emit import ALIASES, Emitter, result_type
+from vividc.frontend.numba_target import RAISE_PREFIX
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Local, Op, Operand, WideBlock, WideFunction
-
-_RAISE = "vividc.raise "
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,25 +157,39 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
     emitter.instrs.append(instr)
 
 
+def refuse_calls(function: WideFunction) -> None:
+    """Refuse a kernel that can raise, or that calls what the array cannot run."""
+    for block in function.blocks:
+        for op in block.ops:
+            if op.op == "call" and _call_rule(op) is None:
+                raise _refused(op)
+
+
 def _call(emitter: Emitter, op: Op) -> None:
-    callee = op.pred
-    if callee.startswith(_RAISE):
-        raise KernelError(
-            f"the kernel can raise {callee.removeprefix(_RAISE)}",
-            loc=op.loc,
-            hint="the array has no exceptions: return or store a flag instead",
-        )
-    stem = callee.removeprefix("llvm.").rsplit(".", 1)[0] if callee.startswith("llvm.") else callee
-    rule = narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem)
+    rule = _call_rule(op)
     if rule is None:
-        reason = f"a call of `{stem}`, which the array cannot run"
-        raise KernelError(reason, loc=op.loc, hint=_call_hint(callee))
+        raise _refused(op)
     rule(emitter, op)
 
 
-def _call_hint(callee: str) -> str:
-    if callee.startswith(("NRT_", "numba_", "Py")):
-        return (
-            "arrays, strings and objects cannot be made inside a kernel: pass arrays as parameters"
-        )
-    return "of the mathematical functions math.exp, abs, min and max are supported"
+def _stem(callee: str) -> str:
+    return callee.removeprefix("llvm.").rsplit(".", 1)[0] if callee.startswith("llvm.") else callee
+
+
+def _call_rule(op: Op) -> narrow_int.Rule | None:
+    stem = _stem(op.pred)
+    return narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem)
+
+
+def _refused(op: Op) -> KernelError:
+    callee = op.pred
+    if callee.startswith(RAISE_PREFIX):
+        what = callee.removeprefix(RAISE_PREFIX).removesuffix(": ")
+        hint = "the array has no exceptions: return or store a flag instead"
+        return KernelError(f"the kernel can raise {what}", loc=op.loc, hint=hint)
+    if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
+        hint = "print and objects are for the host: a kernel stores its results into arrays"
+        return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
+    hint = "of the mathematical functions math.exp, abs, min and max are supported"
+    reason = f"a call of `{_stem(callee)}`, which the array cannot run"
+    return KernelError(reason, loc=op.loc, hint=hint)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from vividc.frontend.ranges import Ranges
@@ -35,7 +36,43 @@ def fold_by_ranges(function: WideFunction, ranges: Ranges) -> WideFunction:
                 known[op.name] = Int(int(outcome))
     function = _without_trivial(substitute(function, known))
     blocks = tuple(replace(block, exit=_decided(block.exit)) for block in function.blocks)
-    return _without_trivial(remove_unreachable(replace(function, blocks=blocks)))
+    function = _without_trivial(remove_unreachable(replace(function, blocks=blocks)))
+    return _merge_chains(function)
+
+
+def _merge_chains(function: WideFunction) -> WideFunction:
+    """Join a block with its only successor where that has no other predecessor (and thus no phis)."""
+    blocks = {block.name: block for block in function.blocks}
+    predecessors = {name: 0 for name in blocks}
+    for block in function.blocks:
+        for target in block.exit.targets:
+            predecessors[target] += 1
+    renamed: dict[str, str] = {}
+    for name in list(blocks):
+        while name in blocks:
+            block = blocks[name]
+            target = block.exit.targets[0] if len(block.exit.targets) == 1 else name
+            follower = blocks[target]
+            if target == name or predecessors[target] != 1 or follower.phis:
+                break
+            del blocks[target]
+            blocks[name] = replace(block, ops=(*block.ops, *follower.ops), exit=follower.exit)
+            renamed[target] = name
+
+    def final(name: str) -> str:
+        while name in renamed:
+            name = renamed[name]
+        return name
+
+    return replace(function, blocks=tuple(_renamed_phis(b, final) for b in blocks.values()))
+
+
+def _renamed_phis(block: WideBlock, rename: Callable[[str], str]) -> WideBlock:
+    phis = tuple(
+        replace(phi, incoming=tuple((rename(pred), value) for pred, value in phi.incoming))
+        for phi in block.phis
+    )
+    return replace(block, phis=phis)
 
 
 def _without_trivial(function: WideFunction) -> WideFunction:
@@ -65,6 +102,8 @@ def _value(op: Op) -> Operand | None:
         return yes if yes == no else None
     if op.op in _NEUTRAL_ZERO and op.args[1] == Int(0):
         return op.args[0]
+    if op.op in ("add", "or", "xor") and op.args[0] == Int(0):
+        return op.args[1]
     return _logic(op) if op.op in ("and", "or", "xor") and op.type == "i1" else None
 
 

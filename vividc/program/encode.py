@@ -16,6 +16,7 @@ from vividc.dfg.ir import Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, KernelError
 from vividc.mapper.mapping import Mapping, MapResult
+from vividc.program.banks import choose_banks
 from vividc.program.constants import allocate, return_home
 from vividc.program.layout import WordLayout, word_layout
 from vividc.program.lower import LoweredRegion, lower_region
@@ -87,6 +88,7 @@ def encode(
         images_set=images_set,
         launch=stores.launch(),
         return_home=return_home(kernel, mappings, stores),
+        banks=choose_banks(kernel, fabric, mappings),
         debug=tuple(row for region in lowered for row in region.debug),
         regions=_reports(kernel, fabric, table, reports or {}),
         provenance=_provenance(kernel, options or {}),

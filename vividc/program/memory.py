@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from collections.abc import Mapping as ReadOnly
 from itertools import accumulate
 
 from vividc.arch.fabric import Scratchpad
@@ -11,12 +12,16 @@ from vividc.errors import ArgumentError
 WORD_BYTES = 4
 
 
-def place_arrays(arrays: Sequence[tuple[str, int]], scratchpad: Scratchpad) -> dict[str, int]:
+def place_arrays(
+    arrays: Sequence[tuple[str, int]],
+    scratchpad: Scratchpad,
+    banks: ReadOnly[str, int] | None = None,
+) -> dict[str, int]:
     """Byte address of each array.
 
-    Array j starts in bank j mod banks, so that accesses to several arrays at one index meet in no
-    bank (structures of arrays). If the gaps this leaves do not fit, the arrays are packed without
-    them.
+    Each array starts in the bank that `banks` asks for (see `choose_banks`), array j without a wish
+    in bank j mod banks, so that accesses to several arrays at one index meet in no bank (structures
+    of arrays). If the gaps this leaves do not fit, the arrays are packed without them.
 
     Parameters
     ----------
@@ -37,17 +42,19 @@ def place_arrays(arrays: Sequence[tuple[str, int]], scratchpad: Scratchpad) -> d
             + ", ".join(f"{name} {words * WORD_BYTES}" for name, words in arrays),
             hint="run the kernel on pieces of the arrays that fit together",
         )
-    starts, end = _staggered(sizes, scratchpad.banks)
+    wishes = banks or {}
+    wanted = [wishes.get(name, j) for j, (name, _) in enumerate(arrays)]
+    starts, end = _staggered(sizes, wanted, scratchpad.banks)
     if end > scratchpad.words:
         starts = list(accumulate(sizes, initial=0))[:-1]
     return {name: start * WORD_BYTES for (name, _), start in zip(arrays, starts, strict=True)}
 
 
-def _staggered(sizes: Iterable[int], banks: int) -> tuple[list[int], int]:
+def _staggered(sizes: Iterable[int], wanted: Sequence[int], banks: int) -> tuple[list[int], int]:
     starts = []
     end = 0
-    for j, words in enumerate(sizes):
-        start = end + (j - end) % banks
+    for bank, words in zip(wanted, sizes, strict=True):
+        start = end + (bank - end) % banks
         starts.append(start)
         if words:
             end = start + words

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -41,6 +42,8 @@ class Program:
         Constant-store entries the host writes at launch.
     return_home
         Entry that holds the returned scalar at the end.
+    banks
+        Bank in which each array should start, so that the hot loops' accesses meet in no bank.
     debug
         What each configuration entry was made from.
     regions
@@ -57,6 +60,7 @@ class Program:
     images_set: NDArray[np.bool_]
     launch: tuple[LaunchRow, ...]
     return_home: Home | None
+    banks: ReadOnly[str, int]
     debug: tuple[DebugRow, ...]
     regions: tuple[RegionReport, ...]
     provenance: Provenance
@@ -140,6 +144,7 @@ def _manifest(program: Program) -> Manifest:
         table=program.table,
         launch=program.launch,
         return_home=program.return_home,
+        banks=dict(program.banks),
         debug=program.debug,
         regions=program.regions,
         provenance=program.provenance,
@@ -183,6 +188,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         images_set=reader.array("images_set", np.dtype(np.bool_), images),
         launch=manifest.launch,
         return_home=manifest.return_home,
+        banks=manifest.banks,
         debug=manifest.debug,
         regions=manifest.regions,
         provenance=manifest.provenance,
@@ -207,6 +213,11 @@ def _faults(program: Program) -> Iterator[str]:
             0 <= entry < program.fabric.pes[pe].constants
         ):
             yield f"constant-store entry {entry} of PE {pe} does not exist"
+    arrays = {param.name for param in program.params if param.ndim}
+    if set(program.banks) != arrays or any(
+        not 0 <= bank < program.fabric.scratchpad.banks for bank in program.banks.values()
+    ):
+        yield "its memory layout does not fit its parameters"
     unknown = {item.key for item in program.launch} - _input_keys(program.params)
     if unknown:
         yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"

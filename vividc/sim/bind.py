@@ -77,7 +77,7 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
             inputs[param.name] = _scalar(param, values[param.name])
     _refuse_overlap(arrays)
     sizes = [(name, array.size) for name, array in arrays.items()]
-    addresses = place_arrays(sizes, program.fabric.scratchpad)
+    addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
         start = addresses[name] // 4

@@ -115,7 +115,8 @@ def sample(count: int) -> np.ndarray:
 
 def test_the_error_bound_holds_on_a_sample() -> None:
     words = sample(3000)
-    assert worst_ulp(words, expanded(words)) <= MAX_ULP
+    with np.errstate(all="ignore"):
+        assert worst_ulp(words, expanded(words)) <= MAX_ULP
 
 
 def test_the_numpy_twin_is_the_sequence() -> None:

@@ -34,7 +34,8 @@ def result(steps: tuple[Callable[[DFG], DFG], ...], body: str) -> list[str]:
         dfg = step(dfg)
         assert check(dfg) == []
     lines = to_text(dfg).splitlines()[1:]
-    return [line for line in lines if line not in SOURCES.splitlines()]
+    skipped = (*SOURCES.splitlines(), "edges")
+    return [line for line in lines if not line.startswith(skipped)]
 
 
 def folded(body: str) -> list[str]:
@@ -116,13 +117,12 @@ def test_cheaper_operations_and_nested_constants() -> None:
 %10 = live_out "%v" %9
 """
     assert folded(body) == [
-        "%5 = const 0x00000008",
         "%6 = const 0x00000003",
         "%7 = shl %3, %6",
         "%9 = add %7, %12",
         '%10 = live_out "%v" %9',
         "%12 = const 0x00000005",
-    ] or "add %7, " in "\n".join(folded(body))
+    ]
 
 
 def test_constants_of_an_index_go_into_the_address() -> None:

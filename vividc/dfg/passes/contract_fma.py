@@ -31,22 +31,26 @@ def _contract_port(rewrite: Rewrite, node: Node, port: int) -> bool:
         return False
     if port == 1 and rewrite.edge(node.id, PRED) is not None:
         return False  # the product itself would pass through
-    first, second = rewrite.operands(product)
-    addend = rewrite.operand(node.id, 1 - port)
-    if node.op is Opcode.FADD:
-        operands: list[Value] | None = [first, second, addend]
-    elif port == 0:
-        negated = _negated(rewrite, addend)
-        # A predicated subtraction passes c through, not -c.
-        unusable = negated is None or rewrite.predicated(node.id)
-        operands = None if unusable or negated is None else [first, second, negated]
-    else:
-        operands = _with_negated_factor(rewrite, first, second, addend)
+    operands = _operands(rewrite, node, product, port)
     if operands is None:
         return False
     change_operation(rewrite, node, Opcode.FMA, operands)
     rewrite.remove_node(product.id)
     return True
+
+
+def _operands(rewrite: Rewrite, node: Node, product: Node, port: int) -> list[Value] | None:
+    """Operands of the `fma`; None if a negation would cost an operation."""
+    first, second = rewrite.operands(product)
+    addend = rewrite.operand(node.id, 1 - port)
+    if node.op is Opcode.FADD:
+        return [first, second, addend]
+    if port == 1:
+        return _with_negated_factor(rewrite, first, second, addend)
+    if rewrite.predicated(node.id):
+        return None  # the subtraction passes c through, the fma would pass -c
+    negated = _negated(rewrite, addend)
+    return None if negated is None else [first, second, negated]
 
 
 def _product(rewrite: Rewrite, value: Value) -> Node | None:

@@ -12,12 +12,12 @@ from vividc.dfg.semantics import SEMANTICS
 def fold_selects(dfg: DFG) -> DFG:
     """Turn `select(p, op(.., x), x)` into `op(.., x)` predicated by p, which passes x through.
 
-    An operation with other readers is copied if x is the select's own earlier word, which takes the select out of
-    that recurrence at no cost in operations; else it must have no other reader. Operands of a commuting one are swapped to bring x
-    last. `select(p, x, op(.., x))` needs the inverse predicate: the inverse comparison, or `p xor
-    1`. That costs one operation, shared by all selects of p, and saves at least one. Where the
-    predicate itself depends on the select over a recurrence, the fold must not make that recurrence
-    longer; see `_keeps_recurrence`.
+    An operation with other readers is copied if x is the select's own earlier word, which takes the
+    select out of that recurrence at no cost in operations; else it must have no other reader.
+    Operands of a commuting one are swapped to bring x last. `select(p, x, op(.., x))` needs the
+    inverse predicate: the inverse comparison, or `p xor 1`. That costs one operation, shared by all
+    selects of p, and saves at least one. Where the predicate itself depends on the select over a
+    recurrence, the fold must not make that recurrence longer; see `_keeps_recurrence`.
     """
     return to_fixpoint(dfg, _fold)
 
