@@ -1,4 +1,5 @@
-"""The kernel table: what each kernel maps to, how well that is proved, and how fast it is simulated.
+"""The kernel table: what each kernel maps to, how well that is proved, and how fast it is
+simulated.
 
 `make bench` runs it on `vivid-tile` and `vivid-tile-unit` and writes `benchmarks/kernels.md`.
 """
@@ -46,8 +47,10 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
 def machine() -> Iterator[str]:
     """What the figures were measured on."""
     packages = ("numba", "llvmlite", "ortools", "numpy")
-    yield f"- machine: {platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
-    yield f"- vividc {vividc.__version__}, " + ", ".join(f"{p} {version(p)}" for p in packages)
+    python = platform.python_version()
+    yield f"- machine: {platform.machine()}, {os.cpu_count()} cores, Python {python}"
+    versions = ", ".join(f"{package} {version(package)}" for package in packages)
+    yield f"- vividc {vividc.__version__}, {versions}"
 
 
 @click.command()

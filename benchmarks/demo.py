@@ -1,4 +1,5 @@
-"""The main job on a real scene: blend a crop of `scenes/mic` on one simulated tile, and check every step.
+"""The main job on a real scene: blend a crop of `scenes/mic` on one simulated tile, and check every
+step.
 
 Run by `make demo`; `python -m benchmarks.demo --help` lists the options.
 """
@@ -36,7 +37,9 @@ from vividc.render import (
 ROOT = Path(__file__).resolve().parents[1]
 SCENE = ROOT / "scenes" / "mic"
 RTOL, ATOL = 1e-4, 1e-5
-"""The array's exp is within 2 ulp and its FMAs round once: that much may differ from numba's libm and mul-add."""
+"""The array's exp is within 2 ulp and its FMAs round once: that much may differ from numba's libm
+and mul-add.
+"""
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,8 @@ class ArrayRun:
 def load_kernel() -> vividc.KernelFunction:
     """The blending kernel from `kernels/gs_blend.py`."""
     spec = importlib.util.spec_from_file_location("gs_blend", ROOT / "kernels" / "gs_blend.py")
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     kernel = module.gs_blend
@@ -92,7 +96,9 @@ def scene_lists() -> tuple[Gaussians, TileLists]:
 @click.option("--time-limit", default=90.0, show_default=True, help="Seconds for the mapper.")
 @click.option("-o", "--output", type=click.Path(path_type=Path), default=Path("demo"))
 def main(fabric: str, corner: tuple[int, int, int, int], time_limit: float, output: Path) -> None:
-    """Compile kernels/gs_blend.py, simulate it on a crop of scenes/mic, and compare with numba and numpy."""
+    """Compile kernels/gs_blend.py, simulate it on a crop of scenes/mic, and compare with numba and
+    numpy.
+    """
     console = Console()
     kernel = load_kernel()
     console.print(f"compiling kernels/gs_blend.py for {fabric} ...")
@@ -104,7 +110,9 @@ def main(fabric: str, corner: tuple[int, int, int, int], time_limit: float, outp
     gaussians, lists = scene_lists()
     reference = blend_image(lists, crop)
     launches = cut_launches(lists, crop)
-    console.print(f"simulating {crop.pixels} pixels of scenes/mic ({len(gaussians.means)} Gaussians)")
+    console.print(
+        f"simulating {crop.pixels} pixels of scenes/mic ({len(gaussians.means)} Gaussians)"
+    )
     run = run_on_array(program, kernel, launches)
     picture, expected = assemble(crop, launches, run.outputs), over_background(reference.rgbt)
     output.mkdir(parents=True, exist_ok=True)
@@ -116,7 +124,8 @@ def main(fabric: str, corner: tuple[int, int, int, int], time_limit: float, outp
     console.print(f"PSNR against the float32 reference   {psnr(picture, expected):.1f} dB")
     console.print(f"cycles                               {run.cycles:,}")
     console.print(
-        f"cycles per evaluated Gaussian        {run.cycles / evaluated:.2f} ({evaluated:,} evaluated)"
+        f"cycles per evaluated Gaussian        {run.cycles / evaluated:.2f}"
+        f" ({evaluated:,} evaluated)"
     )
     console.print(
         f"cycles per blended Gaussian          {run.cycles / blended:.2f} ({blended:,} blended)"

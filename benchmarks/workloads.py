@@ -26,7 +26,8 @@ class Workload:
         """The kernel of the same name in the file."""
         path = KERNELS / f"{self.name}.py"
         spec = importlib.util.spec_from_file_location(self.name, path)
-        assert spec is not None and spec.loader is not None
+        assert spec is not None
+        assert spec.loader is not None
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         kernel = getattr(module, self.name)

@@ -1,4 +1,6 @@
-"""Counts the words above a threshold up to the first negative one: a loop with `break` and `continue`."""
+"""Counts the words above a threshold up to the first negative one: a loop with `break` and
+`continue`.
+"""
 
 import numpy as np
 

@@ -1,4 +1,6 @@
-"""Pixel blending of 3D Gaussian Splatting (Kerbl et al. 2023): a block of pixels over its depth-sorted Gaussians."""
+"""Pixel blending of 3D Gaussian Splatting (Kerbl et al. 2023): a block of pixels over its depth-
+sorted Gaussians.
+"""
 
 import math
 

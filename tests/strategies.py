@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from hypothesis import strategies as st
 
@@ -20,6 +20,8 @@ INPUTS = ("n", "a")
 _INTEGERS = (0, 1, 2, 3, 31, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 _FLOATS = tuple(map(word_of, (0.0, -0.0, 1.0, -1.0, 0.5, 2.0, 3.25, -7.75, 1e-40, 1e30, 0.1)))
 _OPERATIONS = tuple(op for op in SEMANTICS if op is not Opcode.EXP)
+_COMPARISONS = tuple(op for op in SEMANTICS if OPCODES[op].result is Type.PRED)
+_GUARDED = (Opcode.ADD, Opcode.SUB, Opcode.SMAX, Opcode.FADD, Opcode.FSUB, Opcode.FMA, Opcode.SHL)
 
 
 def words() -> st.SearchStrategy[int]:
@@ -69,6 +71,44 @@ class _Builder:
         result = self.nodes[node_id].info.result
         if preds and result in (passed, Type.NONE) and self.draw(st.integers(0, 3)) == 0:
             self.feed(self.draw(st.sampled_from(preds)), node_id, PRED)
+
+    def guarded(self) -> None:
+        """`select(p, op(.., x), x)` in all its variants; x may be the select's own earlier word."""
+        pred = self.operation(self.draw(st.sampled_from(_COMPARISONS)))
+        op = self.draw(st.sampled_from(_GUARDED))
+        node_id = self.operation(op)
+        port = self.draw(st.sampled_from((0, OPCODES[op].arity - 1)))
+        at = next(i for i, e in enumerate(self.edges) if (e.dst, e.port) == (node_id, port))
+        kept = self.edges[at]
+        if self.draw(st.booleans()):
+            init = self.constant(self.draw(words()))
+            kept = Edge(len(self.nodes), node_id, port, 1, init)
+            self.edges[at] = kept
+        select = self.node(Opcode.SELECT)
+        arms = [Edge(node_id, select, 0), replace(kept, dst=select)]
+        self.feed(pred, select, 0)
+        for arm, edge in enumerate(self.draw(st.permutations(arms)), start=1):
+            self.edges.append(replace(edge, port=arm))
+
+    def extremum(self) -> None:
+        """A select between the sides of a comparison, of which one may be a constant."""
+        comparison = self.draw(st.sampled_from(_COMPARISONS))
+        wanted = OPCODES[comparison].operands[0]
+        sides = [self.pick(wanted), self.constant(self.draw(words()))]
+        pred, select = self.node(comparison), self.node(Opcode.SELECT)
+        self.feed(pred, select, 0)
+        for node_id, first in ((pred, 0), (select, 1)):
+            for port, src in enumerate(self.draw(st.permutations(sides)), start=first):
+                self.feed(src, node_id, port)
+
+    def product(self) -> None:
+        """A product that an addition or subtraction reads."""
+        product = self.operation(Opcode.FMUL)
+        addend = self.pick(Type.F32)
+        total = self.node(self.draw(st.sampled_from((Opcode.FADD, Opcode.FSUB))))
+        for port, src in enumerate(self.draw(st.permutations((product, addend)))):
+            self.feed(src, total, port)
+        self.predicate(total, Type.F32)
 
     def memory(self, op: Opcode) -> int:
         array = self.draw(st.sampled_from(ARRAYS))
@@ -154,14 +194,24 @@ def dfgs(draw: st.DrawFn, max_operations: int = 10) -> DFG:
     for word in draw(st.lists(words(), min_size=1, max_size=4)):
         builder.constant(word)
     for _ in range(draw(st.integers(1, max_operations))):
-        kind = draw(st.sampled_from(("operation",) * 6 + ("load", "store")))
-        if kind == "operation":
-            builder.operation(draw(st.sampled_from(_OPERATIONS)))
-        else:
-            builder.memory(Opcode.LOAD if kind == "load" else Opcode.STORE)
+        _add_operations(builder)
     _add_recurrences(builder)
     _add_effects(builder)
     return DFG("random", tuple(builder.nodes), tuple(builder.edges))
+
+
+def _add_operations(builder: _Builder) -> None:
+    """One operation, or one of the idioms that passes look for."""
+    kinds = ("operation",) * 6 + ("load", "store", "guarded", "extremum", "product")
+    kind = builder.draw(st.sampled_from(kinds))
+    if kind == "operation":
+        builder.operation(builder.draw(st.sampled_from(_OPERATIONS)))
+    elif kind in ("load", "store"):
+        builder.memory(Opcode(kind))
+    else:
+        {"guarded": builder.guarded, "extremum": builder.extremum, "product": builder.product}[
+            kind
+        ]()
 
 
 def _add_recurrences(builder: _Builder) -> None:

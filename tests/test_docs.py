@@ -12,7 +12,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted(
-    page for page in (ROOT / "docs").glob("*.md") if re.search(r"```(python|sh)\n", page.read_text())
+    page
+    for page in (ROOT / "docs").glob("*.md")
+    if re.search(r"```(python|sh)\n", page.read_text())
 )
 
 

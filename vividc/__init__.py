@@ -1,7 +1,7 @@
 """vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays."""
 
 from vividc import arch, dfg, mapper, program
-from vividc.driver import compile  # noqa: A004 - the public contract's name
+from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, kernel
 from vividc.program import Program, load

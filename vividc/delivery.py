@@ -1,7 +1,8 @@
-"""Brings variables to the PEs that read them: between the regions of a kernel, words travel by live-out writes.
+"""Brings variables to the PEs that read them: between the regions of a kernel, words travel by
+live-out writes.
 
-Loops are mapped first and read variables where their operations lie; straight regions then write each variable
-to all its homes, and read it through a `mov` on one of them.
+Loops are mapped first and read variables where their operations lie; straight regions then write
+each variable to all its homes, and read it through a `mov` on one of them.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Re
 def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMapping]) -> Homes:
     """The PEs whose constant stores hold each variable.
 
-    A variable that loops read or write lives where their operations lie; any other lives on the PE with the
-    fewest entries so far.
+    A variable that loops read or write lives where their operations lie; any other lives on the PE
+    with the fewest entries so far.
     """
     homes: dict[str, set[int]] = {}
     graphs = [(kernel.regions[index].dfg, mapping) for index, mapping in sorted(loops.items())]
@@ -60,7 +61,9 @@ def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMap
 
 
 def deliver(region: Region, homes: Homes) -> Delivery:
-    """`region`'s graph with a `mov` for each variable read and a live-out for each home of each variable written."""
+    """`region`'s graph with a `mov` for each variable read and a live-out for each home of each
+    variable written.
+    """
     edit = _Edit(region.dfg, homes)
     for node in region.dfg.nodes:
         edit.add(node)

@@ -18,8 +18,8 @@ from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.mapper import MapProblem, MapResult, map_dfg
 from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.straight_bounds import straight_lower_bound
-from vividc.mapper.mapping import Mapping
 from vividc.mapper.verify import violations
 from vividc.program import Program, encode
 
@@ -37,7 +37,7 @@ class CompileOptions:
     progress: Progress | None = None
 
 
-def compile(  # noqa: A001 - the public contract's name
+def compile(
     kernel: KernelFunction,
     fabric: str | Fabric = "vivid-tile",
     mapper: str = "auto",
@@ -72,9 +72,7 @@ def compile(  # noqa: A001 - the public contract's name
         warnings.simplefilter("always", VividcWarning)
         lowered = lower(kernel, strict_fp=strict_fp, contract=contract)
     for warning in caught:
-        warnings.warn_explicit(
-            warning.message, warning.category, warning.filename, warning.lineno
-        )
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
     mapped, results = map_kernel(lowered, machine, options)
     return encode(
         mapped,
@@ -155,7 +153,7 @@ def _map_straight(problem: MapProblem, options: CompileOptions) -> MapResult:
     wall_s = time.monotonic() - start
     if options.progress is not None:
         options.progress(f"{problem.dfg.name}: {mapping.ii} cycles")
-    status = "optimal" if mapping.ii <= bound.ii else "feasible"
+    status: Status = "optimal" if mapping.ii <= bound.ii else "feasible"
     return MapResult(status, mapping.ii, bound.ii, (bound,), mapping, "list", wall_s)
 
 

@@ -1,4 +1,4 @@
-"""Every error vividc raises on purpose; the user's mistakes and our own bugs are told apart here."""
+"""Every error vividc raises on purpose: the user's mistakes, and our own bugs apart."""
 
 from __future__ import annotations
 

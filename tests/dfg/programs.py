@@ -1,4 +1,6 @@
-"""Random structured integer programs: an AST, its direct meaning in Python, and its SSA control-flow graph."""
+"""Random structured integer programs: an AST, its direct meaning in Python, and its SSA control-
+flow graph.
+"""
 
 from __future__ import annotations
 

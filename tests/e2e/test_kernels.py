@@ -1,4 +1,6 @@
-"""Four witnesses on each kernel of `kernels/`: numba, the interpreter, the simulated words, and the bounds."""
+"""Four witnesses on each kernel of `kernels/`: numba, the interpreter, the simulated words, and the
+bounds.
+"""
 
 from __future__ import annotations
 

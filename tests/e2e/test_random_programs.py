@@ -1,4 +1,6 @@
-"""Random structured programs through mapper, words and engine: memory as in Python, on odd little fabrics."""
+"""Random structured programs through mapper, words and engine: memory as in Python, on odd little
+fabrics.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,6 @@ from vividc.dfg.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.driver import CompileOptions, map_kernel
 from vividc.program import encode
-
 
 # Shrinking a program compiles it hundreds of times; the failing program itself says enough.
 PHASES = (Phase.explicit, Phase.reuse, Phase.generate)

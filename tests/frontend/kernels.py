@@ -258,4 +258,52 @@ def rotate(word, n):
     return word
 
 
+@kernel("void(float32[::1], int32)")
+def powers_and_ufuncs(x, n):
+    for i in range(n):
+        x[i] = np.exp(-np.abs(x[i])) + x[i] ** 2 - x[i] ** 3 + abs(x[i]) ** 0
+
+
+@kernel("int32(int32[:, ::1], int32)")
+def nested_break(x, limit):
+    total = 0
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            total += x[i, j]
+            if x[i, j] > limit:
+                break
+        else:
+            total += 1000
+        if np.int32(total) < 0:
+            return np.int32(-1)
+    return np.int32(total)
+
+
+@kernel("int64(int32[:, ::1])")
+def nested_count(x):
+    found = 0
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            if x[i, j] > 0:
+                found += 2
+            if x[i, j] > 5:
+                found -= 1
+    return found
+
+
+@kernel("void(int32[::1], uint32[::1], int32[::1])")
+def unsigned_and_signed(x, u, out):
+    for i in range(len(x)):
+        word = u[i]
+        wide = x[i] * 65536
+        out[i] = (word >> 3) + (word > 7) + (np.int32(wide) >> 16) + (wide & 0xFFFF0000)
+
+
+@kernel("void(float32[::1], int32)")
+def small_tuple(x, n):
+    pair = (x[0], x[1])
+    for i in range(n):
+        x[i] = pair[i & 1] + x[i]
+
+
 KERNELS = tuple(value for value in list(globals().values()) if isinstance(value, KernelFunction))

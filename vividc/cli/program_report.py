@@ -1,4 +1,6 @@
-"""A compiled program as tables: what each region maps to, what binds it, and whether that is proved."""
+"""A compiled program as tables: what each region maps to, what binds it, and whether that is
+proved.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ def print_regions(program: Program) -> None:
     )
     title = f"{program.name} on {program.fabric_name}"
     print_table(title, columns, rows, numeric="line operations II bound use seconds")
-    print_table("What binds the loops", ("region", "bound", "II", "because"), _bounds(program), numeric="II")
+    print_table(
+        "What binds the loops", ("region", "bound", "II", "because"), _bounds(program), numeric="II"
+    )
 
 
 def _bounds(program: Program) -> Iterator[tuple[object, ...]]:

@@ -1,7 +1,7 @@
 """Affine addresses: the part that does not change in the loop moves into a base computed before it.
 
-A load/store unit adds base + (index << shift) + offset, and the tile controller supplies the iteration index, so an
-affine access costs no address arithmetic on the array.
+A load/store unit adds base + (index << shift) + offset, and the tile controller supplies the
+iteration index, so an affine access costs no address arithmetic on the array.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ class Address:
 def fold_addresses(
     function: Function, loop: Loop, preheader: str
 ) -> tuple[Function, dict[int, Address]]:
-    """Addresses of the loop's affine accesses by instruction id, and the function with their bases in `preheader`."""
+    """Addresses of the loop's affine accesses by instruction id, and the function with their bases
+    in `preheader`.
+    """
     analysis = AffineAnalysis(function, loop)
     emitter = _BaseEmitter(next_id(function))
     addresses: dict[int, Address] = {}

@@ -1,7 +1,8 @@
-"""From a kernel in SSA form to its regions: one DFG for each innermost loop and for each other block.
+"""From a kernel in SSA form to its regions: one DFG for each innermost loop and for each other
+block.
 
-A value that one region computes and another reads becomes the variable "%<id>"; a phi of a block outside loops
-is a variable that its predecessors write.
+A value that one region computes and another reads becomes the variable "%<id>"; a phi of a block
+outside loops is a variable that its predecessors write.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from vividc.dfg.addresses import Address, fold_addresses
 from vividc.dfg.build_loop import LoopParts, build_loop
 from vividc.dfg.build_straight import build_straight
 from vividc.dfg.cfg import Block, Function, Ref, Value
-from vividc.dfg.cfg_edit import incoming, uses
+from vividc.dfg.cfg_edit import defined_types, incoming, uses
 from vividc.dfg.counted import Trip, count_loop
 from vividc.dfg.ir import DFG
 from vividc.dfg.loops import Loop, find_loops, innermost
@@ -106,8 +107,7 @@ class _Cutter:
         """Ids of values that some region other than the defining one reads."""
         defined: dict[int, str] = {}
         for block in self.plan.function.blocks:
-            for item in (*block.phis, *block.instrs):
-                defined[item.id] = self._home(block.name)
+            defined |= dict.fromkeys(defined_types(block), self._home(block.name))
         found: set[int] = set()
         for block in self.plan.function.blocks:
             home = self._home(block.name)
@@ -155,7 +155,9 @@ class _Cutter:
         )
 
     def _writes(self, block: Block) -> list[tuple[int, Value]]:
-        """Variables that a straight block writes: its own values read elsewhere, and the phis it feeds."""
+        """Variables that a straight block writes: its own values read elsewhere, and the phis it
+        feeds.
+        """
         own: list[tuple[int, Value]] = [
             (instr.id, Ref(instr.id)) for instr in block.instrs if instr.id in self.read
         ]
@@ -172,7 +174,9 @@ class _Cutter:
         return result
 
     def _initial_exit_values(self, header: str) -> list[tuple[int, Value]]:
-        """What the loop's exit variables hold if it runs no iteration, or does not write them in its last."""
+        """What the loop's exit variables hold if it runs no iteration, or does not write them in
+        its last.
+        """
         loop = self.plan.loops[header]
         parts = LoopParts(self.plan.function, loop, self.plan.trips[header], {})
         return [

@@ -1,4 +1,6 @@
-"""The DFG of an innermost loop: if-converted body, recurrences, exit predicate, and what it leaves behind."""
+"""The DFG of an innermost loop: if-converted body, recurrences, exit predicate, and what it leaves
+behind.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from vividc.dfg.cfg_edit import incoming
 from vividc.dfg.counted import Trip
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.if_convert import Body, Predicates, merge_phi
-from vividc.dfg.ir import DFG, Control
+from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.loops import Loop
 from vividc.dfg.memory_order import Access, order_accesses
 from vividc.dfg.opcodes import MEMORY, Opcode
@@ -46,14 +48,18 @@ class LoopParts:
         return tuple(edge for edge in self.loop.exits if edge[0] != self.loop.header)
 
     def final_phi(self, phi: Phi) -> Phi | None:
-        """The header phi whose value *before* the exiting iteration is what every exit hands to `phi`."""
+        """The header phi whose value *before* the exiting iteration is what every exit hands to
+        `phi`.
+        """
         values = {incoming(phi, source) for source, _ in self.loop.exits}
         if len(values) != 1:
             return None
         return self._header_phi(values.pop())
 
     def initial_exit_value(self, phi: Phi) -> Value | None:
-        """What the preheader writes to the exit variable `phi`; None if the last iteration always writes it."""
+        """What the preheader writes to the exit variable `phi`; None if the last iteration always
+        writes it.
+        """
         final = self.final_phi(phi)
         if final is not None:
             return self.affine.initial(final)
@@ -74,7 +80,9 @@ class LoopParts:
 
 
 def build_loop(name: str, parts: LoopParts, exit_phis: tuple[Phi, ...]) -> DFG:
-    """Emits one iteration of the loop; `exit_phis` are the phis of its exit block, which become live-outs."""
+    """Emits one iteration of the loop; `exit_phis` are the phis of its exit block, which become
+    live-outs.
+    """
     emitter = _LoopEmitter(name, parts)
     emitter.emit_body()
     exit_node = emitter.emit_exit()
@@ -125,7 +133,9 @@ class _LoopEmitter:
         order_accesses(self.builder, self.accesses, in_loop=True)
 
     def emit_exit(self) -> Operand | None:
-        """The node that ends the loop, marked for the controller; None for a loop that is only counted."""
+        """The node that ends the loop, marked for the controller; None for a loop that is only
+        counted.
+        """
         total: Operand | None = None
         for number, (source, target) in enumerate(self._exits()):
             self.taken[source] = self.predicates.leaving(source, target)
@@ -137,7 +147,9 @@ class _LoopEmitter:
         return self.builder.mark(total, Control.EXIT, loc)
 
     def emit_live_out(self, phi: Phi) -> None:
-        """Writes the exit variable `phi` in every live iteration, so that the last one's word stays."""
+        """Writes the exit variable `phi` in every live iteration, so that the last one's word
+        stays.
+        """
         final = self.parts.final_phi(phi)
         if final is not None:
             carried = incoming(final, self.parts.loop.latches[0])
@@ -152,11 +164,13 @@ class _LoopEmitter:
             other = self.value(incoming(phi, source))
             if other != result:
                 operands = [self.taken[source], other, result]
-                result = self.builder.add(Opcode.SELECT, operands, loc=phi.loc)
+                result = self.builder.add(Opcode.SELECT, operands, phi.loc)
         self._live_out(phi, result, unless_exit=False)
 
     def close(self, exit_node: Operand | None) -> None:
-        """Names the source of each loop-carried value and holds effects back until the exit is known."""
+        """Names the source of each loop-carried value and holds effects back until the exit is
+        known.
+        """
         for phi in self.parts.header.phis:
             operand = self.values[Ref(phi.id)]
             if operand.is_phi:
@@ -179,33 +193,33 @@ class _LoopEmitter:
         return self.builder.open_phi()
 
     def _live_out(self, phi: Phi, operand: Operand, *, unless_exit: bool) -> None:
-        node = self.builder.add(
-            Opcode.LIVE_OUT,
+        node = self.builder.add_node(
+            Node(0, Opcode.LIVE_OUT, name=variable(phi.id), unless_exit=unless_exit, loc=phi.loc),
             [self.builder.operation(operand)],
-            name=variable(phi.id),
-            unless_exit=unless_exit,
-            loc=phi.loc,
         )
         self.effects.append((node, unless_exit))
 
     def _emit(self, block: str, instr: Instr) -> Operand:
         if instr.op not in MEMORY:
             operands = [self.value(item) for item in instr.operands]
-            return self.builder.add(instr.op, operands, loc=instr.loc)
+            return self.builder.add(instr.op, operands, instr.loc)
         is_store = instr.op is Opcode.STORE
         address = self._address(instr)
         pred, unless_exit = self._guard(block) if is_store else (self.predicates.of(block), False)
         index = self._index(instr, address)
-        node = self.builder.add(
-            instr.op,
+        node = self.builder.add_node(
+            Node(
+                0,
+                instr.op,
+                name=instr.array,
+                shift=address.shift,
+                offset=address.offset,
+                unless_exit=unless_exit,
+                loc=instr.loc,
+            ),
             [index, *(self.value(item) for item in instr.operands[2:])],
-            pred=pred,
-            base=self.value(address.base),
-            name=instr.array,
-            shift=address.shift,
-            offset=address.offset,
-            unless_exit=unless_exit,
-            loc=instr.loc,
+            pred,
+            self.value(address.base),
         )
         self._record(instr, address, node, is_store=is_store)
         if is_store:
@@ -238,7 +252,7 @@ class _LoopEmitter:
         )
 
     def _guard(self, block: str) -> tuple[Operand | None, bool]:
-        """Predicate of an effect in `block`, and whether the exiting iteration must leave it out."""
+        """Predicate of an effect in `block`, and whether the exiting iteration leaves it out."""
         pred = self.predicates.of(block)
         sources = [source for source, _ in self.parts.exits]
         before = [s for s in sources if s != block and self.body.reaches(s, block)]

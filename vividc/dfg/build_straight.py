@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
-from vividc.dfg.ir import DFG, Control
+from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
 from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.dfg.regions import RETURN_VARIABLE
@@ -22,7 +22,9 @@ def build_straight(
     writes: list[tuple[int, Value]],
     trip: Value | None,
 ) -> DFG:
-    """Emits `block` in program order; `writes` are (variable's id, value), `trip` the next loop's trip count."""
+    """Emits `block` in program order; `writes` are (variable's id, value), `trip` the next loop's
+    trip count.
+    """
     builder = GraphBuilder(name)
     own: dict[int, Operand] = {}
 
@@ -52,23 +54,27 @@ def build_straight(
 def _write(builder: GraphBuilder, name: str, operand: Operand) -> None:
     source = builder.operation(operand)
     node = builder.node(source)
-    builder.add(Opcode.LIVE_OUT, [source], name=name, loc=None if node is None else node.loc)
+    loc = None if node is None else node.loc
+    builder.add_node(Node(0, Opcode.LIVE_OUT, name=name, loc=loc), [source])
 
 
 def _emit(
     builder: GraphBuilder, instr: Instr, operands: list[Operand], accesses: list[Access]
 ) -> Operand:
     if instr.op not in MEMORY:
-        return builder.add(instr.op, operands, loc=instr.loc)
+        return builder.add(instr.op, operands, instr.loc)
     base, index, *rest = operands
-    node = builder.add(
-        instr.op,
+    node = builder.add_node(
+        Node(
+            0,
+            instr.op,
+            name=instr.array,
+            shift=instr.shift,
+            offset=instr.offset,
+            loc=instr.loc,
+        ),
         [index, *rest],
         base=base,
-        name=instr.array,
-        shift=instr.shift,
-        offset=instr.offset,
-        loc=instr.loc,
     )
     fixed = instr.operands[1].word if isinstance(instr.operands[1], Const) else None
     accesses.append(

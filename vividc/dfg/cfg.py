@@ -1,8 +1,9 @@
-"""The kernel as the frontend hands it over: typed SSA instructions in basic blocks, with source lines.
+"""The kernel as the frontend hands it over: typed SSA instructions in basic blocks, with source
+lines.
 
-This is the one type between `frontend` and `dfg`. It is close to LLVM IR but holds only what an array can
-run: 32-bit integers and floats, predicates, array accesses, `phi`, and branches. 64-bit integers and
-doubles have been narrowed by the frontend before.
+This is the one type between `frontend` and `dfg`. It is close to LLVM IR but holds only what an
+array can run: 32-bit integers and floats, predicates, array accesses, `phi`, and branches. 64-bit
+integers and doubles have been narrowed by the frontend before.
 """
 
 from __future__ import annotations
@@ -65,8 +66,9 @@ Value = Ref | Const | Input
 class Instr:
     """One SSA instruction.
 
-    `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base, index,
-    value). The byte address is base + (index << shift) + offset; `array` names the array accessed.
+    `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
+    index, value). The byte address is base + (index << shift) + offset; `array` names the array
+    accessed.
     """
 
     id: int

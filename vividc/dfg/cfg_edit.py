@@ -6,12 +6,20 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from vividc.dfg.cfg import Block, Branch, Const, Function, Phi, Ref, Value
+from vividc.dfg.opcodes import Type
 
 
 def next_id(function: Function) -> int:
     """An SSA id larger than all in use."""
-    ids = (item.id for block in function.blocks for item in (*block.phis, *block.instrs))
-    return max(ids, default=-1) + 1
+    return (
+        max((ident for block in function.blocks for ident in defined_types(block)), default=-1) + 1
+    )
+
+
+def defined_types(block: Block) -> dict[int, Type]:
+    """Type of each value that `block` defines, by id."""
+    phis = {phi.id: phi.type for phi in block.phis}
+    return phis | {instr.id: instr.type for instr in block.instrs}
 
 
 def fresh_name(function: Function, stem: str) -> str:

@@ -19,11 +19,13 @@ class Trip:
 
 
 def count_loop(function: Function, loop: Loop, preheader: str) -> tuple[Function, Trip | None]:
-    """Recognises `while bound - start - step * i > 0` tested in the header, with a power-of-two step.
+    """Recognises `while bound - start - step * i > 0` tested in the header, with a power-of-two
+    step.
 
-    The trip count is computed in the preheader. Refused (None), and then run by an exit predicate: tests elsewhere
-    than in the header, stores in the header, other comparisons, other steps, and a header value other than a phi that
-    is used after the loop (the header runs once more than the body).
+    The trip count is computed in the preheader. Refused (None), and then run by an exit predicate:
+    tests elsewhere than in the header, stores in the header, other comparisons, other steps, and a
+    header value other than a phi that is used after the loop (the header runs once more than the
+    body).
     """
     header = block_of(function, loop.header)
     target = _exit_of(header, loop)
@@ -83,7 +85,7 @@ def _remaining(function: Function, loop: Loop, header: Block) -> Affine | None:
 
 
 def _cannot_overflow(low: Affine, high: Affine) -> bool:
-    """high - low at the start fits a signed word: one of them is a constant that is not negative."""
+    """high - low at the start fits a signed word: one is a constant that is not negative."""
     return (not low.terms and low.constant >= 0) or (
         not low.terms and not high.terms and high.constant - low.constant < 1 << 31
     )

@@ -1,4 +1,6 @@
-"""Collects nodes and edges of one DFG; loop-carried values are placeholders until the body is known."""
+"""Collects nodes and edges of one DFG; loop-carried values are placeholders until the body is
+known.
+"""
 
 from __future__ import annotations
 
@@ -7,31 +9,8 @@ from dataclasses import dataclass, replace
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
+from vividc.dfg.passes.compare import INVERSES
 from vividc.errors import InternalError, SourceLoc
-
-_INVERSE = {
-    Opcode.ICMP_EQ: (Opcode.ICMP_NE, False),
-    Opcode.ICMP_NE: (Opcode.ICMP_EQ, False),
-    Opcode.ICMP_SLT: (Opcode.ICMP_SLE, True),
-    Opcode.ICMP_SLE: (Opcode.ICMP_SLT, True),
-    Opcode.ICMP_ULT: (Opcode.ICMP_ULE, True),
-    Opcode.ICMP_ULE: (Opcode.ICMP_ULT, True),
-    Opcode.FCMP_OEQ: (Opcode.FCMP_UNE, False),
-    Opcode.FCMP_UNE: (Opcode.FCMP_OEQ, False),
-    Opcode.FCMP_ONE: (Opcode.FCMP_UEQ, False),
-    Opcode.FCMP_UEQ: (Opcode.FCMP_ONE, False),
-    Opcode.FCMP_ORD: (Opcode.FCMP_UNO, False),
-    Opcode.FCMP_UNO: (Opcode.FCMP_ORD, False),
-    Opcode.FCMP_OLT: (Opcode.FCMP_ULE, True),
-    Opcode.FCMP_OLE: (Opcode.FCMP_ULT, True),
-    Opcode.FCMP_ULT: (Opcode.FCMP_OLE, True),
-    Opcode.FCMP_ULE: (Opcode.FCMP_OLT, True),
-}
-
-
-def inverse_compare(op: Opcode) -> tuple[Opcode, bool] | None:
-    """The comparison that is true exactly where `op` is not, and whether its operands swap."""
-    return _INVERSE.get(op)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,22 +57,20 @@ class GraphBuilder:
         node = self.node(operand)
         return node is not None and node.op is Opcode.CONST and node.const == word
 
-    def add(
+    def add(self, op: Opcode, operands: Sequence[Operand], loc: SourceLoc | None = None) -> Operand:
+        """A new node of `op` fed by `operands` on ports 0, 1, ..."""
+        return self.add_node(Node(0, op, loc=loc), operands)
+
+    def add_node(
         self,
-        op: Opcode,
+        node: Node,
         operands: Sequence[Operand],
-        *,
         pred: Operand | None = None,
         base: Operand | None = None,
-        name: str = "",
-        shift: int = 0,
-        offset: int = 0,
-        unless_exit: bool = False,
-        loc: SourceLoc | None = None,
     ) -> Operand:
-        """A new node fed by `operands` on ports 0, 1, ..., by `pred` and by `base`."""
+        """`node` under an id of this graph, fed by `operands`, by `pred` and by `base`."""
         ident = len(self._nodes)
-        self._nodes.append(Node(ident, op, None, name, shift, offset, None, unless_exit, loc))
+        self._nodes.append(replace(node, id=ident))
         ports = list(enumerate(operands))
         ports += [(PRED, pred)] if pred is not None else []
         ports += [(BASE, base)] if base is not None else []
@@ -104,25 +81,25 @@ class GraphBuilder:
         """`operand` if an FU computes it, else a `mov` of it."""
         node = self.node(operand)
         if node is None or node.op in SOURCES:
-            return self.add(Opcode.MOV, [operand], loc=loc)
+            return self.add(Opcode.MOV, [operand], loc)
         return operand
 
     def invert(self, operand: Operand) -> Operand:
         """The predicate that is 1 where `operand` is 0; a comparison is inverted by its opcode."""
         node = self.node(operand)
-        found = inverse_compare(node.op) if node is not None else None
+        found = INVERSES.get(node.op) if node is not None else None
         if node is None or found is None:
             return self.add(Opcode.XOR, [operand, self.const(1)])
         left, right = (Operand(edge.src) for edge in self._inputs(node.id))
         pair = [right, left] if found[1] else [left, right]
-        return self.add(found[0], pair, loc=node.loc)
+        return self.add(found[0], pair, node.loc)
 
     def mark(self, operand: Operand, control: Control, loc: SourceLoc | None = None) -> Operand:
         """Hands `operand` to the tile controller (through a `mov` where it is not an operation)."""
         target = self.operation(operand, loc)
         node = self._nodes[target.node]
         if node.control is not None:
-            target = self.add(Opcode.MOV, [target], loc=loc)
+            target = self.add(Opcode.MOV, [target], loc)
             node = self._nodes[target.node]
         self._nodes[target.node] = replace(node, control=control)
         return target

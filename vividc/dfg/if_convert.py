@@ -1,8 +1,9 @@
 """If-conversion: the acyclic body of a region becomes one graph with predicates and selects.
 
-Path predicates follow Park and Schlansker (1991), simplified by dominance: a block that post-dominates its immediate
-dominator needs no condition of its own. Branches out of the loop count as not taken; the tile controller undoes
-what an exiting iteration must not do (`unless_exit`), and effects before a later exit carry a predicate.
+Path predicates follow Park and Schlansker (1991), simplified by dominance: a block that post-
+dominates its immediate dominator needs no condition of its own. Branches out of the loop count as
+not taken; the tile controller undoes what an exiting iteration must not do (`unless_exit`), and
+effects before a later exit carry a predicate.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ _SINK = ""
 
 @dataclass(frozen=True)
 class Body:
-    """The blocks of a region as a DAG from `entry`; `latch` is the last one, `exits` lead out of the loop."""
+    """The blocks of a region as a DAG from `entry`; `latch` is the last one, `exits` lead out of
+    the loop.
+    """
 
     function: Function
     names: frozenset[str]
@@ -87,7 +90,7 @@ class Predicates:
     _inverted: dict[Operand, Operand] = field(default_factory=dict)
 
     def of(self, name: str, relative_to: str | None = None) -> Operand | None:
-        """When block `name` runs, given that `relative_to` (a dominator; default the entry) runs."""
+        """When block `name` runs, given that its dominator `relative_to` (default: entry) runs."""
         root = self.body.entry if relative_to is None else relative_to
         if name == root:
             return None
@@ -148,8 +151,8 @@ def merge_phi(
 ) -> Operand:
     """The selects that stand for a phi inside a body.
 
-    Inputs with the same value share one select; the default is a loop-carried value if there is one (so that the
-    select can become a predicated operation), else the most frequent value.
+    Inputs with the same value share one select; the default is a loop-carried value if there is one
+    (so that the select can become a predicated operation), else the most frequent value.
     """
     body = predicates.body
     groups: dict[Operand, list[str]] = {}
@@ -168,5 +171,5 @@ def merge_phi(
             when = edge if number == 0 else predicates.either(when, edge)
         if when is None:
             return operand
-        result = predicates.builder.add(Opcode.SELECT, [when, operand, result], loc=phi.loc)
+        result = predicates.builder.add(Opcode.SELECT, [when, operand, result], phi.loc)
     return result

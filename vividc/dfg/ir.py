@@ -1,9 +1,9 @@
 """The dataflow graph of one region: frozen nodes and edges, and nothing else.
 
-A DFG describes one iteration of a loop region, or the whole of a straight region. Constants, live-ins
-and the induction value are nodes too (`SOURCES`): a fabric reads them from a PE's constant store or from
-the tile controller, so a mapper neither places nor routes them. `live_out` nodes are delivered to a PE's
-constant store; they are placed, but use no FU.
+A DFG describes one iteration of a loop region, or the whole of a straight region. Constants, live-
+ins and the induction value are nodes too (`SOURCES`): a fabric reads them from a PE's constant
+store or from the tile controller, so a mapper neither places nor routes them. `live_out` nodes are
+delivered to a PE's constant store; they are placed, but use no FU.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
-from vividc.dfg.opcodes import MEMORY, OPCODES, ORDER, SOURCES, LatencyClass, OpInfo, Opcode
+from vividc.dfg.opcodes import MEMORY, OPCODES, ORDER, SOURCES, LatencyClass, Opcode, OpInfo
 from vividc.errors import SourceLoc
 
 
 class Control(Enum):
-    """What the tile controller does with a node's result (it reaches it when the result is ready)."""
+    """What the tile controller does with a node's result, which it gets when it is ready."""
 
     EXIT = "exit"  # loop: 1 ends the loop after this iteration
     BRANCH = "branch"  # straight region: 1 takes the region's branch
@@ -26,7 +26,9 @@ class Control(Enum):
 
 
 class EdgeKind(Enum):
-    """DATA carries a word. ORDER separates two memory operations. CONTROL runs from the exit node to an effect."""
+    """DATA carries a word. ORDER separates two memory operations. CONTROL runs from the exit node
+    to an effect.
+    """
 
     DATA = "data"
     ORDER = "order"
@@ -92,9 +94,9 @@ class Node:
 class Edge:
     """`src` feeds operand `port` of `dst`, `distance` iterations later (0: the same iteration).
 
-    With `distance` d > 0, iterations 0 .. d-1 of `dst` read the source node `init` instead (only d = 1
-    is executable). ORDER and CONTROL edges have port `ORDER` and carry no value:
-    start[dst] + II * distance >= start[src] + separation, where the separation is 1 cycle for ORDER and
+    With `distance` d > 0, iterations 0 .. d-1 of `dst` read the source node `init` instead (only d
+    = 1 is executable). ORDER and CONTROL edges have port `ORDER` and carry no value: start[dst] +
+    II * distance >= start[src] + separation, where the separation is 1 cycle for ORDER and
     latency(src) + the fabric's control latency for CONTROL.
     """
 

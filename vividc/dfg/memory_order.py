@@ -10,9 +10,11 @@ from vividc.dfg.graph_builder import GraphBuilder, Operand
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """One load or store. `base` and `index` identify the address parts that are equal by construction.
+    """One load or store. `base` and `index` identify the address parts that are equal by
+    construction.
 
-    `stride_bytes` None: the address is not affine in the iteration index; it may be any address of the array.
+    `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
+    the array.
     """
 
     node: Operand
@@ -25,10 +27,11 @@ class Access:
 
 
 def order_accesses(builder: GraphBuilder, accesses: list[Access], *, in_loop: bool) -> None:
-    """Adds ORDER edges between accesses (in program order) that may touch the same word, at least one a store.
+    """Adds ORDER edges between accesses (in program order) that may touch the same word, at least
+    one a store.
 
-    Arrays passed as different arguments do not overlap. Affine accesses get their exact distance; others
-    are kept in program order within an iteration and from each iteration to the next.
+    Arrays passed as different arguments do not overlap. Affine accesses get their exact distance;
+    others are kept in program order within an iteration and from each iteration to the next.
     """
     for position, first in enumerate(accesses):
         for second in accesses[position:]:

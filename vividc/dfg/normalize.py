@@ -1,8 +1,9 @@
 """Brings a CFG into the shape regions are cut from.
 
-Afterwards: no unreachable blocks; every loop is entered from one preheader that only jumps to its header, and has one
-latch; an innermost loop leaves to one block, all of whose predecessors are in the loop and through whose phis every
-value of the loop is used outside (loop-closed SSA); an edge into a block with phis is not critical.
+Afterwards: no unreachable blocks; every loop is entered from one preheader that only jumps to its
+header, and has one latch; an innermost loop leaves to one block, all of whose predecessors are in
+the loop and through whose phis every value of the loop is used outside (loop-closed SSA); an edge
+into a block with phis is not critical.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import replace
 
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import (
+    defined_types,
     fresh_name,
     incoming,
     next_id,
@@ -40,7 +42,9 @@ def normalize(function: Function) -> Function:
 
 
 def merge_chains(function: Function) -> Function:
-    """Joins a block with its only successor where that has no other predecessor, outside innermost loops."""
+    """Joins a block with its only successor where that has no other predecessor, outside innermost
+    loops.
+    """
     in_loop = {name for loop in innermost(find_loops(function)) for name in loop.blocks}
     while True:
         pair = _chain(function, in_loop)
@@ -62,9 +66,10 @@ def _chain(function: Function, in_loop: set[str]) -> tuple[Block, Block] | None:
     by_name = {block.name: block for block in function.blocks}
     for block in function.blocks:
         follows = block.branch.successors
-        if len(follows) == 1 and block.name not in in_loop and follows[0] not in in_loop:
-            if _predecessors(function, follows[0]) == [block.name] and follows[0] != block.name:
-                return block, by_name[follows[0]]
+        if len(follows) != 1 or block.name in in_loop or follows[0] in in_loop:
+            continue
+        if _predecessors(function, follows[0]) == [block.name] and follows[0] != block.name:
+            return block, by_name[follows[0]]
     return None
 
 
@@ -86,22 +91,20 @@ def split_critical_edges(function: Function) -> Function:
     """Puts an empty block on each edge from a branching block into a block with phis."""
     for block in function.blocks:
         for target in dict.fromkeys(block.branch.successors):
-            destination = next(b for b in function.blocks if b.name == target)
-            if len(block.branch.successors) > 1 and len(_predecessors(function, target)) > 1:
-                if destination.phis and not _is_loop_edge(function, block.name, target):
-                    through = Block(
-                        fresh_name(function, f"{block.name}.to.{target}"),
-                        (),
-                        (),
-                        Branch(target, loc=block.branch.loc),
-                    )
-                    function = redirect_edge(function, block.name, target, through)
+            if _is_critical(function, block, target):
+                name = fresh_name(function, f"{block.name}.to.{target}")
+                through = Block(name, (), (), Branch(target, loc=block.branch.loc))
+                function = redirect_edge(function, block.name, target, through)
     return function
 
 
-def _is_loop_edge(function: Function, source: str, target: str) -> bool:
-    """Edges inside an innermost loop, and out of it, are resolved by if-conversion."""
-    return any(source in loop.blocks for loop in innermost(find_loops(function)))
+def _is_critical(function: Function, source: Block, target: str) -> bool:
+    """Edges inside an innermost loop, and out of it, are not: if-conversion resolves them."""
+    if len(source.branch.successors) == 1 or len(_predecessors(function, target)) == 1:
+        return False
+    if any(source.name in loop.blocks for loop in innermost(find_loops(function))):
+        return False
+    return bool(_block(function, target).phis)
 
 
 def _until_stable(function: Function, step: Callable[[Function], Function | None]) -> Function:
@@ -173,7 +176,7 @@ def _join(
 
 
 def _merge_exits(function: Function, loop: Loop) -> Function:
-    """One exit block for an innermost loop; with several targets it decides by the exit's number."""
+    """One exit block for an innermost loop; with several targets it branches by number."""
     targets = list(dict.fromkeys(target for _, target in loop.exits))
     if len(targets) > 1:
         function = _number_exits(function, loop, targets)
@@ -230,12 +233,10 @@ def _number_exits(function: Function, loop: Loop, targets: list[str]) -> Functio
 def _close_loop(function: Function, loop: Loop) -> Function:
     """Every value of the loop that is used outside passes through a phi of the exit block."""
     exit_name = loop.exits[0][1]
-    inside = {
-        item.id: item.type
-        for block in function.blocks
-        if block.name in loop.blocks
-        for item in (*block.phis, *block.instrs)
-    }
+    inside: dict[int, Type] = {}
+    for block in function.blocks:
+        if block.name in loop.blocks:
+            inside |= defined_types(block)
     used = _used_outside(function, loop, exit_name)
     sources = list(dict.fromkeys(source for source, _ in loop.exits))
     free = next_id(function)
@@ -271,7 +272,7 @@ def _used_outside(function: Function, loop: Loop, exit_name: str) -> set[int]:
 
 
 def _remove_trivial_phis(function: Function) -> Function:
-    """A phi with one distinct input (besides itself) is that input, except where it closes a loop."""
+    """A phi with one input (besides itself) is that input, unless it closes a loop."""
     while True:
         found = _trivial_phi(function)
         if found is None:
@@ -300,12 +301,10 @@ def _defined_in_loop_before(function: Function) -> dict[str, set[int]]:
     """For each exit block of an innermost loop: the ids that the loop defines."""
     inside: dict[str, set[int]] = {}
     for loop in innermost(find_loops(function)):
-        ids = {
-            item.id
-            for block in function.blocks
-            if block.name in loop.blocks
-            for item in (*block.phis, *block.instrs)
-        }
+        ids: set[int] = set()
+        for block in function.blocks:
+            if block.name in loop.blocks:
+                ids |= defined_types(block).keys()
         for _, target in loop.exits:
             inside.setdefault(target, set()).update(ids)
     return inside
@@ -314,7 +313,8 @@ def _defined_in_loop_before(function: Function) -> dict[str, set[int]]:
 def copy_exit_values(function: Function) -> Function:
     """A loop that reads what another loop leaves behind reads a copy made in its preheader.
 
-    A loop leaves a value on one PE; only a straight region brings it to all PEs that a later loop reads it on.
+    A loop leaves a value on one PE; only a straight region brings it to all PEs that a later loop
+    reads it on.
     """
     loops = [loop for loop in innermost(find_loops(function)) if loop.exits]
     left_behind = {
@@ -333,8 +333,7 @@ def copy_exit_values(function: Function) -> Function:
         free = next_id(function)
         copies: dict[int, Value] = {old: Ref(free + i) for i, old in enumerate(read)}
         movs = tuple(
-            Instr(free + i, Opcode.MOV, left_behind[old], (Ref(old),))
-            for i, old in enumerate(read)
+            Instr(free + i, Opcode.MOV, left_behind[old], (Ref(old),)) for i, old in enumerate(read)
         )
         copied = substitute(replace(function, blocks=(*body, closing)), copies).blocks
         closing = replace(closing, phis=copied[-1].phis)

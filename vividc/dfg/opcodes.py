@@ -1,9 +1,10 @@
-"""The opcode table: name, arity, types and latency class of every operation; semantics are beside it.
+"""The opcode table: name, arity, types and latency class of every operation; semantics are beside
+it.
 
 Values are 32-bit words. A predicate is a word that is 0 or 1. Operand ports are numbered 0, 1, 2;
-`PRED`, `BASE` and `ORDER` are the ports of predication, of a memory base address, and of an edge that
-carries no value. An operation whose predicate is 0 passes its last data operand through
-(`fma a, b, c` gives `c`); a store or load whose predicate is 0 does not access memory (a load gives 0).
+`PRED`, `BASE` and `ORDER` are the ports of predication, of a memory base address, and of an edge
+that carries no value. An operation whose predicate is 0 passes its last data operand through (`fma
+a, b, c` gives `c`); a store or load whose predicate is 0 does not access memory (a load gives 0).
 """
 
 from __future__ import annotations
@@ -100,7 +101,9 @@ class Opcode(Enum):
 
 @dataclass(frozen=True, slots=True)
 class OpInfo:
-    """The contract of one opcode. `operands` are the types of ports 0, 1, ...; `commutes`: 0 and 1 may swap."""
+    """The contract of one opcode. `operands` are the types of ports 0, 1, ...; `commutes`: 0 and 1
+    may swap.
+    """
 
     opcode: Opcode
     operands: tuple[Type, ...]

@@ -24,7 +24,9 @@ Pass = Callable[[DFG], DFG]
 
 @dataclass(frozen=True, slots=True)
 class PassOptions:
-    """Switches of the pipeline. `contract`: fuse multiply and add (changes rounding, as hardware FMAs do)."""
+    """Switches of the pipeline. `contract`: fuse multiply and add (changes rounding, as hardware
+    FMAs do).
+    """
 
     contract: bool = True
 

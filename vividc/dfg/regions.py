@@ -1,4 +1,6 @@
-"""The kernel as regions under the tile controller: what the mapper maps one by one, and what runs in which order."""
+"""The kernel as regions under the tile controller: what the mapper maps one by one, and what runs
+in which order.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,9 @@ class Region:
     Attributes
     ----------
     counted
-        Loop: the controller issues as many iterations as the trip register says (none if it is negative).
-        A loop that is not counted, and a counted one that may break, has a node marked `Control.EXIT`.
+        Loop: the controller issues as many iterations as the trip register says (none if it is
+        negative). A loop that is not counted, and a counted one that may break, has a node marked
+        `Control.EXIT`.
     next
         Index of the region that runs next; None: the program ends.
     branch
@@ -40,11 +43,11 @@ class Region:
 class Kernel:
     """Regions in table order; region 0 runs first.
 
-    A `live_in` node names an input the host supplies (see `cfg.Input.key`) or a variable. Variables start
-    with "%", are written by `live_out` nodes of that name and keep their word until written again.
-    A returned scalar is the variable `RETURN_VARIABLE` when the program ends.
-    Within a region, every read of a variable sees the word from before the region (a straight region's writes
-    take effect after its reads; a loop never reads a variable that it writes).
+    A `live_in` node names an input the host supplies (see `cfg.Input.key`) or a variable. Variables
+    start with "%", are written by `live_out` nodes of that name and keep their word until written
+    again. A returned scalar is the variable `RETURN_VARIABLE` when the program ends. Within a
+    region, every read of a variable sees the word from before the region (a straight region's
+    writes take effect after its reads; a loop never reads a variable that it writes).
     """
 
     name: str

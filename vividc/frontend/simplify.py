@@ -41,7 +41,7 @@ def fold_by_ranges(function: WideFunction, ranges: Ranges) -> WideFunction:
 
 
 def _merge_chains(function: WideFunction) -> WideFunction:
-    """Join a block with its only successor where that has no other predecessor (and thus no phis)."""
+    """Join a block with its only successor where that has no other predecessor, and so no phis."""
     blocks = {block.name: block for block in function.blocks}
     predecessors = {name: 0 for name in blocks}
     for block in function.blocks:

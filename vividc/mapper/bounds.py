@@ -31,14 +31,9 @@ def mii(bounds: Iterable[Bound]) -> int:
 
 
 def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
-    """All bounds on the II, sharpest first. A bound above `controller.contexts` says that no II can
-    work.
+    """All bounds on the II, sharpest first.
 
-    Raises
-    ------
-    DFGError
-        Never: malformed graphs are `dfg.check`'s business; a cycle of distance 0 shows up as an
-        impossible RecMII.
+    A bound above `controller.contexts` says that no II can work; so does a cycle of distance 0.
     """
     never = placement_bounds(problem)
     if never:

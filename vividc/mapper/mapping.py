@@ -1,4 +1,4 @@
-"""What a mapper returns: time and place of each node, the route of each edge, and what was proved."""
+"""What a mapper returns: time and place of nodes, routes of edges, and what was proved."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Status = Literal["optimal", "feasible", "infeasible", "timeout"]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """`node` issues on PE `pe` at cycle `time` of its iteration (0 = the iteration's first cycle)."""
+    """Issues on PE `pe` at cycle `time` of its iteration (0: the iteration's first cycle)."""
 
     pe: int
     time: int
@@ -22,8 +22,8 @@ class Step:
     """Where a routed word is at cycle `time` (of the producer's iteration).
 
     kind "link": it was driven onto link `index` in the cycle before and is readable at the link's
-    destination PE in cycle `time`. kind "reg": it is in register `index` of PE `pe`, readable in cycle
-    `time`. For links, `pe` is the destination PE.
+    destination PE in cycle `time`. kind "reg": it is in register `index` of PE `pe`, readable in
+    cycle `time`. For links, `pe` is the destination PE.
     """
 
     kind: Literal["link", "reg"]
@@ -45,8 +45,8 @@ class Mapping:
     routes
         For each index of a routed edge in `dfg.edges`: the steps of the word, one a cycle, from
         start[src] + latency(src) to the cycle in which the consumer reads it,
-        start[dst] + II * distance. Empty: the consumer, on the same PE, reads the FU's output register
-        in the very cycle in which the result appears.
+        start[dst] + II * distance. Empty: the consumer, on the same PE, reads the FU's output
+        register in the very cycle in which the result appears.
     """
 
     ii: int
@@ -79,9 +79,9 @@ class MapResult:
     Attributes
     ----------
     status
-        "optimal": every II below `ii` was refuted. "feasible": mapped, but the IIs from `lower_bound`
-        to `ii` - 1 are open. "infeasible": no II can work (or the requested one cannot). "timeout":
-        nothing found in time.
+        "optimal": every II below `ii` was refuted. "feasible": mapped, but the IIs from
+        `lower_bound` to `ii` - 1 are open. "infeasible": no II can work (or the requested one
+        cannot). "timeout": nothing found in time.
     bounds
         All bounds, sharpest first.
     refuted

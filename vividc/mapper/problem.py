@@ -22,8 +22,8 @@ class MapProblem:
     allowed
         PEs a node may lie on, for the nodes that are not free (live-outs with a fixed home).
     resident
-        Entries that other regions already hold in the constant store of each PE; they count towards its
-        capacity, and using one again costs nothing.
+        Entries that other regions already hold in the constant store of each PE; they count towards
+        its capacity, and using one again costs nothing.
     """
 
     dfg: DFG
@@ -38,7 +38,9 @@ class MapProblem:
         return tuple(pe for pe in pes if permitted is None or pe in permitted)
 
     def constants_of(self, node: Node) -> tuple[ConstantKey, ...]:
-        """Constant-store entries that `node` occupies on its PE: operands, `init`s, and a live-out's own entry."""
+        """Constant-store entries that `node` occupies on its PE: operands, `init`s, and a live-
+        out's own entry.
+        """
         keys: dict[ConstantKey, None] = {}
         for edge in self.dfg.in_edges[node.id]:
             for source in (edge.src, edge.init):
@@ -52,7 +54,9 @@ class MapProblem:
 
 
 def constant_key(node: Node) -> ConstantKey | None:
-    """The constant-store entry that holds a source node's word; None for other nodes and the induction value."""
+    """The constant-store entry that holds a source node's word; None for other nodes and the
+    induction value.
+    """
     if node.op is Opcode.CONST and node.const is not None:
         return ("const", node.const)
     if node.op is Opcode.LIVE_IN:

@@ -1,7 +1,8 @@
 """Which bank each array should start in, so that the loads and stores of one cycle meet in no bank.
 
-In a modulo schedule, an access of stage s sees the iteration index s less than one of stage 0 in the same cycle. Accesses
-that step through their arrays alike therefore stay a fixed number of banks apart, and the start of the arrays decides it.
+In a modulo schedule, an access of stage s sees the iteration index s less than one of stage 0 in
+the same cycle. Accesses that step through their arrays alike therefore stay a fixed number of banks
+apart, and the start of the arrays decides it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from vividc.mapper.mapping import Mapping as RegionMapping
 
 @dataclass(frozen=True, slots=True)
 class _Stream:
-    """Accesses of `array` in slot `slot` of region `region`: word (start + lead + step * cycle-group)."""
+    """Accesses of `array` in slot `slot` of region `region`: word (start + lead + step * cycle-
+    group).
+    """
 
     region: int
     slot: int
@@ -32,8 +35,9 @@ def choose_banks(
 ) -> dict[str, int]:
     """The start bank of each array parameter, by name.
 
-    Greedy in parameter order: the bank with the fewest meetings with the arrays before, and of those the
-    one that follows on from the array before. Accesses whose addresses are not known to step are left out.
+    Greedy in parameter order: the bank with the fewest meetings with the arrays before, and of
+    those the one that follows on from the array before. Accesses whose addresses are not known to
+    step are left out.
     """
     banks = fabric.scratchpad.banks
     streams = [

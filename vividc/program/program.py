@@ -205,6 +205,18 @@ def _faults(program: Program) -> Iterator[str]:
         yield "its reports and its region table differ in length"
     for index, row in enumerate(program.table):
         yield from _row_faults(index, row, contexts, rows)
+    yield from _store_faults(program)
+    unknown = {item.key for item in program.launch} - _input_keys(program.params)
+    if unknown:
+        yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
+    if (program.returns is None) is not (program.return_home is None):
+        yield "its return type and its return value disagree"
+    if len(program.entries) != contexts:
+        yield "its configuration memory is incomplete"
+
+
+def _store_faults(program: Program) -> Iterator[str]:
+    """What is wrong with the entries of constant stores and the layout of arrays."""
     homes = [(item.pe, item.entry) for item in program.launch]
     if program.return_home is not None:
         homes.append((program.return_home.pe, program.return_home.entry))
@@ -218,13 +230,6 @@ def _faults(program: Program) -> Iterator[str]:
         not 0 <= bank < program.fabric.scratchpad.banks for bank in program.banks.values()
     ):
         yield "its memory layout does not fit its parameters"
-    unknown = {item.key for item in program.launch} - _input_keys(program.params)
-    if unknown:
-        yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
-    if (program.returns is None) is not (program.return_home is None):
-        yield "its return type and its return value disagree"
-    if len(program.entries) != contexts:
-        yield "its configuration memory is incomplete"
 
 
 def _input_keys(params: tuple[Param, ...]) -> set[str]:

@@ -1,0 +1,179 @@
+"""What a kernel may not do: the error names the line and a way out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from vividc.errors import KernelError, SourceLoc
+from vividc.frontend import KernelFunction
+
+TABLE = np.arange(4, dtype=np.float32)
+
+
+def float_division(x, n):
+    for i in range(n):
+        x[i] = x[0] / x[i]
+
+
+def square_root(x, n):
+    for i in range(n):
+        x[i] = math.sqrt(x[i])
+
+
+def global_array(x, n):
+    for i in range(n):
+        x[i] = TABLE[i]
+
+
+def prints(x, n):
+    for i in range(n):
+        print(x[i])
+
+
+def raises(x, n):
+    if n < 0:
+        raise ValueError("negative")
+    x[0] = n
+
+
+def catches(x, n):
+    try:
+        x[0] = n
+    except Exception:
+        x[1] = n
+
+
+def unknown_attribute(x, n):
+    x.frobnicate(n)
+
+
+def makes_a_list(x, n):
+    values = [1.0, 2.0]
+    x[0] = values[n]
+
+
+def never_ends(x, n):
+    while True:
+        x[0] += 1
+
+
+def steps_past_the_end(x, n):
+    for i in range(0, n, 3):
+        x[i] = 1
+
+
+def recurses(x, n):
+    def inner(k):
+        return k if k < 2 else inner(k - 1)
+
+    x[0] = inner(n)
+
+
+FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
+    (float_division, 2, "a float division"),
+    (square_root, 2, "sqrt"),
+    (global_array, 2, "a global array"),
+    (prints, 2, "the Python runtime"),
+    (raises, 2, "can raise ValueError: negative"),
+    (catches, 0, "`try`"),
+    (unknown_attribute, 1, "frobnicate"),
+    (makes_a_list, 0, "NRT"),
+    (never_ends, 0, "never ends"),
+    (steps_past_the_end, 1, "may not fit in 32 bits"),
+    (recurses, 0, "cell variable|recursi"),
+]
+
+
+@pytest.mark.parametrize(("function", "offset", "reason"), FLOAT_KERNELS, ids=lambda v: str(v)[:30])
+def test_the_error_names_the_line(
+    function: Callable[..., object], offset: int, reason: str
+) -> None:
+    kernel = KernelFunction(function, "void(float32[::1], int32)", None)
+    with pytest.raises(KernelError, match=reason) as caught:
+        kernel.lower()
+    assert isinstance(caught.value.loc, SourceLoc)
+    assert caught.value.loc.file == __file__
+    assert caught.value.loc.line == function.__code__.co_firstlineno + offset
+
+
+def integer_division(x, n):
+    for i in range(n):
+        x[i] = x[i] // 3
+
+
+def integer_remainder(x, n):
+    for i in range(n):
+        x[i] = x[i] % n
+
+
+def compares_wide(x, n):
+    total = 0
+    for i in range(n):
+        total += x[i]
+        if total > 10:
+            x[i] = 0
+
+
+def shifts_wide(x, n):
+    for i in range(n):
+        x[i] = (x[i] * x[i]) >> 20
+
+
+def converts_wide(x, n):
+    for i in range(n):
+        x[i] = np.int32(np.float32(x[i] * x[i]))
+
+
+INT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
+    (integer_division, 2, "other than a power of two"),
+    (integer_remainder, 2, "other than a power of two"),
+    (compares_wide, 4, "may not fit in 32 bits"),
+    (shifts_wide, 2, "may not fit in 32 bits"),
+    (converts_wide, 2, "may not fit in 32 bits"),
+]
+
+
+@pytest.mark.parametrize(("function", "offset", "reason"), INT_KERNELS, ids=lambda v: str(v)[:30])
+def test_what_words_cannot_hold_is_refused(
+    function: Callable[..., object], offset: int, reason: str
+) -> None:
+    kernel = KernelFunction(function, "void(int32[::1], int32)", None)
+    with pytest.raises(KernelError, match=reason) as caught:
+        kernel.lower()
+    assert caught.value.hint
+    assert caught.value.loc == SourceLoc(__file__, function.__code__.co_firstlineno + offset)
+
+
+def test_an_integer_result_must_fit_in_a_word() -> None:
+    def total(x):
+        result = 0
+        for value in x:
+            result += value * 65536
+        return result
+
+    with pytest.raises(KernelError, match="the returned integer may not fit") as caught:
+        KernelFunction(total, "int64(int32[::1])", None).lower()
+    assert "np.int32" in str(caught.value.hint)
+
+
+def test_a_float64_result_is_refused() -> None:
+    def half(x):
+        return x * 0.5
+
+    with pytest.raises(KernelError, match="returns float64"):
+        KernelFunction(half, "float64(float32)", None).lower()
+
+
+def test_strict_fp_refuses_float64_arithmetic() -> None:
+    def scale(x, n):
+        for i in range(n):
+            x[i] = x[i] * 0.1
+
+    kernel = KernelFunction(scale, "void(float32[::1], int32)", None)
+    with pytest.raises(KernelError, match="float64 arithmetic") as caught:
+        kernel.lower(strict_fp=True)
+    assert caught.value.loc == SourceLoc(__file__, scale.__code__.co_firstlineno + 2)
