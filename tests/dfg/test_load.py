@@ -247,3 +247,10 @@ def test_wrong_dot_is_reported(text: str, problem: str) -> None:
     with pytest.raises(DFGError) as error:
         parse_dot(text, file="x.dot")
     assert problem in str(error.value)
+
+
+def test_a_foreign_graph_of_memory_operations_alone_loads(tmp_path: Path) -> None:
+    nodes = [{"id": 0, "op": "load"}, {"id": 1, "op": "store"}]
+    path = tmp_path / "copy.json"
+    path.write_text(json.dumps({"name": "copy", "nodes": nodes, "edges": [{"src": 0, "dst": 1}]}))
+    assert load(path).edges == (Edge(0, 1, 0),)

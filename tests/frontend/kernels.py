@@ -306,4 +306,9 @@ def small_tuple(x, n):
         x[i] = pair[i & 1] + x[i]
 
 
+@kernel("int64(int64, int64, bool, int64, int32[::1])")
+def awkward_names(ret, entry, value, größe, x):
+    return np.int32(ret + entry * 2 + größe * 3) if value else np.int32(x[0])
+
+
 KERNELS = tuple(value for value in list(globals().values()) if isinstance(value, KernelFunction))

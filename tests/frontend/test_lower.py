@@ -85,6 +85,8 @@ CASES: list[tuple[KernelFunction, tuple[object, ...]]] = [
     (k.powers_and_ufuncs, (floats(9), 9)),
     (k.nested_break, (ints(6, 5), 80)),
     (k.nested_break, (ints(6, 5, low=-100, high=0), 80)),
+    (k.awkward_names, (4, 5, True, 6, ints(2))),
+    (k.awkward_names, (4, 5, False, 6, ints(2))),
     (k.small_tuple, (floats(9), 9)),
     (k.nested_count, (ints(6, 5, low=-10, high=10),)),
     (k.unsigned_and_signed, (words(30), words(30).view(np.uint32), ints(30))),

@@ -163,14 +163,7 @@ def interpret(
         if left < 0:
             raise _limit_reached(region.name, region.loc)
         index = region.branch if run.branch else region.next
-    counts = zip(iterations, executables, strict=True)
-    return InterpreterResult(
-        variables={name: word for name, word in env.items() if is_variable(name)},
-        value=env.get(RETURN_VARIABLE),
-        iterations=tuple(iterations),
-        runs=tuple(runs),
-        operations=sum(count * executable.operations for count, executable in counts),
-    )
+    return _result_of(env, executables, iterations, runs)
 
 
 def words_of(memory: bytearray | npt.NDArray[np.uint32]) -> memoryview[int]:
@@ -217,6 +210,22 @@ def run_executable(
     if trip is None and kind == "loop" and not exited:
         raise _limit_reached(name)
     return _run_of(executable, values, iteration, written)
+
+
+def _result_of(
+    env: Mapping[str, int],
+    executables: Sequence[Executable],
+    iterations: Sequence[int],
+    runs: Sequence[int],
+) -> InterpreterResult:
+    counts = zip(iterations, executables, strict=True)
+    return InterpreterResult(
+        variables={name: word for name, word in env.items() if is_variable(name)},
+        value=env.get(RETURN_VARIABLE),
+        iterations=tuple(iterations),
+        runs=tuple(runs),
+        operations=sum(count * executable.operations for count, executable in counts),
+    )
 
 
 def _run_of(

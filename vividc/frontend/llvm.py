@@ -113,13 +113,13 @@ def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
         (_array_argument if array else _scalar_argument)(param, inputs, body, arguments)
     returned = _RETURN.get(module.return_type, "ptr")
     types = ", ".join(["ptr", *(argument.split(" ")[0] for argument in arguments)])
-    call = ", ".join(["ptr %.ret", *arguments])
+    call = ", ".join(["ptr %..ret", *arguments])
     file = loc.file.replace("\\", "\\5C").replace('"', "\\22")
     result = "void" if module.return_type == "none" else returned
     leave = (
         "ret void"
         if result == "void"
-        else f"%.value = load {returned}, ptr %.ret\n  ret {returned} %.value"
+        else f"%..value = load {returned}, ptr %..ret\n  ret {returned} %..value"
     )
     lines = "\n  ".join(body)
     line, flags = loc.line, "spFlags: DISPFlagDefinition"
@@ -127,10 +127,10 @@ def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
 target datalayout = "{DATA_LAYOUT}"
 declare i32 @"{module.symbol}"({types})
 define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
-entry:
-  %.ret = alloca {returned}
+..entry:
+  %..ret = alloca {returned}
   {lines}
-  %.status = call i32 @"{module.symbol}"({call}), !dbg !5
+  %..status = call i32 @"{module.symbol}"({call}), !dbg !5
   {leave}
 }}
 !llvm.dbg.cu = !{{!1}}

@@ -222,7 +222,12 @@ def _is_value(token: str) -> bool:
 
 def _bare(token: str) -> str:
     name = token[1:]
-    return name[1:-1] if name.startswith('"') else name
+    if not name.startswith('"'):
+        return name
+    raw = re.sub(
+        rb"\\([0-9A-Fa-f]{2})", lambda m: bytes.fromhex(m[1].decode()), name[1:-1].encode()
+    )
+    return raw.decode()
 
 
 def _float(token: str) -> float:

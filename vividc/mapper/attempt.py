@@ -30,9 +30,11 @@ _VARIABLES_PER_S = 30_000
 
 _SCHEDULE_S = 1.0
 _SCHEDULE_S_PER_NODE = 0.02
-_ROUTE_S = 4.0
-_ROUTE_SHARE = 0.4
+_ROUTE_S = 2.0
+_ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
+_KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
+"""(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +86,8 @@ def map_decoupled(
         seen.append(start)
         slack = seed // _WIDEN_AFTER % 2
         request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
-        share = deadline.within(max(_ROUTE_S, _ROUTE_SHARE * deadline.remaining_s))
+        budget_s = _ROUTE_S + len(task.dfg.placed) * _ROUTE_S_PER_NODE
+        share = deadline.within(budget_s * 2 ** (seed // len(_KINDS)))
         search = Search(share, 1, seed, light=True)
         attempt = _joint(fixed(task, ii, start, slack), search)
         if attempt.mapping is not None:
@@ -128,21 +131,16 @@ def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadli
 def _schedule(
     task: MapProblem, ii: int, request: MapRequest, deadline: Deadline, seed: int
 ) -> dict[int, int] | None:
-    options = _options(task, ii, seed)
+    options = _options(ii, seed)
     budget_s = _SCHEDULE_S + len(task.dfg.placed) * _SCHEDULE_S_PER_NODE
     budget = deadline.within(min(budget_s, deadline.remaining_s / 2))
     return schedule(task, ii, options, Search(budget, request.workers, seed, light=True)).value
 
 
-def _options(task: MapProblem, ii: int, seed: int) -> ScheduleOptions:
-    """Which schedule to try next. Where operations are bound to some PEs, words travel far."""
-    pes = len(task.fabric.pes)
-    free = all(len(task.candidates(node)) == pes for node in task.dfg.operations)
-    near = ((1, 2), (3, 2 * ii), (2, ii), (0, 2))
-    far = ((2, ii), (3, 2 * ii), (1, 2), (4, 2 * ii))
-    kinds = near if free else far
-    easy_life, slack = kinds[seed % len(kinds)]
-    return ScheduleOptions(easy_life, slack, seed // len(kinds))
+def _options(ii: int, seed: int) -> ScheduleOptions:
+    """Which schedule to try next: tight and loose ones in turn, since either may be the one that routes."""
+    easy_life, stages = _KINDS[seed % len(_KINDS)]
+    return ScheduleOptions(easy_life, 2 if stages == 0 else stages * ii, seed // len(_KINDS))
 
 
 def _joint(problem: Prepared, search: Search) -> Attempt:
