@@ -15,24 +15,28 @@ def saxpy(x, y, n):
         y[i] += np.float32(2.0) * x[i]
 
 
-checkout = Path(sys.argv[1]).resolve()
-home = Path(vividc.__file__).resolve()
-if checkout in home.parents:
-    raise SystemExit(f"the checkout was imported, not the wheel: {home}")
+def main(checkout: Path) -> None:
+    """Compile, simulate and check saxpy, through Python and through the command line."""
+    home = Path(vividc.__file__).resolve()
+    if checkout.resolve() in home.parents:
+        raise SystemExit(f"the checkout was imported, not the wheel: {home}")
 
-x = np.arange(64, dtype=np.float32)
-y = np.ones(64, dtype=np.float32)
-expected = y.copy()
-saxpy(x, expected, 64)
+    x = np.arange(64, dtype=np.float32)
+    y = np.ones(64, dtype=np.float32)
+    expected = y.copy()
+    saxpy(x, expected, 64)
+    program = vividc.compile(saxpy, fabric="vivid-tile")
+    result = vividc.simulate(program, x, y, 64)
+    np.testing.assert_array_equal(y, expected)
 
-program = vividc.compile(saxpy, fabric="vivid-tile")
-result = vividc.simulate(program, x, y, 64)
-np.testing.assert_array_equal(y, expected)
+    program.save("saxpy.vivid")
+    np.savez("in.npz", x=x, y=np.ones(64, dtype=np.float32), n=np.int32(64))
+    command = [str(Path(sys.executable).parent / "vividc"), "simulate", "saxpy.vivid"]
+    subprocess.run([*command, "--inputs", "in.npz", "--check"], check=True, timeout=120)
 
-program.save("saxpy.vivid")
-np.savez("in.npz", x=x, y=np.ones(64, dtype=np.float32), n=np.int32(64))
-command = [str(Path(sys.executable).parent / "vividc"), "simulate", "saxpy.vivid"]
-subprocess.run([*command, "--inputs", "in.npz", "--check"], check=True)
+    iis = ", ".join(f"{region.name} II {region.ii}" for region in program.regions)
+    print(f"wheel: saxpy in {result.cycles} cycles ({iis})")
 
-iis = ", ".join(f"{region.name} II {region.ii}" for region in program.regions)
-print(f"wheel: saxpy in {result.cycles} cycles ({iis})")
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

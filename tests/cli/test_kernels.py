@@ -100,6 +100,23 @@ def test_failure_of_the_file_names_its_line(write, text, line, expected):
     assert expected in found
 
 
+def test_a_file_that_starts_vividc_on_itself_is_stopped(write):
+    """Without a main guard this was a chain of processes without end."""
+    path = write(
+        "import subprocess, sys\n"
+        "code = 'from vividc.cli import main; main()'\n"
+        "command = [sys.executable, '-c', code, 'compile', __file__]\n"
+        "raise ValueError(subprocess.run(command, capture_output=True, text=True).stderr)\n"
+    )
+    assert "starts vividc on itself" in message(path)
+    write(ONE)
+    assert load_kernel(str(path)).name == "double"
+
+
+def test_main_guard_is_not_entered(write):
+    assert load_kernel(str(write(ONE + "\nif __name__ == '__main__':\n    raise ValueError\n")))
+
+
 def test_bad_signature_keeps_its_own_message(write):
     path = write(ONE.replace("float32[::1]", "float64[::1]"))
     with pytest.raises(KernelError, match=rf"{path}:\d+: parameter x has type"):

@@ -307,8 +307,21 @@ def small_tuple(x, n):
 
 
 @kernel("int64(int64, int64, bool, int64, int32[::1])")
-def awkward_names(ret, entry, value, größe, x):
+def awkward_names(ret, entry, value, größe, x):  # noqa: PLC2401 - LLVM escapes such names
     return np.int32(ret + entry * 2 + größe * 3) if value else np.int32(x[0])
+
+
+@kernel("void(float32[::1])")
+def special_constants(x):
+    for i in range(len(x)):
+        if x[i] > np.float32(3):
+            x[i] = np.float32(np.inf)
+        elif x[i] < np.float32(-3):
+            x[i] = np.float32(np.nan)
+        elif x[i] == np.float32(0):
+            x[i] = np.float32(1e-45)
+        else:
+            x[i] = x[i] * np.float32(1e30) * np.float32(-0.0) + np.float32(0.1)
 
 
 KERNELS = tuple(value for value in list(globals().values()) if isinstance(value, KernelFunction))

@@ -87,6 +87,7 @@ CASES: list[tuple[KernelFunction, tuple[object, ...]]] = [
     (k.nested_break, (ints(6, 5, low=-100, high=0), 80)),
     (k.awkward_names, (4, 5, True, 6, ints(2))),
     (k.awkward_names, (4, 5, False, 6, ints(2))),
+    (k.special_constants, (np.array([4, -4, 0, 1, -1, np.inf, np.nan], np.float32),)),
     (k.small_tuple, (floats(9), 9)),
     (k.nested_count, (ints(6, 5, low=-10, high=10),)),
     (k.unsigned_and_signed, (words(30), words(30).view(np.uint32), ints(30))),

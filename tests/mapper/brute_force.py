@@ -117,9 +117,17 @@ class _Placer:
             ):
                 return False
         placed = [e for e in self.dfg.edges if node.id in {e.src, e.dst} and self._both_placed(e)]
-        if not all(self._far_enough(edge) for edge in placed):
+        if not all(self._far_enough(edge) for edge in placed) or not self._banks_suffice():
             return False
         return self._constants_fit(pe) and self._old_words_survive(pe)
+
+    def _banks_suffice(self) -> bool:
+        slots = [
+            time % self.ii
+            for node_id, (_, time) in self.start.items()
+            if self.dfg.by_id[node_id].op in (Opcode.LOAD, Opcode.STORE)
+        ]
+        return all(slots.count(slot) <= self.fabric.scratchpad.banks for slot in slots)
 
     def _both_placed(self, edge: Edge) -> bool:
         return edge.src in self.start and edge.dst in self.start

@@ -20,7 +20,7 @@ from vividc.mapper import MapProblem, MapRequest, MapResult, map_dfg, registry, 
 @pytest.mark.parametrize("mapper", ["auto", "cpsat", "decoupled"])
 def test_every_built_in_mapper_maps_a_small_loop(mapper: str) -> None:
     fabric = grid(2, 2, latencies={LatencyClass.FADD: 4, LatencyClass.LOAD: 2})
-    result = map_dfg(accumulator(), fabric, mapper, time_limit_s=20, workers=1)
+    result = map_dfg(accumulator(), fabric, mapper, time_limit_s=120, workers=1)
     assert (result.status, result.ii, result.lower_bound) == ("optimal", 4, 4)
     assert result.bounds[0].name == "RecMII"
     assert result.mapper == mapper
@@ -34,21 +34,21 @@ def test_blending_reaches_its_mii(fabric: str) -> None:
 
 
 def test_a_requested_ii_is_the_only_one_tried() -> None:
-    result = map_dfg(chain(4), grid(2, 2), ii=3, time_limit_s=20, workers=1)
+    result = map_dfg(chain(4), grid(2, 2), ii=3, time_limit_s=120, workers=1)
     assert (result.status, result.ii, result.lower_bound) == ("feasible", 3, 1)
 
 
 def test_an_ii_below_a_bound_is_infeasible() -> None:
-    result = map_dfg(chain(9), grid(2, 2), ii=2, time_limit_s=20, workers=1)
+    result = map_dfg(chain(9), grid(2, 2), ii=2, time_limit_s=120, workers=1)
     assert (result.status, result.mapping, result.lower_bound) == ("infeasible", None, 3)
 
 
 def test_an_ii_that_only_routing_forbids_is_refuted() -> None:
     """No links: a two-node chain must share a PE, which at II 1 has one issue slot."""
     fabric = grid(1, 2, links=False)
-    below = map_dfg(chain(2), fabric, ii=1, time_limit_s=20, workers=1)
+    below = map_dfg(chain(2), fabric, ii=1, time_limit_s=120, workers=1)
     assert below.status == "infeasible"
-    least = map_dfg(chain(2), fabric, time_limit_s=20, workers=1)
+    least = map_dfg(chain(2), fabric, time_limit_s=120, workers=1)
     assert (least.status, least.ii, least.bounds[0].ii) == ("optimal", 2, 1)
     assert [item.ii for item in least.refuted] == [1]
     assert "II 1 refuted by" in least.explain()
@@ -56,13 +56,13 @@ def test_an_ii_that_only_routing_forbids_is_refuted() -> None:
 
 def test_an_unplaceable_node_makes_it_infeasible_with_a_reason() -> None:
     fabric = grid(1, 2, classes=dict.fromkeys((0, 1), EVERYTHING - {LatencyClass.FADD}))
-    result = map_dfg(accumulator(), fabric, time_limit_s=20)
+    result = map_dfg(accumulator(), fabric, time_limit_s=120)
     assert result.status == "infeasible"
     assert "fadd" in result.bounds[0].reason
 
 
 def test_no_ii_fits_the_contexts() -> None:
-    result = map_dfg(chain(2), grid(1, 2, links=False, contexts=1), time_limit_s=20, workers=1)
+    result = map_dfg(chain(2), grid(1, 2, links=False, contexts=1), time_limit_s=120, workers=1)
     assert (result.status, result.ii) == ("infeasible", None)
 
 

@@ -13,7 +13,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Control, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.dfg.opcodes import BASE, LatencyClass, Opcode
 from vividc.mapper.cpsat import (
     CONSTRAINT_FAMILIES,
     JointModel,
@@ -48,6 +48,7 @@ _OBJECTION = {
     "one_live_out_per_pe_and_slot": "live_out",
     "live_outs_spare_words_still_read": "live_in",
     "one_control_result_per_slot": "control",
+    "accesses_fit_banks": "banks",
     "edges_without_a_word_are_ordered": "dependence",
 }
 _SLACK = 3
@@ -117,6 +118,10 @@ def _by_hand() -> Iterator[tuple[DFG, Fabric]]:
         Node(1, Opcode.MOV, control=Control.TRIP),
     )
     yield DFG("controls", controls, ()), _FABRICS[0]
+    loads = tuple(Node(index, Opcode.LOAD, name="a") for index in (1, 2, 3))
+    address = (Node(0, Opcode.CONST, const=0), Node(4, Opcode.LIVE_IN, name="&a"))
+    feeds = [edge for n in (1, 2, 3) for edge in (Edge(0, n, 0), Edge(4, n, BASE))]
+    yield DFG("accesses", (*address, *loads), tuple(feeds)), tiny_fabric(2, 2)
     fork = (value, *(Node(index, Opcode.MOV) for index in (1, 2, 3)))
     late = (Edge(0, 1, 0), Edge(1, 2, 0), Edge(2, 3, 0), Edge(0, 3, 1))
     yield DFG("late", fork, late), _FABRICS[3]

@@ -15,6 +15,8 @@ from vividc.errors import InternalError, KernelError, SourceLoc, VividcError
 from vividc.frontend import KernelFunction
 
 _SUFFIX: Final = ".py"
+_RUNNING: Final = "VIVIDC_RUNNING_FILES"
+"""Files that this process and those above it are running; inherited by what they start."""
 
 
 def load_kernel(spec: str) -> KernelFunction:
@@ -40,7 +42,7 @@ def _run(file: Path) -> ModuleType:
     module = ModuleType(f"_vividc_kernel_{file.stem}")
     module.__file__ = os.path.abspath(file)
     sys.modules[module.__name__] = module
-    with _imports_from(file.resolve().parent), redirect_stdout(sys.stderr):
+    with _once(file), _imports_from(file.resolve().parent), redirect_stdout(sys.stderr):
         try:
             exec(code, module.__dict__)
         except (VividcError, InternalError):
@@ -66,6 +68,21 @@ def _compiled(file: Path) -> CodeType:
         ) from error
     except ValueError as error:
         raise KernelError(f"not Python: {error}", loc=str(file)) from error
+
+
+@contextmanager
+def _once(file: Path) -> Iterator[None]:
+    """Refuse a file that, while it runs, starts vividc on itself: it would do so without end."""
+    path = str(file.resolve())
+    running = os.environ.get(_RUNNING, "")
+    if path in running.split(os.pathsep):
+        hint = 'put what is not needed to define its kernels under `if __name__ == "__main__":`'
+        raise KernelError("starts vividc on itself when it is run", loc=str(file), hint=hint)
+    os.environ[_RUNNING] = f"{running}{os.pathsep}{path}"
+    try:
+        yield
+    finally:
+        os.environ[_RUNNING] = running
 
 
 @contextmanager

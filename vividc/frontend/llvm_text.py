@@ -1,5 +1,4 @@
-"""Read the text of LLVM IR into `ssa.WideFunction`: the part of the language that optimised kernels
-use.
+"""Read the text of LLVM IR into `ssa.WideFunction`: as much of the language as kernels use.
 
 Debug locations are read from the metadata once. Of a chain of inlined calls the innermost line in
 the user's own file counts: a fault inside a helper or inside numba is reported where the kernel
@@ -9,17 +8,12 @@ asked for it.
 from __future__ import annotations
 
 import re
-import struct
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
 from vividc.errors import InternalError, SourceLoc
+from vividc.frontend.llvm_tokens import CASTS, Cursor, bare
 from vividc.frontend.ssa import (
     Exit,
-    Float,
-    Global,
-    Int,
-    Local,
     Op,
     Operand,
     WideBlock,
@@ -27,65 +21,11 @@ from vividc.frontend.ssa import (
     WidePhi,
 )
 
-_TOKEN = re.compile(
-    r'(?P<quoted>[%@]"(?:[^"\\]|\\.)*")|(?P<name>[%@][-\w.$]+)|(?P<meta>![\w.]*)|(?P<string>c?"[^"]*")'
-    r"|(?P<number>-?\d+\.\d+e[-+]\d+|(?:f0x|0x[KLMHR]?)[0-9A-Fa-f]+|-?\d+)|(?P<word>[A-Za-z_][\w.]*)"
-    r"|(?P<mark>\.\.\.|[][(){}<>,=*#:|])"
-)
 _DEFINE = re.compile(r'^define .*?@(?:"(?P<quoted>[^"]*)"|(?P<name>[-\w.$]+))\(', re.MULTILINE)
 _LABEL = re.compile(r'^(?:"(?P<quoted>(?:[^"\\]|\\.)*)"|(?P<name>[-\w.$]+)):')
 _METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
 _FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
-_FLAGS = frozenset(
-    [
-        "nuw",
-        "nsw",
-        "exact",
-        "disjoint",
-        "nneg",
-        "samesign",
-        "inbounds",
-        "nusw",
-        "volatile",
-        "fast",
-        "nnan",
-        "ninf",
-        "nsz",
-        "arcp",
-        "contract",
-        "afn",
-        "reassoc",
-        "tail",
-        "musttail",
-        "notail",
-        "inreg",
-        "noundef",
-        "nonnull",
-        "dso_local",
-        "zeroext",
-        "signext",
-    ]
-)
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "ptr": 4, "i64": 8, "double": 8}
-_FLOAT_DIGITS = 8
-_SMALL = {"i8": 0xFF, "i16": 0xFFFF}
-_CASTS = frozenset(
-    [
-        "trunc",
-        "zext",
-        "sext",
-        "fptrunc",
-        "fpext",
-        "fptoui",
-        "fptosi",
-        "uitofp",
-        "sitofp",
-        "ptrtoint",
-        "inttoptr",
-        "bitcast",
-        "addrspacecast",
-    ]
-)
 
 
 def read_function(text: str, name: str, file: str) -> WideFunction:
@@ -108,7 +48,7 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
     start, end = _function_span(text, name)
     header, *lines = text[start:end].splitlines()
     _, after_name = header.split(name, 1)
-    params = tuple(_params(_Cursor(after_name[after_name.index("(") + 1 :])))
+    params = tuple(_params(Cursor(after_name[after_name.index("(") + 1 :])))
     locations = _Locations(text, file)
     blocks = tuple(_blocks(lines, locations))
     returns = header.split("@")[0].replace("define", "").split()[-1]
@@ -122,131 +62,13 @@ def _function_span(text: str, name: str) -> tuple[int, int]:
     raise InternalError(f"LLVM lost the function {name}")
 
 
-@dataclass
-class _Cursor:
-    """Tokens of one line, read from left to right."""
-
-    text: str
-    tokens: list[str] = field(init=False)
-    position: int = 0
-
-    def __post_init__(self) -> None:
-        self.tokens = [match.group() for match in _TOKEN.finditer(self.text)]
-
-    @property
-    def peek(self) -> str:
-        return self.tokens[self.position] if self.position < len(self.tokens) else ""
-
-    def take(self) -> str:
-        token = self.peek
-        if not token:
-            raise InternalError(f"cannot read LLVM's text: {self.text.strip()}")
-        self.position += 1
-        return token
-
-    def accept(self, token: str) -> bool:
-        if self.peek != token:
-            return False
-        self.position += 1
-        return True
-
-    def expect(self, token: str) -> None:
-        if not self.accept(token):
-            raise InternalError(f"cannot read LLVM's text: {self.text.strip()}")
-
-    def skip_flags(self) -> None:
-        while self.peek in _FLAGS:
-            self.position += 1
-            self.skip_parentheses()
-
-    def skip_parentheses(self) -> None:
-        if self.accept("("):
-            while not self.accept(")"):
-                self.skip_parentheses() if self.peek == "(" else self.take()
-
-    def type(self) -> str:
-        """A type; aggregates are kept as text without blanks."""
-        token = self.take()
-        if token in ("[", "{", "<"):
-            closing = {"[": "]", "{": "}", "<": ">"}[token]
-            parts = [token]
-            while self.peek != closing:
-                parts.append(self.type() if self.peek in ("[", "{", "<") else self.take())
-            return "".join([*parts, self.take()])
-        return token
-
-    def operand(self, type_: str) -> Operand:
-        """A value of the given type; a constant expression is kept as its operation's name."""
-        token = self.take()
-        if token[:1] in ("%", "@"):
-            return Local(_bare(token)) if token[0] == "%" else Global(_bare(token))
-        return self._constant(token, type_)
-
-    def _constant(self, token: str, type_: str) -> Operand:
-        if token in ("true", "false"):
-            return Int(int(token == "true"))
-        if type_ in ("float", "double"):
-            return Float(_float(token))
-        # Any value will do for one that is undefined.
-        if token in ("poison", "undef", "null", "zeroinitializer", "none"):
-            return Int(0)
-        if re.fullmatch(r"-?\d+", token):
-            # Types of less than a word are kept without sign.
-            return Int(int(token) & _SMALL[type_] if type_ in _SMALL else int(token))
-        self._skip_constant_expression()
-        return Global(token)
-
-    def _skip_constant_expression(self) -> None:
-        while self.peek and self.peek != "(":
-            self.take()
-        self.skip_parentheses()
-
-    def typed_operand(self) -> tuple[str, Operand]:
-        type_ = self.type()
-        self.skip_attributes()
-        return type_, self.operand(type_)
-
-    def skip_attributes(self) -> None:
-        """Parameter attributes: words, possibly with arguments, before the value."""
-        while self.peek[:1].isalpha() and not _is_value(self.peek):
-            self.take()
-            self.skip_parentheses()
-            if self.peek.lstrip("-").isdigit() and self.tokens[self.position - 1] == "align":
-                self.take()
-
-
-def _is_value(token: str) -> bool:
-    constants = ("poison", "undef", "null", "true", "false", "zeroinitializer", "getelementptr")
-    return token in constants or token in _CASTS or token.startswith(("0x", "f0x"))
-
-
-def _bare(token: str) -> str:
-    name = token[1:]
-    if not name.startswith('"'):
-        return name
-    raw = re.sub(
-        rb"\\([0-9A-Fa-f]{2})", lambda m: bytes.fromhex(m[1].decode()), name[1:-1].encode()
-    )
-    return raw.decode()
-
-
-def _float(token: str) -> float:
-    if token.startswith("f0x"):
-        digits = token[3:]
-        layout = (">f", 4) if len(digits) <= _FLOAT_DIGITS else (">d", 8)
-        return float(struct.unpack(layout[0], int(digits, 16).to_bytes(layout[1], "big"))[0])
-    if token.startswith("0x"):
-        return float(struct.unpack(">d", int(token[2:], 16).to_bytes(8, "big"))[0])
-    return 0.0 if token in ("poison", "undef", "zeroinitializer") else float(token)
-
-
-def _params(cursor: _Cursor) -> Iterator[tuple[str, str]]:
+def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
     while not cursor.accept(")"):
         type_ = cursor.type()
         while cursor.peek[:1] != "%":
             cursor.take()
             cursor.skip_parentheses()
-        yield _bare(cursor.take()), type_
+        yield bare(cursor.take()), type_
         cursor.accept(",")
 
 
@@ -295,7 +117,7 @@ def _blocks(lines: list[str], locations: _Locations) -> Iterator[WideBlock]:
     for line in _joined(lines):
         label = _LABEL.match(line)
         if label is not None:
-            name = label["quoted"] or label["name"]
+            name = bare(f'%"{label["quoted"]}"') if label["quoted"] else label["name"]
             continue
         stripped = line.strip()
         if not stripped or stripped.startswith((";", "#dbg")):
@@ -324,10 +146,10 @@ def _joined(lines: list[str]) -> Iterator[str]:
 
 
 def _instruction(line: str, loc: SourceLoc | None) -> Op | WidePhi | Exit:
-    cursor = _Cursor(line)
+    cursor = Cursor(line)
     name = ""
     if cursor.peek[:1] == "%":
-        name = _bare(cursor.take())
+        name = bare(cursor.take())
         cursor.expect("=")
     cursor.skip_flags()
     opcode = cursor.take()
@@ -336,13 +158,13 @@ def _instruction(line: str, loc: SourceLoc | None) -> Op | WidePhi | Exit:
     return reader(cursor, name, opcode, loc)
 
 
-def _read_phi(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> WidePhi:
+def _read_phi(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> WidePhi:
     type_ = cursor.type()
     incoming: list[tuple[str, Operand]] = []
     while cursor.accept("["):
         value = cursor.operand(type_)
         cursor.expect(",")
-        incoming.append((_bare(cursor.take()), value))
+        incoming.append((bare(cursor.take()), value))
         cursor.expect("]")
         if not cursor.accept(","):
             break
@@ -350,38 +172,38 @@ def _read_phi(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) ->
     return WidePhi(name, type_, tuple(dict.fromkeys(incoming)), loc)
 
 
-def _read_br(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+def _read_br(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
     if cursor.accept("label"):
-        return Exit((_bare(cursor.take()),), loc=loc)
+        return Exit((bare(cursor.take()),), loc=loc)
     _, cond = cursor.typed_operand()
     targets = []
     while cursor.accept(","):
         if not cursor.accept("label"):
             break
-        targets.append(_bare(cursor.take()))
+        targets.append(bare(cursor.take()))
     if targets[0] == targets[1]:
         return Exit((targets[0],), loc=loc)
     return Exit((targets[0], targets[1]), cond, loc=loc)
 
 
-def _read_ret(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+def _read_ret(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
     if cursor.peek == "void":
         return Exit(loc=loc)
     return Exit(value=cursor.typed_operand()[1], loc=loc)
 
 
-def _read_unreachable(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+def _read_unreachable(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
     return Exit(unreachable=True, loc=loc)
 
 
-def _read_compare(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_compare(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     pred = cursor.take()
     type_, left = cursor.typed_operand()
     cursor.expect(",")
     return Op(name, opcode, type_, (left, cursor.operand(type_)), pred=pred, loc=loc)
 
 
-def _read_select(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_select(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     _, cond = cursor.typed_operand()
     cursor.expect(",")
     type_, left = cursor.typed_operand()
@@ -390,25 +212,25 @@ def _read_select(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None)
     return Op(name, opcode, type_, (cond, left, right), loc=loc)
 
 
-def _read_cast(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_cast(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     source, value = cursor.typed_operand()
     cursor.expect("to")
     return Op(name, opcode, cursor.type(), (value,), source=source, loc=loc)
 
 
-def _read_load(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_load(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     type_ = cursor.type()
     cursor.expect(",")
     return Op(name, opcode, type_, (cursor.typed_operand()[1],), loc=loc)
 
 
-def _read_store(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_store(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     type_, value = cursor.typed_operand()
     cursor.expect(",")
     return Op("", opcode, type_, (value, cursor.typed_operand()[1]), loc=loc)
 
 
-def _read_gep(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_gep(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     element = cursor.type()
     args: list[Operand] = []
     while cursor.accept(","):
@@ -440,7 +262,7 @@ def _size(element: str) -> int | None:
     return None if inner is None else int(match[1]) * inner
 
 
-def _read_call(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_call(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     type_ = cursor.type()
     while cursor.peek[:1] not in ("@", "%", ""):
         type_ = cursor.type()
@@ -451,10 +273,10 @@ def _read_call(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -
     while not cursor.accept(")"):
         args.append(cursor.typed_operand()[1])
         cursor.accept(",")
-    return Op(name, "call", type_, tuple(args), pred=_bare(callee), loc=loc)
+    return Op(name, "call", type_, tuple(args), pred=bare(callee), loc=loc)
 
 
-def _read_other(cursor: _Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_other(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     """Arithmetic: `op type a[, b]`. What the kernel may not use is refused later, by opcode, with
     its line.
     """
@@ -492,7 +314,7 @@ _ARITHMETIC = frozenset(
     ]
 )
 _Item = Op | WidePhi | Exit
-_Reader = Callable[[_Cursor, str, str, SourceLoc | None], _Item]
+_Reader = Callable[[Cursor, str, str, SourceLoc | None], _Item]
 _READERS: dict[str, _Reader] = {
     "phi": _read_phi,
     "br": _read_br,
@@ -505,5 +327,5 @@ _READERS: dict[str, _Reader] = {
     "store": _read_store,
     "getelementptr": _read_gep,
     "call": _read_call,
-    **dict.fromkeys(_CASTS, _read_cast),
+    **dict.fromkeys(CASTS, _read_cast),
 }

@@ -138,7 +138,7 @@ def _schedule(
 
 
 def _options(ii: int, seed: int) -> ScheduleOptions:
-    """Which schedule to try next: tight and loose ones in turn, since either may be the one that routes."""
+    """Which schedule to try next: tight and loose in turn, either may be the one that routes."""
     easy_life, stages = _KINDS[seed % len(_KINDS)]
     return ScheduleOptions(easy_life, 2 if stages == 0 else stages * ii, seed // len(_KINDS))
 

@@ -43,6 +43,7 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         *issue_bounds(problem),
         *live_out_bounds(problem),
         *control_bounds(problem),
+        *bank_bounds(problem),
     ]
     found += stage_bounds(problem, mii(found))
     return tuple(sorted(found, key=lambda bound: -bound.ii))
@@ -123,6 +124,16 @@ def control_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         return ()
     reason = f"one control result a cycle: {_names(users)}"
     return (Bound("control port", len(users), reason, tuple(node.id for node in users)),)
+
+
+def bank_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """The scratchpad takes one access a bank and cycle."""
+    users = tuple(node for node in problem.dfg.nodes if node.is_memory)
+    if not users:
+        return ()
+    banks = problem.fabric.scratchpad.banks
+    reason = f"{len(users)} accesses to {banks} banks: {_names(users)}"
+    return (Bound("banks", -(-len(users) // banks), reason, tuple(node.id for node in users)),)
 
 
 def stage_bounds(problem: MapProblem, least: int) -> tuple[Bound, ...]:

@@ -362,6 +362,10 @@ class _Schedule:
         yield "completion", pe, done
         if node.control is not None:
             yield "control", 0, done
+        if node.is_memory:
+            banks = range(self.fabric.scratchpad.banks)
+            free = (bank for bank in banks if ("bank", bank, time) not in self.busy)
+            yield "bank", next(free, 0), time
 
     def _try(self, node: Node, pe: int, time: int) -> int | None:
         """Place `node`, route its operands, park its result; the routes' cost, or None."""

@@ -130,6 +130,11 @@ def _shared_bounds(problem: MapProblem, heights: Heights, heads: dict[int, int])
             length = _shared_length(users, len(pes), heads, heights.of)
             reason = f"{len(users)} {what} share {len(pes)} PEs"
             yield Bound("shared PEs", length, reason, tuple(sorted(users)))
+    accesses = [node.id for node in problem.dfg.placed if node.is_memory]
+    if accesses:
+        banks = problem.fabric.scratchpad.banks
+        length = _shared_length(accesses, banks, heads, heights.of)
+        yield Bound("banks", length, f"{banks} accesses a cycle", tuple(accesses))
     controls = [node.id for node in problem.dfg.placed if node.control is not None]
     if controls:
         length = _shared_length(controls, 1, _results(problem, controls, heads), _ends(problem))

@@ -117,6 +117,7 @@ def violations(
     case = _Case(dfg, fabric, mapping, places, latency)
     found += _issue_and_completion(case)
     found += _controller(case)
+    found += _banks(case)
     found += _dependences(case)
     found += _live_outs(case, straight=straight)
     found += _constants(case, resident or {})
@@ -207,6 +208,18 @@ def _controller(case: _Case) -> Iterator[Violation]:
         if len(nodes) > 1:
             text = f"control results of nodes {_list(nodes)} reach the controller in slot {slot}"
             yield Violation("control", text, tuple(nodes))
+
+
+def _banks(case: _Case) -> Iterator[Violation]:
+    banks = case.fabric.scratchpad.banks
+    accesses: dict[int, list[int]] = defaultdict(list)
+    for node, place in case.placed():
+        if node.op in (Opcode.LOAD, Opcode.STORE):
+            accesses[case.slot(place.time)].append(node.id)
+    for slot, nodes in accesses.items():
+        if len(nodes) > banks:
+            text = f"{len(nodes)} operations access {banks} banks in slot {slot}: {_list(nodes)}"
+            yield Violation("banks", text, tuple(nodes))
 
 
 def _separation(case: _Case, edge: Edge) -> int:

@@ -9,7 +9,7 @@ from fabrics import grid
 from graphs import GraphBuilder
 from random_graphs import random_loop
 
-from vividc.arch.fabric import Fabric
+from vividc.arch.fabric import Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.mapper.cpsat import (
@@ -93,6 +93,17 @@ def test_control_results_take_turns(ii: int, verdict: str) -> None:
     assert _verdict(problem, "one_control_result_per_slot") == "found"
 
 
+@pytest.mark.parametrize(("ii", "verdict"), [(1, "refuted"), (2, "found")])
+def test_accesses_of_a_slot_fit_the_banks(ii: int, verdict: str) -> None:
+    fabric = replace(grid(2, 2), scratchpad=Scratchpad(1024, banks=2))
+    g = GraphBuilder("loads")
+    for _ in range(3):
+        g.op(Opcode.LOAD, name="a")
+    problem = windowed(MapProblem(g.build(), fabric), ii, 2)
+    assert _verdict(problem) == verdict
+    assert _verdict(problem, "accesses_fit_banks") == "found"
+
+
 @pytest.mark.parametrize(("cols", "verdict"), [(1, "refuted"), (2, "found")])
 def test_a_live_out_leaves_the_old_word_to_its_readers(cols: int, verdict: str) -> None:
     g = GraphBuilder("variable")
@@ -118,6 +129,7 @@ def test_every_family_is_tested_here() -> None:
     by_hand = {
         "words_fit_registers",
         "one_control_result_per_slot",
+        "accesses_fit_banks",
         "live_outs_spare_words_still_read",
         "routed_edges_are_ordered",
     }

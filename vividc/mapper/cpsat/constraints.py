@@ -193,6 +193,17 @@ def one_control_result_per_slot(model: CpModel, problem: Prepared, v: Variables)
     _at_most(model, _grouped(users), 1)
 
 
+def accesses_fit_banks(model: CpModel, problem: Prepared, v: Variables) -> None:
+    """sum over loads and stores v, PEs p and t = slot of x[v,p,t] <= banks."""
+    memory = {node.id for node in problem.nodes if node.is_memory}
+    users = (
+        (time % problem.ii, literal)
+        for (node, _, time), literal in v.start.items()
+        if node in memory
+    )
+    _at_most(model, _grouped(users), problem.fabric.scratchpad.banks)
+
+
 def edges_without_a_word_are_ordered(model: CpModel, problem: Prepared, v: Variables) -> None:
     """start[dst] + II * distance >= start[src] + separation for ORDER and CONTROL edges."""
     _precedences(model, problem, v, routed=False)
@@ -223,6 +234,7 @@ CONSTRAINT_FAMILIES: Final[tuple[Family, ...]] = (
     one_live_out_per_pe_and_slot,
     live_outs_spare_words_still_read,
     one_control_result_per_slot,
+    accesses_fit_banks,
     edges_without_a_word_are_ordered,
     routed_edges_are_ordered,
 )

@@ -134,6 +134,7 @@ def _times_in_windows(model: CpModel, problem: Prepared) -> _Times:
 def _constrain(model: CpModel, task: MapProblem, ii: int, times: _Times) -> None:
     _slots_fit_pes(model, task, times, ii)
     _control_results_differ(model, task, times, ii)
+    _accesses_fit_banks(model, task, times, ii)
     for edge in dependences(task.dfg, task.fabric):
         model.add(times.start[edge.dst] >= times.start[edge.src] + edge.weight(ii))
     _first_reads_fit_neighbours(model, task, times.start, ii)
@@ -174,6 +175,15 @@ def _control_results_differ(model: CpModel, task: MapProblem, times: _Times, ii:
         return
     for slot in range(ii):
         model.add_at_most_one(_completing(task, users, times, slot, ii))
+
+
+def _accesses_fit_banks(model: CpModel, task: MapProblem, times: _Times, ii: int) -> None:
+    users = [node.id for node in task.dfg.nodes if node.is_memory]
+    banks = task.fabric.scratchpad.banks
+    if len(users) <= banks:
+        return
+    for slot in range(ii):
+        model.add(LinearExpr.sum([x for n in users for x in times.in_slot[n][slot]]) <= banks)
 
 
 def _first_reads_fit_neighbours(

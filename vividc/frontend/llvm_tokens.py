@@ -1,0 +1,184 @@
+"""Tokens, types and operands of LLVM's text."""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass, field
+
+from vividc.errors import InternalError
+from vividc.frontend.ssa import Float, Global, Int, Local, Operand
+
+_TOKEN = re.compile(
+    r'(?P<quoted>[%@]"(?:[^"\\]|\\.)*")|(?P<name>[%@][-\w.$]+)|(?P<meta>![\w.]*)|(?P<string>c?"[^"]*")'
+    r"|(?P<number>-?\d+\.\d+e[-+]\d+|(?:f0x|0x[KLMHR]?)[0-9A-Fa-f]+|-?\d+)|(?P<word>[A-Za-z_][\w.]*)"
+    r"|(?P<mark>\.\.\.|[][(){}<>,=*#:|])"
+)
+_FLAGS = frozenset(
+    [
+        "nuw",
+        "nsw",
+        "exact",
+        "disjoint",
+        "nneg",
+        "samesign",
+        "inbounds",
+        "nusw",
+        "volatile",
+        "fast",
+        "nnan",
+        "ninf",
+        "nsz",
+        "arcp",
+        "contract",
+        "afn",
+        "reassoc",
+        "tail",
+        "musttail",
+        "notail",
+        "inreg",
+        "noundef",
+        "nonnull",
+        "dso_local",
+        "zeroext",
+        "signext",
+    ]
+)
+_FLOAT_DIGITS = 8
+_SMALL = {"i8": 0xFF, "i16": 0xFFFF}
+CASTS = frozenset(
+    [
+        "trunc",
+        "zext",
+        "sext",
+        "fptrunc",
+        "fpext",
+        "fptoui",
+        "fptosi",
+        "uitofp",
+        "sitofp",
+        "ptrtoint",
+        "inttoptr",
+        "bitcast",
+        "addrspacecast",
+    ]
+)
+
+
+@dataclass
+class Cursor:
+    """Tokens of one line, read from left to right."""
+
+    text: str
+    tokens: list[str] = field(init=False)
+    position: int = 0
+
+    def __post_init__(self) -> None:
+        self.tokens = [match.group() for match in _TOKEN.finditer(self.text)]
+
+    @property
+    def peek(self) -> str:
+        return self.tokens[self.position] if self.position < len(self.tokens) else ""
+
+    def take(self) -> str:
+        token = self.peek
+        if not token:
+            raise InternalError(f"cannot read LLVM's text: {self.text.strip()}")
+        self.position += 1
+        return token
+
+    def accept(self, token: str) -> bool:
+        if self.peek != token:
+            return False
+        self.position += 1
+        return True
+
+    def expect(self, token: str) -> None:
+        if not self.accept(token):
+            raise InternalError(f"cannot read LLVM's text: {self.text.strip()}")
+
+    def skip_flags(self) -> None:
+        while self.peek in _FLAGS:
+            self.position += 1
+            self.skip_parentheses()
+
+    def skip_parentheses(self) -> None:
+        if self.accept("("):
+            while not self.accept(")"):
+                self.skip_parentheses() if self.peek == "(" else self.take()
+
+    def type(self) -> str:
+        """A type; aggregates are kept as text without blanks."""
+        token = self.take()
+        if token in ("[", "{", "<"):
+            closing = {"[": "]", "{": "}", "<": ">"}[token]
+            parts = [token]
+            while self.peek != closing:
+                parts.append(self.type() if self.peek in ("[", "{", "<") else self.take())
+            return "".join([*parts, self.take()])
+        return token
+
+    def operand(self, type_: str) -> Operand:
+        """A value of the given type; a constant expression is kept as its operation's name."""
+        token = self.take()
+        if token[:1] in ("%", "@"):
+            return Local(bare(token)) if token[0] == "%" else Global(bare(token))
+        return self._constant(token, type_)
+
+    def _constant(self, token: str, type_: str) -> Operand:
+        if token in ("true", "false"):
+            return Int(int(token == "true"))
+        if type_ in ("float", "double"):
+            return Float(_float(token))
+        # Any value will do for one that is undefined.
+        if token in ("poison", "undef", "null", "zeroinitializer", "none"):
+            return Int(0)
+        if re.fullmatch(r"-?\d+", token):
+            # Types of less than a word are kept without sign.
+            return Int(int(token) & _SMALL[type_] if type_ in _SMALL else int(token))
+        self._skip_constant_expression()
+        return Global(token)
+
+    def _skip_constant_expression(self) -> None:
+        while self.peek and self.peek != "(":
+            self.take()
+        self.skip_parentheses()
+
+    def typed_operand(self) -> tuple[str, Operand]:
+        type_ = self.type()
+        self.skip_attributes()
+        return type_, self.operand(type_)
+
+    def skip_attributes(self) -> None:
+        """Parameter attributes: words, possibly with arguments, before the value."""
+        while self.peek[:1].isalpha() and not _is_value(self.peek):
+            self.take()
+            self.skip_parentheses()
+            if self.peek.lstrip("-").isdigit() and self.tokens[self.position - 1] == "align":
+                self.take()
+
+
+def _is_value(token: str) -> bool:
+    constants = ("poison", "undef", "null", "true", "false", "zeroinitializer", "getelementptr")
+    return token in constants or token in CASTS or token.startswith(("0x", "f0x"))
+
+
+def bare(token: str) -> str:
+    """Name of a local or global without sigil, quotes and escapes."""
+    name = token[1:]
+    if not name.startswith('"'):
+        return name
+    raw = re.sub(
+        rb"\\([0-9A-Fa-f]{2})", lambda m: bytes.fromhex(m[1].decode()), name[1:-1].encode()
+    )
+    return raw.decode()
+
+
+def _float(token: str) -> float:
+    if token.startswith("f0x"):
+        digits = token[3:]
+        layout = (">f", 4) if len(digits) <= _FLOAT_DIGITS else (">d", 8)
+        return float(struct.unpack(layout[0], int(digits, 16).to_bytes(layout[1], "big"))[0])
+    if token.startswith("0x"):
+        return float(struct.unpack(">d", int(token[2:], 16).to_bytes(8, "big"))[0])
+    return 0.0 if token in ("poison", "undef", "zeroinitializer") else float(token)
