@@ -5,7 +5,18 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, settings
 
-from tests.dfg.programs import WORDS, lower, programs, run
+from tests.dfg.programs import (
+    WORDS,
+    Assign,
+    If,
+    Jump,
+    Load,
+    Store,
+    While,
+    lower,
+    programs,
+    run,
+)
 from vividc.dfg.build import build_kernel
 from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret
@@ -29,6 +40,19 @@ def meaning(program: tuple[object, ...]) -> list[int]:
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(programs())
 def test_regions_mean_what_the_program_means(program: tuple[object, ...]) -> None:
+    kernel = build_kernel(lower(program))
+    for region in kernel.regions:
+        assert check(region.dfg) == []
+    assert memory_after(kernel) == meaning(program)
+
+
+def test_a_store_and_a_later_break_on_another_path_do_not_wait_for_each_other() -> None:
+    """The store waits for the exit; the load that decides it must not wait for the store."""
+    body = (
+        Jump("break", 0, 1),
+        If(1, 2, (Store(0, 1),), (Load(2, 0), Jump("break", 2, 1))),
+    )
+    program = (While(1, 0, 4, (Assign(0, "sub", 0, 1, 1), *body)),)
     kernel = build_kernel(lower(program))
     for region in kernel.regions:
         assert check(region.dfg) == []

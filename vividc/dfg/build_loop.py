@@ -130,7 +130,9 @@ class _LoopEmitter:
                 self.values[Ref(instr.id)] = self._emit(name, instr)
             if block.branch.cond is not None:
                 self.condition[name] = self.value(block.branch.cond)
-        order_accesses(self.builder, self.accesses, in_loop=True)
+        order_accesses(
+            self.builder, self.accesses, in_loop=True, exclusive=self.body.are_exclusive
+        )
 
     def emit_exit(self) -> Operand | None:
         """The node that ends the loop, marked for the controller; None for a loop that is only
@@ -221,7 +223,7 @@ class _LoopEmitter:
             pred,
             self.value(address.base),
         )
-        self._record(instr, address, node, is_store=is_store)
+        self._record(block, instr, address, node)
         if is_store:
             self.effects.append((node, unless_exit))
         return node
@@ -237,17 +239,18 @@ class _LoopEmitter:
             return self.value(instr.operands[1])
         return self.builder.iv() if address.uses_iv else self.builder.const(0)
 
-    def _record(self, instr: Instr, address: Address, node: Operand, *, is_store: bool) -> None:
+    def _record(self, block: str, instr: Instr, address: Address, node: Operand) -> None:
         folded = instr.id in self.parts.addresses
         self.accesses.append(
             Access(
                 node,
                 instr.array,
-                is_store,
+                instr.op is Opcode.STORE,
                 address.base,
                 None if folded else instr.operands[1],
                 address.offset,
                 address.stride_bytes if folded else None,
+                block,
             )
         )
 

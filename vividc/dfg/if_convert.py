@@ -74,6 +74,10 @@ class Body:
             walk = self._post_dominators[walk]
         return walk == name
 
+    def are_exclusive(self, one: str, other: str) -> bool:
+        """Whether no iteration runs both blocks."""
+        return not self.reaches(one, other) and not self.reaches(other, one)
+
     def reaches(self, source: str, target: str) -> bool:
         """Whether control may go from `source` to `target` within an iteration."""
         return source == target or nx.has_path(self.dag, source, target)

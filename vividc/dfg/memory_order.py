@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
@@ -24,9 +24,20 @@ class Access:
     index: object
     offset: int
     stride_bytes: int | None
+    block: str = ""
 
 
-def order_accesses(builder: GraphBuilder, accesses: list[Access], *, in_loop: bool) -> None:
+Exclusive = Callable[[str, str], bool]
+"""Whether no iteration runs both blocks."""
+
+
+def order_accesses(
+    builder: GraphBuilder,
+    accesses: list[Access],
+    *,
+    in_loop: bool,
+    exclusive: Exclusive = lambda first, second: False,
+) -> None:
     """Adds ORDER edges between accesses (in program order) that may touch the same word, at least
     one a store.
 
@@ -37,13 +48,15 @@ def order_accesses(builder: GraphBuilder, accesses: list[Access], *, in_loop: bo
         for second in accesses[position:]:
             if first.array != second.array or not (first.is_store or second.is_store):
                 continue
-            for before, after, distance in _dependences(first, second, in_loop):
+            apart = first is not second and exclusive(first.block, second.block)
+            for before, after, distance in _dependences(first, second, in_loop, apart):
                 builder.order(before.node, after.node, distance)
 
 
 def _dependences(
-    first: Access, second: Access, in_loop: bool
+    first: Access, second: Access, in_loop: bool, apart: bool
 ) -> Iterator[tuple[Access, Access, int]]:
+    """(before, after, distance); accesses `apart` never meet in one iteration."""
     same = first is second
     affine = (
         first.stride_bytes is not None
@@ -53,14 +66,14 @@ def _dependences(
     )
     gap = second.offset - first.offset
     if affine and first.stride_bytes:
-        if gap % first.stride_bytes == 0 and not same:
-            ahead = gap // first.stride_bytes
+        ahead, remainder = divmod(gap, first.stride_bytes)
+        if remainder == 0 and not same and not (ahead == 0 and apart):
             # `second` touches now what `first` touches `ahead` iterations later.
             yield (first, second, -ahead) if ahead <= 0 else (second, first, ahead)
         return
     if affine and gap != 0:
         return
     if not same:
-        yield first, second, 0
+        yield first, second, int(apart)
     if in_loop:
         yield second, first, 1
