@@ -130,9 +130,7 @@ class _LoopEmitter:
                 self.values[Ref(instr.id)] = self._emit(name, instr)
             if block.branch.cond is not None:
                 self.condition[name] = self.value(block.branch.cond)
-        order_accesses(
-            self.builder, self.accesses, in_loop=True, exclusive=self.body.are_exclusive
-        )
+        order_accesses(self.builder, self.accesses, in_loop=True, exclusive=self.body.are_exclusive)
 
     def emit_exit(self) -> Operand | None:
         """The node that ends the loop, marked for the controller; None for a loop that is only

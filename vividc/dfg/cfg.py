@@ -14,6 +14,9 @@ from enum import Enum
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import SourceLoc
 
+MAX_DIMENSION = 1 << 14
+"""No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+
 
 class DType(Enum):
     """Element type of an array or type of a scalar parameter; the value is numpy's name."""

@@ -33,16 +33,18 @@ def count_loop(function: Function, loop: Loop, preheader: str) -> tuple[Function
         return function, None
     if not _header_values_stay_inside(function, header, target):
         return function, None
-    remaining = _remaining(function, loop, header)
-    if remaining is None or remaining.stride >= 0:
+    limits = _limits(function, loop, header)
+    if limits is None:
         return function, None
-    step = -remaining.stride
-    if step & (step - 1):
+    low, high = limits
+    step = low.stride - high.stride
+    if step <= 0 or step & (step - 1):
         return function, None
     emitter = _Emitter(next_id(function), header)
-    total = emitter.sum(Affine(0, remaining.constant + step - 1, remaining.terms))
+    total = emitter.difference(replace(low, stride=0), replace(high, stride=0), clamp=step > 1)
     if step > 1:
-        total = emitter.emit(Opcode.ASHR, total, Const(step.bit_length() - 1))
+        total = emitter.emit(Opcode.ADD, total, Const(step - 1))
+        total = emitter.emit(Opcode.LSHR, total, Const(step.bit_length() - 1))
     block = block_of(function, preheader)
     block = replace(block, instrs=(*block.instrs, *emitter.instrs))
     return with_blocks(function, (block,)), Trip(total)
@@ -62,33 +64,22 @@ def _header_values_stay_inside(function: Function, header: Block, target: str) -
     return not any(isinstance(value, Ref) and value.id in own for value in closing)
 
 
-def _remaining(function: Function, loop: Loop, header: Block) -> Affine | None:
-    """What must stay positive for the loop to go on, as a function of the iteration index."""
+def _limits(function: Function, loop: Loop, header: Block) -> tuple[Affine, Affine] | None:
+    """(low, high): the loop goes on while low < high, signed, each a function of the iteration."""
     branch = header.branch
     test = next((i for i in header.instrs if Ref(i.id) == branch.cond), None)
     if test is None:
         return None
     stays = branch.target in loop.blocks
-    left, right = test.operands[0], test.operands[-1]
     analysis = AffineAnalysis(function, loop)
-    low, high = analysis.of(left), analysis.of(right)
-    if low is None or high is None:
+    left, right = analysis.of(test.operands[0]), analysis.of(test.operands[-1])
+    if left is None or right is None:
         return None
     if test.op is Opcode.ICMP_SLT and stays:
-        difference = high.plus(low, -1)
-    elif test.op is Opcode.ICMP_SLE and not stays:
-        low, high = high, low  # leaves if left <= right: stays while right < left
-        difference = high.plus(low, -1)
-    else:
-        return None
-    return difference if _cannot_overflow(low, high) else None
-
-
-def _cannot_overflow(low: Affine, high: Affine) -> bool:
-    """high - low at the start fits a signed word: one is a constant that is not negative."""
-    return (not low.terms and low.constant >= 0) or (
-        not low.terms and not high.terms and high.constant - low.constant < 1 << 31
-    )
+        return left, right
+    if test.op is Opcode.ICMP_SLE and not stays:
+        return right, left  # leaves if left <= right: stays while right < left
+    return None
 
 
 class _Emitter:
@@ -99,10 +90,32 @@ class _Emitter:
 
     def emit(self, op: Opcode, left: Value, right: Value) -> Value:
         """One more integer instruction."""
-        instr = Instr(self._next, op, Type.I32, (left, right), loc=self._loc)
+        result = Type.PRED if op is Opcode.ICMP_SLT else Type.I32
+        instr = Instr(self._next, op, result, (left, right), loc=self._loc)
         self._next += 1
         self.instrs.append(instr)
         return Ref(instr.id)
+
+    def difference(self, low: Affine, high: Affine, *, clamp: bool) -> Value:
+        """high - low as a trip count: at most 2**31 - 1, and not above 0 if high <= low.
+
+        A plain difference of two words may overflow; one from zero, or of constants, does not.
+        With `clamp` the count is not negative.
+        """
+        if not low.terms and not high.terms:
+            return Const(max(high.constant - low.constant, 0) & 0x7FFFFFFF)
+        if low == Affine(0, 0) and not clamp:
+            return self.sum(high)
+        least = self.sum(low)
+        most = self.emit(Opcode.SMAX, self.sum(high), least)
+        count = self.emit(Opcode.SUB, most, least)
+        if not low.terms and low.constant >= 0:
+            return count
+        overflows = self.emit(Opcode.ICMP_SLT, count, Const(0))
+        operands = (overflows, Const(0x7FFFFFFF), count)
+        self.instrs.append(Instr(self._next, Opcode.SELECT, Type.I32, operands, loc=self._loc))
+        self._next += 1
+        return Ref(self._next - 1)
 
     def sum(self, total: Affine) -> Value:
         """The value of an invariant affine form."""

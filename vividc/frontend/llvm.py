@@ -13,12 +13,11 @@ import re
 
 from llvmlite import binding
 
-from vividc.dfg.cfg import DType, Param
+from vividc.dfg.cfg import MAX_DIMENSION, DType, Param
 from vividc.errors import SourceLoc
 from vividc.frontend.numba_target import DATA_LAYOUT, NumbaModule
 
 ENTRY = "vividc.entry"
-MAX_DIM = 1 << 13  # words of a scratchpad: no array dimension of a runnable kernel is larger
 
 _ELEMENT = {DType.F32: "float", DType.I32: "i32", DType.U32: "i32"}
 _SCALAR = {
@@ -171,7 +170,7 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
     strides: list[str] = []
     stride = "4"
     for axis in range(param.ndim):
-        inputs.append(f'i32 range(i32 0, {MAX_DIM + 1}) %"{x}.shape{axis}"')
+        inputs.append(f'i32 range(i32 0, {MAX_DIMENSION + 1}) %"{x}.shape{axis}"')
         body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
         shapes.append(f'i64 %".{x}.shape{axis}"')
     for axis in reversed(range(param.ndim)):

@@ -11,12 +11,12 @@ from typing import Any
 
 from numba.core.errors import NumbaError
 
-from vividc.dfg.cfg import DType, Function, Param
+from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
-from vividc.frontend.llvm import ENTRY, MAX_DIM, optimised_ir
+from vividc.frontend.llvm import ENTRY, optimised_ir
 from vividc.frontend.llvm_text import read_function
 from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
@@ -104,7 +104,7 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
-            bounds[f"{param.name}.shape{axis}"] = (0, MAX_DIM)
+            bounds[f"{param.name}.shape{axis}"] = (0, MAX_DIMENSION)
     return bounds
 
 

@@ -1,6 +1,6 @@
 """Configuration words, region table, memory layout: one versioned bundle."""
 
-from vividc.dfg.cfg import DType, Param
+from vividc.dfg.cfg import MAX_DIMENSION, DType, Param
 from vividc.program.decode import decode, unpack
 from vividc.program.disasm import disassemble
 from vividc.program.encode import encode
@@ -22,6 +22,7 @@ from vividc.program.tables import (
 from vividc.program.words import pack
 
 __all__ = [
+    "MAX_DIMENSION",
     "BoundReport",
     "Capture",
     "DType",

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.program import DType, Param, Program, place_arrays
+from vividc.program import MAX_DIMENSION, DType, Param, Program, place_arrays
 
 Array = NDArray[np.generic]
 
@@ -136,6 +136,12 @@ def _array(program: Program, param: Param, value: object) -> Array:
     if param.name in program.stored_arrays and not value.flags.writeable:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
+        )
+    if max(value.shape) > MAX_DIMENSION:
+        raise ArgumentError(
+            f"a dimension of {value.shape} is larger than {MAX_DIMENSION}",
+            loc=where,
+            hint="run the kernel on pieces of the array",
         )
     return value
 
