@@ -119,7 +119,7 @@ def test_missing_return_value() -> None:
 def test_progress_is_told() -> None:
     told: list[int] = []
     fast = fabric(scratchpad="{size_bytes: 262144, banks: 8}")
-    n = 30_000
+    n = 16_000
     x, y = np.zeros(n, np.float32), np.zeros(n, np.float32)
     result = simulate(saxpy(fast), x, y, n, progress=told.append)
     assert told == sorted(told)

@@ -140,7 +140,9 @@ def _schedule(
 def _options(ii: int, seed: int) -> ScheduleOptions:
     """Which schedule to try next: tight and loose in turn, either may be the one that routes."""
     easy_life, stages = _KINDS[seed % len(_KINDS)]
-    return ScheduleOptions(easy_life, 2 if stages == 0 else stages * ii, seed // len(_KINDS))
+    turn = seed // len(_KINDS)
+    slack = 2 if stages == 0 else stages * ii
+    return ScheduleOptions(easy_life, slack, turn, spread=turn % 2 == 0)
 
 
 def _joint(problem: Prepared, search: Search) -> Attempt:

@@ -7,11 +7,13 @@ from __future__ import annotations
 import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import combinations, product
 
 from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 
 from vividc.dfg.ir import Node
+from vividc.dfg.opcodes import BASE, Opcode
 from vividc.mapper.bounds import hall_sets, usable_pes
 from vividc.mapper.cpsat.objective import carrying_cost
 from vividc.mapper.cpsat.problem import Prepared, is_live_out, last_useful_stage, windowed
@@ -34,12 +36,16 @@ class ScheduleOptions:
         Seeds the weights of the edges; 0 weighs all alike.
     carry
         Minimise the cost of carrying words; else take any schedule.
+    spread
+        Keep accesses that step through one array out of each other's banks, where stalls would
+        follow; a preference, so a schedule that is not found this way may exist.
     """
 
     easy_life: int = 1
     slack: int = 4
     seed: int = 0
     carry: bool = True
+    spread: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +56,7 @@ class _Times:
 
     start: Mapping[int, IntVar]
     in_slot: Mapping[int, Sequence[Sequence[IntVar]]]
+    at: Mapping[int, Mapping[int, IntVar]] = field(default_factory=dict)
 
     def read(self, value: Callable[[LinearExprT], int]) -> dict[int, int]:
         """The schedule of a solution."""
@@ -79,6 +86,8 @@ def schedule(
     model = CpModel()
     times = _times_in_windows(model, problem)
     _constrain(model, task, ii, times)
+    if options.spread:
+        _streams_spare_banks(model, task, ii, times)
     if options.carry:
         _minimise_carrying(model, problem, times, options)
     return run(model, search, times.read)
@@ -119,6 +128,7 @@ def _times_in_windows(model: CpModel, problem: Prepared) -> _Times:
     """One literal per start time: propagates best while windows are short."""
     starts: dict[int, IntVar] = {}
     in_slot: dict[int, list[list[IntVar]]] = {}
+    at: dict[int, dict[int, IntVar]] = {}
     for node, window in problem.windows.items():
         start = model.new_int_var(window.first, window.last, f"start[{node}]")
         literals = [model.new_bool_var(f"start_is[{node},{t}]") for t in window.times]
@@ -126,9 +136,10 @@ def _times_in_windows(model: CpModel, problem: Prepared) -> _Times:
         model.add(start == LinearExpr.weighted_sum(literals, list(window.times)))
         starts[node] = start
         in_slot[node] = [[] for _ in range(problem.ii)]
+        at[node] = dict(zip(window.times, literals, strict=True))
         for time, literal in zip(window.times, literals, strict=True):
             in_slot[node][time % problem.ii].append(literal)
-    return _Times(starts, in_slot)
+    return _Times(starts, in_slot, at)
 
 
 def _constrain(model: CpModel, task: MapProblem, ii: int, times: _Times) -> None:
@@ -184,6 +195,31 @@ def _accesses_fit_banks(model: CpModel, task: MapProblem, times: _Times, ii: int
         return
     for slot in range(ii):
         model.add(LinearExpr.sum([x for n in users for x in times.in_slot[n][slot]]) <= banks)
+
+
+def _streams_spare_banks(model: CpModel, task: MapProblem, ii: int, times: _Times) -> None:
+    """Two accesses that step through one array are never in the same slot and bank.
+
+    In one cycle, an access that starts n * II cycles later than another sees the word n steps
+    behind.
+    """
+    banks = task.fabric.scratchpad.banks
+    streams: dict[tuple[str, int, int], list[Node]] = {}
+    for node in task.dfg.nodes:
+        word, base = task.dfg.operand(node.id, 0), task.dfg.operand(node.id, BASE)
+        if not node.is_memory or word is None or base is None:
+            continue
+        if task.dfg.by_id[word.src].op is Opcode.IV:
+            streams.setdefault((node.name, base.src, node.shift), []).append(node)
+    for (_, _, shift), nodes in streams.items():
+        step = max(1, (1 << shift) // 4)
+        for one, other in combinations(nodes, 2):
+            ahead = (one.offset - other.offset) // 4
+            for (t, first), (u, second) in product(
+                times.at[one.id].items(), times.at[other.id].items()
+            ):
+                if (t - u) % ii == 0 and (ahead - step * (t - u) // ii) % banks == 0:
+                    model.add_at_most_one(first, second)
 
 
 def _first_reads_fit_neighbours(
