@@ -13,7 +13,7 @@ from vividc.sim.engine import Progress
 from vividc.sim.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
 
 _ENDLESS: Final = sys.maxsize
-_PROGRESS_EVERY: Final = 1 << 13 << 14
+_PROGRESS_EVERY: Final = 1 << 13
 _WORD_MASK: Final = 0xFFFFFFFF
 _WORD_BYTES: Final = 4
 _SIGN_BIT: Final = 0x80000000
