@@ -1,7 +1,8 @@
 """The main job on a real scene: blend a crop of `scenes/mic` on one simulated tile, and check every
 step.
 
-Run by `make demo`; `python -m benchmarks.demo --help` lists the options.
+Run by `make demo`, which writes the folder `demo/`; `python -m benchmarks.demo --help` lists the
+options.
 """
 
 from __future__ import annotations
@@ -14,14 +15,19 @@ from pathlib import Path
 import click
 import numpy as np
 from rich.console import Console
+from rich.progress import track
+from rich.table import Table
 
 import vividc
 from vividc.cli.program_report import print_regions
+from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.opcodes import Opcode
+from vividc.dfg.passes import expand_math
+from vividc.driver import lower
 from vividc.render import (
+    Blended,
     BlendLaunch,
     Crop,
-    Gaussians,
-    TileLists,
     assemble,
     blend_image,
     cut_launches,
@@ -48,6 +54,7 @@ class ArrayRun:
 
     outputs: list[np.ndarray]
     cycles: int
+    stalls: int
     seconds: float
     worst_difference: float
     outside_tolerance: int
@@ -69,8 +76,9 @@ def run_on_array(
     program: vividc.Program, kernel: vividc.KernelFunction, launches: tuple[BlendLaunch, ...]
 ) -> ArrayRun:
     """Simulates every launch, runs numba on the same arguments, and compares."""
-    outputs, cycles, seconds, worst, outside = [], 0, 0.0, 0.0, 0
-    for launch in launches:
+    outputs: list[np.ndarray] = []
+    cycles, stalls, seconds, worst, outside = 0, 0, 0.0, 0.0, 0
+    for launch in track(launches, "simulating", console=Console(stderr=True), transient=True):
         arguments, twin = launch.arguments(), launch.arguments()
         start = time.perf_counter()
         result = vividc.simulate(program, *arguments.values())
@@ -80,14 +88,51 @@ def run_on_array(
         worst = max(worst, float(np.abs(array - numba).max()))
         outside += int((~np.isclose(array, numba, rtol=RTOL, atol=ATOL)).sum())
         cycles += result.cycles
+        stalls += result.stats["stalls"]["bank_conflict"]
         outputs.append(array)
-    return ArrayRun(outputs, cycles, seconds, worst, outside)
+    return ArrayRun(outputs, cycles, stalls, seconds, worst, outside)
 
 
-def scene_lists() -> tuple[Gaussians, TileLists]:
-    """The trained Gaussians of `scenes/mic` and the sorted lists of view 0 at 200x200."""
-    gaussians = read_gaussians(SCENE / "mic_3dgs_sh3.ply")
-    return gaussians, tile_lists(gaussians, load_cameras(SCENE / "ref_gs.npz")[0])
+def exp_share(kernel: vividc.KernelFunction) -> tuple[int, int, int, int]:
+    """(operations of one expanded exp, operations of the hot loop, and the same for FLOPs)."""
+    nodes = (
+        Node(0, Opcode.LIVE_IN, name="x"),
+        Node(1, Opcode.EXP),
+        Node(2, Opcode.LIVE_OUT, name="%y"),
+    )
+    exp = expand_math(DFG("exp", nodes, (Edge(0, 1, 0), Edge(1, 2, 0))))
+    loop = next(region for region in lower(kernel).regions if region.kind == "loop")
+    return len(exp.operations), len(loop.dfg.operations), flops(exp), flops(loop.dfg)
+
+
+def flops(dfg: DFG) -> int:
+    """Floating-point additions and multiplications of one iteration; an FMA is two."""
+    weights = {Opcode.FMA: 2, Opcode.FADD: 1, Opcode.FSUB: 1, Opcode.FMUL: 1}
+    return sum(weights.get(node.op, 0) for node in dfg.nodes)
+
+
+def report(kernel: vividc.KernelFunction, run: ArrayRun, blended: Blended, quality: float) -> Table:
+    """What a person wants to know of the run."""
+    evaluated, added = int(blended.evaluated.sum()), int(blended.blended.sum())
+    exp_ops, ops, exp_flops, all_flops = exp_share(kernel)
+    table = Table(show_header=False, title="scenes/mic, blended on one tile", title_justify="left")
+    rows = (
+        ("PSNR against the float32 reference", f"{quality:.1f} dB"),
+        ("cycles", f"{run.cycles:,}"),
+        ("stall cycles (banks)", f"{run.stalls:,}"),
+        ("Gaussians evaluated", f"{evaluated:,}: {run.cycles / evaluated:.2f} cycles each"),
+        ("Gaussians blended", f"{added:,}: {run.cycles / added:.1f} cycles each"),
+        ("exp in the hot loop", f"{exp_ops} of {ops} operations, {exp_flops} of {all_flops} FLOPs"),
+        ("simulated in", f"{run.seconds:.1f} s, {run.cycles / run.seconds:,.0f} cycles/s"),
+        ("largest difference from numba", f"{run.worst_difference:.2g}"),
+        (
+            "numba and the simulator agree",
+            f"{'yes' if run.outside_tolerance == 0 else 'NO'} (rtol {RTOL:g}, atol {ATOL:g})",
+        ),
+    )
+    for row in rows:
+        table.add_row(*row)
+    return table
 
 
 @click.command()
@@ -107,41 +152,21 @@ def main(fabric: str, corner: tuple[int, int, int, int], time_limit: float, outp
     print_regions(program)
     console.print(f"compiled in {time.perf_counter() - start:.1f} s\n")
     crop = Crop(*corner)
-    gaussians, lists = scene_lists()
-    reference = blend_image(lists, crop)
-    launches = cut_launches(lists, crop)
-    console.print(
-        f"simulating {crop.pixels} pixels of scenes/mic ({len(gaussians.means)} Gaussians)"
+    lists = tile_lists(
+        read_gaussians(SCENE / "mic_3dgs_sh3.ply"), load_cameras(SCENE / "ref_gs.npz")[0]
     )
+    blended, launches = blend_image(lists, crop), cut_launches(lists, crop)
+    console.print(f"simulating {crop.pixels} pixels in {len(launches)} launches ...")
     run = run_on_array(program, kernel, launches)
-    picture, expected = assemble(crop, launches, run.outputs), over_background(reference.rgbt)
+    picture, expected = assemble(crop, launches, run.outputs), over_background(blended.rgbt)
     output.mkdir(parents=True, exist_ok=True)
-    program.save(str(output / "gs_blend.vivid"))
+    program.save(output / "gs_blend.vivid")
     write_png(output / "array.png", picture)
     write_png(output / "reference.png", expected)
-    write_png(output / "compare.png", side_by_side(expected, picture, 1e4))
-    evaluated, blended = int(reference.evaluated.sum()), int(reference.blended.sum())
-    console.print(f"PSNR against the float32 reference   {psnr(picture, expected):.1f} dB")
-    console.print(f"cycles                               {run.cycles:,}")
-    console.print(
-        f"cycles per evaluated Gaussian        {run.cycles / evaluated:.2f}"
-        f" ({evaluated:,} evaluated)"
-    )
-    console.print(
-        f"cycles per blended Gaussian          {run.cycles / blended:.2f} ({blended:,} blended)"
-    )
-    console.print(
-        f"simulated in                         {run.seconds:.1f} s"
-        f" ({run.cycles / run.seconds:,.0f} cycles/s)"
-    )
-    console.print(f"largest difference from numba        {run.worst_difference:.2g}")
-    agree = run.outside_tolerance == 0
-    console.print(
-        f"numba and the simulator agree        {'yes' if agree else 'NO'}"
-        f" (rtol {RTOL:g}, atol {ATOL:g})"
-    )
-    console.print(f"pictures in                          {output}/")
-    if not agree:
+    write_png(output / "compare.png", side_by_side(expected, picture, 1e6))
+    console.print(report(kernel, run, blended, psnr(picture, expected)))
+    console.print(f"written: {output}/compare.png, array.png, reference.png, gs_blend.vivid")
+    if run.outside_tolerance:
         raise SystemExit(5)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 
@@ -13,7 +14,8 @@ class SourceLoc:
     line: int
 
     def __str__(self) -> str:
-        return f"{self.file}:{self.line}"
+        here = os.getcwd() + os.sep
+        return f"{self.file.removeprefix(here)}:{self.line}"
 
 
 class VividcError(Exception):
