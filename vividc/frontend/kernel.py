@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import os
 from collections.abc import Callable
 from typing import Any
 
@@ -47,7 +48,7 @@ class KernelFunction:
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
         self.name = name or py_func.__name__
-        self.file = inspect.getsourcefile(py_func) or py_func.__code__.co_filename
+        self.file = os.path.abspath(inspect.getsourcefile(py_func) or py_func.__code__.co_filename)
         self.line = py_func.__code__.co_firstlineno
         self._args, self._return_type = _parse(signature, self.loc)
         self.signature = Signature(self._return_type, self._args, None)

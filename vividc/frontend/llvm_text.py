@@ -7,6 +7,7 @@ asked for it.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Iterator
 
@@ -105,9 +106,8 @@ class _Locations:
         _, file = self._nodes[fields["file"]]
         name = re.sub(r"\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), file.get("filename", ""))
         directory = file.get("directory", "")
-        return (
-            f"{directory}/{name}" if directory and not name.startswith(("/", directory)) else name
-        )
+        inside = not directory or name.startswith(("/", directory))
+        return os.path.abspath(name if inside else f"{directory}/{name}")
 
 
 def _blocks(lines: list[str], locations: _Locations) -> Iterator[WideBlock]:
