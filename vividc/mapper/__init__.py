@@ -10,7 +10,8 @@ from vividc.mapper.mapping_json import mapping_from_json, mapping_to_json
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
 from vividc.mapper.request import Mapper, MapRequest, Progress
-from vividc.mapper.verify import Violation, verify, violations
+from vividc.mapper.verify import verify, violations
+from vividc.mapper.verify_case import Violation
 
 __all__ = [
     "ENTRY_POINT_GROUP",
