@@ -70,10 +70,9 @@ def compile(
     options = CompileOptions(mapper, time_limit_s, strict_fp, contract, progress)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
-        lowered = lower(kernel, strict_fp=strict_fp, contract=contract)
+        mapped, results = _compile_loops(kernel, machine, options)
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
-    mapped, results = map_kernel(lowered, machine, options)
     return encode(
         mapped,
         machine,
@@ -84,22 +83,65 @@ def compile(
     )
 
 
-def lower(kernel: KernelFunction, *, strict_fp: bool = False, contract: bool = True) -> Kernel:
-    """The kernel's regions with optimised graphs, before mapping."""
-    function = kernel.lower(strict_fp=strict_fp)
+def _compile_loops(
+    kernel: KernelFunction, fabric: Fabric, options: CompileOptions
+) -> tuple[Kernel, dict[int, MapResult]]:
+    """Maps the kernel; a loop that cannot be modulo-scheduled (in time) runs block by block."""
+    sequential: frozenset[str] = frozenset()
+    known: dict[DFG, MapResult] = {}
+    while True:
+        lowered = lower(
+            kernel,
+            strict_fp=options.strict_fp,
+            contract=options.contract,
+            sequential=sequential,
+        )
+        try:
+            return map_kernel(lowered, fabric, options, known)
+        except (MappingFailed, TimeLimit) as error:
+            if not error.header:
+                raise
+            sequential |= {error.header}
+            why = "has no modulo schedule" if isinstance(error, MappingFailed) else "took too long"
+            text = f"{error.loc}: the loop {why} and runs block by block"
+            warnings.warn(text, VividcWarning, stacklevel=2)
+
+
+def lower(
+    kernel: KernelFunction,
+    *,
+    strict_fp: bool = False,
+    contract: bool = True,
+    sequential: frozenset[str] = frozenset(),
+) -> Kernel:
+    """The kernel's regions with optimised graphs, before mapping.
+
+    `sequential`: headers of innermost loops that are not to be modulo-scheduled.
+    """
+    function = replace(kernel.lower(strict_fp=strict_fp), sequential=sequential)
     return optimize_kernel(build_kernel(function), PassOptions(contract))
 
 
 def map_kernel(
-    kernel: Kernel, fabric: Fabric, options: CompileOptions
+    kernel: Kernel,
+    fabric: Fabric,
+    options: CompileOptions,
+    known: dict[DFG, MapResult] | None = None,
 ) -> tuple[Kernel, dict[int, MapResult]]:
     """Maps all regions: loops first, then straight regions around them.
+
+    `known` keeps the results of loops from one call to the next.
 
     Returns
     -------
     The kernel whose straight regions hold their deliveries, and the result of each region by index.
+
+    Raises
+    ------
+    MappingFailed, TimeLimit
+        With `header` set if a loop is the reason.
     """
-    results = _map_loops(kernel, fabric, options)
+    results = _map_loops(kernel, fabric, options, {} if known is None else known)
     loops = {index: _mapping(result) for index, result in results.items()}
     homes = variable_homes(kernel, fabric, loops)
     done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
@@ -115,22 +157,28 @@ def map_kernel(
     return replace(kernel, regions=tuple(regions)), results
 
 
-def _map_loops(kernel: Kernel, fabric: Fabric, options: CompileOptions) -> dict[int, MapResult]:
+def _map_loops(
+    kernel: Kernel, fabric: Fabric, options: CompileOptions, known: dict[DFG, MapResult]
+) -> dict[int, MapResult]:
     loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
     deadline = time.monotonic() + options.time_limit_s
     results: dict[int, MapResult] = {}
     done: list[tuple[DFG, Mapping]] = []
     for number, (index, region) in enumerate(loops):
-        share = (deadline - time.monotonic()) / (len(loops) - number)
-        result = map_dfg(
-            region.dfg,
-            fabric,
-            mapper=options.mapper,
-            time_limit_s=max(share, 1.0),
-            resident=residents(fabric, done),
-            progress=_prefixed(options.progress, region),
-        )
+        resident = residents(fabric, done)
+        result = known.get(region.dfg)
+        if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
+            share = (deadline - time.monotonic()) / (len(loops) - number)
+            result = map_dfg(
+                region.dfg,
+                fabric,
+                mapper=options.mapper,
+                time_limit_s=max(share, 1.0),
+                resident=resident,
+                progress=_prefixed(options.progress, region),
+            )
         _demand(result, region)
+        known[region.dfg] = result
         results[index] = result
         done.append((region.dfg, _mapping(result)))
     return results
@@ -160,13 +208,15 @@ def _map_straight(problem: MapProblem, options: CompileOptions) -> MapResult:
 def _demand(result: MapResult, region: Region) -> None:
     if result.mapping is not None:
         return
+    error: MappingFailed | TimeLimit
     if result.status == "infeasible":
-        raise MappingFailed(f"{region.name} cannot be mapped: {result.explain()}", loc=region.loc)
-    raise TimeLimit(
-        f"{region.name} was not mapped in time: {result.explain()}",
-        loc=region.loc,
-        hint="give a longer --time-limit, or a larger fabric",
-    )
+        error = MappingFailed(f"{region.name} cannot be mapped: {result.explain()}", loc=region.loc)
+    else:
+        hint = "give a longer --time-limit, or a larger fabric"
+        text = f"{region.name} was not mapped in time: {result.explain()}"
+        error = TimeLimit(text, loc=region.loc, hint=hint)
+    error.header = region.header
+    raise error
 
 
 def _mapping(result: MapResult) -> Mapping:

@@ -74,15 +74,17 @@ class BundleError(VividcError):
 
 
 class MappingFailed(VividcError):
-    """A region has no mapping: proved infeasible (exit code 3)."""
+    """A region has no mapping: proved infeasible (exit code 3). `header` names a loop's block."""
 
     exit_code = 3
+    header = ""
 
 
 class TimeLimit(VividcError):
-    """A region has no mapping within the time limit (exit code 4)."""
+    """A region has no mapping within the time limit (exit code 4). `header` as above."""
 
     exit_code = 4
+    header = ""
 
 
 class SimulationError(VividcError):

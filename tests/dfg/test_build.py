@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 
@@ -20,6 +22,7 @@ from tests.dfg.programs import (
 from vividc.dfg.build import build_kernel
 from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret
+from vividc.dfg.loops import find_loops
 from vividc.dfg.regions import Kernel
 
 
@@ -43,6 +46,16 @@ def test_regions_mean_what_the_program_means(program: tuple[object, ...]) -> Non
     kernel = build_kernel(lower(program))
     for region in kernel.regions:
         assert check(region.dfg) == []
+    assert memory_after(kernel) == meaning(program)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(programs())
+def test_loops_that_run_block_by_block_mean_the_same(program: tuple[object, ...]) -> None:
+    function = lower(program)
+    headers = frozenset(loop.header for loop in find_loops(function))
+    kernel = build_kernel(replace(function, sequential=headers))
+    assert {region.kind for region in kernel.regions} == {"straight"}
     assert memory_after(kernel) == meaning(program)
 
 

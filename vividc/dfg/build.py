@@ -17,7 +17,7 @@ from vividc.dfg.cfg import Block, Function, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, incoming, uses
 from vividc.dfg.counted import Trip, count_loop
 from vividc.dfg.ir import DFG
-from vividc.dfg.loops import Loop, find_loops, innermost
+from vividc.dfg.loops import Loop, pipelined_loops
 from vividc.dfg.normalize import copy_exit_values, normalize
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import KernelError, SourceLoc
@@ -52,7 +52,7 @@ def build_kernel(function: Function) -> Kernel:
 
 
 def _plan(function: Function) -> _Plan:
-    loops = {loop.header: loop for loop in innermost(find_loops(function))}
+    loops = {loop.header: loop for loop in pipelined_loops(function)}
     trips: dict[str, Trip | None] = {}
     addresses: dict[str, dict[int, Address]] = {}
     for header, loop in loops.items():
@@ -204,6 +204,7 @@ class _Cutter:
             dfg,
             next=self.index[exit_name],
             counted=plan.trips[header] is not None,
+            header=header,
             loc=self.blocks[header].branch.loc,
         )
 
@@ -249,6 +250,7 @@ def _drop_empty(regions: list[Region]) -> list[Region]:
             target(region.next),
             target(region.branch),
             region.counted,
+            region.header,
             region.loc,
         )
         for region in (regions[index] for index in kept)

@@ -123,10 +123,15 @@ class Block:
 
 @dataclass(frozen=True)
 class Function:
-    """A kernel in SSA form; the first block is the entry. Loops are in while or do-while form."""
+    """A kernel in SSA form; the first block is the entry. Loops are in while or do-while form.
+
+    `sequential` names the headers of innermost loops that are not to be modulo-scheduled: they run
+    block by block, like the loops around them.
+    """
 
     name: str
     params: tuple[Param, ...]
     blocks: tuple[Block, ...]
     returns: DType | None = None
     file: str = ""
+    sequential: frozenset[str] = frozenset()

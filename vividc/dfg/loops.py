@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import networkx as nx
@@ -70,13 +69,14 @@ def find_loops(function: Function) -> tuple[Loop, ...]:
     return tuple(sorted(loops, key=lambda loop: (len(loop.blocks), order[loop.header])))
 
 
-def innermost(loops: Iterable[Loop]) -> tuple[Loop, ...]:
-    """The loops that contain no other loop."""
-    every = tuple(loops)
+def pipelined_loops(function: Function) -> tuple[Loop, ...]:
+    """The loops to modulo-schedule: those that contain no other and are not `sequential`."""
+    every = find_loops(function)
     return tuple(
         loop
         for loop in every
-        if not any(other is not loop and other.header in loop.blocks for other in every)
+        if loop.header not in function.sequential
+        and not any(other is not loop and other.header in loop.blocks for other in every)
     )
 
 

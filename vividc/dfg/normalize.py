@@ -24,7 +24,7 @@ from vividc.dfg.cfg_edit import (
     uses,
     with_blocks,
 )
-from vividc.dfg.loops import Loop, block_graph, find_loops, innermost
+from vividc.dfg.loops import Loop, block_graph, find_loops, pipelined_loops
 from vividc.dfg.opcodes import Opcode, Type
 
 
@@ -33,7 +33,7 @@ def normalize(function: Function) -> Function:
     function = remove_unreachable_blocks(function)
     function = _until_stable(function, _add_one_preheader)
     function = _until_stable(function, _merge_latches_of_one_loop)
-    for header in [loop.header for loop in innermost(find_loops(function))]:
+    for header in [loop.header for loop in pipelined_loops(function)]:
         loop = _loop_at(function, header)
         if loop.exits:
             function = _merge_exits(function, loop)
@@ -45,7 +45,7 @@ def merge_chains(function: Function) -> Function:
     """Joins a block with its only successor where that has no other predecessor, outside innermost
     loops.
     """
-    in_loop = {name for loop in innermost(find_loops(function)) for name in loop.blocks}
+    in_loop = {name for loop in pipelined_loops(function) for name in loop.blocks}
     while True:
         pair = _chain(function, in_loop)
         if pair is None:
@@ -102,7 +102,7 @@ def _is_critical(function: Function, source: Block, target: str) -> bool:
     """Edges inside an innermost loop, and out of it, are not: if-conversion resolves them."""
     if len(source.branch.successors) == 1 or len(_predecessors(function, target)) == 1:
         return False
-    if any(source.name in loop.blocks for loop in innermost(find_loops(function))):
+    if any(source.name in loop.blocks for loop in pipelined_loops(function)):
         return False
     return bool(_block(function, target).phis)
 
@@ -133,9 +133,7 @@ def _add_one_preheader(function: Function) -> Function | None:
         is_entry = function.blocks[0].name == loop.header
         if not is_entry and len(outside) == 1:
             branch = _block(function, outside[0]).branch
-            in_other_loop = any(
-                outside[0] in other.blocks for other in innermost(find_loops(function))
-            )
+            in_other_loop = any(outside[0] in other.blocks for other in pipelined_loops(function))
             if len(branch.successors) == 1 and not in_other_loop:
                 continue
         return _join(function, outside, loop.header, "preheader", at_front=is_entry)
@@ -300,7 +298,7 @@ def _trivial_phi(function: Function) -> tuple[int, Value] | None:
 def _defined_in_loop_before(function: Function) -> dict[str, set[int]]:
     """For each exit block of an innermost loop: the ids that the loop defines."""
     inside: dict[str, set[int]] = {}
-    for loop in innermost(find_loops(function)):
+    for loop in pipelined_loops(function):
         ids: set[int] = set()
         for block in function.blocks:
             if block.name in loop.blocks:
@@ -316,7 +314,7 @@ def copy_exit_values(function: Function) -> Function:
     A loop leaves a value on one PE; only a straight region brings it to all PEs that a later loop
     reads it on.
     """
-    loops = [loop for loop in innermost(find_loops(function)) if loop.exits]
+    loops = [loop for loop in pipelined_loops(function) if loop.exits]
     left_behind = {
         phi.id: phi.type for loop in loops for phi in _block(function, loop.exits[0][1]).phis
     }

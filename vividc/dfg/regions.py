@@ -26,6 +26,8 @@ class Region:
         `Control.EXIT`.
     next
         Index of the region that runs next; None: the program ends.
+    header
+        Loop: its header block in the CFG.
     branch
         Straight: index of the region that runs next if the node marked `Control.BRANCH` gives 1.
     """
@@ -36,6 +38,7 @@ class Region:
     next: int | None = None
     branch: int | None = None
     counted: bool = False
+    header: str = ""
     loc: SourceLoc | None = field(default=None, compare=False)
 
 
