@@ -68,7 +68,7 @@ HEAD = """%0 = iv
         ("%6 = iv branch", "has no result to mark branch"),
         ("%6 = fabs %5 trip", "is marked trip, but is a float"),
         ("%6 = mov %4 exit\n%9 = mov %4 trip", "is a loop: it has no branch or trip node"),
-        ("%6 = mov %3 unless_exit", "only a store or live-out is unless_exit"),
+        ("%6 = mov %3 unless_exit", "only memory and live-outs are unless_exit"),
         ('%6 = store "x" %0, %1 base %2 control %4', "a control edge leaves the exit node"),
         ("%6 = mov %4 exit\n%9 = mov %3 control %6", "enters a store or live-out"),
     ],

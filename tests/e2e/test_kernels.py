@@ -74,7 +74,9 @@ def assert_close(ours: tuple[object, ...], numba: tuple[object, ...]) -> None:
 def assert_interpreter_agrees(program: Program, kernel: object, workload: Workload) -> None:
     """Memory and returned word after the interpreter equal the simulator's, bit for bit."""
     bound = bind(program, workload.fresh(), {})
-    run = ReferenceEngine(program).run(Launch(bound.memory.copy(), bound.inputs, 10**8, None))
+    run = ReferenceEngine(program).run(
+        Launch(bound.memory.copy(), bound.inputs, 10**8, bound.extents)
+    )
     memory = bound.memory.copy()
     done = interpret(kernel, memory, bound.inputs)  # type: ignore[arg-type]
     np.testing.assert_array_equal(memory, run.memory)

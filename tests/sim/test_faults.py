@@ -78,7 +78,7 @@ def test_bad_address(offset: int, what: str) -> None:
         return replace(entry, issue=replace(issue, offset=offset))
 
     program = saxpy(fabric())
-    with pytest.raises(SimulationError, match=f"{what} access at byte address") as caught:
+    with pytest.raises(SimulationError, match=f"{what} access at byte {offset} of") as caught:
         simulate(patched(program, 2, 0, shift_address), *arrays(4), 4)
     assert "(load x)" in caught.value.reason
 

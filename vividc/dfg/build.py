@@ -217,9 +217,11 @@ def _first_loc(block: Block) -> SourceLoc | None:
 def _drop_empty(regions: list[Region]) -> list[Region]:
     """Removes straight regions that do nothing but run on to the next one."""
 
-    def follow(index: int | None) -> int | None:
+    def follow(index: int | None, *, is_branch: bool = False) -> int | None:
         seen = set()
         while index is not None and index not in seen and _is_empty(regions[index]):
+            if is_branch and regions[index].next is None:
+                return index  # a branch needs a region to go to, even to end there
             seen.add(index)
             index = regions[index].next
         return index
@@ -233,13 +235,14 @@ def _drop_empty(regions: list[Region]) -> list[Region]:
         index = work.pop(0)
         if index not in kept:
             kept.append(index)
-            targets = (follow(regions[index].next), follow(regions[index].branch))
+            taken = follow(regions[index].branch, is_branch=True)
+            targets = (follow(regions[index].next), taken)
             work += [target for target in targets if target is not None]
     kept = [first, *sorted(index for index in kept if index != first)]
     renamed = {old: new for new, old in enumerate(kept)}
 
-    def target(index: int | None) -> int | None:
-        found = follow(index)
+    def target(index: int | None, *, is_branch: bool = False) -> int | None:
+        found = follow(index, is_branch=is_branch)
         return None if found is None else renamed[found]
 
     return [
@@ -248,7 +251,7 @@ def _drop_empty(regions: list[Region]) -> list[Region]:
             region.kind,
             region.dfg,
             target(region.next),
-            target(region.branch),
+            target(region.branch, is_branch=True),
             region.counted,
             region.header,
             region.loc,

@@ -205,7 +205,7 @@ class _LoopEmitter:
             return self.builder.add(instr.op, operands, instr.loc)
         is_store = instr.op is Opcode.STORE
         address = self._address(instr)
-        pred, unless_exit = self._guard(block) if is_store else (self.predicates.of(block), False)
+        pred, unless_exit = self._guard(block) if is_store else self._load_guard(block)
         index = self._index(instr, address)
         node = self.builder.add_node(
             Node(
@@ -251,6 +251,12 @@ class _LoopEmitter:
                 block,
             )
         )
+
+    def _load_guard(self, block: str) -> tuple[Operand | None, bool]:
+        """Predicate of a load in `block`, and whether an exiting iteration may not come so far."""
+        sources = (source for source, _ in self.parts.exits)
+        after_exit = any(s != block and self.body.reaches(s, block) for s in sources)
+        return self.predicates.of(block), after_exit
 
     def _guard(self, block: str) -> tuple[Operand | None, bool]:
         """Predicate of an effect in `block`, and whether the exiting iteration leaves it out."""

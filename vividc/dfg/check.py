@@ -188,8 +188,8 @@ def _control_marks(dfg: DFG) -> Iterator[str]:
             yield f"node {node.id} ({node.op.value}) has no result to mark {node.control.value}"
         elif node.control is not None and node.info.result is Type.F32:
             yield f"node {node.id} ({node.op.value}) is marked {node.control.value}, but is a float"
-        if node.unless_exit and node.op not in _EFFECTS:
-            yield f"node {node.id} ({node.op.value}): only a store or live-out is unless_exit"
+        if node.unless_exit and node.op not in _EFFECTS and node.op is not Opcode.LOAD:
+            yield f"node {node.id} ({node.op.value}): only memory and live-outs are unless_exit"
     has_exit = any(node.control is Control.EXIT for node in dfg.nodes)
     if has_exit and any(node.control in {Control.BRANCH, Control.TRIP} for node in dfg.nodes):
         yield "a graph with an exit is a loop: it has no branch or trip node"

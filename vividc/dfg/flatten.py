@@ -38,6 +38,8 @@ class Executable:
         Slot of each node that the controller reads.
     operations
         FU operations of one iteration.
+    misses
+        Filled by an iteration: errors of `unless_exit` loads, void if the iteration exits.
     """
 
     size: int
@@ -49,6 +51,7 @@ class Executable:
     live_outs: tuple[tuple[str, int, bool], ...]
     control: Mapping[Control, int]
     operations: int
+    misses: list[SimulationError]
 
 
 def compile_dfg(dfg: DFG) -> Executable:
@@ -73,6 +76,7 @@ class _Flattening:
         self.dfg = dfg
         self.slot = {node.id: index for index, node in enumerate(dfg.nodes)}
         self.size = len(dfg.nodes)
+        self.misses: list[SimulationError] = []
         self.lines: dict[tuple[int, int], list[int]] = {}
         exits = [node.id for node in dfg.nodes if node.control is Control.EXIT]
         self.exit_slot = self.slot[exits[0]] if exits else None
@@ -97,6 +101,7 @@ class _Flattening:
             operations=len(dfg.operations),
             delays=tuple(self.delays()),
             size=self.size,
+            misses=self.misses,
         )
 
     def delays(self) -> list[tuple[int, int, int]]:
@@ -157,6 +162,8 @@ class _Flattening:
             raise DFGError(f"memory node {node.id} has no base address", loc=node.loc)
         address = _Address(base, self.operands(node)[0], node)
         if node.op is Opcode.LOAD:
+            if node.unless_exit and self.exit_slot is not None:
+                return _load_that_may_miss(address, self.slot[node.id], pred, self.misses)
             return _load(address, self.slot[node.id], pred)
         exit_slot = self.exit_slot if node.unless_exit else None
         return _store(address, self.operands(node)[1], pred, exit_slot)
@@ -220,6 +227,21 @@ def _predicated(plain: Step, pred: int, out: int, last: int) -> Step:
             plain(values, words)
         else:
             values[out] = values[last]
+
+    return step
+
+
+def _load_that_may_miss(
+    address: _Address, out: int, pred: int | None, misses: list[SimulationError]
+) -> Step:
+    plain = _load(address, out, pred)
+
+    def step(values: list[int], words: memoryview[int]) -> None:
+        try:
+            plain(values, words)
+        except SimulationError as error:
+            values[out] = 0
+            misses.append(error)
 
     return step
 

@@ -201,6 +201,7 @@ def run_executable(
         for step in executable.steps:
             step(values, words)
         exited = exit_slot is not None and values[exit_slot] != 0
+        _settle_misses(executable.misses, exited=exited)
         for variable, slot, unless_exit in executable.live_outs:
             if not (exited and unless_exit):
                 written[variable] = values[slot]
@@ -210,6 +211,13 @@ def run_executable(
     if trip is None and kind == "loop" and not exited:
         raise _limit_reached(name)
     return _run_of(executable, values, iteration, written)
+
+
+def _settle_misses(misses: list[SimulationError], *, exited: bool) -> None:
+    """Raise what an `unless_exit` load met, unless its iteration exits."""
+    if misses and not exited:
+        raise misses[0]
+    misses.clear()
 
 
 def _result_of(

@@ -51,7 +51,8 @@ class Node:
     control
         The controller's use of the result, if any.
     unless_exit
-        Effects (store, live_out) only: suppressed in the iteration whose exit node is 1.
+        Effects (store, live_out): suppressed in the iteration whose exit node is 1. Loads: the
+        exiting iteration may not come so far, so there the address may lie outside the memory.
     """
 
     id: int

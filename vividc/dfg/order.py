@@ -6,6 +6,7 @@ import heapq
 from collections.abc import Iterator
 
 from vividc.dfg.ir import DFG, Control
+from vividc.dfg.opcodes import Opcode
 from vividc.errors import DFGError
 
 
@@ -63,5 +64,5 @@ def _precedences(dfg: DFG) -> Iterator[tuple[int, int]]:
     exits = [node.id for node in dfg.nodes if node.control is Control.EXIT]
     for exit_id in exits[:1]:
         for node in dfg.nodes:
-            if node.unless_exit and node.id != exit_id:
+            if node.unless_exit and node.op is not Opcode.LOAD:
                 yield exit_id, node.id

@@ -113,7 +113,7 @@ def _typed(
 ) -> NumbaModule:
     try:
         return numba_module(py_func, args, return_type)
-    except (NumbaError, NotImplementedError) as error:
+    except (NumbaError, NotImplementedError, ImportError) as error:
         hint = None
         if "NRT required" in str(error):
             hint = "a kernel cannot make arrays, lists or copies of slices: pass arrays"

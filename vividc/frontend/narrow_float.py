@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -48,10 +49,26 @@ def _arithmetic(opcode: Opcode) -> Rule:
 
     def rule(emitter: Emitter, op: Op) -> None:
         if op.type == "double":
+            _check_literals(op)
             emitter.demote(op)
         plain(emitter, op)
 
     return rule
+
+
+def _check_literals(op: Op) -> None:
+    """A literal that float32 would turn into infinity or zero is refused, not rounded."""
+    for arg in op.args:
+        if not isinstance(arg, Float) or not math.isfinite(arg.value) or arg.value == 0:
+            continue
+        with np.errstate(over="ignore", under="ignore"):
+            rounded = float(np.float32(arg.value))
+        if rounded == 0 or math.isinf(rounded):
+            raise KernelError(
+                f"{arg.value!r} does not fit float32, and the array has no float64",
+                loc=op.loc,
+                hint="scale the values so that all stay between 1.2e-38 and 3.4e38",
+            )
 
 
 def _check_type(op: Op) -> None:
@@ -61,6 +78,7 @@ def _check_type(op: Op) -> None:
 
 def _compare(emitter: Emitter, op: Op) -> None:
     if op.type == "double" and not all(_is_float32(emitter, arg) for arg in op.args):
+        _check_literals(op)
         emitter.demote(op)
     opcode, swap = _COMPARE[op.pred]
     left, right = (emitter.value(arg) for arg in op.args)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.dfg.opcodes import MEMORY, OPCODES
 from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use
 from vividc.program.program import Program
 from vividc.program.tables import RegionRow
@@ -89,7 +89,7 @@ def _issue(issue: Issue, entry: Entry, fabric: Fabric, pe: int) -> str:
         text += f" if {_operand(issue.predicate, entry, fabric, pe)}"
     if issue.use is not Use.NONE:
         text += f" !{issue.use.value}"
-    if issue.op is Opcode.STORE and issue.unless_exit:
+    if issue.unless_exit:
         text += " !unless_exit"
     return f"{text} @s{issue.stage}"
 

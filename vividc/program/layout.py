@@ -9,7 +9,7 @@ field                  meaning
 ``op``                 opcode number; 0: the FU issues nothing
 ``stage``              stage (live bit) of the FU operation
 ``control``            0 none, 1 exit, 2 branch, 3 trip: the controller takes the result
-``unless_exit``        store: suppressed in the iteration that exits
+``unless_exit``        store: suppressed in the iteration that exits; load: may miss there
 ``shift``, ``offset``  byte address = base + (index << shift) + offset; offset is signed
 ``base``               constant-store entry of the base address
 ``a b c p .source``    operand multiplexer: `WordLayout.operand_sources`

@@ -73,7 +73,7 @@ def _place_faults(node: Node, mapping: Mapping, fabric: Fabric) -> Iterator[str]
         yield f"PE {place.pe} cannot execute node {node.id} ({node.op.value})"
     if node.uses_fu and fabric.latency(node) < 1:
         yield f"node {node.id} ({node.op.value}) has latency {fabric.latency(node)}"
-    if node.unless_exit and node.op not in (Opcode.STORE, Opcode.LIVE_OUT):
+    if node.unless_exit and node.op not in (Opcode.LOAD, Opcode.STORE, Opcode.LIVE_OUT):
         yield f"node {node.id} ({node.op.value}) has no effect that an exit could suppress"
 
 

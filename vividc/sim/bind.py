@@ -47,6 +47,14 @@ class Bound:
     arrays: Mapping[str, Array]
     addresses: Mapping[str, int]
 
+    @property
+    def extents(self) -> dict[str, tuple[int, int]]:
+        """First byte and end of each array in the scratchpad."""
+        return {
+            name: (self.addresses[name], self.addresses[name] + 4 * array.size)
+            for name, array in self.arrays.items()
+        }
+
     def copy_back(self, memory: NDArray[np.uint32], stored: frozenset[str]) -> None:
         """Write the arrays named in `stored` from the scratchpad into the caller's arrays."""
         for name, array in self.arrays.items():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -27,11 +27,15 @@ class Launch:
         Word of each launch key (see `program.LaunchRow`).
     cycle_limit
         Cycles after which the run is an error.
+    extents
+        First byte and end of each array, by name; an access to it elsewhere is an error. An array
+        that is not named may be anywhere in the scratchpad.
     """
 
     memory: NDArray[np.uint32]
     inputs: Mapping[str, int]
     cycle_limit: int
+    extents: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     progress: Progress | None = None
 
 

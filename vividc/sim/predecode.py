@@ -6,7 +6,7 @@ Multiplexer settings become indices into it once, here, so that a cycle is a wal
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from operator import itemgetter
 from typing import NamedTuple
@@ -15,6 +15,8 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 from vividc.dfg.semantics import SEMANTICS
 from vividc.program import Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
+
+_MEMORY_NAMES = frozenset(op.value for op in MEMORY)
 
 State = list[int | None]
 Fetch = Callable[[State], tuple[int | None, ...]]
@@ -64,6 +66,8 @@ class Op(NamedTuple):
     fetch, fetch_first
         Operand words, in iteration 0 and else. A load fetches (base, index, predicate), a store
         (base, index, value, predicate).
+    array
+        Name of the array that a memory operation is meant for.
     """
 
     stage: int
@@ -73,6 +77,7 @@ class Op(NamedTuple):
     fetch: Fetch
     fetch_first: Fetch
     issue: Issue
+    array: str
 
 
 class LiveOut(NamedTuple):
@@ -146,10 +151,10 @@ def predecode(program: Program, cells: StateMap) -> tuple[RegionCode, ...]:
 
 def _region(program: Program, index: int, row: RegionRow, cells: StateMap) -> RegionCode:
     contexts = program.entries[row.context : row.context + row.ii]
-    coder = _Coder(program.fabric, cells)
+    coder = _Coder(program.fabric, cells, _array_names(program, index))
     driven = [coder.driven(entries) for entries in contexts]
     slots = tuple(
-        coder.slot(entries, driven[slot - 1] - driven[slot])
+        coder.slot(slot, entries, driven[slot - 1] - driven[slot])
         for slot, entries in enumerate(contexts)
     )
     counts = tuple(
@@ -178,8 +183,17 @@ def _operands(issue: Issue) -> tuple[Operand, ...]:
     return (*used, issue.predicate)
 
 
+def _array_names(program: Program, region: int) -> dict[tuple[int, int], str]:
+    """Array of each memory operation of a region, by slot and PE."""
+    rows = (row for row in program.debug if row.region == region and row.role == "issue")
+    return {(row.slot, row.pe): row.name for row in rows if row.op in _MEMORY_NAMES}
+
+
 class _Coder:
-    def __init__(self, fabric: Fabric, cells: StateMap) -> None:
+    def __init__(
+        self, fabric: Fabric, cells: StateMap, arrays: Mapping[tuple[int, int], str]
+    ) -> None:
+        self._arrays = arrays
         self._fabric = fabric
         self._cells = cells
 
@@ -192,9 +206,11 @@ class _Coder:
             if select.kind is not Sel.NONE
         )
 
-    def slot(self, entries: list[Entry], fades: frozenset[int]) -> Slot:
+    def slot(self, slot: int, entries: list[Entry], fades: frozenset[int]) -> Slot:
         """One context."""
-        ops = [self._op(pe, entry) for pe, entry in enumerate(entries) if entry.issue is not None]
+        ops = [
+            self._op(slot, pe, entry) for pe, entry in enumerate(entries) if entry.issue is not None
+        ]
         links = [move for pe, entry in enumerate(entries) for move in self._links(pe, entry)]
         writes = [move for pe, entry in enumerate(entries) for move in self._writes(pe, entry)]
         return Slot(
@@ -228,7 +244,7 @@ class _Coder:
             first_constant_reads=later.count(Sel.CONST) + base + firsts,
         )
 
-    def _op(self, pe: int, entry: Entry) -> Op:
+    def _op(self, slot: int, pe: int, entry: Entry) -> Op:
         issue = entry.issue
         assert issue is not None
         operands = _operands(issue)
@@ -245,7 +261,8 @@ class _Coder:
         delay = self._fabric.latencies[OPCODES[issue.op].latency_class] - 1
         fetch = _fetch(later)
         fetch_first = fetch if first == later else _fetch(first)
-        return Op(issue.stage, delay, pe, _function(issue), fetch, fetch_first, issue)
+        array = self._arrays.get((slot, pe), "")
+        return Op(issue.stage, delay, pe, _function(issue), fetch, fetch_first, issue, array)
 
     def _cell(self, pe: int, select: Select, entry: Entry) -> int:
         cells = self._cells

@@ -38,6 +38,7 @@ class ReferenceEngine:
             memory=launch.memory.tolist(),
             cycle_limit=launch.cycle_limit,
             progress=launch.progress,
+            extents=launch.extents,
         )
         totals = [_Totals() for _ in self._regions]
         index: int | None = 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -32,6 +33,7 @@ class Tile:
     memory: list[int]
     cycle_limit: int
     progress: Progress | None
+    extents: Mapping[str, tuple[int, int]]
     trip: int = 0
     cycle: int = 0
     entries: int = 0
@@ -71,6 +73,8 @@ class RegionState:
         self._exits: deque[tuple[int, int, bool]] = deque()  # (acts at, iteration, ends the loop)
         self._exited = -1  # the iteration that ended the loop
         self._exited_at = 0
+        self._misses: list[tuple[int, bool, SimulationError]] = []  # of loads that may not count
+        self._anywhere = (0, _WORD_BYTES * len(tile.memory))
         latencies = tile.program.fabric.latencies.values()
         self._ring: list[list[Completion]] = [[] for _ in range(max(latencies))]
         self._outputs: list[Completion] = []  # what is in the output registers in this cycle
@@ -104,6 +108,10 @@ class RegionState:
             if tile.progress is not None and self.cycle - told >= _PROGRESS_EVERY:
                 told = self.cycle
                 tile.progress(tile.cycle + self.cycle + self.stalls)
+        while self._exits:
+            self._resolve()
+        self._resolved = self._limit
+        self._settle_misses()
         tile.cycle += self.cycle + self.stalls
 
     def _set_end(self) -> None:
@@ -138,6 +146,19 @@ class RegionState:
             self._exited = iteration
             self._exited_at = self.cycle
             self._set_end()
+        if self._misses:
+            self._settle_misses()
+
+    def _settle_misses(self) -> None:
+        """Raise the first miss of a load that does count, forget those that do not."""
+        open_ones = []
+        for iteration, unless_exit, error in self._misses:
+            if iteration >= self._limit or (unless_exit and iteration == self._exited):
+                continue
+            if iteration - (not unless_exit) <= self._resolved:
+                raise error
+            open_ones.append((iteration, unless_exit, error))
+        self._misses = open_ones
 
     def _cycle(self, slot: Slot, newest: int) -> None:
         if slot.alu:
@@ -152,7 +173,7 @@ class RegionState:
         state, ring, limit, cycle = self._state, self._ring, self._limit, self.cycle
         size = len(ring)
         for op in ops:
-            stage, delay, pe, function, fetch, fetch_first, _ = op
+            stage, delay, pe, function, fetch, fetch_first, *_ = op
             iteration = newest - stage
             if not 0 <= iteration < limit:
                 continue
@@ -209,7 +230,8 @@ class RegionState:
     def _load(self, ops: tuple[Op, ...], newest: int) -> list[int]:
         """Issue the loads of a slot; the word addresses they read."""
         state, limit, memory = self._state, self._limit, self._tile.memory
-        end = len(memory) * _WORD_BYTES
+        extents, anywhere = self._tile.extents, self._anywhere
+        scratchpad_end = anywhere[1]
         touched = []
         for op in ops:
             iteration = newest - op.stage
@@ -223,11 +245,12 @@ class RegionState:
             word = 0
             if predicate:
                 address = base + (index << issue.shift) + issue.offset & _WORD_MASK  # type: ignore[operator]
-                if address < end and not address % _WORD_BYTES:
+                first, end = extents.get(op.array, anywhere)
+                if not first <= address < end or address % _WORD_BYTES:
+                    self._miss(op, iteration, address)
+                if address < scratchpad_end and not address % _WORD_BYTES:
                     touched.append(address // _WORD_BYTES)
                     word = memory[address // _WORD_BYTES]
-                elif iteration - 1 <= self._resolved:  # not speculative
-                    raise self._bad_address(op, address)
             self._complete(op, word)
             if issue.use is not Use.NONE:
                 self._inform_controller(op, newest, word)
@@ -235,7 +258,7 @@ class RegionState:
 
     def _store(self, ops: tuple[Op, ...], newest: int) -> list[tuple[int, int]]:
         """Issue the stores of a slot; the (word address, word) pairs they write."""
-        end = len(self._tile.memory) * _WORD_BYTES
+        extents, anywhere = self._tile.extents, self._anywhere
         written = []
         for op in ops:
             words = self._operands(op, newest)
@@ -247,18 +270,29 @@ class RegionState:
             if not predicate or (issue.unless_exit and newest - op.stage == self._exited):
                 continue
             address = base + (index << issue.shift) + issue.offset & _WORD_MASK
-            if address >= end or address % _WORD_BYTES:
+            first, end = extents.get(op.array, anywhere)
+            if not first <= address < end or address % _WORD_BYTES:
                 raise self._bad_address(op, address)
             written.append((address // _WORD_BYTES, word))
         return written
 
+    def _miss(self, op: Op, iteration: int, address: int) -> None:
+        """A load outside its array: an error, now or when it turns out to count."""
+        error = self._bad_address(op, address)
+        if not self._region.row.has_exit:
+            raise error
+        self._misses.append((iteration, op.issue.unless_exit, error))
+        self._settle_misses()
+
     def _bad_address(self, op: Op, address: int) -> SimulationError:
         what = "a misaligned" if address % _WORD_BYTES else "an out-of-bounds"
-        size = _WORD_BYTES * len(self._tile.memory)
+        first, end = self._tile.extents.get(op.array, self._anywhere)
+        place = f"the array {op.array}" if op.array in self._tile.extents else "the scratchpad"
+        byte = address - first if address - first < _SIGN_BIT else address - first - (1 << 32)
         return self._fault(
             op.pe,
             "issue",
-            f"{what} access at byte address {address} of a scratchpad of {size}",
+            f"{what} access at byte {byte} of {place}, which has {end - first}",
             hint="an index may leave its array",
         )
 

@@ -71,7 +71,7 @@ def simulate(
             f"unknown engine {engine!r}", hint=f"engines: {', '.join(sorted(ENGINES))}"
         )
     bound = bind(program, args, kwargs)
-    launch = Launch(bound.memory, bound.inputs, cycle_limit, progress)
+    launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress)
     run = ENGINES[engine](program).run(launch)
     bound.copy_back(run.memory, program.stored_arrays)
     value = None

@@ -1,0 +1,82 @@
+"""Kernels that once failed, as users wrote them."""
+
+import numpy as np
+
+import vividc
+
+
+@vividc.kernel("void(int32[::1], int32)")
+def return_early(x, n):
+    if n < 0:
+        return
+    x[0] = n
+
+
+@vividc.kernel("void(int32[::1])")
+def count_up(x):
+    i = 0
+    while i < len(x):
+        x[i] += i
+        i += 3
+
+
+@vividc.kernel("void(int32[::1])")
+def step_down(x):
+    for i in range(len(x) - 1, -1, -3):
+        x[i] = np.int32(x[i] + 7)
+
+
+@vividc.kernel("void(int32[::1])")
+def step_up(x):
+    for i in range(0, len(x), 3):
+        x[i] = np.int32(x[i] + 7)
+
+
+@vividc.kernel("int32(int32[::1])")
+def find_back(x):
+    i = len(x) - 1
+    while i >= 0 and x[i] != 5:
+        i -= 1
+    return i
+
+
+@vividc.kernel("void(int32[::1])")
+def insertion_sort(x):
+    for i in range(1, len(x)):
+        k = x[i]
+        j = i - 1
+        while j >= 0 and x[j] > k:
+            x[j + 1] = x[j]
+            j -= 1
+        x[j + 1] = k
+
+
+@vividc.kernel("void(int32[::1], int32)")
+def fill(a, n):
+    for i in range(n):
+        a[i] = 99
+
+
+@vividc.kernel("int32(int32[::1], int32[::1])")
+def sum_until(a, b):
+    s = np.int32(0)
+    for i in range(len(b)):
+        if a[i] < 0:
+            break
+        s = np.int32(s + b[i])
+    return s
+
+
+@vividc.kernel("float32(float32[::1])")
+def huge_literal(x):
+    return x[0] * 1e39
+
+
+@vividc.kernel("float32(float32)")
+def tiny_literal(a):
+    return a * 1e-60
+
+
+@vividc.kernel("float32(float32[::1], float32[::1])")
+def numpy_dot(a, b):
+    return np.dot(a, b)
