@@ -14,9 +14,9 @@ from vividc.dfg.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
-from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning
+from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction
-from vividc.mapper import MapProblem, MapResult, map_dfg
+from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.straight_bounds import straight_lower_bound
@@ -66,7 +66,10 @@ def compile(
     ------
     KernelError, ArchError, MappingFailed, TimeLimit
     """
+    demand_type(kernel, KernelFunction, "the kernel", "decorate the function with @vividc.kernel")
+    demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    check_time_limit(time_limit_s)
     options = CompileOptions(mapper, time_limit_s, strict_fp, contract, progress)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)

@@ -104,6 +104,18 @@ class InternalError(Exception):
         super().__init__(f"{what}\nThis is a bug of vividc; please report it with the input.")
 
 
+def demand_type(value: object, expected: type | tuple[type, ...], what: str, hint: str) -> None:
+    """Refuse an argument of the wrong type.
+
+    Raises
+    ------
+    ArgumentError
+        `value` is not an instance of `expected`.
+    """
+    if not isinstance(value, expected):
+        raise ArgumentError(f"{what} cannot be {value!r:.60}", hint=hint)
+
+
 def _source_line(loc: SourceLoc) -> str:
     try:
         with open(loc.file, encoding="utf-8") as source:

@@ -8,6 +8,7 @@ from pathlib import Path
 from vividc.arch.build import build
 from vividc.arch.fabric import Fabric
 from vividc.arch.layers import file_tree, is_path, preset_tree, text_tree
+from vividc.errors import demand_type
 
 
 def load(name_or_path: str | os.PathLike[str]) -> Fabric:
@@ -24,6 +25,8 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric:
     ArchError
         Unknown name, unreadable file, or a faulty description: all its faults, with `file:line`.
     """
+    hint = "give a preset's name or the path of a YAML file"
+    demand_type(name_or_path, (str, os.PathLike), "the fabric", hint)
     if isinstance(name_or_path, str) and not is_path(name_or_path):
         return build(preset_tree(name_or_path))
     return build(file_tree(Path(name_or_path)))

@@ -13,7 +13,16 @@ from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
-from vividc.dfg.opcodes import MEMORY, OPCODES, ORDER, SOURCES, LatencyClass, Opcode, OpInfo
+from vividc.dfg.opcodes import (
+    CLASS_OF_NAME,
+    MEMORY,
+    OPCODES,
+    ORDER,
+    SOURCES,
+    LatencyClass,
+    Opcode,
+    OpInfo,
+)
 from vividc.errors import SourceLoc
 
 
@@ -72,7 +81,9 @@ class Node:
 
     @property
     def latency_class(self) -> LatencyClass:
-        """Which of the fabric's latencies applies."""
+        """Which of the fabric's latencies applies; for a foreign operation by its name."""
+        if self.op is Opcode.GENERIC:
+            return CLASS_OF_NAME.get(self.name.lower(), LatencyClass.GENERIC)
         return OPCODES[self.op].latency_class
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -13,7 +14,7 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.json_fields import raise_problems
 from vividc.dfg.json_form import from_json
 from vividc.dfg.text import parse
-from vividc.errors import DFGError
+from vividc.errors import DFGError, demand_type
 
 
 def load(path: str | Path) -> DFG:
@@ -25,6 +26,7 @@ def load(path: str | Path) -> DFG:
         The file is missing or unreadable, its ending unknown, its text malformed (with the line),
         or the graph breaks an invariant of `check` (all of them are listed).
     """
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     file = Path(path)
     reader = _READERS.get(file.suffix.lower())
     if reader is None:

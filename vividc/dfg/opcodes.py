@@ -163,5 +163,16 @@ def _table() -> dict[Opcode, OpInfo]:
 
 
 OPCODES: Final[dict[Opcode, OpInfo]] = _table()
+CLASS_OF_NAME: Final[dict[str, LatencyClass]] = {
+    "imul": LatencyClass.IMUL,
+    "icmp": LatencyClass.COMPARE,
+    "fcmp": LatencyClass.COMPARE,
+}
+CLASS_OF_NAME.update(
+    (info.opcode.value, info.latency_class)
+    for info in OPCODES.values()
+    if info.latency_class not in (LatencyClass.SOURCE, LatencyClass.SINK)
+)
+"""Latency class of an operation of a foreign DFG, by its name in lower case; others: GENERIC."""
 MEMORY: Final = frozenset({Opcode.LOAD, Opcode.STORE})
 SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.IV})

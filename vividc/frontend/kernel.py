@@ -27,6 +27,9 @@ _SUPPORTED = (
 )
 
 
+_SIGNATURE_HINT = 'write for example @vividc.kernel("void(float32[::1], int32)")'
+
+
 class KernelFunction:
     """A kernel. Calling it runs it through numba; `lower` gives it to the compiler.
 
@@ -119,14 +122,20 @@ def kernel(
         the function's parameters.
     """
 
+    if not isinstance(signature, str):
+        raise KernelError(f"the signature {signature!r:.60} is not a string", hint=_SIGNATURE_HINT)
+
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:
+        if not inspect.isfunction(py_func):
+            hint = "decorate a plain Python function; vividc passes it to numba by itself"
+            raise KernelError(f"a kernel cannot be made of {py_func!r:.60}", hint=hint)
         return KernelFunction(py_func, signature, name)
 
     return decorate
 
 
 def _parse(signature: str, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
-    hint = 'write for example "void(float32[::1], int32)"'
+    hint = _SIGNATURE_HINT
     if not isinstance(signature, str):
         raise KernelError(f"the signature {signature!r} is not a string", loc=loc, hint=hint)
     try:

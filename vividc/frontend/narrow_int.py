@@ -14,7 +14,10 @@ from vividc.frontend.ssa import Int, Op, Operand
 Rule = Callable[[Emitter, Op], None]
 
 _WORD = 32
-_HINT = "wrap the operands in np.int32(...), or bound them with a comparison before"
+_HINT = (
+    "wrap the result in np.int32(...), or bound it with a comparison before; "
+    "a range with a step: range(0, min(n, len(x)), 2)"
+)
 _SIGNED: dict[str, tuple[Opcode, bool]] = {
     "eq": (Opcode.ICMP_EQ, False),
     "ne": (Opcode.ICMP_NE, False),

@@ -2,7 +2,7 @@
 of it.
 """
 
-from vividc.mapper.api import map_dfg
+from vividc.mapper.api import check_time_limit, map_dfg
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Status, Step
@@ -29,6 +29,7 @@ __all__ = [
     "Step",
     "Violation",
     "all_bounds",
+    "check_time_limit",
     "find_mapper",
     "map_dfg",
     "mapper_names",

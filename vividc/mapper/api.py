@@ -6,7 +6,7 @@ from collections.abc import Mapping as ReadOnly
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.errors import InternalError, VividcError
+from vividc.errors import InternalError, VividcError, demand_type
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import MapResult
 from vividc.mapper.problem import ConstantKey, MapProblem
@@ -64,6 +64,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     InternalError
         The mapper returned an illegal mapping.
     """
+    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.load")
+    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
     _check(ii, time_limit_s, workers)
     run = find_mapper(mapper)
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
@@ -72,13 +74,21 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     return result
 
 
-def _check(ii: int | None, time_limit_s: float, workers: int) -> None:
-    if ii is not None and ii < 1:
-        raise VividcError(f"the II must be 1 or more, not {ii}", loc="ii")
+def check_time_limit(time_limit_s: float) -> None:
+    """Refuse a time limit that is not a positive number of seconds."""
+    demand_type(time_limit_s, (int, float), "the time limit", "give seconds as a number")
     if not time_limit_s > 0:
         raise VividcError(
             f"the time limit must be positive, not {time_limit_s}", loc="time_limit_s"
         )
+
+
+def _check(ii: int | None, time_limit_s: float, workers: int) -> None:
+    if ii is not None:
+        demand_type(ii, int, "the II", "give a whole number of cycles")
+        if ii < 1:
+            raise VividcError(f"the II must be 1 or more, not {ii}", loc="ii")
+    check_time_limit(time_limit_s)
     if workers < 1:
         raise VividcError(f"at least 1 worker is needed, not {workers}", loc="workers")
 

@@ -35,7 +35,7 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 
     A bound above `controller.contexts` says that no II can work; so does a cycle of distance 0.
     """
-    never = placement_bounds(problem)
+    never = placement_bounds(problem) + lifetime_bounds(problem)
     if never:
         return never
     found = [
@@ -78,6 +78,24 @@ def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         )
         reason = f"{_name(node)} cannot be placed: {fault}"
         found.append(Bound("placement", no_ii(problem), reason, (node.id,)))
+    return tuple(found)
+
+
+def lifetime_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """A word read d iterations later lives (d - max_stages) * II - latency cycles or more, so about
+    d - max_stages of its instances are on their way at once, each in a place of its own.
+    """
+    fabric = problem.fabric
+    places = len(fabric.links) + sum(pe.registers + 1 for pe in fabric.pes)
+    found = []
+    for _, edge in problem.dfg.routed_edges():
+        latency = fabric.latency(problem.dfg.by_id[edge.src])
+        alive = edge.distance - fabric.controller.max_stages - latency
+        if alive > places:
+            node = problem.dfg.by_id[edge.src]
+            reason = f"{_name(node)} is read {edge.distance} iterations later: {alive} of its words"
+            reason += f" do not fit the {places} links, registers and outputs"
+            found.append(Bound("lifetime", no_ii(problem), reason, (edge.src, edge.dst)))
     return tuple(found)
 
 

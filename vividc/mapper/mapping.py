@@ -102,7 +102,11 @@ class MapResult:
 
     def explain(self) -> str:
         """What was proved and what binds, in a few lines for a person."""
-        lines = [f"{self.status}: II {self.ii}, proved lower bound {self.lower_bound}"]
+        found = "proved impossible" if self.status == "infeasible" else "nothing found"
+        what = found if self.ii is None else f"II {self.ii}, proved lower bound {self.lower_bound}"
+        if self.status == "timeout":
+            what += f", proved lower bound {self.lower_bound}"
+        lines = [f"{self.status}: {what}"]
         lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in self.bounds]
         lines += [f"  II {item.ii} refuted by {item.by}" for item in self.refuted]
         return "\n".join(lines)

@@ -112,7 +112,12 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
 def _only(campaign: _Campaign, ii: int) -> bool:
     """Try one II only, with all the time there is; whether it was refuted."""
     request = campaign.request
-    if ii < campaign.lower or ii >= no_ii(campaign.problem):
+    contexts = campaign.problem.fabric.controller.contexts
+    if ii > contexts:
+        campaign.refuted[ii] = f"the configuration memory of {contexts} contexts"
+        return True
+    if ii < campaign.lower:
+        campaign.refuted[ii] = f"the lower bound {campaign.lower}"
         return True
     while not request.deadline.passed:
         before = request.deadline.remaining_s

@@ -13,6 +13,7 @@ from collections.abc import Mapping as ReadOnly
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import Opcode
+from vividc.errors import demand_type
 from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import ConstantKey
 from vividc.mapper.verify_case import Case, Violation, listed
@@ -44,6 +45,9 @@ def violations(
     straight
         The region runs once: II is its length and all must complete within it.
     """
+    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.load")
+    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
+    demand_type(mapping, Mapping, "the mapping", "take `.mapping` of a MapResult")
     if mapping.ii < 1:
         return [Violation("ii", f"the II is {mapping.ii}; it must be 1 or more")]
     found = list(_placement(dfg, fabric, mapping, allowed or {}))

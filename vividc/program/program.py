@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
 from vividc.dfg.cfg import DType, Param
-from vividc.errors import BundleError, VividcError
+from vividc.errors import BundleError, VividcError, demand_type
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
 from vividc.program.entry import Entry
@@ -123,6 +123,7 @@ def load(path: str | os.PathLike[str]) -> Program:
     BundleError
         The file is missing, damaged, of another version, or inconsistent; it names the path.
     """
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     with BundleReader(Path(path)) as reader:
         manifest = reader.manifest()
         program = _assemble(reader, manifest)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, demand_type
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import EngineFactory, Launch, Progress
@@ -66,6 +66,7 @@ def simulate(
     SimulationError
         The program broke a rule of the machine, or ran past `cycle_limit`.
     """
+    demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
     if engine not in ENGINES:
         raise ArgumentError(
             f"unknown engine {engine!r}", hint=f"engines: {', '.join(sorted(ENGINES))}"

@@ -1,0 +1,68 @@
+"""Wrong types at the front doors are errors of the user, with a way out; never an AttributeError."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+import vividc
+from benchmarks.workloads import WORKLOADS
+from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.opcodes import Opcode
+
+MESH = vividc.arch.load("mesh-2x2")
+GRAPH = DFG("one", (Node(0, Opcode.GENERIC, name="op"),), ())
+KERNEL = WORKLOADS[0].kernel()
+
+
+def plain(x: object) -> object:
+    return x
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: vividc.compile(plain),  # type: ignore[arg-type]
+        lambda: vividc.compile(KERNEL, fabric=None),  # type: ignore[arg-type]
+        lambda: vividc.compile(KERNEL, time_limit_s="5"),  # type: ignore[arg-type]
+        lambda: vividc.compile(KERNEL, time_limit_s=-1),
+        lambda: vividc.simulate("a.vivid"),  # type: ignore[arg-type]
+        lambda: vividc.simulate(KERNEL),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, "mesh-2x2"),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg("x.json", MESH),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, ii="2"),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, ii=1.5),  # type: ignore[arg-type]
+        lambda: vividc.mapper.verify(GRAPH, MESH, None),  # type: ignore[arg-type]
+        lambda: vividc.load(None),  # type: ignore[arg-type]
+        lambda: vividc.arch.load(None),  # type: ignore[arg-type]
+        lambda: vividc.dfg.load(None),  # type: ignore[arg-type]
+        lambda: vividc.kernel(plain),  # type: ignore[arg-type]
+        lambda: vividc.kernel("void(int32[::1])")(KERNEL),
+    ],
+)
+def test_a_wrong_type_is_told(call: Callable[[], object]) -> None:
+    with pytest.raises(vividc.VividcError) as caught:
+        call()
+    assert caught.value.hint or caught.value.loc
+
+
+def test_a_distance_that_no_array_can_bridge_is_refuted_at_once() -> None:
+    loop = DFG("far", GRAPH.nodes, (Edge(0, 0, 0, 10**12),))
+    result = vividc.mapper.map_dfg(loop, MESH)
+    assert result.status == "infeasible"
+    assert "iterations later" in result.explain()
+
+
+@pytest.mark.parametrize(("ii", "reason"), [(1000, "contexts"), (1, "lower bound 2")])
+def test_a_requested_ii_out_of_range_says_why(ii: int, reason: str) -> None:
+    nodes = tuple(Node(n, Opcode.GENERIC, name="op") for n in range(5))
+    result = vividc.mapper.map_dfg(DFG("five", nodes, ()), MESH, ii=ii)
+    assert result.status == "infeasible"
+    assert reason in result.explain()
+
+
+def test_a_foreign_operation_has_the_latency_of_its_name() -> None:
+    fabric = vividc.arch.load("vivid-tile")
+    latencies = [fabric.latency(Node(0, Opcode.GENERIC, name=n)) for n in ("FMUL", "add", "cmerge")]
+    assert latencies == [4, 1, 1]
