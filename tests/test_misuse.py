@@ -1,4 +1,4 @@
-"""Wrong types at the front doors are errors of the user, with a way out; never an AttributeError."""
+"""Wrong types at the front doors are the user's errors, with a way out; no AttributeError."""
 
 from __future__ import annotations
 
