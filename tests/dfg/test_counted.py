@@ -25,7 +25,7 @@ from vividc.dfg.opcodes import Opcode, Type
 MASK = 0xFFFFFFFF
 
 
-def loop(start: Value, step: int) -> Function:
+def loop(start: Value, step: int, *, exact: bool = True) -> Function:
     """`for i in range(start, stop, step): count += 1; return count`."""
     header = (
         Phi(0, Type.I32, (("entry", start), ("body", Ref(3)))),
@@ -33,7 +33,7 @@ def loop(start: Value, step: int) -> Function:
     )
     test = Instr(2, Opcode.ICMP_SLT, Type.PRED, (Ref(0), Input("stop")))
     body = (
-        Instr(3, Opcode.ADD, Type.I32, (Ref(0), Const(step))),
+        Instr(3, Opcode.ADD, Type.I32, (Ref(0), Const(step)), exact=exact),
         Instr(4, Opcode.ADD, Type.I32, (Ref(1), Const(1))),
     )
     blocks = (
@@ -58,3 +58,9 @@ def test_the_controller_counts_what_range_gives(start: int | str, stop: int, ste
         done = interpret(kernel, np.zeros(1, np.uint32), inputs)
         begin = runtime if isinstance(start, str) else start
         assert done.value == len(range(begin, stop, step))
+
+
+@pytest.mark.parametrize(("step", "counted"), [(1, True), (2, False)])
+def test_a_counter_that_may_wrap_past_its_limit_is_not_counted(step: int, counted: bool) -> None:
+    kernel = build_kernel(loop(Input("start"), step, exact=False))
+    assert [region.counted for region in kernel.regions if region.kind == "loop"] == [counted]

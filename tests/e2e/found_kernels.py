@@ -80,3 +80,39 @@ def tiny_literal(a):
 @vividc.kernel("float32(float32[::1], float32[::1])")
 def numpy_dot(a, b):
     return np.dot(a, b)
+
+
+@vividc.kernel("int32(int32[::1], int32)")
+def return_from_loop(a, n):
+    for i in range(n):
+        v = a[i]
+        if v > 10:
+            return np.int32(v * 3)
+    return np.int32(-1)
+
+
+@vividc.kernel("void(int32[::1], float32[::1])")
+def signed_zeros(a, o):
+    for i in range(len(a)):
+        o[i] = np.float32(-0.0) if a[i] < 3 else np.float32(0.0)
+
+
+@vividc.kernel("int32(int32[::1], int32, int32)")
+def wrapping_counter(o, k, n):
+    i = k
+    f = np.int32(0)
+    while True:
+        if i >= n:
+            break
+        if i < 0:
+            f = np.int32(7)
+            break
+        o[i & 15] += 1
+        i = np.int32(i + 2)
+    return f
+
+
+@vividc.kernel("void(float32[::1], int32[::1])")
+def low_byte(x, o):
+    for i in range(len(x)):
+        o[i] = int(x[i]) & 255

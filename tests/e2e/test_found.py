@@ -68,3 +68,31 @@ def test_a_literal_outside_float32_is_refused(kernel: vividc.KernelFunction) -> 
 def test_a_numpy_function_that_numba_cannot_link_is_refused_with_its_line() -> None:
     with pytest.raises(vividc.VividcError, match=r"found_kernels.py:\d+"):
         vividc.compile(k.numpy_dot)
+
+
+@pytest.mark.parametrize("values", [[1, 2, 20, 3], [1, 2, 3], []])
+def test_a_value_of_the_body_returned_from_a_counted_loop(values: list[int]) -> None:
+    array = np.array(values, np.int32)
+    assert_agrees(k.return_from_loop, "mesh-2x2", array, np.int32(len(values)))
+
+
+def test_a_select_between_signed_zeros_is_kept() -> None:
+    """Bit for bit: 0.0 == -0.0 hides the difference."""
+    a = np.arange(6, dtype=np.int32)
+    mine, theirs = np.ones(6, np.float32), np.ones(6, np.float32)
+    vividc.simulate(vividc.compile(k.signed_zeros), a, mine)
+    k.signed_zeros(a, theirs)
+    np.testing.assert_array_equal(mine.view(np.uint32), theirs.view(np.uint32))
+
+
+@pytest.mark.parametrize("start", [2**31 - 4, 2**31 - 5, 0])
+def test_a_counter_that_wraps(start: int) -> None:
+    n = 2**31 - 1 if start else 20
+    assert_agrees(k.wrapping_counter, "vivid-tile", words(16), np.int32(start), np.int32(n))
+
+
+def test_a_float_to_a_wide_integer_is_warned_of_and_refused_when_strict() -> None:
+    with pytest.warns(vividc.VividcWarning, match="saturates at 32 bits"):
+        vividc.compile(k.low_byte)
+    with pytest.raises(vividc.VividcError, match="64-bit integer"):
+        vividc.compile(k.low_byte, strict_fp=True)

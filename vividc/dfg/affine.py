@@ -98,6 +98,25 @@ class AffineAnalysis:
         """The value of a header phi in the first iteration."""
         return next(v for name, v in phi.incoming if name not in self.loop.blocks)
 
+    def never_wraps(self, value: Value, *, by_one: bool) -> bool:
+        """Whether `value` stays a signed word for as long as a comparison with a fixed limit holds.
+
+        A counter that the limit is compared with and that moves by one meets the limit before it
+        can wrap; others need every addition on the way to be `exact`.
+        """
+        if self.is_invariant(value):
+            return True
+        assert isinstance(value, Ref)
+        phi = self._phis.get(value.id)
+        if phi is not None:
+            carried = incoming(phi, self.loop.latches[0])
+            update = self._instrs.get(carried.id) if isinstance(carried, Ref) else None
+            return by_one or (update is not None and update.exact)
+        instr = self._instrs.get(value.id)
+        if instr is None or not instr.exact:
+            return False
+        return all(self.never_wraps(operand, by_one=False) for operand in instr.operands)
+
     def _compute(self, value: Value) -> Affine | None:
         if isinstance(value, Const):
             return Affine(0, signed(value.word))

@@ -67,7 +67,10 @@ class LoopParts:
             return None
         value = incoming(phi, self.loop.header)
         carried = self._header_phi(value)
-        return value if carried is None else self.affine.initial(carried)
+        if carried is not None:
+            return self.affine.initial(carried)
+        # A value of the body does not exist when the count ends the loop, and nobody asks for it.
+        return value if self.affine.is_invariant(value) else Const(0)
 
     def counted_exit_value(self, phi: Phi) -> Value:
         """What `phi` holds if the loop ended by its count after this iteration."""

@@ -71,7 +71,8 @@ class Instr:
 
     `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
     index, value). The byte address is base + (index << shift) + offset; `array` names the array
-    accessed.
+    accessed. `exact`: an integer addition or subtraction that is proved not to wrap as a signed
+    word.
     """
 
     id: int
@@ -81,6 +82,7 @@ class Instr:
     array: str = ""
     shift: int = 0
     offset: int = 0
+    exact: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)
 
 

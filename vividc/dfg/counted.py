@@ -23,9 +23,9 @@ def count_loop(function: Function, loop: Loop, preheader: str) -> tuple[Function
     step.
 
     The trip count is computed in the preheader. Refused (None), and then run by an exit predicate:
-    tests elsewhere than in the header, stores in the header, other comparisons, other steps, and a
-    header value other than a phi that is used after the loop (the header runs once more than the
-    body).
+    tests elsewhere than in the header, stores in the header, other comparisons, other steps, a
+    counter that may wrap before it reaches the limit, and a header value other than a phi that is
+    used after the loop (the header runs once more than the body).
     """
     header = block_of(function, loop.header)
     target = _exit_of(header, loop)
@@ -71,15 +71,19 @@ def _limits(function: Function, loop: Loop, header: Block) -> tuple[Affine, Affi
     if test is None:
         return None
     stays = branch.target in loop.blocks
-    analysis = AffineAnalysis(function, loop)
-    left, right = analysis.of(test.operands[0]), analysis.of(test.operands[-1])
-    if left is None or right is None:
-        return None
-    if test.op is Opcode.ICMP_SLT and stays:
-        return left, right
+    first, second = test.operands[0], test.operands[-1]
     if test.op is Opcode.ICMP_SLE and not stays:
-        return right, left  # leaves if left <= right: stays while right < left
-    return None
+        first, second = second, first  # leaves if a <= b: stays while b < a
+    elif test.op is not Opcode.ICMP_SLT or not stays:
+        return None
+    analysis = AffineAnalysis(function, loop)
+    low, high = analysis.of(first), analysis.of(second)
+    if low is None or high is None or (low.stride and high.stride):
+        return None
+    moving, stride = (first, low.stride) if low.stride else (second, high.stride)
+    if not analysis.never_wraps(moving, by_one=abs(stride) == 1):
+        return None
+    return low, high
 
 
 class _Emitter:

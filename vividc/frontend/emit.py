@@ -42,6 +42,7 @@ class Emitter:
         self.ids = ids
         self.instrs: list[Instr] = []
         self.demoted: list[SourceLoc | None] = []
+        self.saturated: list[SourceLoc | None] = []
         self._ranges = ranges
         self._demand = demanded_bits(function)
         self._block = ""
@@ -64,7 +65,12 @@ class Emitter:
     def emit(self, op: Op, opcode: Opcode, operands: tuple[Value, ...]) -> Ref:
         """The instruction that yields `op`'s result."""
         kind = "i1" if op.op in ("icmp", "fcmp") else op.type
-        return self._append(self.id_of(op), opcode, result_type(kind), operands, op.loc)
+        exact = op.op in ("add", "sub") and self._cannot_wrap(op)
+        return self._append(self.id_of(op), opcode, result_type(kind), operands, op.loc, exact)
+
+    def _cannot_wrap(self, op: Op) -> bool:
+        (a, b), (c, d) = (self.range(arg) for arg in op.args)
+        return contains(S32, (a + c, b + d) if op.op == "add" else (a - d, b - c))
 
     def helper(self, op: Op, opcode: Opcode, *operands: Value, type_: Type = Type.I32) -> Ref:
         """An instruction on the way to `op`'s result."""
@@ -126,6 +132,7 @@ class Emitter:
         type_: Type,
         operands: tuple[Value, ...],
         loc: SourceLoc | None,
+        exact: bool = False,
     ) -> Ref:
-        self.instrs.append(Instr(id_, opcode, type_, operands, loc=loc))
+        self.instrs.append(Instr(id_, opcode, type_, operands, exact=exact, loc=loc))
         return Ref(id_)

@@ -31,6 +31,18 @@ _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
 _RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
 
 
+_DEMOTED = (
+    "float64 arithmetic",
+    "runs in float32",
+    "write np.float32(...) around constants",
+)
+_SATURATED = (
+    "a float converted to a 64-bit integer",
+    "saturates at 32 bits",
+    "write np.int32(...) around the float",
+)
+
+
 def lower(
     py_func: Callable[..., object],
     name: str,
@@ -62,7 +74,8 @@ def lower(
     Warns
     -----
     VividcWarning
-        Once for each line whose float64 arithmetic runs in float32.
+        Once for each line whose float64 arithmetic runs in float32, or whose conversion of a float
+        to an integer saturates at 32 bits.
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
@@ -75,7 +88,8 @@ def lower(
         if error.loc is not None:
             raise
         raise KernelError(error.reason, loc=loc, hint=error.hint) from error
-    _report_demotions(narrowed.demoted, loc, strict_fp=strict_fp)
+    _report(narrowed.demoted, loc, _DEMOTED, strict_fp=strict_fp)
+    _report(narrowed.saturated, loc, _SATURATED, strict_fp=strict_fp)
     function = hoist_invariants(narrowed.function)
     problems = check_function(function)
     if problems:
@@ -143,17 +157,16 @@ def _place(error: Exception, loc: SourceLoc) -> SourceLoc:
     return SourceLoc(loc.file, places[-1]) if places else loc
 
 
-def _report_demotions(
-    demoted: tuple[SourceLoc | None, ...], kernel: SourceLoc, *, strict_fp: bool
+def _report(
+    lines: tuple[SourceLoc | None, ...],
+    kernel: SourceLoc,
+    difference: tuple[str, str, str],
+    *,
+    strict_fp: bool,
 ) -> None:
-    for loc in sorted({loc or kernel for loc in demoted}):
+    """Warn of (what, what happens to it, what to write instead) once a line, or refuse it."""
+    what, happens, instead = difference
+    for loc in sorted({loc or kernel for loc in lines}):
         if strict_fp:
-            raise KernelError(
-                "float64 arithmetic",
-                loc=loc,
-                hint="make every operand float32, with np.float32(...) around constants",
-            )
-        message = (
-            f"{loc}: float64 arithmetic runs in float32; write np.float32(...) around constants"
-        )
-        warnings.warn(message, VividcWarning, stacklevel=2)
+            raise KernelError(what, loc=loc, hint=instead)
+        warnings.warn(f"{loc}: {what} {happens}; {instead}", VividcWarning, stacklevel=2)

@@ -6,8 +6,8 @@ whole value, and it is proved by ranges that the word determines it (sign-extend
 zero-extended), or the kernel is refused.
 
 Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A
-conversion of a float to an integer assumes that the result fits in 32 bits, as the machine
-saturates.
+conversion of a float to a 64-bit integer is taken to fit in 32 bits, and saturates: its lines are
+`Narrowed.saturated`.
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ from vividc.frontend.ssa import Local, Op, Operand, WideBlock, WideFunction
 
 @dataclass(frozen=True, slots=True)
 class Narrowed:
-    """The kernel in words, and the lines whose float64 arithmetic became float32."""
+    """The kernel in words, and the lines where a result may differ from numba's."""
 
     function: Function
     demoted: tuple[SourceLoc | None, ...]
+    saturated: tuple[SourceLoc | None, ...]
 
 
 def narrow(
@@ -50,7 +51,10 @@ def narrow(
     narrower = _Narrower(function, ranges)
     blocks = tuple(narrower.block(block, returns) for block in function.blocks)
     result = Function(name, params, blocks, returns, file)
-    return Narrowed(result, tuple(dict.fromkeys(narrower.emitter.demoted)))
+    emitter = narrower.emitter
+    return Narrowed(
+        result, tuple(dict.fromkeys(emitter.demoted)), tuple(dict.fromkeys(emitter.saturated))
+    )
 
 
 class _Narrower:

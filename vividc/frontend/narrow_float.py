@@ -125,12 +125,16 @@ def _from_int(emitter: Emitter, op: Op) -> None:
 
 def _to_signed(emitter: Emitter, op: Op) -> None:
     _refuse_small(op)
+    if op.type == "i64":
+        emitter.saturated.append(op.loc)
     emitter.emit(op, Opcode.FPTOSI, (emitter.value(op.args[0]),))
 
 
 def _to_unsigned(emitter: Emitter, op: Op) -> None:
     """Values from 2**31 on are converted less 2**31, which is exact."""
     _refuse_small(op)
+    if op.type == "i64":
+        emitter.saturated.append(op.loc)
     value = emitter.value(op.args[0])
     limit = Const(0x4F000000)  # 2**31 as a float32
     small = emitter.helper(op, Opcode.FCMP_OLT, value, limit, type_=Type.PRED)

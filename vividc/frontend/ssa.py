@@ -6,6 +6,7 @@ function.
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -27,11 +28,20 @@ class Int:
     value: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Float:
-    """A floating-point constant, exact."""
+    """A floating-point constant, exact. Equal by its bits: -0.0 is not 0.0, and NaN is itself."""
 
     value: float
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Float) and self._bits() == other._bits()
+
+    def __hash__(self) -> int:
+        return hash(self._bits())
+
+    def _bits(self) -> bytes:
+        return struct.pack("<d", self.value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,7 +56,7 @@ def _faults(region: Region, mapping: Mapping, fabric: Fabric) -> Iterator[str]:
         yield from _place_faults(node, mapping, fabric)
     if stages_of(region, mapping) > fabric.controller.max_stages:
         yield f"{stages_of(region, mapping)} stages do not fit"
-    yield from _control_faults(region)
+    yield from _control_faults(region, mapping, fabric)
     if region.kind == "straight":
         for node in region.dfg.placed:
             if _end(node, mapping, fabric) > mapping.ii:
@@ -77,7 +77,14 @@ def _place_faults(node: Node, mapping: Mapping, fabric: Fabric) -> Iterator[str]
         yield f"node {node.id} ({node.op.value}) has no effect that an exit could suppress"
 
 
-def _control_faults(region: Region) -> Iterator[str]:
+def _control_faults(region: Region, mapping: Mapping, fabric: Fabric) -> Iterator[str]:
+    ready = [
+        (mapping.places[node.id].time + fabric.latency(node)) % mapping.ii
+        for node in region.dfg.operations
+        if node.control is not None
+    ]
+    if len(set(ready)) < len(ready):
+        yield "two results reach the controller in one cycle"
     marks = [node.control for node in region.dfg.nodes if node.control is not None]
     if len(set(marks)) < len(marks):
         yield "two nodes for one use by the controller"
