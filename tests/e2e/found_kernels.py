@@ -116,3 +116,18 @@ def wrapping_counter(o, k, n):
 def low_byte(x, o):
     for i in range(len(x)):
         o[i] = int(x[i]) & 255
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32, int32)")
+def shifted(a, b, k, n):
+    for i in range(n):
+        b[i] = a[i + k] + a[-1]
+
+
+@vividc.kernel("void(float32[::1], int32, int32)")
+def flat_index(out, width, height):
+    for y in range(height):
+        for x in range(width):
+            pixel = 4 * (y * width + x)
+            out[pixel] = np.float32(x)
+            out[pixel + 1] = np.float32(y)

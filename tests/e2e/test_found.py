@@ -96,3 +96,10 @@ def test_a_float_to_a_wide_integer_is_warned_of_and_refused_when_strict() -> Non
         vividc.compile(k.low_byte)
     with pytest.raises(vividc.VividcError, match="64-bit integer"):
         vividc.compile(k.low_byte, strict_fp=True)
+
+
+def test_an_index_is_a_word() -> None:
+    """Its sum needs 33 bits, or its product 64, only where it is outside the array."""
+    assert_agrees(k.shifted, "vivid-tile", words(30), words(20), np.int32(-5), np.int32(20))
+    out = np.zeros(96, np.float32)
+    assert_agrees(k.flat_index, "vivid-tile", out, np.int32(6), np.int32(4))

@@ -3,7 +3,8 @@
 The only module that relies on numba's internals. The target is numba's CPU without everything that
 an array has not: code generation, reference counting, Python wrappers, exceptions. A raise becomes
 a call of a function named after it, so that a reachable one can be reported with its line. `range`
-iterates by comparing with its stop value: numba's own trip counter needs a division.
+iterates by comparing with its stop value: numba's own trip counter needs a division. An array index
+is taken as a 32-bit word, since any other is outside its array, which numba leaves undefined.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from __future__ import annotations
 import functools
 import operator
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +33,7 @@ from numba.core.target_extension import (
     target_override,
     target_registry,
 )
+from numba.np import arrayobj
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
@@ -370,6 +373,28 @@ def _compile(py_func: Any, args: Any, return_type: Any, locals_: Any = None) -> 
     )
 
 
+def _word_index(context: Any, builder: ir.IRBuilder, type_: Any, index: Any, size: Any) -> Any:
+    """Numba's `fix_integer_index` on words: a negative index counts from the end."""
+    if not type_.signed:
+        return context.cast(builder, index, type_, types.uintp)
+    wide = context.cast(builder, index, type_, types.intp)
+    word = builder.trunc(wide, ir.IntType(32))
+    from_end = builder.add(word, builder.trunc(size, ir.IntType(32)))
+    is_negative = builder.icmp_signed("<", word, ir.Constant(word.type, 0))
+    return builder.sext(builder.select(is_negative, from_end, word), wide.type)
+
+
+@contextmanager
+def _indices_are_words() -> Iterator[None]:
+    """Numba looks the function up in its module whenever it lowers an index."""
+    original = arrayobj.fix_integer_index
+    arrayobj.fix_integer_index = _word_index
+    try:
+        yield
+    finally:
+        arrayobj.fix_integer_index = original
+
+
 def _register() -> None:
     target_registry[TARGET_NAME] = _Target
     dispatcher_registry[_Target] = _Dispatcher
@@ -397,7 +422,8 @@ def numba_module(
     with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
-        result = _compile(py_func, args, return_type)
+        with _indices_are_words():
+            result = _compile(py_func, args, return_type)
     return NumbaModule(
         texts=result.library.all_texts(),
         symbol=result.fndesc.llvm_func_name,
