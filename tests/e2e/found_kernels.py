@@ -131,3 +131,24 @@ def flat_index(out, width, height):
             pixel = 4 * (y * width + x)
             out[pixel] = np.float32(x)
             out[pixel + 1] = np.float32(y)
+
+
+@vividc.kernel("int32(int32[::1], int32[::1], int32)")
+def compare_sums(a, b, t):
+    found = np.int32(0)
+    for i in range(len(a)):
+        if a[i] + b[i] > t:
+            found = np.int32(found + 1)
+        if a[i] - b[i] <= t:
+            found = np.int32(found + 100)
+        if a[i] + b[i] + t == 7:
+            found = np.int32(found + 10000)
+    return found
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def every_third(a, n, s):
+    for i in range(0, n, 3):
+        a[i] += 10
+    if n + 3 > s - 4:
+        a[0] += 1

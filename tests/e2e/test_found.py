@@ -103,3 +103,16 @@ def test_an_index_is_a_word() -> None:
     assert_agrees(k.shifted, "vivid-tile", words(30), words(20), np.int32(-5), np.int32(20))
     out = np.zeros(96, np.float32)
     assert_agrees(k.flat_index, "vivid-tile", out, np.int32(6), np.int32(4))
+
+
+@pytest.mark.parametrize("threshold", [0, 7, -3, 2**31 - 1, -(2**31)])
+def test_comparisons_of_sums_take_two_words(threshold: int) -> None:
+    ends = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 5, 7, 2**31 - 2]
+    a = np.repeat(np.array(ends, np.int32), len(ends))
+    b = np.tile(np.array(ends, np.int32), len(ends))
+    assert_agrees(k.compare_sums, "vivid-tile", a, b, np.int32(threshold))
+
+
+@pytest.mark.parametrize("n", [-(2**31), -5, 0, 1, 3, 4, 40])
+def test_a_step_that_may_carry_the_counter_past_a_word(n: int) -> None:
+    assert_agrees(k.every_third, "vivid-tile", np.zeros(40, np.int32), np.int32(n), np.int32(2))

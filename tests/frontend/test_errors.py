@@ -61,8 +61,8 @@ def never_ends(x, n):
         x[0] += 1
 
 
-def steps_past_the_end(x, n):
-    for i in range(0, n, 3):
+def starts_below_a_word(x, n):
+    for i in range(n - 5, n):
         x[i] = 1
 
 
@@ -83,7 +83,7 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (unknown_attribute, 1, "frobnicate"),
     (makes_a_list, 0, "NRT"),
     (never_ends, 0, "never ends"),
-    (steps_past_the_end, 1, "may not fit in 32 bits"),
+    (starts_below_a_word, 1, "may not fit in 32 bits"),
     (recurses, 0, "cell variable|recursi"),
 ]
 

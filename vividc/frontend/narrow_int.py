@@ -9,6 +9,7 @@ from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import width
+from vividc.frontend.narrow_wide import compare_wide
 from vividc.frontend.ssa import Int, Op, Operand
 
 Rule = Callable[[Emitter, Op], None]
@@ -94,10 +95,17 @@ def _compare(emitter: Emitter, op: Op) -> None:
     if _small(op) and pred[0] == "s":
         raise KernelError(f"a comparison of {op.type} integers", loc=op.loc, hint="use np.int32")
     if not _small(op):
+        if not _fits_words(emitter, op) and compare_wide(emitter, op):
+            return
         pred = _word_predicate(emitter, op)
     opcode, swap = _SIGNED[pred]
     left, right = (emitter.value(arg) for arg in op.args)
     emitter.emit(op, opcode, (right, left) if swap else (left, right))
+
+
+def _fits_words(emitter: Emitter, op: Op) -> bool:
+    """Whether the operands' words, all read as signed or all as unsigned, are their values."""
+    return width(op.type) == _WORD or emitter.signed(*op.args) or emitter.unsigned(*op.args)
 
 
 def _word_predicate(emitter: Emitter, op: Op) -> str:
