@@ -152,3 +152,30 @@ def every_third(a, n, s):
         a[i] += 10
     if n + 3 > s - 4:
         a[0] += 1
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def counters_of_two_words(a, n, s):
+    for i in range(n - 5, n):
+        if i >= 0:
+            a[i] += 1
+    for i in range(s, n, 2):
+        a[i] += 100
+    for i in range(n + 3, 0, -7):
+        if i < n:
+            a[i] += 1000
+    j = n - 3
+    while j < n + 3:
+        if j >= 0 and j < 40:
+            a[j] += 7
+        j += 2
+
+
+@vividc.kernel("int32(int32[::1], int32)")
+def accumulate_wide(x, limit):
+    total = 0
+    for i in range(len(x)):
+        total += x[i]
+        if total > limit:
+            return np.int32(i)
+    return np.int32(-1)

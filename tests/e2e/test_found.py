@@ -116,3 +116,16 @@ def test_comparisons_of_sums_take_two_words(threshold: int) -> None:
 @pytest.mark.parametrize("n", [-(2**31), -5, 0, 1, 3, 4, 40])
 def test_a_step_that_may_carry_the_counter_past_a_word(n: int) -> None:
     assert_agrees(k.every_third, "vivid-tile", np.zeros(40, np.int32), np.int32(n), np.int32(2))
+
+
+@pytest.mark.parametrize("n", [-(2**31), -(2**31) + 3, -5, 0, 1, 5, 37])
+def test_counters_that_start_outside_a_word(n: int) -> None:
+    array = np.zeros(40, np.int32)
+    assert_agrees(k.counters_of_two_words, "vivid-tile", array, np.int32(n), np.int32(2))
+
+
+@pytest.mark.parametrize("limit", [-(2**31), 0, 2**31 - 2, 2**31 - 1])
+def test_a_sum_that_outgrows_a_word_is_compared_in_two(limit: int) -> None:
+    for values in ([2**31 - 1, 1, 5], [-(2**31), -(2**31), 7], [2**31 - 1] * 6, [0, -1]):
+        array = np.array(values, np.int32)
+        assert_agrees(k.accumulate_wide, "vivid-tile", array, np.int32(limit))

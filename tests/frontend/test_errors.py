@@ -61,9 +61,9 @@ def never_ends(x, n):
         x[0] += 1
 
 
-def starts_below_a_word(x, n):
-    for i in range(n - 5, n):
-        x[i] = 1
+def compares_a_product(x, n):
+    if n * n > 5:
+        x[0] = 1
 
 
 def recurses(x, n):
@@ -83,7 +83,7 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (unknown_attribute, 1, "frobnicate"),
     (makes_a_list, 0, "NRT"),
     (never_ends, 0, "never ends"),
-    (starts_below_a_word, 1, "may not fit in 32 bits"),
+    (compares_a_product, 1, "may not fit in 32 bits"),
     (recurses, 0, "cell variable|recursi"),
 ]
 
@@ -113,7 +113,7 @@ def integer_remainder(x, n):
 def compares_wide(x, n):
     total = 0
     for i in range(n):
-        total += x[i]
+        total += x[i] * x[i]
         if total > 10:
             x[i] = 0
 

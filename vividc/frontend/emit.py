@@ -43,6 +43,7 @@ class Emitter:
         self.instrs: list[Instr] = []
         self.demoted: list[SourceLoc | None] = []
         self.saturated: list[SourceLoc | None] = []
+        self.wide_phis: dict[str, tuple[int, Op]] = {}  # high word of a phi, and who asked for it
         self._ranges = ranges
         self._demand = demanded_bits(function)
         self._block = ""

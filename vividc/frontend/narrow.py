@@ -12,13 +12,14 @@ conversion of a float to a 64-bit integer is taken to fit in 32 bits, and satura
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import Block, Branch, DType, Function, Input, Instr, Param, Phi, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_float, narrow_int
 from vividc.frontend.emit import ALIASES, Emitter, result_type
+from vividc.frontend.narrow_wide import high_phis
 from vividc.frontend.numba_target import RAISE_PREFIX
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Local, Op, Operand, WideBlock, WideFunction
@@ -50,7 +51,7 @@ def narrow(
     """
     narrower = _Narrower(function, ranges)
     blocks = tuple(narrower.block(block, returns) for block in function.blocks)
-    result = Function(name, params, blocks, returns, file)
+    result = Function(name, params, narrower.with_high_words(blocks), returns, file)
     emitter = narrower.emitter
     return Narrowed(
         result, tuple(dict.fromkeys(emitter.demoted)), tuple(dict.fromkeys(emitter.saturated))
@@ -83,6 +84,17 @@ class _Narrower:
             _translate(emitter, op)
         branch = self._branch(block, returns)
         return Block(self._names[block.name], phis, tuple(emitter.instrs), branch)
+
+    def with_high_words(self, blocks: tuple[Block, ...]) -> tuple[Block, ...]:
+        """The blocks with the phis of high words and what their predecessors compute for them."""
+        changed = {block.name: block for block in blocks}
+        for high in high_phis(self.emitter, self._names):
+            for source, instrs in high.computed.items():
+                block = changed[self._names[source]]
+                changed[block.name] = replace(block, instrs=(*block.instrs, *instrs))
+            block = changed[self._names[high.block]]
+            changed[block.name] = replace(block, phis=(*block.phis, high.phi))
+        return tuple(changed.values())
 
     def _branch(self, block: WideBlock, returns: DType | None) -> Branch:
         leave = block.exit

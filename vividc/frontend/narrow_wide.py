@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
-from vividc.dfg.cfg import Const, Value
+from vividc.dfg.cfg import Const, Instr, Phi, Ref, Value
 from vividc.dfg.opcodes import Opcode, Type
+from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
-from vividc.frontend.ssa import Int, Local, Op, Operand
+from vividc.frontend.ssa import Int, Local, Op, Operand, WidePhi
 
 _MASK = 0xFFFFFFFF
 _SIGN_SHIFT = Const(31)
+WORD_HINT = (
+    "wrap the result in np.int32(...), or bound it with a comparison before; "
+    "a range with a step: range(0, min(n, len(x)), 2)"
+)
 _DEPTH = 4
 """Sums deeper than this are refused: each level costs two or three operations."""
 
@@ -40,6 +46,45 @@ def compare_wide(emitter: Emitter, op: Op) -> bool:
     return True
 
 
+@dataclass(frozen=True, slots=True)
+class HighPhi:
+    """The phi of a high word, for the block of the low one, and what its predecessors compute."""
+
+    block: str
+    phi: Phi
+    computed: dict[str, tuple[Instr, ...]]
+
+
+def high_phis(emitter: Emitter, names: dict[str, str]) -> list[HighPhi]:
+    """The phis that comparisons have asked for; `names` are the blocks' new names.
+
+    Raises
+    ------
+    KernelError
+        A phi joins something that is no sum of words.
+    """
+    done: dict[str, HighPhi] = {}
+    while emitter.wide_phis.keys() - done.keys():
+        name = next(name for name in emitter.wide_phis if name not in done)
+        ident, op = emitter.wide_phis[name]
+        definition = emitter.function.definitions[name]
+        assert isinstance(definition, WidePhi)
+        incoming: list[tuple[str, Value]] = []
+        computed: dict[str, tuple[Instr, ...]] = {}
+        for source, operand in definition.incoming:
+            emitter.start(source)
+            pair = _pair(emitter, op, operand, _DEPTH)
+            if pair is None:
+                raise KernelError(
+                    "the compared integer may not fit in 32 bits", loc=op.loc, hint=WORD_HINT
+                )
+            incoming.append((names[source], pair.high))
+            computed[source] = tuple(emitter.instrs)
+        phi = Phi(ident, Type.I32, tuple(incoming), definition.loc)
+        done[name] = HighPhi(emitter.function.block_of[name], phi, computed)
+    return list(done.values())
+
+
 def _emit_less(emitter: Emitter, op: Op, left: _Pair, right: _Pair, *, or_equal: bool) -> None:
     high_less = Opcode.ICMP_SLT if op.pred[0] == "s" else Opcode.ICMP_ULT
     low_less = Opcode.ICMP_ULE if or_equal else Opcode.ICMP_ULT
@@ -64,10 +109,17 @@ def _pair(emitter: Emitter, op: Op, operand: Operand, depth: int) -> _Pair | Non
 
 
 def _sum(emitter: Emitter, op: Op, operand: Operand, depth: int) -> _Pair | None:
-    """The high word of a sum or difference takes the carry or borrow of the low one."""
+    """The high word of a sum or difference takes the carry or borrow of the low one; that of a phi
+    is a phi of its own, which `high_phis` fills in.
+    """
     if not isinstance(operand, Local) or depth == 0:
         return None
     definition = emitter.function.definitions.get(operand.name)
+    if isinstance(definition, WidePhi) and definition.type == "i64":
+        known = emitter.wide_phis.get(operand.name)
+        ident = emitter.fresh() if known is None else known[0]
+        emitter.wide_phis[operand.name] = (ident, op)
+        return _Pair(emitter.value(operand), Ref(ident))
     if not isinstance(definition, Op) or definition.op not in ("add", "sub"):
         return None
     left, right = (_pair(emitter, op, arg, depth - 1) for arg in definition.args)
