@@ -17,14 +17,18 @@ Arguments = tuple[object, ...]
 
 @dataclass(frozen=True)
 class Workload:
-    """A kernel file of `kernels/` and a function that makes fresh arguments for it."""
+    """A kernel of `kernels/` and a function that makes fresh arguments for it.
+
+    `file`: where it is, without `.py`; empty for the file of the kernel's name.
+    """
 
     name: str
     arguments: Callable[[np.random.Generator], Arguments]
+    file: str = ""
 
     def kernel(self) -> vividc.KernelFunction:
-        """The kernel of the same name in the file."""
-        path = KERNELS / f"{self.name}.py"
+        """The kernel of this name in its file."""
+        path = KERNELS / f"{self.file or self.name}.py"
         spec = importlib.util.spec_from_file_location(self.name, path)
         assert spec is not None
         assert spec.loader is not None

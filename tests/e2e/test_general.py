@@ -1,0 +1,184 @@
+"""Ordinary kernels of many fields on the tile: against numba, the interpreter, and empty inputs."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import vividc
+from benchmarks.general import WORKLOADS
+from benchmarks.workloads import Arguments
+from tests.e2e.test_kernels import assert_close
+from vividc import arch
+from vividc.dfg.interpreter import interpret
+from vividc.dfg.regions import Kernel
+from vividc.driver import CompileOptions, lower, map_kernel
+from vividc.program import Program, encode
+from vividc.sim.bind import bind
+from vividc.sim.engine import Launch
+from vividc.sim.reference import ReferenceEngine
+
+BY_NAME = {workload.name: workload for workload in WORKLOADS}
+QUICK = {
+    "adler32",
+    "bellman_ford",
+    "bfs",
+    "binary_search",
+    "bubble_sort",
+    "compact",
+    "conv2d",
+    "crc32",
+    "first_match",
+    "floyd_warshall",
+    "gauss_seidel",
+    "haar",
+    "heap_sort",
+    "histogram",
+    "knapsack",
+    "life",
+    "mandelbrot",
+    "merge",
+    "queens",
+    "quickselect",
+    "sieve",
+    "spmv_csr",
+    "trmv",
+    "virtual_machine",
+    "xtea",
+}
+
+
+def words(*values: int) -> np.ndarray:
+    return np.array(values, np.int32)
+
+
+def unsigned(*values: int) -> np.ndarray:
+    return np.array(values, np.uint32)
+
+
+def floats(*shape: int) -> np.ndarray:
+    return np.random.default_rng(1).standard_normal(shape).astype(np.float32)
+
+
+SMALL: dict[str, tuple[Arguments, ...]] = {
+    "gemm": (
+        (floats(3, 0), floats(0, 2), floats(3, 2)),
+        (floats(1, 1), floats(1, 1), floats(1, 1)),
+    ),
+    "trmv": ((floats(0, 0), floats(0)), (floats(1, 1), floats(1))),
+    "transpose": ((floats(1, 1),), (floats(2, 2),)),
+    "norm_inf": ((floats(0, 3),), (floats(3, 0),)),
+    "spmv_csr": ((words(0, 0, 0), words(), floats(0), floats(3), floats(2)),),
+    "blur3": ((np.ones((2, 9), np.int32), np.zeros((2, 9), np.int32)),),
+    "histogram": ((words(), words(0, 0)), (words(1), words(0, 0))),
+    "fir_filter": ((floats(0), floats(3), floats(0)), (floats(1), floats(3), floats(1))),
+    "haar": ((words(5), words(0)), (words(5, -8), words(0, 0))),
+    "crc32": ((unsigned(),), (unsigned(97),)),
+    "adler32": ((words(),), (words(255),)),
+    "xtea": ((unsigned(), unsigned(1, 2, 3, 4)), (unsigned(1, 2, 3), unsigned(1, 2, 3, 4))),
+    "popcount": ((unsigned(0, 2**32 - 1, 2**31), words(9, 9, 9)),),
+    "insertion_sort": ((words(),), (words(4),), (words(4, -4),)),
+    "selection_sort": ((floats(0),), (floats(1),), (floats(2),)),
+    "bubble_sort": ((words(),), (words(4),), (words(1, 2, 3, 4),)),
+    "heap_sort": ((words(),), (words(4),), (words(4, 3),)),
+    "comb_filter": ((floats(3), 5, np.float32(1)), (floats(4), 0, np.float32(1))),
+    "queens": ((words(3),), (words(0, 0),)),
+    "shell_sort": ((words(),), (words(4),), (words(4, 3),)),
+    "binary_search": ((words(), words(3), words(0)), (words(3), words(3, 2, 4), words(0, 0, 0))),
+    "merge": (
+        (words(), words(), words()),
+        (words(), words(1, 2), words(0, 0)),
+        (words(3), words(), words(0)),
+    ),
+    "exclusive_scan": ((words(), words()), (words(-7), words(1))),
+    "argmax": ((floats(0),), (floats(1),), (np.full(3, np.nan, np.float32),)),
+    "find_text": ((words(), words()), (words(1), words(1, 2)), (words(1, 2), words(2))),
+    "compact": ((words(), words()), (words(0), words(5)), (words(2), words(5))),
+    "quickselect": ((words(8), 0), (words(8, 7), 0), (words(3, 3, 3), 1)),
+    "pair_with_sum": ((words(), 3, words(0, 0)), (words(1, 2), 3, words(0, 0))),
+    "bfs": ((words(0, 0), words(), 0, words(-1), words(0)),),
+    "bellman_ford": (
+        (words(), words(), words(), words(0)),
+        (words(0, 1), words(1, 0), words(1, -2), words(0, 1 << 20)),
+    ),
+    "longest_common": ((words(), words(1, 2), np.ones((1, 3), np.int32)),),
+    "edit_distance": ((words(), words(1, 2), words(0, 0, 0)), (words(1, 2), words(), words(9))),
+    "largest_subarray": ((words(-5),), (words(-5, -3),)),
+    "mandelbrot": ((floats(1), floats(1), 0, np.ones((1, 1), np.int32)),),
+    "nested_breaks": ((np.zeros((3, 0), np.int32), 5), (np.zeros((0, 3), np.int32), 5)),
+    "first_match": (
+        (np.zeros((2, 0, 2), np.int32), 1),
+        (np.ones((1, 1, 1), np.int32), 1),
+        (np.zeros((2, 2, 2), np.int32), 1),
+    ),
+    "sieve": ((words(),), (words(7),), (words(7, 7, 7, 7, 7),)),
+    "bracket_match": ((words(), words()), (words(41), words(0)), (words(40, 40), words(0, 0))),
+}
+
+
+def quick_first(names: list[str]) -> list[object]:
+    """Test parameters; those outside the quick subset are slow."""
+    slow = pytest.mark.slow
+    return [pytest.param(name, marks=() if name in QUICK else slow) for name in names]
+
+
+@cache
+def compiled(name: str) -> tuple[vividc.KernelFunction, Kernel, Program]:
+    """The kernel, its graphs before mapping, and its program."""
+    machine = arch.load("vivid-tile")
+    kernel = BY_NAME[name].kernel()
+    lowered = lower(kernel)
+    mapped, results = map_kernel(lowered, machine, CompileOptions())
+    mappings = {i: r.mapping for i, r in results.items() if r.mapping is not None}
+    return kernel, lowered, encode(mapped, machine, mappings, reports=results)
+
+
+def copies(arguments: Arguments) -> Arguments:
+    return tuple(a.copy() if isinstance(a, np.ndarray) else a for a in arguments)
+
+
+def assert_witnesses_agree(name: str, arguments: Arguments) -> int:
+    """Returns the simulated cycles."""
+    kernel, lowered, program = compiled(name)
+    by_array, by_numba = copies(arguments), copies(arguments)
+    result = vividc.simulate(program, *by_array)
+    value = kernel(*by_numba)
+    assert_close(by_array, by_numba)
+    if value is None:
+        assert result.value is None
+    else:
+        assert_close((result.value,), (value,))
+
+    bound = bind(program, copies(arguments), {})
+    launch = Launch(bound.memory.copy(), bound.inputs, 10**6, bound.extents)
+    run = ReferenceEngine(program).run(launch)
+    done = interpret(lowered, bound.memory, bound.inputs)
+    np.testing.assert_array_equal(bound.memory, run.memory)
+    assert done.value == run.value
+    return result.cycles
+
+
+@pytest.mark.parametrize("name", quick_first(list(BY_NAME)))
+def test_witnesses_agree(name: str) -> None:
+    *_, program = compiled(name)
+    loops = [region for region in program.regions if region.kind == "loop"]
+    assert loops
+    assert {loop.status for loop in loops} == {"optimal"}
+    assert assert_witnesses_agree(name, BY_NAME[name].fresh()) < 20_000
+
+
+@pytest.mark.parametrize("name", quick_first(list(SMALL)))
+def test_small_inputs(name: str) -> None:
+    for arguments in SMALL[name]:
+        assert_witnesses_agree(name, arguments)
+
+
+def test_every_file_has_only_kernels_of_the_table() -> None:
+    """A kernel that nobody runs would be a claim without proof."""
+    for file in {workload.file for workload in WORKLOADS}:
+        first = next(workload for workload in WORKLOADS if workload.file == file)
+        names = {w.name for w in WORKLOADS if w.file == file}
+        scope = first.kernel().py_func.__globals__
+        assert {n for n, v in scope.items() if isinstance(v, vividc.KernelFunction)} == names
