@@ -179,3 +179,16 @@ def accumulate_wide(x, limit):
         if total > limit:
             return np.int32(i)
     return np.int32(-1)
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[::1])")
+def extrema_of_sums(a, b, out):
+    for i in range(len(a)):
+        low = min(a[i] + 1, b[i] - 1)
+        high = max(a[i] + b[i], b[i])
+        out[i] ^= np.int32(low) ^ np.int32(high)
+        out[i] += np.int32(min(abs(a[i] - b[i]), 255))
+        out[i] ^= (a[i] + b[i] + 8) >> 4
+        out[i] += (a[i] - b[i]) >> 1
+        if min(a[i] + 7, b[i]) > max(b[i] - 9, a[i]):
+            out[i] += 1

@@ -129,3 +129,10 @@ def test_a_sum_that_outgrows_a_word_is_compared_in_two(limit: int) -> None:
     for values in ([2**31 - 1, 1, 5], [-(2**31), -(2**31), 7], [2**31 - 1] * 6, [0, -1]):
         array = np.array(values, np.int32)
         assert_agrees(k.accumulate_wide, "vivid-tile", array, np.int32(limit))
+
+
+def test_extrema_and_shifts_of_sums_take_two_words() -> None:
+    ends = [0, 1, -1, 2**31 - 1, -(2**31), 2**30, -(2**30), 5, 7, 2**31 - 2]
+    a = np.repeat(np.array(ends, np.int32), len(ends))
+    b = np.tile(np.array(ends, np.int32), len(ends))
+    assert_agrees(k.extrema_of_sums, "vivid-tile", a, b, words(len(a)))

@@ -9,7 +9,13 @@ from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import width
-from vividc.frontend.narrow_wide import WORD_HINT, compare_wide
+from vividc.frontend.narrow_wide import (
+    WORD_HINT,
+    abs_wide,
+    compare_wide,
+    extremum_wide,
+    shift_right_wide,
+)
 from vividc.frontend.ssa import Int, Op, Operand
 
 Rule = Callable[[Emitter, Op], None]
@@ -145,6 +151,9 @@ def _shift_right(emitter: Emitter, op: Op) -> None:
         # What comes in from above the word is not looked at.
         emitter.emit(op, Opcode.LSHR, (word, Const(amount.value)))
         return
+    in_a_word = emitter.signed(value) or emitter.unsigned(value)
+    if not in_a_word and shift_right_wide(emitter, op):
+        return
     if not _whole(emitter, op, value, what="the shifted integer"):
         _emit_shift(emitter, op, Opcode.LSHR, word, amount, outside=Const(0))
     elif op.op == "lshr" and emitter.range(value)[0] < 0:
@@ -247,6 +256,10 @@ def _extremum(signed: bool, largest: bool) -> Rule:
         _refuse_small(op)
         left, right = (emitter.value(arg) for arg in op.args[:2])
         as_signed = signed
+        if not _fits_words(emitter, op) and extremum_wide(
+            emitter, op, is_signed=signed, largest=largest
+        ):
+            return
         if width(op.type) > _WORD:
             whole = _whole(emitter, op, *op.args[:2], what="the compared integer")
             as_signed = signed and whole
@@ -262,7 +275,9 @@ def _extremum(signed: bool, largest: bool) -> Rule:
 def _abs(emitter: Emitter, op: Op) -> None:
     _refuse_small(op)
     value = op.args[0]
-    if width(op.type) > _WORD:
+    if width(op.type) > _WORD and not emitter.signed(value):
+        if abs_wide(emitter, op):
+            return
         emitter.require_signed(value, op.loc, "the operand of abs", _HINT)
     word = emitter.value(value)
     negated = emitter.helper(op, Opcode.SUB, Const(0), word)
