@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from hypothesis import strategies as st
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, OPCODES, ORDER, PRED, Opcode, Type
+from vividc.dfg.opcodes import BASE, ELEMENTARY, OPCODES, ORDER, PRED, Opcode, Type
 from vividc.dfg.semantics import SEMANTICS, word_of
 from vividc.errors import SourceLoc
 
@@ -19,7 +19,7 @@ INPUTS = ("n", "a")
 
 _INTEGERS = (0, 1, 2, 3, 31, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 _FLOATS = tuple(map(word_of, (0.0, -0.0, 1.0, -1.0, 0.5, 2.0, 3.25, -7.75, 1e-40, 1e30, 0.1)))
-_OPERATIONS = tuple(op for op in SEMANTICS if op is not Opcode.EXP)
+_OPERATIONS = tuple(op for op in SEMANTICS if op not in ELEMENTARY)
 _COMPARISONS = tuple(op for op in SEMANTICS if OPCODES[op].result is Type.PRED)
 _GUARDED = (Opcode.ADD, Opcode.SUB, Opcode.SMAX, Opcode.FADD, Opcode.FSUB, Opcode.FMA, Opcode.SHL)
 

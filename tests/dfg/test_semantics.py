@@ -280,3 +280,30 @@ def test_signed_is_twos_complement() -> None:
     assert [signed(word) for word in (0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)] == [
         *(0, 1, 2**31 - 1, -(2**31), -1)
     ]
+
+
+@pytest.mark.parametrize(
+    ("op", "operands", "result"),
+    [
+        (Opcode.EXP2, [word_of(-3.0)], word_of(0.125)),
+        (Opcode.EXP2, [word_of(1e30)], INF),
+        (Opcode.EXP2, [NINF], ZERO),
+        (Opcode.FDIV, [ONE, word_of(3.0)], 0x3EAAAAAB),
+        (Opcode.FDIV, [word_of(-1.0), ZERO], NINF),
+        (Opcode.FDIV, [ONE, NZERO], NINF),
+        (Opcode.FDIV, [ZERO, NZERO], NAN),
+        (Opcode.FDIV, [INF, NINF], NAN),
+        (Opcode.FDIV, [word_of(-2.0), INF], NZERO),
+        (Opcode.FDIV, [0xFFC00001, ZERO], NAN),
+        (Opcode.SQRT, [word_of(2.0)], 0x3FB504F3),
+        (Opcode.SQRT, [NZERO], NZERO),
+        (Opcode.SQRT, [word_of(-1.0)], NAN),
+        (Opcode.SQRT, [INF], INF),
+        (Opcode.FLOOR, [word_of(-0.5)], word_of(-1.0)),
+        (Opcode.FLOOR, [NINF], NINF),
+        (Opcode.CEIL, [word_of(-0.5)], NZERO),
+        (Opcode.CEIL, [0xFFC00001], NAN),
+    ],
+)
+def test_elementary_functions_at_their_edges(op: Opcode, operands: list[int], result: int) -> None:
+    assert evaluate(op, operands) == result

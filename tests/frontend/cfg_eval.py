@@ -162,4 +162,9 @@ _SEMANTICS: dict[Opcode, Callable[..., int]] = {
     _O.UITOFP: lambda a: _bits(np.float32(a)),
     _O.FPTOSI: _to_int,
     _O.EXP: _float_op(lambda a: np.exp(np.float64(a))),
+    _O.EXP2: _float_op(lambda a: np.exp2(np.float64(a))),
+    _O.FDIV: _float_op(np.divide),
+    _O.SQRT: _float_op(np.sqrt),
+    _O.FLOOR: _float_op(np.floor),
+    _O.CEIL: _float_op(np.ceil),
 }

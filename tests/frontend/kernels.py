@@ -325,3 +325,19 @@ def special_constants(x):
 
 
 KERNELS = tuple(value for value in list(globals().values()) if isinstance(value, KernelFunction))
+
+
+@kernel("void(float32[::1], float32[::1], int32)")
+def elementary(x, y, n):
+    for i in range(n):
+        root = math.sqrt(abs(x[i])) + np.sqrt(y[i] * y[i])
+        y[i] = root / x[i] + np.floor(x[i]) - math.ceil(y[i])
+        x[i] = np.ceil(y[i]) / np.float32(n) + np.exp2(-x[i]) + math.exp2(x[i])
+
+
+@kernel("float32(float32[::1])")
+def mean(x):
+    total = np.float32(0)
+    for i in range(len(x)):
+        total += x[i]
+    return total / len(x)

@@ -14,14 +14,14 @@ from vividc.frontend import KernelFunction
 TABLE = np.arange(4, dtype=np.float32)
 
 
-def float_division(x, n):
+def float_remainder(x, n):
     for i in range(n):
-        x[i] = x[0] / x[i]
+        x[i] = math.fmod(x[0], x[i])
 
 
-def square_root(x, n):
+def arc_tangent(x, n):
     for i in range(n):
-        x[i] = math.sqrt(x[i])
+        x[i] = math.atan(x[i])
 
 
 def global_array(x, n):
@@ -74,8 +74,8 @@ def recurses(x, n):
 
 
 FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
-    (float_division, 2, "a float division"),
-    (square_root, 2, "sqrt"),
+    (float_remainder, 2, "a float remainder|fmod"),
+    (arc_tangent, 2, "atan"),
     (global_array, 2, "a global array"),
     (prints, 2, "the Python runtime"),
     (raises, 2, "can raise ValueError: negative"),

@@ -55,6 +55,8 @@ CASES: list[tuple[KernelFunction, tuple[object, ...]]] = [
     (k.break_continue, (ints(40, high=80), 40)),
     (k.with_helper, (floats(5), 5)),
     (k.exponential, (floats(6), floats(6), 6)),
+    (k.elementary, (floats(6), floats(6), 6)),
+    (k.mean, (floats(7),)),
     (k.matmul, (words(4, 5), words(5, 3), ints(4, 3))),
     (k.planes, (ints(3, 4, 2), ints(3))),
     (k.blend, (gaussians(0.2), np.float32(0.4), np.float32(0.5), 40)),

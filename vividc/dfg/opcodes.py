@@ -96,7 +96,13 @@ class Opcode(Enum):
     LOAD = "load"
     STORE = "store"
     GENERIC = "generic"
-    EXP = "exp"  # only before `expand_math`: no FU has it
+    # Only before `expand_math`: no FU has one of the following.
+    EXP = "exp"
+    EXP2 = "exp2"
+    FDIV = "fdiv"
+    SQRT = "sqrt"
+    FLOOR = "floor"
+    CEIL = "ceil"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +164,8 @@ def _table() -> dict[Opcode, OpInfo]:
     row((o.LOAD,), (i,), x, lat.LOAD)
     row((o.STORE,), (i, x), none, lat.STORE)
     row((o.GENERIC,), (), x, lat.GENERIC)
-    row((o.EXP,), (f,), f, lat.GENERIC)
+    row((o.EXP, o.EXP2, o.SQRT, o.FLOOR, o.CEIL), (f,), f, lat.GENERIC)
+    row((o.FDIV,), (f, f), f, lat.GENERIC)
     return {info.opcode: info for info in rows}
 
 
@@ -175,4 +182,8 @@ CLASS_OF_NAME.update(
 )
 """Latency class of an operation of a foreign DFG, by its name in lower case; others: GENERIC."""
 MEMORY: Final = frozenset({Opcode.LOAD, Opcode.STORE})
+ELEMENTARY: Final = frozenset(
+    {Opcode.EXP, Opcode.EXP2, Opcode.FDIV, Opcode.SQRT, Opcode.FLOOR, Opcode.CEIL}
+)
+"""Operations that `expand_math` replaces."""
 SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.IV})

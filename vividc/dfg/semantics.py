@@ -32,6 +32,7 @@ INT_MAX: Final = 0x7FFFFFFF
 INFINITY: Final = 0x7F800000
 _TWO_31: Final = 2147483648.0
 _EXP_OVERFLOWS: Final = 100.0  # binary32 does from 88.73 on; math.exp would raise above 709.78
+_EXP2_OVERFLOWS: Final = 200.0  # binary32 does from 128 on; math.exp2 would raise at 1024
 
 # Native ("@") packing of `f` is a plain C conversion: it rounds to nearest even and overflows to
 # infinity, where the standard-size formats raise OverflowError.
@@ -313,6 +314,42 @@ def _exp(a: int) -> int:
     return word_of(math.exp(x))
 
 
+def _exp2(a: int) -> int:
+    x = float_of(a)
+    if x > _EXP2_OVERFLOWS:
+        return INFINITY
+    return word_of(math.exp2(x))
+
+
+def _fdiv(a: int, b: int) -> int:
+    x, y = _unpack_floats2(_pack_words2(a, b))
+    if y != 0.0:
+        return word_of(x / y)
+    if x == 0.0 or math.isnan(x):
+        return CANONICAL_NAN
+    return INFINITY | ((a ^ b) & SIGN_BIT)
+
+
+def _sqrt(a: int) -> int:
+    x = float_of(a)
+    return CANONICAL_NAN if x < 0.0 else word_of(math.sqrt(x))
+
+
+def _floor(a: int) -> int:
+    return _integral(a, math.floor)
+
+
+def _ceil(a: int) -> int:
+    return _integral(a, math.ceil)
+
+
+def _integral(a: int, rounding: Callable[[float], int]) -> int:
+    x = float_of(a)
+    if not math.isfinite(x):
+        return word_of(x)
+    return word_of(math.copysign(rounding(x), x))
+
+
 SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.MOV: _mov,
     Opcode.ADD: _add,
@@ -354,6 +391,13 @@ SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.SITOFP: _sitofp,
     Opcode.UITOFP: _uitofp,
     Opcode.FPTOSI: _fptosi,
-    # Correctly rounded wherever binary64's exp is; `expand_math` replaces it by array operations.
+    # `expand_math` replaces the rest by array operations. Quotients and roots survive the double
+    # rounding; the transcendental functions are correctly rounded wherever binary64's are not
+    # within a rounding error of a tie.
     Opcode.EXP: _exp,
+    Opcode.EXP2: _exp2,
+    Opcode.FDIV: _fdiv,
+    Opcode.SQRT: _sqrt,
+    Opcode.FLOOR: _floor,
+    Opcode.CEIL: _ceil,
 }

@@ -206,6 +206,6 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
-    hint = "of the mathematical functions math.exp, abs, min and max are supported"
+    hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)

@@ -165,14 +165,14 @@ def _unsupported(what: str, hint: str) -> Rule:
     return rule
 
 
-_DIVISION = _unsupported("a float division", "multiply by a reciprocal that the host computes")
+_REMAINDER = _unsupported("a float remainder", "subtract math.floor(a / b) * b")
 RULES: dict[str, Rule] = {
     "fadd": _arithmetic(Opcode.FADD),
     "fsub": _arithmetic(Opcode.FSUB),
     "fmul": _arithmetic(Opcode.FMUL),
     "fneg": _direct(Opcode.FNEG),
-    "fdiv": _DIVISION,
-    "frem": _DIVISION,
+    "fdiv": _arithmetic(Opcode.FDIV),
+    "frem": _REMAINDER,
     "fcmp": _compare,
     "sitofp": _from_int,
     "uitofp": _from_int,
@@ -190,3 +190,12 @@ CALLS: dict[str, Rule] = {
     "exp": _arithmetic(Opcode.EXP),
     "copysign": _copysign,
 }
+_LIBRARY = {
+    "exp2": Opcode.EXP2,
+    "sqrt": Opcode.SQRT,
+    "floor": Opcode.FLOOR,
+    "ceil": Opcode.CEIL,
+}
+for _name, _opcode in _LIBRARY.items():
+    # The intrinsic or C's function for doubles, and C's for floats: numba emits either.
+    CALLS[_name] = CALLS[f"{_name}f"] = _arithmetic(_opcode)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import PRED, Opcode, Type
+from vividc.dfg.opcodes import ELEMENTARY, PRED, Opcode, Type
 from vividc.dfg.passes.compare import INVERSES, is_comparison
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
 from vividc.dfg.semantics import SEMANTICS
@@ -53,7 +53,7 @@ def _guarded(rewrite: Rewrite, value: Value, kept: Value, *, copies: bool) -> No
         return None
     if rewrite.predicated(source.id) or (len(rewrite.uses(source.id)) != 1 and not copies):
         return None
-    if source.info.result is Type.PRED or source.op is Opcode.EXP:
+    if source.info.result is Type.PRED or source.op in ELEMENTARY:
         return None  # a predicate does not pass a compared operand on
     operands = rewrite.operands(source)
     if operands[-1] == kept:

@@ -1,0 +1,57 @@
+"""What the expansions of elementary functions share: nodes beside the operation they replace."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from vividc.dfg.ir import Node
+from vividc.dfg.opcodes import PRED, Opcode
+from vividc.dfg.passes.rewrite import Rewrite, Value
+
+ONE: Final = 0x3F800000
+SIGN: Final = 0x80000000
+EXPONENT: Final = 0x7F800000  # the exponent field, which is also infinity
+EXPONENT_SHIFT: Final = 23
+SMALLEST_NORMAL: Final = 0x00800000
+# Magnitude - 1 is unsigned less than this unless the number is 0 (wraps), infinite or NaN.
+FINITE_NONZERO: Final = 0x7F7FFFFF
+
+
+class Builder:
+    """Adds operations to a graph, all with the line of the node that they replace."""
+
+    def __init__(self, rewrite: Rewrite, node: Node) -> None:
+        self._rewrite = rewrite
+        self._loc = node.loc
+
+    def op(self, opcode: Opcode, *operands: Value | int, pred: Value | None = None) -> Value:
+        """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last
+        operand passes.
+        """
+        node_id = self._rewrite.add_node(opcode, self._values(operands), self._loc)
+        if pred is not None:
+            self._rewrite.set_operand(node_id, PRED, pred)
+        return Value(node_id)
+
+    def horner(self, coefficients: Sequence[int], x: Value) -> Value:
+        """Polynomial in `x`; coefficients from the highest power (two or more) to the constant."""
+        value = self.op(Opcode.FMA, coefficients[0], x, coefficients[1])
+        for coefficient in coefficients[2:]:
+            value = self.op(Opcode.FMA, value, x, coefficient)
+        return value
+
+    def is_finite_nonzero(self, magnitude: Value) -> Value:
+        """Whether a word is a positive number other than 0 and infinity."""
+        less = self.op(Opcode.SUB, magnitude, 1)
+        return self.op(Opcode.ICMP_ULT, less, FINITE_NONZERO)
+
+    def _values(self, operands: Sequence[Value | int]) -> list[Value]:
+        return [
+            operand if isinstance(operand, Value) else Value(self._rewrite.constant(operand))
+            for operand in operands
+        ]
+
+
+Expansion = Callable[..., Value]
+"""From a builder and the operands to the result, which is a new operation."""

@@ -1,0 +1,36 @@
+"""Rounding to integers in operations of the array: exact."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from vividc.dfg.opcodes import Opcode
+from vividc.dfg.passes.expand_builder import ONE, SIGN, Builder
+from vividc.dfg.passes.rewrite import Value
+
+MINUS_ONE: Final = ONE | SIGN
+ALL_INTEGERS: Final = 0x4B000000  # 2**23: from here on every binary32 is an integer
+
+
+def floor(b: Builder, x: Value) -> Value:
+    """The largest integer not above x, in 10 operations; -0 and infinities stay."""
+    near = _truncated(b, x)
+    return _finish(b, x, b.op(Opcode.FADD, MINUS_ONE, near, pred=b.op(Opcode.FCMP_OLT, x, near)))
+
+
+def ceil(b: Builder, x: Value) -> Value:
+    """The smallest integer not below x, in 10 operations; results in (-1, 0] are -0."""
+    near = _truncated(b, x)
+    return _finish(b, x, b.op(Opcode.FADD, ONE, near, pred=b.op(Opcode.FCMP_OLT, near, x)))
+
+
+def _truncated(b: Builder, x: Value) -> Value:
+    return b.op(Opcode.SITOFP, b.op(Opcode.FPTOSI, x))
+
+
+def _finish(b: Builder, x: Value, integer: Value) -> Value:
+    """`integer` with the sign of x, or x itself where the conversion may have saturated."""
+    fraction = b.op(Opcode.FCMP_OLT, b.op(Opcode.FABS, x), ALL_INTEGERS)
+    with_sign = b.op(Opcode.OR, integer, b.op(Opcode.AND, x, SIGN))
+    # The product is x, and a NaN made canonical.
+    return b.op(Opcode.SELECT, fraction, with_sign, b.op(Opcode.FMUL, x, ONE))
