@@ -16,6 +16,7 @@ from pathlib import Path
 import click
 
 import vividc
+from benchmarks import general
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -33,7 +34,8 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
     start = time.perf_counter()
     result = vividc.simulate(program, *workload.fresh())
     simulate_s = time.perf_counter() - start
-    loop = [region for region in program.regions if region.kind == "loop"][-1]
+    loops = [region for region in program.regions if region.kind == "loop"]
+    loop = (loops or program.regions)[-1]
     bounds = {bound.name: bound.ii for bound in loop.bounds}
     res = max(ii for name, ii in bounds.items() if name != "RecMII")
     lengths = "+".join(str(region.ii) for region in program.regions)
@@ -63,7 +65,7 @@ def main(fabrics: tuple[str, ...], time_limit: float, output: Path | None) -> No
     for fabric in fabrics:
         lines += [f"## {fabric}", "", *HEADER.splitlines()]
         click.echo("\n".join(lines[-3:]))
-        for workload in WORKLOADS:
+        for workload in (*WORKLOADS, *general.WORKLOADS):
             lines.append(row(workload, fabric, time_limit))
             click.echo(lines[-1])
         lines.append("")
