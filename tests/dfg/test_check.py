@@ -62,7 +62,7 @@ HEAD = """%0 = iv
         ("%6 = mov %3 after %0", "iv happens at no time"),
         ('%6 = live_out "%w" %1', "a live-out reads an operation, not const"),
         ('%6 = load "x" %0 base %3', "a base address is a constant or a live-in"),
-        ('%6 = live_out "%v" %3', "2 live_out nodes write %v"),
+        ('%6 = live_out "%v" %4', "2 different words are written to %v"),
         ("%6 = mov %4 exit\n%9 = mov %4 exit", "nodes 6, 9 are all marked exit"),
         ("%6 = mov %3 trip\n%9 = mov %3 trip", "nodes 6, 9 are all marked trip"),
         ("%6 = iv branch", "has no result to mark branch"),
@@ -103,3 +103,8 @@ def test_all_problems_are_listed() -> None:
 def test_a_foreign_memory_operation_may_have_any_operands() -> None:
     text = 'dfg "d"\n%0 = generic "ADD"\n%1 = load\n%2 = store %0, %1, %1\n%3 = generic "M" %2\n'
     assert check(parse(text)) == []
+
+
+def test_a_word_may_go_to_several_homes() -> None:
+    twice = f'dfg "d"\n{HEAD}%7 = live_out "%v" %3\n%8 = live_out "%v" %3\n'
+    assert check(parse(twice)) == []

@@ -7,7 +7,7 @@ foreign file often keeps an address in the node.
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from typing import Final
 
@@ -171,11 +171,15 @@ def _sources_and_bases(dfg: DFG) -> Iterator[str]:
             yield f"{_show(edge)}: a base address is a constant or a live-in"
 
 
-def _variables_are_written_once(dfg: DFG) -> Iterator[str]:
-    writers = Counter(node.name for node in dfg.nodes if node.op is Opcode.LIVE_OUT)
-    for name, count in writers.items():
-        if count > 1:
-            yield f"{count} live_out nodes write {name}"
+def _variables_have_one_word(dfg: DFG) -> Iterator[str]:
+    """Several live-outs of a variable, one for each of its homes, deliver one word."""
+    sources: dict[str, set[int]] = defaultdict(set)
+    for node in dfg.nodes:
+        if node.op is Opcode.LIVE_OUT:
+            sources[node.name] |= {e.src for e in dfg.edges if e.dst == node.id and e.is_data}
+    for name, words in sources.items():
+        if len(words) > 1:
+            yield f"{len(words)} different words are written to {name}"
 
 
 def _control_marks(dfg: DFG) -> Iterator[str]:
@@ -218,7 +222,7 @@ _RULES: Final[tuple[Callable[[DFG], Iterator[str]], ...]] = (
     _distances_and_inits,
     _no_cycle_of_distance_0,
     _sources_and_bases,
-    _variables_are_written_once,
+    _variables_have_one_word,
     _control_marks,
     _control_edges,
 )

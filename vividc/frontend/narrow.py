@@ -58,6 +58,9 @@ def narrow(
     )
 
 
+_BIT_TRICKS = frozenset({"bitreverse", "bswap", "ctpop", "ctlz", "cttz"})
+
+
 class _Narrower:
     """Translates block by block. Results are numbered beforehand: a phi may name a later one."""
 
@@ -206,6 +209,10 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
+    if callee.startswith("llvm.") and _stem(callee) in _BIT_TRICKS:
+        reason = f"code that LLVM recognises as `{_stem(callee)}`, which no FU has"
+        hint = "loop over the bits, with shifts and masks that carry a value from one to the next"
+        return KernelError(reason, loc=op.loc, hint=hint)
     hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)
