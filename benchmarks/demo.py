@@ -7,7 +7,6 @@ options.
 
 from __future__ import annotations
 
-import importlib.util
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from rich.progress import track
 from rich.table import Table
 
 import vividc
+from benchmarks.workloads import WORKLOADS
 from vividc.cli.program_report import print_regions
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import Opcode
@@ -58,18 +58,6 @@ class ArrayRun:
     seconds: float
     worst_difference: float
     outside_tolerance: int
-
-
-def load_kernel() -> vividc.KernelFunction:
-    """The blending kernel from `kernels/gs_blend.py`."""
-    spec = importlib.util.spec_from_file_location("gs_blend", ROOT / "kernels" / "gs_blend.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    kernel = module.gs_blend
-    assert isinstance(kernel, vividc.KernelFunction)
-    return kernel
 
 
 def run_on_array(
@@ -145,7 +133,7 @@ def main(fabric: str, corner: tuple[int, int, int, int], time_limit: float, outp
     numpy.
     """
     console = Console()
-    kernel = load_kernel()
+    kernel = next(w for w in WORKLOADS if w.name == "gs_blend").kernel()
     console.print(f"compiling kernels/gs_blend.py for {fabric} ...")
     start = time.perf_counter()
     program = vividc.compile(kernel, fabric=fabric, time_limit_s=time_limit)

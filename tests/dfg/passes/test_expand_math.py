@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.dfg.passes.vectorised import fma
 from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret_region
 from vividc.dfg.ir import DFG
@@ -42,20 +43,6 @@ def expanded(words: np.ndarray) -> np.ndarray:
     dfg = expand_math(parse(GRAPH))
     interpret_region(dfg, "loop", len(words), {"&x": 0}, memory)
     return memory
-
-
-def fma(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """binary32 fma: exact product, sum rounded to odd in binary64, then rounded once."""
-    product = a.astype(np.float64) * b.astype(np.float64)
-    addend = np.broadcast_to(np.asarray(c, np.float32), product.shape).astype(np.float64)
-    total = product + addend
-    virtual = total - product
-    error = (product - (total - virtual)) + (addend - virtual)
-    bits = total.view(np.int64)
-    away = np.where((error > 0) == (total > 0), 1, -1)
-    inexact = (error != 0) & np.isfinite(error) & (bits & 1 == 0)
-    odd = np.where(inexact, bits + away, bits).view(np.float64)
-    return odd.astype(np.float32)
 
 
 def twin(words: np.ndarray) -> np.ndarray:
