@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ELEMENTARY, OPCODES, ORDER, PRED, Opcode, Type
-from vividc.dfg.semantics import SEMANTICS, word_of
+from vividc.dfg.semantics import SEMANTICS
+from vividc.dfg.words import word_of
 from vividc.errors import SourceLoc
 
 ARRAY_WORDS = 16

@@ -9,15 +9,8 @@ import numpy as np
 import pytest
 
 from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
-from vividc.dfg.semantics import (
-    CANONICAL_NAN,
-    SEMANTICS,
-    evaluate,
-    evaluate_predicated,
-    float_of,
-    signed,
-    word_of,
-)
+from vividc.dfg.semantics import SEMANTICS, evaluate, evaluate_predicated
+from vividc.dfg.words import CANONICAL_NAN, float_of, signed, word_of
 from vividc.errors import InternalError
 
 SAMPLES = 4000

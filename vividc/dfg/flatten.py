@@ -10,7 +10,8 @@ from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.opcodes import BASE, PRED, Opcode
 from vividc.dfg.order import evaluation_order
-from vividc.dfg.semantics import SEMANTICS, WORD_MASK, signed
+from vividc.dfg.semantics import SEMANTICS
+from vividc.dfg.words import WORD_MASK, signed
 from vividc.errors import DFGError, SimulationError
 
 Step = Callable[[list[int], "memoryview[int]"], None]

@@ -21,7 +21,7 @@ from typing import Final
 
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
-from vividc.dfg.semantics import WORD_MASK, word_of
+from vividc.dfg.words import WORD_MASK, word_of
 
 _WIDTHS: Final = ("", "b", "h", "w")
 _LOADS: Final = {"ld", *(f"{o}load{w}" for o in ("", "o") for w in _WIDTHS)}

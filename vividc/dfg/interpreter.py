@@ -17,7 +17,7 @@ import numpy.typing as npt
 from vividc.dfg.flatten import Executable, compile_dfg
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region, is_variable
-from vividc.dfg.semantics import WORD_MASK, signed
+from vividc.dfg.words import WORD_MASK, signed
 from vividc.errors import ArgumentError, DFGError, SimulationError, SourceLoc
 
 DEFAULT_ITERATION_LIMIT: Final = 50_000_000

@@ -57,6 +57,8 @@ class Opcode(Enum):
     ADD = "add"
     SUB = "sub"
     MUL = "mul"
+    MULHS = "mulhs"  # high word of the signed product
+    MULHU = "mulhu"
     AND = "and"
     OR = "or"
     XOR = "xor"
@@ -103,6 +105,15 @@ class Opcode(Enum):
     SQRT = "sqrt"
     FLOOR = "floor"
     CEIL = "ceil"
+    SDIV = "sdiv"
+    UDIV = "udiv"
+    SREM = "srem"
+    UREM = "urem"
+    CTPOP = "ctpop"
+    CTLZ = "ctlz"
+    CTTZ = "cttz"
+    BSWAP = "bswap"
+    BITREVERSE = "bitreverse"
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +157,7 @@ def _table() -> dict[Opcode, OpInfo]:
     row((o.ADD, o.AND, o.OR, o.XOR), (i, i), i, lat.INT, commutes=True)
     row((o.SMIN, o.SMAX), (i, i), i, lat.INT, commutes=True)
     row((o.SUB, o.SHL, o.LSHR, o.ASHR), (i, i), i, lat.INT)
-    row((o.MUL,), (i, i), i, lat.IMUL, commutes=True)
+    row((o.MUL, o.MULHS, o.MULHU), (i, i), i, lat.IMUL, commutes=True)
     row((o.ICMP_EQ, o.ICMP_NE), (i, i), p, lat.COMPARE, commutes=True)
     row((o.ICMP_SLT, o.ICMP_SLE, o.ICMP_ULT, o.ICMP_ULE), (i, i), p, lat.COMPARE)
     row((o.SELECT,), (p, x, x), x, lat.SELECT)
@@ -166,6 +177,8 @@ def _table() -> dict[Opcode, OpInfo]:
     row((o.GENERIC,), (), x, lat.GENERIC)
     row((o.EXP, o.EXP2, o.SQRT, o.FLOOR, o.CEIL), (f,), f, lat.GENERIC)
     row((o.FDIV,), (f, f), f, lat.GENERIC)
+    row((o.SDIV, o.UDIV, o.SREM, o.UREM), (i, i), i, lat.GENERIC)
+    row((o.CTPOP, o.CTLZ, o.CTTZ, o.BSWAP, o.BITREVERSE), (i,), i, lat.GENERIC)
     return {info.opcode: info for info in rows}
 
 
@@ -183,7 +196,9 @@ CLASS_OF_NAME.update(
 """Latency class of an operation of a foreign DFG, by its name in lower case; others: GENERIC."""
 MEMORY: Final = frozenset({Opcode.LOAD, Opcode.STORE})
 ELEMENTARY: Final = frozenset(
-    {Opcode.EXP, Opcode.EXP2, Opcode.FDIV, Opcode.SQRT, Opcode.FLOOR, Opcode.CEIL}
+    info.opcode
+    for info in OPCODES.values()
+    if info.latency_class is LatencyClass.GENERIC and info.opcode is not Opcode.GENERIC
 )
 """Operations that `expand_math` replaces."""
 SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.IV})

@@ -22,51 +22,31 @@ from collections.abc import Callable, Sequence
 from struct import Struct
 from typing import Final
 
+from vividc.dfg.elementary import ELEMENTARY_SEMANTICS
 from vividc.dfg.opcodes import Opcode
+from vividc.dfg.words import (
+    CANONICAL_NAN,
+    INFINITY,
+    INT_MAX,
+    SIGN_BIT,
+    WORD_MASK,
+    float_of,
+    signed,
+    word_of,
+)
 from vividc.errors import InternalError
 
-WORD_MASK: Final = 0xFFFFFFFF
-SIGN_BIT: Final = 0x80000000
-CANONICAL_NAN: Final = 0x7FC00000
-INT_MAX: Final = 0x7FFFFFFF
-INFINITY: Final = 0x7F800000
 _TWO_31: Final = 2147483648.0
-_EXP_OVERFLOWS: Final = 100.0  # binary32 does from 88.73 on; math.exp would raise above 709.78
-_EXP2_OVERFLOWS: Final = 200.0  # binary32 does from 128 on; math.exp2 would raise at 1024
 
-# Native ("@") packing of `f` is a plain C conversion: it rounds to nearest even and overflows to
-# infinity, where the standard-size formats raise OverflowError.
-_pack_words1 = Struct("@I").pack
+# Native ("@") packing is a plain C conversion.
 _pack_words2 = Struct("@II").pack
 _pack_words3 = Struct("@III").pack
-_unpack_word = Struct("@I").unpack
-_pack_float = Struct("@f").pack
-_unpack_floats1 = Struct("@f").unpack
 _unpack_floats2 = Struct("@ff").unpack
 _unpack_floats3 = Struct("@fff").unpack
 _pack_double = Struct("@d").pack
 _unpack_double = Struct("@d").unpack
 _pack_bits = Struct("@q").pack
 _unpack_bits = Struct("@q").unpack
-
-
-def float_of(word: int) -> float:
-    """Value of the binary32 number with these bits, as a Python float."""
-    value: float = _unpack_floats1(_pack_words1(word))[0]
-    return value
-
-
-def word_of(value: float) -> int:
-    """Bits of `value` rounded to binary32 (nearest even, overflow to infinity, NaN canonical)."""
-    if value != value:  # noqa: PLR0124 - the NaN test, cheaper than math.isnan
-        return CANONICAL_NAN
-    word: int = _unpack_word(_pack_float(value))[0]
-    return word
-
-
-def signed(word: int) -> int:
-    """Two's complement value of a word."""
-    return word - ((word & SIGN_BIT) << 1)
 
 
 def evaluate(op: Opcode, operands: Sequence[int]) -> int:
@@ -109,6 +89,14 @@ def _sub(a: int, b: int) -> int:
 
 def _mul(a: int, b: int) -> int:
     return (a * b) & WORD_MASK
+
+
+def _mulhs(a: int, b: int) -> int:
+    return (signed(a) * signed(b) >> 32) & WORD_MASK
+
+
+def _mulhu(a: int, b: int) -> int:
+    return a * b >> 32
 
 
 def _and(a: int, b: int) -> int:
@@ -307,54 +295,13 @@ def _fptosi(a: int) -> int:
     return SIGN_BIT if x < 0.0 else INT_MAX
 
 
-def _exp(a: int) -> int:
-    x = float_of(a)
-    if x > _EXP_OVERFLOWS:
-        return INFINITY
-    return word_of(math.exp(x))
-
-
-def _exp2(a: int) -> int:
-    x = float_of(a)
-    if x > _EXP2_OVERFLOWS:
-        return INFINITY
-    return word_of(math.exp2(x))
-
-
-def _fdiv(a: int, b: int) -> int:
-    x, y = _unpack_floats2(_pack_words2(a, b))
-    if y != 0.0:
-        return word_of(x / y)
-    if x == 0.0 or math.isnan(x):
-        return CANONICAL_NAN
-    return INFINITY | ((a ^ b) & SIGN_BIT)
-
-
-def _sqrt(a: int) -> int:
-    x = float_of(a)
-    return CANONICAL_NAN if x < 0.0 else word_of(math.sqrt(x))
-
-
-def _floor(a: int) -> int:
-    return _integral(a, math.floor)
-
-
-def _ceil(a: int) -> int:
-    return _integral(a, math.ceil)
-
-
-def _integral(a: int, rounding: Callable[[float], int]) -> int:
-    x = float_of(a)
-    if not math.isfinite(x):
-        return word_of(x)
-    return word_of(math.copysign(rounding(x), x))
-
-
 SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.MOV: _mov,
     Opcode.ADD: _add,
     Opcode.SUB: _sub,
     Opcode.MUL: _mul,
+    Opcode.MULHS: _mulhs,
+    Opcode.MULHU: _mulhu,
     Opcode.AND: _and,
     Opcode.OR: _or,
     Opcode.XOR: _xor,
@@ -391,13 +338,5 @@ SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.SITOFP: _sitofp,
     Opcode.UITOFP: _uitofp,
     Opcode.FPTOSI: _fptosi,
-    # `expand_math` replaces the rest by array operations. Quotients and roots survive the double
-    # rounding; the transcendental functions are correctly rounded wherever binary64's are not
-    # within a rounding error of a tie.
-    Opcode.EXP: _exp,
-    Opcode.EXP2: _exp2,
-    Opcode.FDIV: _fdiv,
-    Opcode.SQRT: _sqrt,
-    Opcode.FLOOR: _floor,
-    Opcode.CEIL: _ceil,
+    **ELEMENTARY_SEMANTICS,
 }

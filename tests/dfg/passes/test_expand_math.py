@@ -22,8 +22,8 @@ from vividc.dfg.passes.expand_math import (
     ROUNDING_MAGIC,
     SMALLEST_ARGUMENT,
 )
-from vividc.dfg.semantics import float_of
 from vividc.dfg.text import parse
+from vividc.dfg.words import float_of
 
 GRAPH = """dfg "exp"
 %0 = iv

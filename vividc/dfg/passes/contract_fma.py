@@ -5,7 +5,7 @@ from __future__ import annotations
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.dfg.semantics import SIGN_BIT
+from vividc.dfg.words import SIGN_BIT
 
 
 def contract_fma(dfg: DFG) -> DFG:

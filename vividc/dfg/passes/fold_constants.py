@@ -10,7 +10,8 @@ from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes.identities import IDENTITIES
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.dfg.semantics import SEMANTICS, signed
+from vividc.dfg.semantics import SEMANTICS
+from vividc.dfg.words import signed
 
 _WORD_BITS: Final = 32
 _OFFSET_LIMIT: Final = 1 << 15  # what an immediate field of a load/store unit can hold

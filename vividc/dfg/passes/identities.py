@@ -12,7 +12,8 @@ from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import OPCODES, Opcode, Type
 from vividc.dfg.passes.compare import INVERSES, is_comparison
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation
-from vividc.dfg.semantics import INFINITY, INT_MAX, SEMANTICS, SIGN_BIT, WORD_MASK
+from vividc.dfg.semantics import SEMANTICS
+from vividc.dfg.words import INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
 
 Identity = Callable[[Rewrite, Node], bool]
 

@@ -8,7 +8,8 @@ from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.compare import is_comparison
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.dfg.semantics import CANONICAL_NAN, INFINITY, INT_MAX, SEMANTICS, SIGN_BIT, WORD_MASK
+from vividc.dfg.semantics import SEMANTICS
+from vividc.dfg.words import CANONICAL_NAN, INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
 
 _SIGNED_COMPARISONS: Final = (Opcode.ICMP_SLT, Opcode.ICMP_SLE)
 

@@ -1,0 +1,38 @@
+"""Machine words: 32 bits as an integer 0 .. 2**32-1, read as signed, as binary32, or as bits."""
+
+from __future__ import annotations
+
+from struct import Struct
+from typing import Final
+
+WORD_MASK: Final = 0xFFFFFFFF
+SIGN_BIT: Final = 0x80000000
+CANONICAL_NAN: Final = 0x7FC00000
+INT_MAX: Final = 0x7FFFFFFF
+INFINITY: Final = 0x7F800000
+
+# Native ("@") packing of `f` is a plain C conversion: it rounds to nearest even and overflows to
+# infinity, where the standard-size formats raise OverflowError.
+_pack_word = Struct("@I").pack
+_unpack_word = Struct("@I").unpack
+_pack_float = Struct("@f").pack
+_unpack_float = Struct("@f").unpack
+
+
+def float_of(word: int) -> float:
+    """Value of the binary32 number with these bits, as a Python float."""
+    value: float = _unpack_float(_pack_word(word))[0]
+    return value
+
+
+def word_of(value: float) -> int:
+    """Bits of `value` rounded to binary32 (nearest even, overflow to infinity, NaN canonical)."""
+    if value != value:  # noqa: PLR0124 - the NaN test, cheaper than math.isnan
+        return CANONICAL_NAN
+    word: int = _unpack_word(_pack_float(value))[0]
+    return word
+
+
+def signed(word: int) -> int:
+    """Two's complement value of a word."""
+    return word - ((word & SIGN_BIT) << 1)
