@@ -19,6 +19,7 @@ from vividc.mapper.cpsat import (
 )
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
+from vividc.mapper.negotiate import negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
@@ -33,6 +34,7 @@ _SCHEDULE_S_PER_NODE = 0.02
 _ROUTE_S = 2.0
 _ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
+_LARGE = 64
 _KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
 """(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
@@ -84,6 +86,9 @@ def map_decoupled(
                 break
             continue
         seen.append(start)
+        found = _negotiated(task, ii, start, request, deadline, seed)
+        if found.mapping is not None:
+            return found
         slack = seed // _WIDEN_AFTER % 2
         request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
         budget_s = _ROUTE_S + len(task.dfg.placed) * _ROUTE_S_PER_NODE
@@ -93,6 +98,33 @@ def map_decoupled(
         if attempt.mapping is not None:
             return attempt
     return OPEN
+
+
+def map_roughly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
+    """One schedule, placed and routed by negotiation only: some mapping of a large graph, soon."""
+    start = _schedule(task, ii, request, deadline, 1)
+    if start is None:
+        return OPEN
+    return _negotiated(task, ii, start, request, deadline, 1)
+
+
+def _negotiated(
+    task: MapProblem,
+    ii: int,
+    start: dict[int, int],
+    request: MapRequest,
+    deadline: Deadline,
+    seed: int,
+) -> Attempt:
+    if not is_large(task):
+        return OPEN
+    request.tell(f"II {ii}: annealing places, negotiating routes")
+    return Attempt(mapping=negotiate(task, ii, start, seed, deadline))
+
+
+def is_large(task: MapProblem) -> bool:
+    """Whether placing and routing by constraints takes longer than by negotiation."""
+    return len(task.dfg.placed) >= _LARGE
 
 
 def refute_by_folding(

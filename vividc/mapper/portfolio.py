@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -9,14 +10,16 @@ from dataclasses import dataclass, field
 from vividc.mapper.attempt import (
     OPEN,
     Attempt,
+    is_large,
     map_decoupled,
     map_jointly,
+    map_roughly,
     refute_by_folding,
     refute_cheaply,
 )
 from vividc.mapper.bounds import all_bounds, mii, no_ii
-from vividc.mapper.cpsat.problem import hop_distances
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.distances import hop_distances
 from vividc.mapper.mapping import Bound, Mapping, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
@@ -28,6 +31,8 @@ _FIRST_SHARE = 0.5
 _CLIMB_SHARE = 0.2
 _CLIMB_LEAST_S = 2.0
 _WORTH_TRYING_S = 0.3
+_FOOTHOLDS = (1.35, 1.75, 2.5)
+_FOOTHOLD_SHARE = 0.3
 
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
@@ -103,6 +108,8 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     if request.ii is not None:
         impossible = _only(campaign, request.ii)
         return _result(campaign, bounds, name, began, infeasible=impossible)
+    if is_large(problem):
+        _gain_foothold(campaign)
     _climb(campaign)
     _descend(campaign)
     exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
@@ -142,13 +149,28 @@ def _refute_below(campaign: _Campaign, ii: int) -> None:
         campaign.lower += 1
 
 
+def _gain_foothold(campaign: _Campaign) -> None:
+    """A mapping of a large graph well above the MII, so that there is one when time runs out."""
+    request, total_s = campaign.request, campaign.request.deadline.remaining_s
+    limit = ii_limit(campaign.problem)
+    for factor in _FOOTHOLDS:
+        ii = min(math.ceil(factor * campaign.lower), limit)
+        share = request.deadline.within(max(_CLIMB_LEAST_S, _FOOTHOLD_SHARE * total_s))
+        attempt = map_roughly(campaign.problem, ii, request, share)
+        if attempt.mapping is not None:
+            request.tell(f"II {ii}: mapped")
+            campaign.best = attempt.mapping
+            return
+
+
 def _climb(campaign: _Campaign) -> None:
     """Upward from the MII with a share of the time each; steps grow after failures, so that
     something is found.
     """
     deadline = campaign.request.deadline
     total_s = deadline.remaining_s
-    limit = ii_limit(campaign.problem)
+    best = campaign.best
+    limit = ii_limit(campaign.problem) if best is None else best.ii - 1
     ii, failures = campaign.lower, 0
     while ii <= limit and not deadline.passed:
         share = _CLIMB_SHARE if failures else _FIRST_SHARE

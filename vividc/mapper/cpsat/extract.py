@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from ortools.sat.python.cp_model import IntVar
 
 from vividc.mapper.cpsat.problem import NodeAt, Prepared
-from vividc.mapper.cpsat.registers import Stay, allocate, conflict
 from vividc.mapper.cpsat.variables import Variables
 from vividc.mapper.mapping import Mapping as ModuloMapping
 from vividc.mapper.mapping import Place, Step
+from vividc.mapper.registers import Stay, allocate, conflict
 
 Holds = Callable[[IntVar], bool]
 

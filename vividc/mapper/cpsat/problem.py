@@ -10,7 +10,6 @@ lifetime, and its infeasibility refutes the II.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,9 +19,8 @@ from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import Opcode
 from vividc.mapper.bounds import usable_pes
 from vividc.mapper.dependences import Dependence, dependences, earliest_starts, longest_tails
+from vividc.mapper.distances import hop_distances
 from vividc.mapper.problem import MapProblem
-
-_FAR = 1 << 20
 
 NodeAt = tuple[int, int, int]
 """(node, PE, time): also a word by its producer, a PE and a time."""
@@ -243,24 +241,6 @@ def complete_slack(task: MapProblem, ii: int) -> int:
     length += sum(edge.separation + ii for edge in edges if not edge.routed)
     length += ii * len(task.dfg.placed)
     return min(length, ii * fabric.controller.max_stages)
-
-
-def hop_distances(fabric: Fabric) -> tuple[tuple[int, ...], ...]:
-    """Links on a shortest way from each PE to each other; `_FAR` if there is none."""
-    return tuple(_hops_from(fabric, pe.id) for pe in fabric.pes)
-
-
-def _hops_from(fabric: Fabric, origin: int) -> tuple[int, ...]:
-    hops = [_FAR] * len(fabric.pes)
-    hops[origin] = 0
-    queue = deque([origin])
-    while queue:
-        pe = queue.popleft()
-        for link in fabric.links_from[pe]:
-            if hops[link.dst] == _FAR:
-                hops[link.dst] = hops[pe] + 1
-                queue.append(link.dst)
-    return tuple(hops)
 
 
 def is_live_out(node: Node) -> bool:

@@ -1,0 +1,29 @@
+"""Hop distances between the PEs of a fabric."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final
+
+from vividc.arch.fabric import Fabric
+
+FAR: Final = 1 << 20
+"""Distance to a PE that no links lead to."""
+
+
+def hop_distances(fabric: Fabric) -> tuple[tuple[int, ...], ...]:
+    """Links on a shortest way from each PE to each other; `FAR` if there is none."""
+    return tuple(_hops_from(fabric, pe.id) for pe in fabric.pes)
+
+
+def _hops_from(fabric: Fabric, origin: int) -> tuple[int, ...]:
+    hops = [FAR] * len(fabric.pes)
+    hops[origin] = 0
+    queue = deque([origin])
+    while queue:
+        pe = queue.popleft()
+        for link in fabric.links_from[pe]:
+            if hops[link.dst] == FAR:
+                hops[link.dst] = hops[pe] + 1
+                queue.append(link.dst)
+    return tuple(hops)
