@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from vividc.errors import InternalError, SourceLoc
 from vividc.frontend.llvm_tokens import CASTS, Cursor, bare
@@ -50,7 +51,7 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
     header, *lines = text[start:end].splitlines()
     _, after_name = header.split(name, 1)
     params = tuple(_params(Cursor(after_name[after_name.index("(") + 1 :])))
-    locations = _Locations(text, file)
+    locations = Locations(text, file)
     blocks = tuple(_blocks(lines, locations))
     returns = header.split("@")[0].replace("define", "").split()[-1]
     return WideFunction(params, blocks, returns)
@@ -73,7 +74,7 @@ def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
         cursor.accept(",")
 
 
-class _Locations:
+class Locations:
     """Source lines of `!dbg` attachments."""
 
     def __init__(self, text: str, file: str) -> None:
@@ -90,6 +91,13 @@ class _Locations:
         chain = list(self._chain(match[1]))
         own = [loc for loc in chain if loc.file == self._file]
         return own[0] if own else next(iter(chain), None)
+
+    def definition(self, scope: str) -> SourceLoc | None:
+        """Where the function of a `DISubprogram` is defined."""
+        _, fields = self._nodes.get(scope, ("", {}))
+        if "line" not in fields:
+            return None
+        return SourceLoc(self._file_of(scope), int(fields["line"]))
 
     def _chain(self, node: str) -> Iterator[SourceLoc]:
         while node in self._nodes:
@@ -110,7 +118,7 @@ class _Locations:
         return os.path.abspath(name if inside else f"{directory}/{name}")
 
 
-def _blocks(lines: list[str], locations: _Locations) -> Iterator[WideBlock]:
+def _blocks(lines: list[str], locations: Locations) -> Iterator[WideBlock]:
     name = ""
     phis: list[WidePhi] = []
     ops: list[Op] = []
@@ -153,9 +161,10 @@ def _instruction(line: str, loc: SourceLoc | None) -> Op | WidePhi | Exit:
         cursor.expect("=")
     cursor.skip_flags()
     opcode = cursor.take()
-    cursor.skip_flags()
+    flags = cursor.skip_flags()
     reader = _READERS.get(opcode, _read_other)
-    return reader(cursor, name, opcode, loc)
+    item = reader(cursor, name, opcode, loc)
+    return replace(item, flags=flags) if flags and isinstance(item, Op) else item
 
 
 def _read_phi(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> WidePhi:

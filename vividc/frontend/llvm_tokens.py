@@ -97,10 +97,13 @@ class Cursor:
         if not self.accept(token):
             raise InternalError(f"cannot read LLVM's text: {self.text.strip()}")
 
-    def skip_flags(self) -> None:
+    def skip_flags(self) -> frozenset[str]:
+        """Flags of an instruction, which are returned without their arguments."""
+        flags = set()
         while self.peek in _FLAGS:
-            self.position += 1
+            flags.add(self.take())
             self.skip_parentheses()
+        return frozenset(flags)
 
     def skip_parentheses(self) -> None:
         if self.accept("("):
