@@ -43,7 +43,9 @@ MISMATCH: Final = 5
     metavar="OUT.npz",
     help="Write the arrays after the run, and the returned value as `return`.",
 )
-@click.option("--check", is_flag=True, help="Run the kernel on the host (numba, or LLVM for C), and compare.")
+@click.option(
+    "--check", is_flag=True, help="Run the kernel on the host (numba, or LLVM for C), and compare."
+)
 @click.option(
     "--kernel",
     metavar="FILE[:KERNEL]",

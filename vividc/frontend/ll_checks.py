@@ -5,13 +5,21 @@ message each, with its line.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.ll_source import Body, without_strings
 
-Locate = Callable[[str], SourceLoc | None]
+
+class Locate(Protocol):
+    """Source lines: of an instruction's text, and of a function's `define` line."""
+
+    def __call__(self, line: str) -> SourceLoc | None: ...
+
+    def definition(self, header: str) -> SourceLoc | None: ...
+
 
 _NAMES = re.compile(r'[%@](?:"[^"]*"|[-\w$.]+)')
 _CALLEE = re.compile(r'([%@])(?:"([^"]*)"|([-\w$.]+))\(')
@@ -94,7 +102,8 @@ def check_body(body: Body, locate: Locate) -> None:
     """
     header, *lines = body.lines
     if "..." in without_strings(header):
-        raise _refused("variable arguments", "pass an array and its length", header, locate)
+        hint = "pass an array and its length"
+        raise KernelError("variable arguments", loc=locate.definition(header), hint=hint)
     for line in (header, *lines):
         _check_line(line, locate)
 

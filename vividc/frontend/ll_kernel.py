@@ -19,7 +19,6 @@ from vividc.frontend.ll_lower import CModule, declare, lower_c
 from vividc.frontend.ll_source import bodies, located_module, read_ll
 
 
-
 class LLKernel:
     """A C function of a `.ll` file. `vividc.compile` takes it like a kernel in Python; calling it
     runs it on the host, compiled by LLVM from the same file.
@@ -172,4 +171,3 @@ def _check(param: Param, value: object) -> None:
         reason = f"expected a C-contiguous {param.dtype.value} array"
         hint = f"pass np.ascontiguousarray({param.name}, np.{param.dtype.value})"
         raise ArgumentError(reason, loc=where, hint=hint)
-

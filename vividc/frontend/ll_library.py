@@ -1,5 +1,5 @@
-"""C's block operations as loops over words, in LLVM IR: what clang makes of a loop that clears or
-copies an array.
+"""C's library in LLVM IR: block operations as loops over words (what clang makes of a loop that clears
+or copies an array), and `math.h`.
 
 A call that this cannot run as words stays behind after inlining under a name that says why, and is
 refused with its line.
@@ -16,6 +16,15 @@ BELOW = ANY
 PARTIAL = "vividc.partial "
 """Prefix of calls that are left if a block is not shown to consist of whole words."""
 
+_MATH = {
+    **{name: name for name in ("exp", "exp2", "log", "log2", "log10", "sqrt", "pow", "fma")},
+    **{name: name for name in ("sin", "cos", "tan", "asin", "acos", "atan", "atan2")},
+    **{name: name for name in ("sinh", "cosh", "tanh", "floor", "ceil", "trunc", "round")},
+    **{name: name for name in ("rint", "nearbyint", "fabs", "copysign")},
+    "fmin": "minnum",
+    "fmax": "maxnum",
+}
+"""C's functions and LLVM's, which are those without `errno`."""
 _CALL = re.compile(r"@(llvm\.(memset|memcpy|memmove)(?:\.inline)?\.p0(?:\.p0)?\.i(?:32|64))\(")
 
 _HEAD = """
@@ -134,6 +143,22 @@ def with_block_operations(text: str) -> tuple[str, str]:
 def _narrow_length(text: str) -> str:
     """The same function for a length of 32 bits."""
     text = text.replace("i64 %bytes, i1 %volatile", "i32 %size, i1 %volatile")
-    return text.replace(
-        "  %rest = ", "  %bytes = zext i32 %size to i64\n  %rest = ", 1
-    )
+    return text.replace("  %rest = ", "  %bytes = zext i32 %size to i64\n  %rest = ", 1)
+
+
+def with_intrinsics(text: str) -> str:
+    """The module with LLVM's functions instead of those of C's `math.h`."""
+    defined = re.findall(r"^declare .*@(\w+)\(([^)]*)\)", text, re.MULTILINE)
+    for name, params in defined:
+        single = name.endswith("f") and name.removesuffix("f") in _MATH
+        intrinsic = _MATH.get(name.removesuffix("f") if single else name)
+        if intrinsic is None:
+            continue
+        kind, suffix = ("float", "f32") if single else ("double", "f64")
+        callee = f"llvm.{intrinsic}.{suffix}"
+        types = ", ".join([kind] * (params.count(",") + 1))
+        text = re.sub(rf"^declare .*@{name}\(.*$", "", text, flags=re.MULTILINE)
+        text = text.replace(f"@{name}(", f"@{callee}(")
+        if not re.search(rf"^declare .*@{re.escape(callee)}\(", text, re.MULTILINE):
+            text += f"\ndeclare {kind} @{callee}({types})\n"
+    return text

@@ -13,7 +13,7 @@ from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend.ll_checks import check_body, reachable, refuse_recursion
 from vividc.frontend.ll_debug import declared
 from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
-from vividc.frontend.ll_library import BELOW, PARTIAL, with_block_operations
+from vividc.frontend.ll_library import BELOW, PARTIAL, with_block_operations, with_intrinsics
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
 from vividc.frontend.llvm_text import Locations, read_function
@@ -32,6 +32,10 @@ _PARAMETERS = frozenset(["ptr", "i1", "i8", "i16", "i32", "i64", "float", "doubl
 _TYPES_HINT = "a kernel takes and returns float, int32_t, uint32_t, int64_t, bool and pointers"
 _IN_C = (
     ("math.exp, exp2, sqrt, floor, ceil, and abs, min, max", "expf, exp2f, sqrtf, floorf, ceilf"),
+    (
+        "only scalar globals are constants of a kernel",
+        "clang makes one of a switch without -fno-jump-tables",
+    ),
     ("; a range with a step: range(0, min(n, len(x)), 2)", ""),
     ("write np.float32(...) around constants", "write constants as 1.0f, and float for double"),
     ("write np.int32(...) around the float", "convert to int32_t"),
@@ -164,7 +168,7 @@ def _function(text: str, body: Body, file: str) -> CFunction:
         for name, (_, type_), dtype in zip(names, types, dtypes, strict=True)
     )
     returns = str(function.global_value_type).partition(" ")[0]
-    loc = _defined_at(text, body, file)
+    loc = Locations(text, file).definition(header) or SourceLoc(file, body.first)
     for param in params:
         if param.type not in _PARAMETERS:
             reason = f"parameter {param.name} has type {param.type}, which the array cannot hold"
@@ -176,20 +180,13 @@ def _function(text: str, body: Body, file: str) -> CFunction:
     return CFunction(body.name, params, returns, dtype, signed, loc)
 
 
-def _defined_at(text: str, body: Body, file: str) -> SourceLoc:
-    scope = re.search(r"!dbg (!\d+)", body.lines[0])
-    found = Locations(text, file).definition(scope[1]) if scope else None
-    return found or SourceLoc(file, body.first)
-
-
 def _read(text: str, function: CFunction) -> WideFunction:
-    module, library = with_block_operations(text)
+    module, library = with_block_operations(with_intrinsics(text))
     parts = [module, library] if library else [module]
     optimised = _HINTS.sub("", linked_ir(entry_text(function), parts))
     wide = read_function(optimised, ENTRY, function.loc.file)
     blocks = tuple(
-        replace(block, ops=tuple(_block_operation(op) for op in block.ops))
-        for block in wide.blocks
+        replace(block, ops=tuple(_block_operation(op) for op in block.ops)) for block in wide.blocks
     )
     return unrotate(prepared(replace(wide, blocks=blocks)))
 

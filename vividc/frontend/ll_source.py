@@ -17,7 +17,9 @@ from vividc.errors import KernelError, SourceLoc
 _FORM = "write it with `clang -O1 -g -emit-llvm -S file.c -o file.ll`"
 _BITCODE = (b"BC\xc0\xde", b"\xde\xc0\x17\x0b")
 _DEFINE = re.compile(r'^define\b.*?@(?:"(?P<quoted>[^"]*)"|(?P<name>[-\w.$]+))\(')
-_IR = re.compile(r"^(?:(?:define|declare|target|source_filename|attributes)\b|[@%!]\S+ =)", re.MULTILINE)
+_IR = re.compile(
+    r"^(?:(?:define|declare|target|source_filename|attributes)\b|[@%!]\S+ =)", re.MULTILINE
+)
 _TYPED = re.compile(r"(?:\bi\d+|\bfloat|\bdouble|\bvoid|[\])}>]|%[\w.]+)\*+(?=[\s,)])")
 _TYPED_LINES = ("define", "declare", "load", "store", "getelementptr", "call")
 _IDENT = re.compile(r'!\{!"([^"]*version[^"]*)"\}')

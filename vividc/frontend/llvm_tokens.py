@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
@@ -67,9 +68,10 @@ CASTS = frozenset(
 
 @dataclass
 class Cursor:
-    """Tokens of one line, read from left to right."""
+    """Tokens of one line, read from left to right; `structs`: members of the module's structures."""
 
     text: str
+    structs: Mapping[str, str] = field(default_factory=dict)
     tokens: list[str] = field(init=False)
     position: int = 0
 

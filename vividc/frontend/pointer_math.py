@@ -47,7 +47,9 @@ def compare_pointers(
     """
     left, right = op.args
     if Int(0) in op.args:  # no array is at NULL
-        return _decided(op, op.pred in ("ne", "ugt", "uge") if right == Int(0) else op.pred[0] != "e")
+        return _decided(
+            op, op.pred in ("ne", "ugt", "uge") if right == Int(0) else op.pred[0] != "e"
+        )
     if not root(left) or root(left) != root(right):
         if ANY in op.flags:
             return _decided(op, False)
@@ -67,10 +69,7 @@ def differences(function: WideFunction, root: Callable[[Operand], str]) -> dict[
     comparisons: the pointer of each.
     """
     pointers = {
-        op.name: op.args[0]
-        for block in function.blocks
-        for op in block.ops
-        if op.op in _TO_INTEGER
+        op.name: op.args[0] for block in function.blocks for op in block.ops if op.op in _TO_INTEGER
     }
     origin = _origins(function, pointers)
     allowed = set(pointers)

@@ -228,9 +228,7 @@ def _compared_before(
     return False
 
 
-def _unextended(
-    function: WideFunction, ranges: Ranges, operand: Operand, block: str
-) -> Operand:
+def _unextended(function: WideFunction, ranges: Ranges, operand: Operand, block: str) -> Operand:
     """The word that was extended, where extending it keeps the signed order."""
     while isinstance(operand, Local):
         definition = _definition(function, operand)
@@ -362,9 +360,7 @@ def _replacer(known: dict[Operand, Operand]) -> Callable[[Operand], Operand]:
     return lambda operand: known.get(operand, operand)
 
 
-def _incoming(
-    phi: WidePhi, after: _After, renamed: dict[str, str]
-) -> WidePhi:
+def _incoming(phi: WidePhi, after: _After, renamed: dict[str, str]) -> WidePhi:
     incoming = tuple(
         (renamed.get(source, source), after.get(source, {}).get(value, value))
         for source, value in phi.incoming
