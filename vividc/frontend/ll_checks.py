@@ -27,6 +27,7 @@ _REFERENCE = re.compile(r'@(?:"([^"]*)"|([-\w$.]+))')
 _WIDTH = re.compile(r"\bi(\d+)\b")
 _WIDTHS = frozenset({"1", "8", "16", "32", "64"})
 _WORDS = "use int32_t, uint32_t and float"
+_BY_VALUE = re.compile(r"\b(?:byval|sret|inalloca)\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,11 +62,6 @@ _RULES = (
     _rule(r"\b(?:indirectbr|callbr)\b", "a computed goto", "use a switch"),
     _rule(r"\b(?:x86_fp80|fp128|ppc_fp128)\b", "long double arithmetic", "use float"),
     _rule(r"\b(?:half|bfloat)\b", "arithmetic on 16-bit floats", "use float"),
-    _rule(
-        r"\b(?:byval|sret|inalloca)\b",
-        "a structure passed or returned by value",
-        "pass a pointer to an array, or its members",
-    ),
 )
 
 
@@ -101,10 +97,13 @@ def check_body(body: Body, locate: Locate) -> None:
         With the line of the first such instruction.
     """
     header, *lines = body.lines
+    place = locate.definition(header)
     if "..." in without_strings(header):
-        hint = "pass an array and its length"
-        raise KernelError("variable arguments", loc=locate.definition(header), hint=hint)
-    for line in (header, *lines):
+        raise KernelError("variable arguments", loc=place, hint="pass an array and its length")
+    if _BY_VALUE.search(_NAMES.sub("", without_strings(header))):
+        hint = "pass a pointer to an array, or its members"
+        raise KernelError("a structure passed or returned by value", loc=place, hint=hint)
+    for line in lines:
         _check_line(line, locate)
 
 

@@ -260,7 +260,7 @@ class _Carried:
             latch = self._rotated.latch.name
             before = [s for s, _ in self._rotated.header.phis[0].incoming if s != latch]
             incoming = tuple((source, nothing) for source in before) + ((latch, value),)
-            name = f"{value.name}.after"
+            name = f"{value.name}.after.{self._rotated.header.name}"
             self.phis.append(WidePhi(name, type_, incoming, _place(self._function, value)))
             self._known[value] = name
         return Local(self._known[value])
