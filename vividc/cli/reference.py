@@ -1,4 +1,6 @@
-"""`--check`: the kernel on the host (through numba, or LLVM for C) on the same inputs, compared with what the machine gave."""
+"""`--check`: the kernel on the host (through numba, or LLVM for C) on the same inputs, compared
+with what the machine gave.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,6 @@ from vividc.dfg.cfg import Param
 from vividc.errors import ArgumentError
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.program import Program
-
 
 AnyKernel = KernelFunction | LLKernel
 

@@ -1,4 +1,4 @@
-"""What clang's debug information (`-g`) adds to a function's LLVM type: names, and types of words."""
+"""What clang's debug information (`-g`) adds to a function's LLVM type: names, types of words."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""C's library in LLVM IR: block operations as loops over words (what clang makes of a loop that clears
-or copies an array), and `math.h`.
+"""C's library in LLVM IR: block operations as loops over words (what clang makes of a loop that
+clears or copies an array), and `math.h`.
 
 A call that this cannot run as words stays behind after inlining under a name that says why, and is
 refused with its line.

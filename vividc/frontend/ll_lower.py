@@ -1,4 +1,4 @@
-"""From a `.ll` file's text to `cfg.Function`: the stages before those that Python's kernels share."""
+"""From a `.ll` file's text to `cfg.Function`: the stages before those that Python's share."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from vividc.frontend.unrotate import unrotate
 
 _PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
 _HINTS = re.compile(
-    r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|prefetch)"
-    r"\b.*\n",
+    r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|"
+    r"prefetch)\b.*\n",
     re.MULTILINE,
 )
 """Calls that only tell LLVM something."""
-_DEBUG = re.compile(r'^.*(?:llvm\.dbg\.|#dbg_|"Debug Info Version").*$|,? !dbg !\d+', re.MULTILINE)
+_DEBUG = re.compile(r"^.*(?:llvm\.dbg\.|#dbg_).*$|,? !dbg !\d+", re.MULTILINE)
 _PARAMETERS = frozenset(["ptr", "i1", "i8", "i16", "i32", "i64", "float", "double"])
 _TYPES_HINT = "a kernel takes and returns float, int32_t, uint32_t, int64_t, bool and pointers"
 _IN_C = (
@@ -146,7 +146,7 @@ def _c_words(advice: str) -> str:
 def _parsed(text: str, file: str) -> None:
     try:
         # Of a broken module with debug information LLVM would end the process.
-        parse(_DEBUG.sub("", text)).verify()
+        parse(_DEBUG.sub("", text.replace('"Debug Info Version"', '"version"'))).verify()
     except RuntimeError as error:
         match = _PARSE_PLACE.search(str(error))
         loc = SourceLoc(file, int(match[1])) if match else file

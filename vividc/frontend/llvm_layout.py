@@ -1,4 +1,4 @@
-"""Byte offsets of LLVM's `getelementptr`: strides of array indices, offsets of structure members."""
+"""Byte offsets of LLVM's `getelementptr`: strides of arrays, offsets of structure members."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ CASTS = frozenset(
 
 @dataclass
 class Cursor:
-    """Tokens of one line, read from left to right; `structs`: members of the module's structures."""
+    """Tokens of one line, read from left to right; `structs`: members of named structures."""
 
     text: str
     structs: Mapping[str, str] = field(default_factory=dict)

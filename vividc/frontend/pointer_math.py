@@ -1,4 +1,4 @@
-"""Comparisons and differences of pointers into one array, as C loops make them: `p != end`, `p - x`.
+"""Comparisons and differences of pointers into one array, as C makes them: `p != end`, `p - x`.
 
 Both become arithmetic on byte offsets from the start of the array.
 """

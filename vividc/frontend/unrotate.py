@@ -1,5 +1,5 @@
-"""Give loops that clang rotated their `while` form back: `if (a < b) do ... while (++i != b)` becomes
-`while (i < b) ...`, which the tile controller can count.
+"""Give loops that clang rotated their `while` form back: `if (a < b) do ... while (++i != b)`
+becomes `while (i < b) ...`, which the tile controller can count.
 
 A rotated loop tests for its next iteration at its end. The test may be moved to the start if it is
 known to hold when the loop is entered: by the ranges of the values, by a comparison on the way to
@@ -178,16 +178,11 @@ def _moved_predicate(
         return test.pred if _holds_first(function, flow, ranges, rotated, test.pred) else None
     up = test.step > 0
     signed, unsigned = ("slt", "ult") if up else ("sgt", "ugt")
-    if rotated.only_exit and "nsw" in test.flags:
-        return signed
-    if rotated.only_exit and up and "nuw" in test.flags:
-        return unsigned
-    if abs(test.step) != 1:
-        return None  # it may step over the limit
-    for pred in (signed, unsigned):
-        if _holds_first(function, flow, ranges, rotated, pred):
-            return pred
-    return None
+    if rotated.only_exit and ("nsw" in test.flags or (up and "nuw" in test.flags)):
+        return signed if "nsw" in test.flags else unsigned
+    # Another step may miss the limit.
+    preds = (signed, unsigned) if abs(test.step) == 1 else ()
+    return next((p for p in preds if _holds_first(function, flow, ranges, rotated, p)), None)
 
 
 def _holds_first(
@@ -259,7 +254,7 @@ class _Carried:
             nothing: Operand = Float(0.0) if type_ in ("float", "double") else Int(0)
             latch = self._rotated.latch.name
             before = [s for s, _ in self._rotated.header.phis[0].incoming if s != latch]
-            incoming = tuple((source, nothing) for source in before) + ((latch, value),)
+            incoming = (*((source, nothing) for source in before), (latch, value))
             name = f"{value.name}.after.{self._rotated.header.name}"
             self.phis.append(WidePhi(name, type_, incoming, _place(self._function, value)))
             self._known[value] = name
