@@ -46,6 +46,8 @@ C_FLAGS := -O1 -g -fno-jump-tables -fdebug-compilation-dir=. -emit-llvm -S
 
 c-kernels:
 	cd kernels/c && for file in *.c; do $(CLANG) $(C_FLAGS) $$file -o $${file%.c}.ll || exit 1; done
+	cd tests/frontend/c && for file in *.c; do \
+	  $(CLANG) -w -O1 -ffp-contract=off -fno-jump-tables -emit-llvm -S $$file -o $${file%.c}.ll || exit 1; done
 
 # For maintainers; users never need uv.
 lock:
