@@ -147,6 +147,15 @@ def test_a_block_of_bytes_is_refused(tmp_path: Path) -> None:
         block_kernel(tmp_path, BLOCKS["memset"], "", "%wide")
 
 
+@pytest.mark.parametrize(("attribute", "value"), [("signext", -56), ("zeroext", 200)])
+def test_small_returned_integers_keep_their_sign(
+    tmp_path: Path, attribute: str, value: int
+) -> None:
+    body = "  %r = trunc i32 %n to i8\n  ret i8 %r"
+    loaded = kernel(tmp_path, body, f"{attribute} i8 @f(i32 %n)")
+    assert run(loaded.lower(), 456) == loaded(456) == value
+
+
 def test_double_parameters_are_warned_of(tmp_path: Path) -> None:
     body = (
         "  %y = fmul double %a, 0x3FB999999999999A\n"

@@ -31,6 +31,13 @@ _CTYPES: dict[str, Any] = {
 }
 
 
+_UNSIGNED: dict[str, Any] = {
+    "i8": ctypes.c_uint8,
+    "i16": ctypes.c_uint16,
+    "i32": ctypes.c_uint32,
+}
+
+
 class HostFunction:
     """A function of a module, compiled for this computer."""
 
@@ -40,7 +47,7 @@ class HostFunction:
         """`params`, `returns`: LLVM types. `unsigned`: of the returned integer."""
         self._engine = _compiled(text)
         address = self._engine.get_function_address(name)
-        result = ctypes.c_uint32 if unsigned else _CTYPES[returns]
+        result = (_UNSIGNED if unsigned else _CTYPES)[returns]
         types = [_CTYPES[param] for param in params]
         self._function = ctypes.CFUNCTYPE(result, *types)(address)
 

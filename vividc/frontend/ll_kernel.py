@@ -91,7 +91,8 @@ class LLKernel:
             self.name,
             [param.type for param in function.params],
             function.returns,
-            unsigned=function.result is DType.U32,
+            unsigned=function.result is DType.U32
+            or (function.returns in ("i8", "i16") and not function.signed),
         )
 
 
