@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
-.PHONY: setup demo test test-all lint types layers bench lock clean
+.PHONY: setup demo test test-all lint types layers bench c-kernels lock clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -39,6 +39,15 @@ layers: setup
 
 bench: setup
 	$(BIN)/python -m benchmarks -o benchmarks/kernels.md
+
+# The committed `.ll` files; Debian's clang, version 15 or newer. Users never need it.
+CLANG ?= clang-16
+C_FLAGS := -O1 -g -fno-jump-tables -fdebug-compilation-dir=. -emit-llvm -S
+
+c-kernels:
+	cd kernels/c && for file in *.c; do $(CLANG) $(C_FLAGS) $$file -o $${file%.c}.ll || exit 1; done
+	cd tests/frontend/c && for file in *.c; do \
+	  $(CLANG) -w -O1 -ffp-contract=off -fno-jump-tables -emit-llvm -S $$file -o $${file%.c}.ll || exit 1; done
 
 # For maintainers; users never need uv.
 lock:

@@ -16,7 +16,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import general
+from benchmarks import c_kernels, general
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -66,6 +66,11 @@ def main(fabrics: tuple[str, ...], time_limit: float, output: Path | None) -> No
         lines += [f"## {fabric}", "", *HEADER.splitlines()]
         click.echo("\n".join(lines[-3:]))
         for workload in (*WORKLOADS, *general.WORKLOADS):
+            lines.append(row(workload, fabric, time_limit))
+            click.echo(lines[-1])
+        lines += ["", f"### C kernels on {fabric}", "", *HEADER.splitlines()]
+        click.echo("\n".join(lines[-3:]))
+        for workload in c_kernels.WORKLOADS:
             lines.append(row(workload, fabric, time_limit))
             click.echo(lines[-1])
         lines.append("")

@@ -26,7 +26,7 @@ class Workload:
     arguments: Callable[[np.random.Generator], Arguments]
     file: str = ""
 
-    def kernel(self) -> vividc.KernelFunction:
+    def kernel(self) -> vividc.KernelFunction | vividc.LLKernel:
         """The kernel of this name in its file."""
         path = KERNELS / f"{self.file or self.name}.py"
         spec = importlib.util.spec_from_file_location(self.name, path)

@@ -3,7 +3,7 @@
 from vividc import arch, dfg, mapper, program
 from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
-from vividc.frontend import KernelFunction, kernel
+from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
 from vividc.program import Program, load
 from vividc.sim import Result, simulate
 
@@ -11,6 +11,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "KernelFunction",
+    "LLKernel",
     "Program",
     "Result",
     "VividcError",
@@ -21,6 +22,7 @@ __all__ = [
     "dfg",
     "kernel",
     "load",
+    "load_ll",
     "mapper",
     "program",
     "simulate",

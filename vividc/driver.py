@@ -15,7 +15,7 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
-from vividc.frontend import KernelFunction
+from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
@@ -38,7 +38,7 @@ class CompileOptions:
 
 
 def compile(
-    kernel: KernelFunction,
+    kernel: KernelFunction | LLKernel,
     fabric: str | Fabric = "vivid-tile",
     mapper: str = "auto",
     time_limit_s: float = 60.0,
@@ -51,6 +51,8 @@ def compile(
 
     Parameters
     ----------
+    kernel
+        A Python function decorated with `kernel`, or a C function from `load_ll`.
     fabric
         A fabric, a preset's name, or a YAML file.
     time_limit_s
@@ -66,7 +68,8 @@ def compile(
     ------
     KernelError, ArchError, MappingFailed, TimeLimit
     """
-    demand_type(kernel, KernelFunction, "the kernel", "decorate the function with @vividc.kernel")
+    hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
+    demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
     demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     check_time_limit(time_limit_s)
@@ -87,7 +90,7 @@ def compile(
 
 
 def _compile_loops(
-    kernel: KernelFunction, fabric: Fabric, options: CompileOptions
+    kernel: KernelFunction | LLKernel, fabric: Fabric, options: CompileOptions
 ) -> tuple[Kernel, dict[int, MapResult]]:
     """Maps the kernel; a loop that cannot be modulo-scheduled (in time) runs block by block."""
     sequential: frozenset[str] = frozenset()
@@ -111,7 +114,7 @@ def _compile_loops(
 
 
 def lower(
-    kernel: KernelFunction,
+    kernel: KernelFunction | LLKernel,
     *,
     strict_fp: bool = False,
     contract: bool = True,

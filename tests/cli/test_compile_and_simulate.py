@@ -112,8 +112,8 @@ def test_mismatch_is_exit_code_5_and_names_the_element(own):
         "name": "y", "index": [0], "simulated": 2.0, "reference": 1.0, "count": 7,
     }  # fmt: skip
     assert (wrong["return"]["simulated"], wrong["return"]["reference"]) == (5, 4)
-    assert "mismatch: y[0] is 2.0, numba gives 1.0 (7 elements differ)" in result.stderr
-    assert "mismatch: return is 5, numba gives 4" in result.stderr
+    assert "mismatch: y[0] is 2.0, the reference gives 1.0 (7 elements differ)" in result.stderr
+    assert "mismatch: return is 5, the reference gives 4" in result.stderr
 
 
 def test_tolerance_decides_for_floats_only(own):

@@ -49,7 +49,7 @@ def write_results(path: Path, arguments: Mapping[str, Array], value: object) -> 
 
 def describe(param: Param) -> str:
     """A parameter as a person writes it, such as `x: float32[:,:]`."""
-    axes = ",".join(":" * param.ndim)
+    axes = "..." if param.flat else ",".join(":" * param.ndim)
     return f"{param.name}: {param.dtype.value}" + (f"[{axes}]" if param.ndim else "")
 
 
@@ -90,7 +90,8 @@ def _problems(arrays: Mapping[str, Array], params: Sequence[Param]) -> list[str]
 
 def _misfit(array: Array, param: Param) -> list[str]:
     found = f"{array.dtype}[{','.join(map(str, array.shape))}]" if array.ndim else str(array.dtype)
-    if array.ndim != param.ndim or (param.ndim and array.dtype != np.dtype(param.dtype.value)):
+    axes_fit = array.ndim == param.ndim or (param.flat and array.ndim > 0)
+    if not axes_fit or (param.ndim and array.dtype != np.dtype(param.dtype.value)):
         return [f"`{param.name}` is {found}, not {describe(param).partition(': ')[2]}"]
     if not param.ndim and not _scalar_fits(array, param.dtype):
         return [f"`{param.name}` = {array[()]!r} is not a {param.dtype.value}"]

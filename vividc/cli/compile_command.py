@@ -1,4 +1,4 @@
-"""`vividc compile`: from a kernel in a Python file to a `.vivid` program."""
+"""`vividc compile`: from a kernel in a Python or `.ll` file to a `.vivid` program."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SCHEMA = "vividc.compile/1"
 
 
 @click.command("compile")
-@click.argument("kernel", metavar="FILE.py[:KERNEL]")
+@click.argument("kernel", metavar="FILE[:KERNEL]")
 @options.fabric
 @options.mapper
 @options.time_limit
@@ -47,7 +47,8 @@ def command(
 ) -> None:
     """Compile a kernel for a fabric and write the program.
 
-    The file is run to find its kernels; KERNEL may be left out if it has one.
+    FILE is a Python file, which is run to find its kernels, or a `.ll` file, as `clang -O1 -g
+    -emit-llvm -S` writes it, and KERNEL a C function in it. KERNEL may be left out if there is one.
     """
     function = load_kernel(kernel)
     path = Path(f"{function.name}.vivid") if output is None else output

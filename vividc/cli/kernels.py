@@ -1,4 +1,4 @@
-"""Kernels in a user's Python file: runs the file as a module and finds its kernels."""
+"""Kernels in a user's Python or `.ll` file: runs the file as a module and finds its kernels."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from types import CodeType, ModuleType
 from typing import Final
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcError
-from vividc.frontend import KernelFunction
+from vividc.frontend import KernelFunction, LLKernel, load_ll
 
 _SUFFIX: Final = ".py"
+_LL: Final = ".ll"
 _RUNNING: Final = "VIVIDC_RUNNING_FILES"
 """Files that this process and those above it are running; inherited by what they start."""
 
 
-def load_kernel(spec: str) -> KernelFunction:
-    """The kernel that `FILE.py` or `FILE.py:KERNEL` names.
+def load_kernel(spec: str) -> KernelFunction | LLKernel:
+    """The kernel that `FILE.py` or `FILE.py:KERNEL` names, or the C function of a `.ll` file.
 
     Raises
     ------
@@ -29,7 +30,10 @@ def load_kernel(spec: str) -> KernelFunction:
         several and none is named.
     """
     head, colon, tail = spec.rpartition(":")
-    file, name = (Path(head), tail) if colon and head.endswith(_SUFFIX) else (Path(spec), None)
+    named = colon and head.endswith((_SUFFIX, _LL))
+    file, name = (Path(head), tail) if named else (Path(spec), None)
+    if file.suffix == _LL:
+        return load_ll(file, name)
     kernels = _kernels(_run(file))
     if name is not None:
         return _named(kernels, name, file)

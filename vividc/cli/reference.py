@@ -1,4 +1,6 @@
-"""`--check`: the kernel through numba on the same inputs, compared with what the machine gave."""
+"""`--check`: the kernel on the host (through numba, or LLVM for C) on the same inputs, compared
+with what the machine gave.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +15,10 @@ from vividc.cli.arrays import Array, describe
 from vividc.cli.kernels import load_kernel
 from vividc.dfg.cfg import Param
 from vividc.errors import ArgumentError
-from vividc.frontend import KernelFunction
+from vividc.frontend import KernelFunction, LLKernel
 from vividc.program import Program
+
+AnyKernel = KernelFunction | LLKernel
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +42,10 @@ class Mismatch:
     def __str__(self) -> str:
         where = self.name + (f"[{', '.join(map(str, self.index))}]" if self.index else "")
         more = f" ({self.count} elements differ)" if self.count > 1 else ""
-        return f"{where} is {self.simulated}, numba gives {self.reference}{more}"
+        return f"{where} is {self.simulated}, the reference gives {self.reference}{more}"
 
 
-def find_kernel(program: Program, bundle: Path, spec: str | None) -> KernelFunction:
+def find_kernel(program: Program, bundle: Path, spec: str | None) -> AnyKernel:
     """The kernel to compare with: `spec` if given, else the file that the bundle was compiled from.
 
     Code in the bundle is never run; it only records the file's path and hash. The file counts if it
@@ -63,9 +67,9 @@ def find_kernel(program: Program, bundle: Path, spec: str | None) -> KernelFunct
 
 
 def run_reference(
-    kernel: KernelFunction, arguments: Mapping[str, Array]
+    kernel: AnyKernel, arguments: Mapping[str, Array]
 ) -> tuple[dict[str, Array], object]:
-    """Arguments after a run through numba on copies of them, and the returned value."""
+    """Arguments after a run on the host on copies of them, and the returned value."""
     copies = {name: array.copy() for name, array in arguments.items()}
     value = kernel(*scalars_unpacked(copies, kernel.params))
     return copies, value
@@ -109,7 +113,8 @@ def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) ->
 
 def _unchanged_file(program: Program, bundle: Path) -> Path:
     recorded = program.provenance.kernel_file
-    hint = f"name the kernel: --kernel FILE.py:{program.name}"
+    suffix = Path(recorded).suffix or ".py"
+    hint = f"name the kernel: --kernel FILE{suffix}:{program.name}"
     if not recorded:
         raise ArgumentError(f"{bundle} records no kernel file", loc="--check", hint=hint)
     places = (Path(recorded), bundle.parent / recorded, bundle.parent / Path(recorded).name)

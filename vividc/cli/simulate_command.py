@@ -1,4 +1,4 @@
-"""`vividc simulate`: runs a program on the machine, and compares it with numba if asked."""
+"""`vividc simulate`: runs a program on the machine, and compares it with the host if asked."""
 
 from __future__ import annotations
 
@@ -43,10 +43,12 @@ MISMATCH: Final = 5
     metavar="OUT.npz",
     help="Write the arrays after the run, and the returned value as `return`.",
 )
-@click.option("--check", is_flag=True, help="Run numba on the same inputs, and compare.")
+@click.option(
+    "--check", is_flag=True, help="Run the kernel on the host (numba, or LLVM for C), and compare."
+)
 @click.option(
     "--kernel",
-    metavar="FILE.py[:KERNEL]",
+    metavar="FILE[:KERNEL]",
     help="Kernel to compare with, if the file it was compiled from is gone or was changed.",
 )
 @click.option(
@@ -164,6 +166,7 @@ def _print(
     if result.value is not None:
         click.echo(f"value: {result.value}")
     if checked and not wrong:
-        click.echo("check: agrees with numba")
+        in_c = program.provenance.kernel_file.endswith(".ll")
+        click.echo(f"check: agrees with {'LLVM on this computer' if in_c else 'numba'}")
     if outputs is not None:
         click.echo(f"written: {outputs}")

@@ -30,11 +30,16 @@ class DType(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Param:
-    """One parameter of the Python function. `ndim` 0: a scalar."""
+    """One parameter of the kernel's function. `ndim` 0: a scalar.
+
+    `flat`: an array of any number of dimensions, whose elements the kernel counts in C order (as C
+    does, which knows no shapes).
+    """
 
     name: str
     dtype: DType
     ndim: int = 0
+    flat: bool = False
 
 
 @dataclass(frozen=True, slots=True)

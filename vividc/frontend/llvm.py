@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Iterable
 
 from llvmlite import binding
 
@@ -50,10 +51,20 @@ def optimised_ir(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc)
     str
         Text of a module whose function `ENTRY` holds the whole kernel.
     """
-    text = _entry_text(module, params, loc)
-    linked = _parse(text)
-    for part in module.texts:
-        linked.link_in(_parse(_DECLARE.sub("", part)))
+    return linked_ir(_entry_text(module, params, loc), module.texts)
+
+
+def linked_ir(entry: str, parts: Iterable[str]) -> str:
+    """Inline all functions of the modules `parts` into `ENTRY` of the module `entry`, and optimise.
+
+    Returns
+    -------
+    str
+        Text of a module.
+    """
+    linked = parse(entry)
+    for part in parts:
+        linked.link_in(parse(_DECLARE.sub("", part)))
     for function in linked.functions:
         if not function.is_declaration and function.name != ENTRY:
             function.linkage = "internal"
@@ -62,7 +73,14 @@ def optimised_ir(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc)
     return str(linked)
 
 
-def _parse(text: str) -> binding.ModuleRef:
+def parse(text: str) -> binding.ModuleRef:
+    """A module of the machine's data layout.
+
+    Raises
+    ------
+    RuntimeError
+        LLVM cannot read the text; it says why, with line and column.
+    """
     _initialise()
     module = binding.parse_assembly(text)
     module.data_layout = DATA_LAYOUT

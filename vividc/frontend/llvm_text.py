@@ -10,8 +10,10 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from vividc.errors import InternalError, SourceLoc
+from vividc.frontend.llvm_layout import Structs, offsets, structs_of
 from vividc.frontend.llvm_tokens import CASTS, Cursor, bare
 from vividc.frontend.ssa import (
     Exit,
@@ -26,7 +28,6 @@ _DEFINE = re.compile(r'^define .*?@(?:"(?P<quoted>[^"]*)"|(?P<name>[-\w.$]+))\('
 _LABEL = re.compile(r'^(?:"(?P<quoted>(?:[^"\\]|\\.)*)"|(?P<name>[-\w.$]+)):')
 _METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
 _FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
-_BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "ptr": 4, "i64": 8, "double": 8}
 
 
 def read_function(text: str, name: str, file: str) -> WideFunction:
@@ -50,8 +51,8 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
     header, *lines = text[start:end].splitlines()
     _, after_name = header.split(name, 1)
     params = tuple(_params(Cursor(after_name[after_name.index("(") + 1 :])))
-    locations = _Locations(text, file)
-    blocks = tuple(_blocks(lines, locations))
+    locations = Locations(text, file)
+    blocks = tuple(_blocks(lines, locations, structs_of(text)))
     returns = header.split("@")[0].replace("define", "").split()[-1]
     return WideFunction(params, blocks, returns)
 
@@ -73,7 +74,7 @@ def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
         cursor.accept(",")
 
 
-class _Locations:
+class Locations:
     """Source lines of `!dbg` attachments."""
 
     def __init__(self, text: str, file: str) -> None:
@@ -90,6 +91,14 @@ class _Locations:
         chain = list(self._chain(match[1]))
         own = [loc for loc in chain if loc.file == self._file]
         return own[0] if own else next(iter(chain), None)
+
+    def definition(self, header: str) -> SourceLoc | None:
+        """Where the function of a `define` line is defined."""
+        match = re.search(r"!dbg (!\d+)", header)
+        if match is None:
+            return None
+        _, fields = self._nodes[match[1]]
+        return SourceLoc(self._file_of(match[1]), int(fields["line"]))
 
     def _chain(self, node: str) -> Iterator[SourceLoc]:
         while node in self._nodes:
@@ -110,7 +119,7 @@ class _Locations:
         return os.path.abspath(name if inside else f"{directory}/{name}")
 
 
-def _blocks(lines: list[str], locations: _Locations) -> Iterator[WideBlock]:
+def _blocks(lines: list[str], locations: Locations, structs: Structs) -> Iterator[WideBlock]:
     name = ""
     phis: list[WidePhi] = []
     ops: list[Op] = []
@@ -122,7 +131,7 @@ def _blocks(lines: list[str], locations: _Locations) -> Iterator[WideBlock]:
         stripped = line.strip()
         if not stripped or stripped.startswith((";", "#dbg")):
             continue
-        item = _instruction(stripped, locations(stripped))
+        item = _instruction(Cursor(stripped, structs), locations(stripped))
         if isinstance(item, WidePhi):
             phis.append(item)
         elif isinstance(item, Op):
@@ -145,17 +154,17 @@ def _joined(lines: list[str]) -> Iterator[str]:
         pending = ""
 
 
-def _instruction(line: str, loc: SourceLoc | None) -> Op | WidePhi | Exit:
-    cursor = Cursor(line)
+def _instruction(cursor: Cursor, loc: SourceLoc | None) -> Op | WidePhi | Exit:
     name = ""
     if cursor.peek[:1] == "%":
         name = bare(cursor.take())
         cursor.expect("=")
     cursor.skip_flags()
     opcode = cursor.take()
-    cursor.skip_flags()
+    flags = cursor.skip_flags()
     reader = _READERS.get(opcode, _read_other)
-    return reader(cursor, name, opcode, loc)
+    item = reader(cursor, name, opcode, loc)
+    return replace(item, flags=flags) if flags and isinstance(item, Op) else item
 
 
 def _read_phi(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> WidePhi:
@@ -237,29 +246,10 @@ def _read_gep(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> 
         if cursor.peek[:1] == "!":
             break
         args.append(cursor.typed_operand()[1])
-    strides = _strides(element, len(args) - 1)
-    return Op(name, opcode, "ptr", tuple(args), source=element, strides=strides, loc=loc)
-
-
-def _strides(element: str, count: int) -> tuple[int, ...]:
-    """Bytes per unit of each index; none if the element is not an array of a plain type."""
-    strides: list[int] = []
-    for _ in range(count):
-        size = _size(element)
-        if size is None:
-            return ()
-        strides.append(size)
-        match = re.fullmatch(r"\[\d+x(.*)\]", element)
-        element = match[1] if match else ""
-    return tuple(strides)
-
-
-def _size(element: str) -> int | None:
-    match = re.fullmatch(r"\[(\d+)x(.*)\]", element)
-    if match is None:
-        return _BYTES.get(element)
-    inner = _size(match[2])
-    return None if inner is None else int(match[1]) * inner
+    found = offsets(element, tuple(args[1:]), cursor.structs)
+    indices, strides = found or (tuple(args[1:]), ())
+    operands = (args[0], *indices)
+    return Op(name, opcode, "ptr", operands, source=element, strides=strides, loc=loc)
 
 
 def _read_call(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
@@ -67,9 +68,10 @@ CASTS = frozenset(
 
 @dataclass
 class Cursor:
-    """Tokens of one line, read from left to right."""
+    """Tokens of one line, read from left to right; `structs`: members of named structures."""
 
     text: str
+    structs: Mapping[str, str] = field(default_factory=dict)
     tokens: list[str] = field(init=False)
     position: int = 0
 
@@ -97,10 +99,13 @@ class Cursor:
         if not self.accept(token):
             raise InternalError(f"cannot read LLVM's text: {self.text.strip()}")
 
-    def skip_flags(self) -> None:
+    def skip_flags(self) -> frozenset[str]:
+        """Flags of an instruction, which are returned without their arguments."""
+        flags = set()
         while self.peek in _FLAGS:
-            self.position += 1
+            flags.add(self.take())
             self.skip_parentheses()
+        return frozenset(flags)
 
     def skip_parentheses(self) -> None:
         if self.accept("("):

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from numba.core.errors import NumbaError
@@ -24,7 +25,7 @@ from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
-from vividc.frontend.ssa import remove_dead, remove_unreachable
+from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -81,15 +82,51 @@ def lower(
     if module.return_type not in _RETURNS:
         hint = "return one float32, int32, uint32, int64 or bool, or store results into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
-    text = optimised_ir(module, params, loc)
+    wide = read_function(optimised_ir(module, params, loc), ENTRY, loc.file)
+    returns = _RETURNS[module.return_type]
+    with located(loc):
+        wide = prepared(wide)
+    return lower_words(wide, name, params, returns, loc, strict_fp=strict_fp)
+
+
+@contextmanager
+def located(loc: SourceLoc) -> Iterator[None]:
+    """Give an error that names no line the kernel's."""
     try:
-        narrowed = _narrowed(text, name, params, _RETURNS[module.return_type], loc)
+        yield
     except KernelError as error:
         if error.loc is not None:
             raise
         raise KernelError(error.reason, loc=loc, hint=error.hint) from error
-    _report(narrowed.demoted, loc, _DEMOTED, strict_fp=strict_fp)
-    _report(narrowed.saturated, loc, _SATURATED, strict_fp=strict_fp)
+
+
+def lower_words(
+    wide: WideFunction,
+    name: str,
+    params: tuple[Param, ...],
+    returns: DType | None,
+    loc: SourceLoc,
+    *,
+    file: str = "",
+    strict_fp: bool = False,
+    reword: Callable[[str], str] = str,
+) -> Function:
+    """Narrow a function without pointers to words; errors, warnings and parameters as of `lower`.
+
+    Parameters
+    ----------
+    file
+        What the program names as its source; the file of `loc` if empty.
+    reword
+        Puts the advice of warnings in the words of another language than Python.
+    """
+    with located(loc):
+        narrowed = _narrowed(wide, name, params, returns, file or loc.file)
+    for lines, (*what, instead) in (
+        (narrowed.demoted, _DEMOTED),
+        (narrowed.saturated, _SATURATED),
+    ):
+        _report(lines, loc, (*what, reword(instead)), strict_fp=strict_fp)
     function = hoist_invariants(narrowed.function)
     problems = check_function(function)
     if problems:
@@ -97,18 +134,29 @@ def lower(
     return function
 
 
-def _narrowed(
-    text: str, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
-) -> Narrowed:
-    wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
+def prepared(wide: WideFunction) -> WideFunction:
+    """What was read from LLVM, without dead code, calls that cannot run, and pointers.
+
+    Raises
+    ------
+    KernelError
+        The kernel calls what the array cannot run, never ends, or uses pointers other than into
+        arrays.
+    """
+    wide = remove_dead(remove_unreachable(wide))
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
-    wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
+    return straighten_single_trips(recover_extensions(resolve_memory(wide)))
+
+
+def _narrowed(
+    wide: WideFunction, name: str, params: tuple[Param, ...], returns: DType | None, file: str
+) -> Narrowed:
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+    return narrow(wide, Ranges(wide, bounds), name, params, returns, file)
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
@@ -160,7 +208,7 @@ def _place(error: Exception, loc: SourceLoc) -> SourceLoc:
 def _report(
     lines: tuple[SourceLoc | None, ...],
     kernel: SourceLoc,
-    difference: tuple[str, str, str],
+    difference: tuple[str, ...],
     *,
     strict_fp: bool,
 ) -> None:

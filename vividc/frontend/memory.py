@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.ssa import (
     Global,
     Int,
@@ -47,7 +48,7 @@ def resolve_memory(function: WideFunction) -> WideFunction:
     KernelError
         A pointer does not come from an array parameter.
     """
-    return _Resolver(remove_dead(split_merged_loads(function))).run()
+    return _Resolver(remove_dead(split_merged_loads(without_freezes(function)))).run()
 
 
 class _Resolver:
@@ -62,6 +63,7 @@ class _Resolver:
             if type_ == "ptr":
                 self._arrays[name] = name.removeprefix("&")
         self._find_arrays_of_merges()
+        self._differences = differences(function, self._root)
 
     def run(self) -> WideFunction:
         blocks = tuple(self._block(block) for block in self._function.blocks)
@@ -117,9 +119,11 @@ class _Resolver:
             yield replace(op, name=op.name + _SUFFIX, type="i32", args=(op.args[0], *chosen))
         elif op.op == "alloca":
             raise KernelError("a local array or tuple", loc=op.loc, hint=_LOCAL_HINT)
-        elif op.op in ("ptrtoint", "inttoptr") or (
-            op.op in ("icmp", "freeze") and op.type == "ptr"
-        ):
+        elif op.op == "icmp" and op.type == "ptr":
+            yield compare_pointers(op, self._root, lambda p: self._bytes(p, op.loc))
+        elif op.name in self._differences:
+            yield self._as_offset(op)
+        elif op.op in ("ptrtoint", "ptrtoaddr", "inttoptr"):
             raise KernelError("arithmetic on addresses", loc=op.loc, hint="use indices")
         else:
             yield op
@@ -155,6 +159,13 @@ class _Resolver:
         yield from computed
         if total != Local(op.name + _SUFFIX):
             yield Op(op.name + _SUFFIX, "add", "i32", (total, Int(0)), loc=op.loc)
+
+    def _as_offset(self, op: Op) -> Op:
+        """An address as an integer: the byte offset will do, where only differences are taken."""
+        offset = self._bytes(self._differences[op.name], op.loc)
+        if op.type == "i64":
+            return Op(op.name, "sext", "i64", (offset,), source="i32", loc=op.loc)
+        return Op(op.name, "add", "i32", (offset, Int(0)), loc=op.loc)
 
     def _bytes(self, pointer: Operand, loc: SourceLoc | None) -> Operand:
         if isinstance(pointer, Local) and pointer.name in self._definitions:

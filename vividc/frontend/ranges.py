@@ -90,6 +90,10 @@ class Ranges:
             return None
         return compare(op.pred, self.at(op.args[0], block), self.at(op.args[1], block))
 
+    def facts(self, block: str) -> tuple[Fact, ...]:
+        """Comparisons that hold wherever `block` runs: those of branches on every way to it."""
+        return self._facts[block]
+
     def _solve(self) -> None:
         blocks = [self._function.by_name[name] for name in self._flow.order]
         rounds = 0

@@ -77,6 +77,8 @@ class Op:
         Resolved loads and stores: byte address = base of array + (index << shift) + offset.
     strides
         `getelementptr`: bytes per unit of each index.
+    flags
+        What LLVM may assume of it, such as "nsw".
     """
 
     name: str
@@ -89,6 +91,7 @@ class Op:
     shift: int = 0
     offset: int = 0
     strides: tuple[int, ...] = ()
+    flags: frozenset[str] = frozenset()
     loc: SourceLoc | None = None
 
 

@@ -80,7 +80,8 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
         if param.ndim:
             array = _array(program, param, values[param.name])
             arrays[param.name] = array
-            inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
+            if not param.flat:
+                inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
         else:
             inputs[param.name] = _scalar(param, values[param.name])
     _refuse_overlap(arrays)
@@ -126,10 +127,11 @@ def _by_name(
 
 def _array(program: Program, param: Param, value: object) -> Array:
     where = f"argument {param.name} of {program.name}"
-    expected = f"a C-contiguous {param.dtype.value} array with {param.ndim} dimension(s)"
+    axes = "" if param.flat else f" with {param.ndim} dimension(s)"
+    expected = f"a C-contiguous {param.dtype.value} array{axes}"
     if not isinstance(value, np.ndarray):
         raise ArgumentError(f"expected {expected}, got {type(value).__name__}", loc=where)
-    if value.dtype != np.dtype(param.dtype.value) or value.ndim != param.ndim:
+    if value.dtype != np.dtype(param.dtype.value) or not _has_axes(value, param):
         raise ArgumentError(
             f"expected {expected}, got {value.dtype} with {value.ndim}",
             loc=where,
@@ -145,13 +147,17 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
-    if max(value.shape) > MAX_DIMENSION:
+    if not param.flat and max(value.shape) > MAX_DIMENSION:
         raise ArgumentError(
             f"a dimension of {value.shape} is larger than {MAX_DIMENSION}",
             loc=where,
             hint="run the kernel on pieces of the array",
         )
     return value
+
+
+def _has_axes(array: Array, param: Param) -> bool:
+    return array.ndim == param.ndim or (param.flat and array.ndim > 0)
 
 
 def _refuse_overlap(arrays: Mapping[str, Array]) -> None:

@@ -1,0 +1,174 @@
+"""`load_ll`: a C function, as clang's LLVM IR in a `.ll` file, as a kernel."""
+
+from __future__ import annotations
+
+import functools
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vividc.dfg.cfg import DType, Function, Param
+from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type
+from vividc.frontend.ll_host import HostFunction
+from vividc.frontend.ll_lower import CModule, declare, lower_c
+from vividc.frontend.ll_source import bodies, located_module, read_ll
+
+
+class LLKernel:
+    """A C function of a `.ll` file. `vividc.compile` takes it like a kernel in Python; calling it
+    runs it on the host, compiled by LLVM from the same file.
+
+    Attributes
+    ----------
+    name
+        The function's name.
+    params
+        Its parameters in order. A pointer is an array of any number of dimensions.
+    file
+        The `.ll` file.
+    line
+        Where the function is defined, in the C file if the debug information says, else in `file`.
+    """
+
+    def __init__(self, module: CModule) -> None:
+        self._module = module
+        self.name = module.function.symbol
+        self.file = module.file
+        self.line = module.function.loc.line
+        self.params = module.params
+        self._lowered: dict[bool, Function] = {}
+
+    @property
+    def loc(self) -> SourceLoc:
+        """Where the function is defined."""
+        return self._module.function.loc
+
+    def __repr__(self) -> str:
+        return f"<C kernel {self.name} of {self.file}>"
+
+    def lower(self, strict_fp: bool = False) -> Function:
+        """The function as SSA words, once per option.
+
+        Parameters
+        ----------
+        strict_fp
+            Refuse double arithmetic; else it runs in float32 with a warning for each line.
+
+        Raises
+        ------
+        KernelError
+            The function uses something that cannot be compiled.
+        """
+        if strict_fp not in self._lowered:
+            self._lowered[strict_fp] = lower_c(self._module, strict_fp=strict_fp)
+        return self._lowered[strict_fp]
+
+    def __call__(self, *args: Any) -> Any:
+        """Run the function on this computer; arrays are updated in place.
+
+        Raises
+        ------
+        ArgumentError
+            An argument is not what its parameter takes.
+        """
+        if len(args) != len(self.params):
+            names = ", ".join(param.name for param in self.params)
+            raise ArgumentError(f"{self.name}({names}) got {len(args)} arguments")
+        for param, value in zip(self.params, args, strict=True):
+            _check(param, value)
+        return self._host(*args)
+
+    @functools.cached_property
+    def _host(self) -> HostFunction:
+        function = self._module.function
+        return HostFunction(
+            self._module.source,
+            self.name,
+            [param.type for param in function.params],
+            function.returns,
+            unsigned=function.result is DType.U32
+            or (function.returns in ("i8", "i16") and not function.signed),
+        )
+
+
+def load_ll(
+    path: str | os.PathLike[str],
+    function: str | None = None,
+    *,
+    types: Mapping[str, str] | None = None,
+) -> LLKernel:
+    """A C function of a `.ll` file, as `clang -O1 -emit-llvm -S` writes it, as a kernel.
+
+    Parameters
+    ----------
+    path
+        The `.ll` file.
+    function
+        Name of the function; may be left out if the file defines one that others can call.
+    types
+        "float32", "int32" or "uint32" by parameter name, for arrays and words whose type neither
+        the debug information (`clang -g`) nor the accesses tell.
+
+    Returns
+    -------
+    LLKernel
+        Its parameters are named as in C with debug information, else as in the IR, else "arg0",
+        "arg1", ...
+
+    Raises
+    ------
+    KernelError
+        The file cannot be read or is no LLVM IR with opaque pointers, has no such function, or the
+        function uses what the array cannot run.
+    """
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
+    place = Path(path)
+    source = read_ll(place)
+    name = function or _only(source, place)
+    module = declare(source, located_module(source, place), os.path.abspath(place), name)
+    return LLKernel(module if not types else _with_types(module, types))
+
+
+def _only(source: str, path: Path) -> str:
+    """The file's one function that is not static."""
+    names = [b.name for b in bodies(source) if not re.search(r"\b(internal|private)\b", b.lines[0])]
+    if len(names) == 1:
+        return names[0]
+    if not names:
+        raise KernelError("defines no function", loc=str(path), hint="compile a file that does")
+    reason = f"has several functions: {', '.join(names)}"
+    raise KernelError(reason, loc=str(path), hint=f"choose one: {path}:{names[0]}")
+
+
+def _with_types(module: CModule, types: Mapping[str, str]) -> CModule:
+    known = {param.name for param in module.params}
+    for name, dtype in types.items():
+        if name not in known or dtype not in ("float32", "int32", "uint32"):
+            hint = f"give float32, int32 or uint32 for {', '.join(sorted(known)) or 'nothing'}"
+            raise KernelError(f"types: {name!r}: {dtype!r}", loc=module.function.loc, hint=hint)
+    params = tuple(
+        replace(param, dtype=DType(types.get(param.name, param.dtype.value)))
+        for param in module.params
+    )
+    return replace(module, params=params)
+
+
+def _check(param: Param, value: object) -> None:
+    where = f"argument {param.name}"
+    if not param.ndim:
+        if not isinstance(value, int | float | np.generic):
+            raise ArgumentError(f"expected a {param.dtype.value}", loc=where)
+        return
+    if (
+        not isinstance(value, np.ndarray)
+        or value.dtype != np.dtype(param.dtype.value)
+        or not value.flags.c_contiguous
+    ):
+        reason = f"expected a C-contiguous {param.dtype.value} array"
+        hint = f"pass np.ascontiguousarray({param.name}, np.{param.dtype.value})"
+        raise ArgumentError(reason, loc=where, hint=hint)

@@ -1,0 +1,232 @@
+"""From a `.ll` file's text to `cfg.Function`: the stages before those that Python's share."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from vividc.dfg.cfg import DType, Function, Param
+from vividc.errors import KernelError, SourceLoc, VividcWarning
+from vividc.frontend.ll_checks import check_body, reachable, refuse_recursion
+from vividc.frontend.ll_debug import declared
+from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
+from vividc.frontend.ll_library import BELOW, PARTIAL, with_block_operations, with_intrinsics
+from vividc.frontend.ll_source import Body, bodies
+from vividc.frontend.llvm import ENTRY, linked_ir, parse
+from vividc.frontend.llvm_text import Locations, read_function
+from vividc.frontend.lower import located, lower_words, prepared
+from vividc.frontend.ssa import Op, WideBlock, WideFunction
+from vividc.frontend.unrotate import unrotate
+
+_PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
+_HINTS = re.compile(
+    r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|"
+    r"prefetch)\b.*\n",
+    re.MULTILINE,
+)
+"""Calls that only tell LLVM something."""
+_DEBUG = re.compile(r"^.*(?:llvm\.dbg\.|#dbg_).*$|,? !dbg !\d+", re.MULTILINE)
+_PARAMETERS = frozenset(["ptr", "i1", "i8", "i16", "i32", "i64", "float", "double"])
+_TYPES_HINT = "a kernel takes and returns float, int32_t, uint32_t, int64_t, bool and pointers"
+_IN_C = (
+    ("math.exp, exp2, sqrt, floor, ceil, and abs, min, max", "expf, exp2f, sqrtf, floorf, ceilf"),
+    (
+        "only scalar globals are constants of a kernel",
+        "clang makes one of a switch without -fno-jump-tables",
+    ),
+    ("; a range with a step: range(0, min(n, len(x)), 2)", ""),
+    ("write np.float32(...) around constants", "write constants as 1.0f, and float for double"),
+    ("write np.int32(...) around the float", "convert to int32_t"),
+    ("np.int32(...)", "an int32_t cast"),
+    ("np.float32(...)", "a float cast"),
+    ("np.int32", "int32_t"),
+    ("np.uint32", "uint32_t"),
+    ("float32, int32 or uint32", "float, int32_t or uint32_t"),
+)
+"""Python's words in hints, and C's."""
+
+
+@dataclass(frozen=True)
+class CModule:
+    """A C function of a `.ll` file.
+
+    Attributes
+    ----------
+    source
+        The file's text.
+    file
+        Its absolute path.
+    wide
+        The function with all that it calls, without pointers, before narrowing.
+    """
+
+    source: str
+    file: str
+    function: CFunction
+    params: tuple[Param, ...]
+    wide: WideFunction
+
+
+def declare(source: str, text: str, file: str, name: str) -> CModule:
+    """Find a function in a module, check it and read it.
+
+    Parameters
+    ----------
+    source, text
+        The file's text, and the same with a source line on every instruction.
+
+    Raises
+    ------
+    KernelError
+        LLVM cannot read the text, or the function is missing or cannot run on the array.
+    """
+    by_name = {body.name: body for body in bodies(text)}
+    if name not in by_name:
+        known = ", ".join(by_name) or "none"
+        raise KernelError(f"has no function `{name}`", loc=file, hint=f"it defines: {known}")
+    _parsed(text, file)
+    function = _function(text, by_name[name], file)
+    locate = Locations(text, function.loc.file)
+    used = reachable(by_name[name], by_name)
+    for body in used:
+        check_body(body, locate)
+    refuse_recursion(used, locate)
+    with located(function.loc), _in_c_terms():
+        wide = _read(text, function)
+    return CModule(source, file, function, _params(function, wide), wide)
+
+
+def lower_c(module: CModule, *, strict_fp: bool) -> Function:
+    """The function as SSA words; errors and warnings as of `lower.lower`."""
+    function = module.function
+    for param in function.params:
+        if param.type == "double":
+            _report_double(param, function.loc, strict_fp=strict_fp)
+    with _in_c_terms():
+        return lower_words(
+            module.wide,
+            function.symbol,
+            module.params,
+            function.result,
+            function.loc,
+            file=module.file,
+            strict_fp=strict_fp,
+            reword=_c_words,
+        )
+
+
+def _report_double(param: CParameter, loc: SourceLoc, *, strict_fp: bool) -> None:
+    reason = f"parameter {param.name} is a double"
+    if strict_fp:
+        raise KernelError(reason, loc=loc, hint="declare it float")
+    text = f"{loc}: {reason} and is rounded to float32; declare it float"
+    warnings.warn(text, VividcWarning, stacklevel=2)
+
+
+@contextmanager
+def _in_c_terms() -> Iterator[None]:
+    """Hints of the stages that Python's kernels share, in C's words."""
+    try:
+        yield
+    except KernelError as error:
+        if error.hint is None:
+            raise
+        raise KernelError(error.reason, loc=error.loc, hint=_c_words(error.hint)) from error
+
+
+def _c_words(advice: str) -> str:
+    for python, c in _IN_C:
+        advice = advice.replace(python, c)
+    return advice
+
+
+def _parsed(text: str, file: str) -> None:
+    try:
+        # Of a broken module with debug information LLVM would end the process.
+        parse(_DEBUG.sub("", text.replace('"Debug Info Version"', '"version"'))).verify()
+    except RuntimeError as error:
+        match = _PARSE_PLACE.search(str(error))
+        loc = SourceLoc(file, int(match[1])) if match else file
+        what = match[2] if match else " ".join(str(error).split())
+        hint = "write it with `clang -O1 -g -emit-llvm -S file.c -o file.ll`"
+        raise KernelError(f"not LLVM IR that can be read: {what}", loc=loc, hint=hint) from error
+
+
+def _function(text: str, body: Body, file: str) -> CFunction:
+    header = body.lines[0]
+    module = parse(text)
+    function = module.get_function(body.name)
+    known = declared(text, header)
+    types = [(argument.name, str(argument.type)) for argument in function.arguments]
+    names = [name or f"arg{index}" for index, (name, _) in enumerate(types)]
+    dtypes = [""] * len(names)
+    if known is not None and len(known.names) == len(names):
+        names, dtypes = list(known.names), list(known.dtypes)
+    params = tuple(
+        CParameter(name, type_, dtype)
+        for name, (_, type_), dtype in zip(names, types, dtypes, strict=True)
+    )
+    returns = str(function.global_value_type).partition(" ")[0]
+    loc = Locations(text, file).definition(header) or SourceLoc(file, body.first)
+    for param in params:
+        if param.type not in _PARAMETERS:
+            reason = f"parameter {param.name} has type {param.type}, which the array cannot hold"
+            raise KernelError(reason, loc=loc, hint=_TYPES_HINT)
+    if returns not in RETURNS:
+        raise KernelError(f"the function returns {returns}", loc=loc, hint=_TYPES_HINT)
+    signed = "zeroext" not in header.split("@")[0]
+    dtype = known.returns if known is not None else ""
+    return CFunction(body.name, params, returns, dtype, signed, loc)
+
+
+def _read(text: str, function: CFunction) -> WideFunction:
+    module, library = with_block_operations(with_intrinsics(text))
+    parts = [module, library] if library else [module]
+    optimised = _HINTS.sub("", linked_ir(entry_text(function), parts))
+    wide = read_function(optimised, ENTRY, function.loc.file)
+    blocks = tuple(
+        replace(block, ops=tuple(_block_operation(op) for op in block.ops)) for block in wide.blocks
+    )
+    return unrotate(prepared(replace(wide, blocks=blocks)))
+
+
+def _block_operation(op: Op) -> Op:
+    """A call of `ll_library`: as the comparison that it stands for, or refused."""
+    if op.op != "call":
+        return op
+    if op.pred == BELOW:
+        return replace(op, op="icmp", type="ptr", pred="ult", flags=frozenset({BELOW}))
+    if op.pred.startswith(PARTIAL):
+        reason = f"a {op.pred.removeprefix(PARTIAL)} of a size that is not shown to be whole words"
+        raise KernelError(reason, loc=op.loc, hint="use n * sizeof(int32_t), or a loop")
+    return op
+
+
+def _params(function: CFunction, wide: WideFunction) -> tuple[Param, ...]:
+    accessed = _accessed(wide.blocks)
+    return tuple(
+        Param(param.name, _element(param, accessed.get(param.name, set())), 1, flat=True)
+        if param.type == "ptr"
+        else Param(param.name, param.scalar)
+        for param in function.params
+    )
+
+
+def _accessed(blocks: tuple[WideBlock, ...]) -> dict[str, set[str]]:
+    """LLVM types of the accesses to each array."""
+    found: dict[str, set[str]] = {}
+    for block in blocks:
+        for op in block.ops:
+            if op.array:
+                found.setdefault(op.array, set()).add(op.type)
+    return found
+
+
+def _element(param: CParameter, accesses: set[str]) -> DType:
+    """What the declaration says, else what the accesses do: words that are read as floats are."""
+    if param.dtype:
+        return DType(param.dtype)
+    return DType.F32 if "float" in accesses else DType.I32

@@ -1,0 +1,89 @@
+"""Byte offsets of LLVM's `getelementptr`: strides of arrays, offsets of structure members."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+from vividc.frontend.ssa import Int, Operand
+
+_BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "ptr": 4, "i64": 8, "double": 8}
+_STRUCT = re.compile(r"^(%\S+) = type (\{.*\})$", re.MULTILINE)
+_ARRAY = re.compile(r"\[(\d+)x(.*)\]")
+Structs = Mapping[str, str]
+"""Members of each named structure, as text without blanks: "{float,[3xi32]}"."""
+
+
+def structs_of(text: str) -> dict[str, str]:
+    """The named structures of a module's text."""
+    return {match[1]: match[2].replace(" ", "") for match in _STRUCT.finditer(text)}
+
+
+def offsets(
+    element: str, indices: tuple[Operand, ...], structs: Structs
+) -> tuple[tuple[Operand, ...], tuple[int, ...]] | None:
+    """Indices and the bytes per unit of each; a member's index becomes its offset.
+
+    None if an element's size is not known.
+    """
+    found: list[tuple[Operand, int]] = []
+    for position, index in enumerate(indices):
+        members = list(_members(element, structs)) if position else []
+        if members:
+            assert isinstance(index, Int)  # LLVM takes nothing else
+            found.append((Int(_offset(members, index.value, structs)), 1))
+            element = members[index.value]
+            continue
+        inner = _ARRAY.fullmatch(element) if position else None
+        element = inner[2] if inner is not None else element
+        layout = _layout(element, structs)
+        if layout is None or (position and inner is None):
+            return None
+        found.append((index, layout[0]))
+    return tuple(index for index, _ in found), tuple(stride for _, stride in found)
+
+
+def _layout(type_: str, structs: Structs) -> tuple[int, int] | None:
+    """Size and alignment in bytes."""
+    if type_ in _BYTES:
+        return _BYTES[type_], _BYTES[type_]
+    array = _ARRAY.fullmatch(type_)
+    if array is not None:
+        inner = _layout(array[2], structs)
+        return None if inner is None else (int(array[1]) * inner[0], inner[1])
+    members = list(_members(type_, structs))
+    layouts = [_layout(member, structs) for member in members]
+    if not members or None in layouts:
+        return None
+    align = max(layout[1] for layout in layouts if layout is not None)
+    return _aligned(_offset(members, len(members), structs), align), align
+
+
+def _offset(members: list[str], count: int, structs: Structs) -> int:
+    """Where member `count` starts, or the end of all."""
+    at = 0
+    for position, member in enumerate(members[: count + 1]):
+        size, align = _layout(member, structs) or (0, 1)
+        at = _aligned(at, align)
+        if position == count:
+            return at
+        at += size
+    return at
+
+
+def _aligned(offset: int, align: int) -> int:
+    return -(-offset // align) * align
+
+
+def _members(type_: str, structs: Structs) -> Iterator[str]:
+    text = structs.get(type_, type_)
+    if not text.startswith("{"):
+        return
+    depth, member = 0, ""
+    for letter in text[1:-1] + ",":
+        depth += (letter in "[{") - (letter in "]}")
+        if letter == "," and not depth:
+            yield member
+            member = ""
+        else:
+            member += letter
