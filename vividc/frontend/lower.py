@@ -25,6 +25,7 @@ from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.ssa import remove_dead, remove_unreachable
+from vividc.frontend.subword import extend_loads, store_low_bits
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -79,7 +80,7 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
-        hint = "return one float32, int32, uint32, int64 or bool, or store results into an array"
+        hint = "return one float32, bool or integer, or store results into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
     text = optimised_ir(module, params, loc)
     try:
@@ -106,6 +107,7 @@ def _narrowed(
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
+    wide = store_low_bits(extend_loads(wide))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)

@@ -171,6 +171,8 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
         array=op.array,
         shift=op.shift,
         offset=op.offset,
+        width=op.width,
+        signed=op.signed,
         loc=op.loc,
     )
     emitter.instrs.append(instr)
