@@ -24,6 +24,7 @@ from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
+from vividc.frontend.small_integers import compute_in_words
 from vividc.frontend.ssa import remove_dead, remove_unreachable
 from vividc.frontend.subword import extend_loads, store_low_bits
 
@@ -107,7 +108,7 @@ def _narrowed(
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
-    wide = store_low_bits(extend_loads(wide))
+    wide = store_low_bits(compute_in_words(extend_loads(wide)))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)

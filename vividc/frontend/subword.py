@@ -27,7 +27,9 @@ _SMALL = {"i8": 8, "i16": 16}
 _WORD = "i32"
 _SIGNED = ".signed"
 _LOW = ".low"
+_EXTREMA = ("llvm.smin.", "llvm.smax.")
 _SIGNED_OPS = frozenset({"sext", "sitofp", "ashr", "sdiv", "srem"})
+_SIGNED_CALLS = ("llvm.abs.", "llvm.sadd.sat.", "llvm.ssub.sat.")
 _UNSIGNED_OPS = frozenset({"zext", "uitofp", "lshr", "udiv", "urem"})
 _RING = frozenset({"add", "sub", "mul", "and", "or", "xor"})
 
@@ -68,11 +70,15 @@ def _signed_values(function: WideFunction) -> frozenset[str]:
 
 
 def _merged(item: Op | WidePhi) -> tuple[Operand, ...] | None:
-    """The values among which a phi or select chooses; none for a load; None for anything else."""
+    """The values among which a phi, select or extremum chooses; none for a load; None for anything
+    else.
+    """
     if isinstance(item, WidePhi):
         return tuple(value for _, value in item.incoming)
     if item.op == "select":
         return item.args[1:]
+    if item.op == "call" and item.pred.startswith(_EXTREMA):
+        return item.args
     return () if item.op == "load" else None
 
 
@@ -88,7 +94,7 @@ def _vote(op: Op) -> int:
     if op.op == "icmp":
         return {"s": 1, "u": -1}.get(op.pred[0], 0)
     if op.op == "call":
-        return 1 if op.pred.startswith(("llvm.smin", "llvm.smax", "llvm.abs")) else -1
+        return 1 if op.pred.startswith((*_EXTREMA, *_SIGNED_CALLS)) else -1
     return int(op.op in _SIGNED_OPS) - int(op.op in _UNSIGNED_OPS)
 
 
@@ -140,8 +146,12 @@ class _SignedWords:
             args = op.args
             if op.op == "select":
                 args = (args[0], *(self.word(arg, op.type) for arg in args[1:]))
+            elif op.op == "call":
+                args = tuple(self.word(arg, op.type) for arg in args)
+            pred = op.pred.replace(op.type, _WORD)
             is_load = op.op == "load"
-            yield replace(op, name=op.name + _SIGNED, type=_WORD, args=args, signed=is_load)
+            name = op.name + _SIGNED
+            yield replace(op, name=name, type=_WORD, args=args, pred=pred, signed=is_load)
             yield _cut(op)
         else:
             yield self.use(op)
@@ -255,8 +265,6 @@ class _LowWords:
         if op.op == "select":
             args = (op.args[0], *map(self.word, op.args[1:]))
             return replace(op, name=name, type=_WORD, args=args)
-        if op.op == "shl" and isinstance(op.args[1], Int):
-            return replace(op, name=name, type=_WORD, args=(self.word(op.args[0]), op.args[1]))
         return None
 
     def placed(self, op: Op, values: dict[Op, Operand]) -> Iterator[Op]:
