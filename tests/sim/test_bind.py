@@ -148,7 +148,7 @@ def test_64_bit_arrays_hold_one_word_per_element() -> None:
     wide = type(compiled)(**{**fields(compiled), "params": params})
     x, y = np.array([5, -3, 1]), np.zeros(3, np.int32)
     simulate(wide, x, y, 3)
-    assert y.tolist() == [1, 0, 1]
+    assert y.tolist() == [5, 0, 1]
     with pytest.raises(ArgumentError, match="32 bits"):
         simulate(wide, x * 2**40, y, 3)
 

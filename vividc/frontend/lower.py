@@ -108,7 +108,8 @@ def _narrowed(
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
-    wide = store_low_bits(compute_in_words(extend_loads(wide)))
+    # Once more for what was small before: a `trunc` is as good as any sum.
+    wide = store_low_bits(compute_in_words(store_low_bits(extend_loads(wide))))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)

@@ -31,7 +31,7 @@ def compute_in_words(function: WideFunction) -> WideFunction:
 
 def is_computed_in_words(op: Op) -> bool:
     """Whether `compute_in_words` replaces the operation."""
-    return _is_small(op.type) and _rule(op) is not None
+    return _rule(op) is not None
 
 
 @dataclass
@@ -72,12 +72,16 @@ class _Words:
         """`op`'s result is the low bits of `word`."""
         self.ops.append(replace(self.op, op="trunc", args=(word,), pred="", source=_WORD))
 
+    def name(self, word: Operand) -> None:
+        """`op`'s result is `word`, which has no upper bits."""
+        self.ops.append(replace(self.op, op="freeze", args=(word,), pred=""))
+
 
 _Rule = Callable[[_Words], None]
 
 
 def _rewritten(op: Op) -> Iterator[Op]:
-    rule = _rule(op) if _is_small(op.type) else None
+    rule = _rule(op)
     if rule is None:
         yield op
         return
@@ -91,6 +95,12 @@ def _is_small(type_: str) -> bool:
 
 
 def _rule(op: Op) -> _Rule | None:
+    if op.op == "sitofp":
+        return _to_float if _is_small(op.source) else None
+    if not _is_small(op.type):
+        return None
+    if op.op in _CONVERSIONS:
+        return _CONVERSIONS[op.op]
     if op.op == "icmp":
         return _compare if op.pred[0] == "s" else None
     if op.op in _SIGNED or op.op in _UNSIGNED:
@@ -132,7 +142,19 @@ def _operation(words: _Words) -> None:
     signed = op.op in _SIGNED
     left = words.extended(op.args[0], signed=signed)
     right = words.extended(op.args[1], signed=signed and op.op != "ashr")
-    words.cut(words.emit(op.op, left, right))
+    word = words.emit(op.op, left, right)
+    (words.cut if signed or op.op == "shl" else words.name)(word)
+
+
+def _to_float(words: _Words) -> None:
+    op = words.op
+    word = words.emit("sext", *op.args, source=op.source)
+    words.ops.append(replace(op, args=(word,), source=_WORD))
+
+
+def _from_float(words: _Words) -> None:
+    """What the small type cannot hold is poison in LLVM, and a signed word holds what it can."""
+    words.cut(words.emit("fptosi", *words.op.args, source=words.op.source))
 
 
 def _intrinsic(words: _Words) -> None:
@@ -140,7 +162,8 @@ def _intrinsic(words: _Words) -> None:
     count = 1 if stem in ("abs", "ctpop") else 2
     signed = stem in _SIGNED_CALLS
     args = [words.extended(arg, signed=signed) for arg in words.op.args[:count]]
-    words.cut(words.call(stem, *args, *words.op.args[count:]))
+    word = words.call(stem, *args, *words.op.args[count:])
+    (words.cut if signed else words.name)(word)
 
 
 def _saturating(opcode: str, *, signed: bool) -> _Rule:
@@ -151,7 +174,10 @@ def _saturating(opcode: str, *, signed: bool) -> _Rule:
         total = words.emit(opcode, left, right)
         half = 1 << words.bits - 1
         high = words.call("smin", total, Int(half - 1 if signed else 2 * half - 1))
-        words.cut(words.call("smax", high, Int(-half)) if signed else high)
+        if signed:
+            words.cut(words.call("smax", high, Int(-half)))
+        else:
+            words.name(high)
 
     return rule
 
@@ -179,6 +205,16 @@ def _swap_bytes(words: _Words) -> None:
     words.cut(words.emit("or", up, down))
 
 
+def _sign_extend(words: _Words) -> None:
+    """The bits above the wider type must be 0 again."""
+    words.cut(words.emit("sext", *words.op.args, source=words.op.source))
+
+
+_CONVERSIONS: dict[str, _Rule] = {
+    "sext": _sign_extend,
+    "fptosi": _from_float,
+    "fptoui": _from_float,
+}
 _CALLS: dict[str, _Rule] = {
     "sadd.sat": _saturating("add", signed=True),
     "ssub.sat": _saturating("sub", signed=True),

@@ -25,6 +25,7 @@ from vividc.frontend.ssa import (
 
 _SMALL = {"i8": 8, "i16": 16}
 _WORD = "i32"
+_WORD_BYTES = 4
 _SIGNED = ".signed"
 _LOW = ".low"
 _EXTREMA = ("llvm.smin.", "llvm.smax.")
@@ -37,18 +38,27 @@ _RING = frozenset({"add", "sub", "mul", "and", "or", "xor"})
 def extend_loads(function: WideFunction) -> WideFunction:
     """Let loads, and the phis and selects among them, hold signed words where most uses are signed.
 
-    A use that needs the bits of the small type gets a `trunc`.
+    A use that needs the bits of the small type gets a `trunc`; a returned value needs none.
     """
     chosen = _signed_values(function)
     if not chosen:
         return function
-    rewriter = _SignedWords(function, chosen)
-    blocks = tuple(rewriter.block(block) for block in function.blocks)
-    return remove_dead(replace(function, blocks=blocks))
+    rewriter = _SignedWords(chosen, _read_by_phis(function, chosen))
+    return replace(function, blocks=tuple(rewriter.block(block) for block in function.blocks))
 
 
-def _signed_values(function: WideFunction) -> frozenset[str]:
-    """Names of the values to hold sign-extended."""
+def _read_by_phis(function: WideFunction, chosen: dict[str, str]) -> dict[str, tuple[WidePhi, ...]]:
+    found: dict[str, tuple[WidePhi, ...]] = {}
+    for block in function.blocks:
+        for phi in block.phis:
+            for pred, value in phi.incoming:
+                if phi.name not in chosen and isinstance(value, Local) and value.name in chosen:
+                    found[pred] = (*found.get(pred, ()), phi)
+    return found
+
+
+def _signed_values(function: WideFunction) -> dict[str, str]:
+    """Small type of each value to hold sign-extended."""
     members = {name: item for name, item in function.definitions.items() if item.type in _SMALL}
     sources = {name: _merged(item) for name, item in members.items()}
     members = {name: item for name, item in members.items() if sources[name] is not None}
@@ -66,7 +76,7 @@ def _signed_values(function: WideFunction) -> frozenset[str]:
             for arg in op.args:
                 if isinstance(arg, Local) and arg.name in members:
                     votes[groups.root(arg.name)] += _vote(op)
-    return frozenset(name for name in members if votes[groups.root(name)] > 0)
+    return {name: item.type for name, item in members.items() if votes[groups.root(name)] > 0}
 
 
 def _merged(item: Op | WidePhi) -> tuple[Operand, ...] | None:
@@ -120,80 +130,116 @@ class _Groups:
 
 @dataclass
 class _SignedWords:
-    """Rewrites the chosen values, each to a word called `name` + ".signed", and their uses."""
+    """Rewrites the chosen values, each to a word called `name` + ".signed", and their uses.
 
-    function: WideFunction
-    chosen: frozenset[str]
+    Where the small value is read it is cut from its word, in the reading block: a loop need not
+    cut what is read behind it.
+
+    Attributes
+    ----------
+    chosen
+        Small type of each chosen value.
+    read_by_phis
+        By block, the phis that read a chosen value from there and are not chosen themselves.
+    """
+
+    chosen: dict[str, str]
+    read_by_phis: dict[str, tuple[WidePhi, ...]]
+    cuts: int = 0
 
     def block(self, block: WideBlock) -> WideBlock:
-        """One block; the small value of a phi is cut from its word behind all phis."""
-        phis: list[WidePhi] = []
-        ops: list[Op] = []
-        for phi in block.phis:
-            if phi.name not in self.chosen:
-                phis.append(phi)
-                continue
-            incoming = tuple((pred, self.word(value, phi.type)) for pred, value in phi.incoming)
-            phis.append(WidePhi(phi.name + _SIGNED, _WORD, incoming, phi.loc))
-            ops.append(_cut(phi))
-        for op in block.ops:
-            ops.extend(self.rewritten(op))
-        return replace(block, phis=tuple(phis), ops=tuple(ops))
+        """One block."""
+        ops = [new for op in block.ops for new in self.rewritten(op)]
+        for phi in self.read_by_phis.get(block.name, ()):
+            value = dict(phi.incoming)[block.name]
+            assert isinstance(value, Local)
+            ops.append(self.cut(value, _cut_name(phi, block.name), phi))
+        leave = block.exit
+        if leave.value is not None and self.has_word(leave.value):
+            leave = replace(leave, value=self.word(leave.value))
+        return WideBlock(block.name, tuple(map(self.phi, block.phis)), tuple(ops), leave)
+
+    def phi(self, phi: WidePhi) -> WidePhi:
+        """The phi on words if it is chosen, else on what its predecessors cut for it."""
+        if phi.name in self.chosen:
+            words = tuple((pred, self.word(value, phi.type)) for pred, value in phi.incoming)
+            return WidePhi(phi.name + _SIGNED, _WORD, words, phi.loc)
+        incoming = tuple(
+            (pred, Local(_cut_name(phi, pred)) if self.has_word(value) else value)
+            for pred, value in phi.incoming
+        )
+        return replace(phi, incoming=incoming)
 
     def rewritten(self, op: Op) -> Iterator[Op]:
-        """The operation on words, and for a chosen value its small form."""
+        """The operation on words, behind the cuts that it needs."""
         if op.name in self.chosen:
-            args = op.args
-            if op.op == "select":
-                args = (args[0], *(self.word(arg, op.type) for arg in args[1:]))
-            elif op.op == "call":
-                args = tuple(self.word(arg, op.type) for arg in args)
-            pred = op.pred.replace(op.type, _WORD)
-            is_load = op.op == "load"
-            name = op.name + _SIGNED
-            yield replace(op, name=name, type=_WORD, args=args, pred=pred, signed=is_load)
-            yield _cut(op)
-        else:
-            yield self.use(op)
+            first = 1 if op.op == "select" else 0
+            words = () if op.op == "load" else tuple(self.word(a, op.type) for a in op.args[first:])
+            yield replace(
+                op,
+                name=op.name + _SIGNED,
+                type=_WORD,
+                args=op.args if op.op == "load" else (*op.args[:first], *words),
+                pred=op.pred.replace(op.type, _WORD),
+                signed=op.op == "load",
+            )
+            return
+        op = self.use(op)
+        args: list[Operand] = []
+        for arg in op.args:
+            if isinstance(arg, Local) and self.has_word(arg):
+                self.cuts += 1
+                yield self.cut(arg, f"{arg.name}.cut{self.cuts}", op)
+                args.append(Local(f"{arg.name}.cut{self.cuts}"))
+            else:
+                args.append(arg)
+        yield replace(op, args=tuple(args))
 
     def use(self, op: Op) -> Op:
         """The operation with words for its chosen operands, where that is possible."""
-        if op.op == "icmp" and op.type in _SMALL and all(map(self.has_word, op.args)):
-            args = tuple(self.word(arg, op.type) for arg in op.args)
-            return replace(op, type=_WORD, args=args)
-        if not op.args or not self.is_chosen(op.args[0]):
+        if op.op == "icmp":
+            return self.comparison(op)
+        if not op.args or not self.has_word(op.args[0]):
             return op
+        word = self.word(op.args[0])
         if op.op == "store":
-            word = self.word(op.args[0], op.type)
             return replace(op, type=_WORD, args=(word, *op.args[1:]))
         if op.op not in ("sext", "sitofp", "trunc"):
             return op
-        args = (self.word(op.args[0], op.source),)
-        if op.op == "sext" and op.type == _WORD:
-            return replace(op, op="freeze", args=args, source="")
         opcode = "trunc" if op.op == "sext" and op.type in _SMALL else op.op
-        return replace(op, op=opcode, args=args, source=_WORD)
+        if op.op == "sext" and op.type == _WORD:
+            opcode = "freeze"
+        return replace(op, op=opcode, args=(word,), source=_WORD)
 
-    def is_chosen(self, operand: Operand) -> bool:
+    def comparison(self, op: Op) -> Op:
+        """Sign extension keeps the order of signed numbers and that of unsigned ones."""
+        chosen = [self.has_word(arg) for arg in op.args]
+        constant = [isinstance(arg, Int) for arg in op.args]
+        if not any(chosen) or not all(a or b for a, b in zip(chosen, constant, strict=True)):
+            return op
+        args = tuple(self.word(arg, op.type) for arg in op.args)
+        return replace(op, type=_WORD, args=args)
+
+    def has_word(self, operand: Operand) -> bool:
         """Whether the operand is held as a signed word."""
         return isinstance(operand, Local) and operand.name in self.chosen
 
-    def has_word(self, operand: Operand) -> bool:
-        """Whether a signed word costs nothing."""
-        return isinstance(operand, Int) or self.is_chosen(operand)
-
-    def word(self, operand: Operand, type_: str) -> Operand:
-        """The signed word of a chosen value or constant."""
+    def word(self, operand: Operand, type_: str = "") -> Operand:
+        """The signed word of a chosen value, or of a constant of the small type `type_`."""
         if isinstance(operand, Int):
             half = 1 << _SMALL[type_] - 1
             return Int((operand.value + half) % (2 * half) - half)
         assert isinstance(operand, Local)
         return Local(operand.name + _SIGNED)
 
+    def cut(self, value: Local, name: str, user: Op | WidePhi) -> Op:
+        """The small value as `name`."""
+        word = self.word(value)
+        return Op(name, "trunc", self.chosen[value.name], (word,), source=_WORD, loc=user.loc)
 
-def _cut(item: Op | WidePhi) -> Op:
-    word = Local(item.name + _SIGNED)
-    return Op(item.name, "trunc", item.type, (word,), source=_WORD, loc=item.loc)
+
+def _cut_name(phi: WidePhi, pred: str) -> str:
+    return f"{phi.name}.cut.{pred}"
 
 
 def store_low_bits(function: WideFunction) -> WideFunction:
@@ -216,7 +262,7 @@ def store_low_bits(function: WideFunction) -> WideFunction:
 
 
 def _is_narrow_store(op: Op) -> bool:
-    return op.op == "store" and op.type in _SMALL
+    return op.op == "store" and op.width < _WORD_BYTES
 
 
 @dataclass
@@ -265,6 +311,8 @@ class _LowWords:
         if op.op == "select":
             args = (op.args[0], *map(self.word, op.args[1:]))
             return replace(op, name=name, type=_WORD, args=args)
+        if op.op == "shl" and isinstance(op.args[1], Int):
+            return replace(op, name=name, type=_WORD, args=(self.word(op.args[0]), op.args[1]))
         return None
 
     def placed(self, op: Op, values: dict[Op, Operand]) -> Iterator[Op]:

@@ -105,9 +105,10 @@ def returned(dtype: DType, word: int) -> int | float | bool:
         return value
     if dtype is DType.BOOL:
         return word != 0
-    # Less than a word is held zero-extended, whatever its sign.
+    # Of what is less than a word only the low bits count.
     sign = 1 << 8 * dtype.size_bytes - 1
-    return word - ((word & sign) << 1) if dtype.is_signed else word
+    value = word & 2 * sign - 1
+    return value - ((value & sign) << 1) if dtype.is_signed else value
 
 
 def _by_name(
