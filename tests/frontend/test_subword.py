@@ -74,6 +74,7 @@ def test_scalars_against_numba(a: int, d: int) -> None:
         ("high_byte", {Opcode.LSHR: 1}),
         ("cut_to_byte", {}),
         ("smallest", {Opcode.SMIN: 1}),
+        ("any_in_row", {Opcode.SELECT: 1, Opcode.XOR: 1}),
     ],
 )
 def test_extending_and_cutting_is_done_by_loads_and_stores(

@@ -172,6 +172,16 @@ def test_narrow_arrays_lie_in_the_scratchpad_as_in_numpy(dtype: DType) -> None:
     assert x.tobytes() == b"\x01" * x.nbytes
 
 
+def test_a_flag_is_0_or_1_whatever_its_byte() -> None:
+    compiled = saxpy(fabric())
+    params = (Param("x", DType.BOOL, 1), Param("y", DType.F32, 1), N)
+    packed = type(compiled)(**{**fields(compiled), "params": params})
+    flags = np.array([0, 1, 2, 255], np.uint8).view(np.bool_)
+    bound = bind(packed, (flags, np.ones(2, np.float32), 0), {})
+    start = bound.addresses["x"]
+    assert bound.memory.view(np.uint8)[start : start + 4].tolist() == [0, 1, 1, 1]
+
+
 def fields(compiled: Program) -> dict[str, object]:
     return {name: getattr(compiled, name) for name in type(compiled).__dataclass_fields__}
 

@@ -14,6 +14,7 @@ from numba.core.errors import NumbaError
 from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.flags import load_flags
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -108,11 +109,16 @@ def _narrowed(
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
+    wide = load_flags(wide, _flag_arrays(params))
     # Once more for what was small before: a `trunc` is as good as any sum.
     wide = store_low_bits(compute_in_words(store_low_bits(extend_loads(wide))))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+
+
+def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:
+    return frozenset(param.name for param in params if param.ndim and param.dtype is DType.BOOL)
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:

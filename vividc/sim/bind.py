@@ -178,8 +178,12 @@ def _size_bytes(array: Array) -> int:
 
 
 def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
-    """Elements as they lie in the scratchpad: as in numpy, but 64-bit ones as words, by value."""
+    """Elements as they lie in the scratchpad: as in numpy, but 64-bit ones as words, by value. A
+    bool is 0 or 1 whatever byte numpy has for it.
+    """
     flat = array.reshape(-1)
+    if flat.dtype == np.bool_:
+        return (flat.view(np.uint8) != 0).view(np.uint8)
     if flat.dtype.itemsize <= WORD_BYTES:
         return flat.view(np.uint8)
     if flat.size:
