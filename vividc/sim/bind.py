@@ -183,7 +183,8 @@ def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
     """
     flat = array.reshape(-1)
     if flat.dtype == np.bool_:
-        return (flat.view(np.uint8) != 0).view(np.uint8)
+        flags: NDArray[np.bool_] = flat.view(np.uint8) != 0
+        return flags.view(np.uint8)
     if flat.dtype.itemsize <= WORD_BYTES:
         return flat.view(np.uint8)
     if flat.size:
