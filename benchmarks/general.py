@@ -99,6 +99,42 @@ def _table(_: np.random.Generator) -> np.ndarray:
     return table
 
 
+def _bytes(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return rng.integers(0, 256, shape, dtype=np.uint8)
+
+
+def _halves(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return rng.integers(-(1 << 15), 1 << 15, shape, dtype=np.int16)
+
+
+def _flags(rng: np.random.Generator, share: float, *shape: int) -> np.ndarray:
+    return rng.random(shape) < share
+
+
+def _small(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return rng.integers(-128, 128, shape, dtype=np.int8)
+
+
+def _runs(rng: np.random.Generator) -> Arguments:
+    data = np.repeat(_bytes(rng, 40), rng.integers(1, 9, 40))
+    return data, np.zeros(2 * len(data), np.uint8)
+
+
+def _text(_: np.random.Generator) -> Arguments:
+    return (np.frombuffer("Größe: 3 m², Preis: 5 € — 漢字 🙂 ".encode() * 6, np.uint8).copy(),)
+
+
+def _region(rng: np.random.Generator) -> Arguments:
+    region = np.zeros((10, 12), bool)
+    region[4, 5] = True
+    return region, _flags(rng, 0.7, 10, 12)
+
+
+def _base64(rng: np.random.Generator) -> Arguments:
+    alphabet = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
+    return _bytes(rng, 91), np.frombuffer(alphabet, np.uint8).copy(), np.zeros(120, np.uint8)
+
+
 LINEAR_ALGEBRA: dict[str, Maker] = {
     "gemm": lambda r: (_floats(r, 8, 9), _floats(r, 9, 7), _floats(r, 8, 7)),
     "gemm_rows": lambda r: (
@@ -219,6 +255,38 @@ CONTROL: dict[str, Maker] = {
     "virtual_machine": _virtual_machine,
 }
 
+BYTES_AND_IMAGES: dict[str, Maker] = {
+    "grayscale": lambda r: (_bytes(r, 9, 13, 3), np.zeros((9, 13), np.uint8)),
+    "gray_histogram": lambda r: (_bytes(r, 11, 17), _zeros(256)),
+    "threshold_mask": lambda r: (_bytes(r, 301), np.uint8(99), np.zeros(301, bool)),
+    "box_blur": lambda r: (_bytes(r, 9, 15), np.zeros((9, 15), np.uint8)),
+    "blend_over": lambda r: (_bytes(r, 203), _bytes(r, 203), _bytes(r, 203)),
+    "run_length_encode": _runs,
+    "crc8": lambda r: (_bytes(r, 45),),
+    "adler32_bytes": lambda r: (_bytes(r, 900),),
+    "utf8_length": _text,
+    "mix_pcm": lambda r: (_halves(r, 301), _halves(r, 301), np.zeros(301, np.int16)),
+    "delta_decode": lambda r: (_halves(r, 301),),
+    "sobel_gradients": lambda r: (
+        _bytes(r, 8, 13),
+        np.zeros((8, 13), np.int16),
+        np.zeros((8, 13), np.int16),
+    ),
+    "grow_region": _region,
+    "apply_curve": lambda r: (_bytes(r, 203), _bytes(r, 256)),
+    "swap_bytes": lambda r: (_halves(r, 203).view(np.uint16),),
+    "base64_encode": _base64,
+    "quantised_layer": lambda r: (
+        _small(r, 7, 29),
+        _small(r, 29),
+        _ints(r, -9999, 9999, 7),
+        np.int8(7),
+        np.zeros(7, np.int8),
+    ),
+    "loudest": lambda r: (_small(r, 203),),
+    "pcm_to_float": lambda r: (_halves(r, 203), np.float32(2**-15), _blank(203)),
+}
+
 FAMILIES = {
     "linear_algebra": LINEAR_ALGEBRA,
     "image": IMAGE,
@@ -227,6 +295,7 @@ FAMILIES = {
     "searching": SEARCHING,
     "graphs": GRAPHS,
     "control": CONTROL,
+    "bytes_and_images": BYTES_AND_IMAGES,
 }
 
 WORKLOADS = tuple(

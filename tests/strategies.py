@@ -13,6 +13,7 @@ from vividc.dfg.words import word_of
 from vividc.errors import SourceLoc
 
 ARRAY_WORDS = 16
+WORD_BYTES = 4
 ARRAYS = ("x", "y")
 BASES = {"&x": 0, "&y": 4 * ARRAY_WORDS}
 MEMORY_WORDS = len(ARRAYS) * ARRAY_WORDS
@@ -118,7 +119,10 @@ class _Builder:
         self.feed(index, masked, 0)
         self.feed(mask, masked, 1)
         value = self.pick(Type.ANY) if op is Opcode.STORE else None
-        node_id = self.node(op, name=array, shift=2)
+        width = self.draw(st.sampled_from((4, 4, 1, 2)))
+        signed = op is Opcode.LOAD and width < WORD_BYTES and self.draw(st.booleans())
+        shift = width.bit_length() - 1
+        node_id = self.node(op, name=array, shift=shift, width=width, signed=signed)
         self.feed(self.live_in(f"&{array}"), node_id, BASE)
         self.feed(masked, node_id, 0)
         if value is not None:
@@ -251,9 +255,7 @@ def _add_exit(builder: _Builder, exit_id: int) -> None:
             continue
         unless = node.id not in before and builder.draw(st.booleans())
         if unless:
-            nodes[node.id] = Node(
-                node.id, node.op, name=node.name, shift=node.shift, unless_exit=True, loc=node.loc
-            )
+            nodes[node.id] = replace(node, unless_exit=True)
         distance = 0 if unless else 1
         control = Edge(exit_id, node.id, ORDER, distance, kind=EdgeKind.CONTROL)
         builder.edges.append(control)

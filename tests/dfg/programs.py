@@ -42,18 +42,21 @@ class Assign:
 
 @dataclass(frozen=True)
 class Load:
-    """v[target] = a[v[index] & 15]."""
+    """v[target] = a[v[index] & 15], or of bytes or halves of the same memory."""
 
     target: int
     index: int
+    width: int = 4
+    signed: bool = False
 
 
 @dataclass(frozen=True)
 class Store:
-    """a[v[index] & 15] = v[value]."""
+    """a[v[index] & 15] = v[value], or the value's low bytes to bytes or halves."""
 
     index: int
     value: int
+    width: int = 4
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,8 @@ def _statements(depth: int, *, in_loop: bool) -> st.SearchStrategy[tuple[object,
         ),
         st.builds(Load, variable, variable),
         st.builds(Store, variable, variable),
+        st.builds(Load, variable, variable, st.sampled_from([1, 2]), st.booleans()),
+        st.builds(Store, variable, variable, st.sampled_from([1, 2])),
     ]
     if in_loop:
         choices.append(st.builds(Jump, st.sampled_from(["break", "continue"]), variable, variable))
@@ -149,10 +154,13 @@ def _run(statements: Sequence[object], v: list[int], a: list[int]) -> None:
                 other = v[right] if constant is None else constant
                 result = {"add": v[left] + other, "sub": v[left] - other, "xor": v[left] ^ other}
                 v[target] = result[op] & MASK
-            case Load(target, index):
-                v[target] = a[v[index] & 15]
-            case Store(index, value):
-                a[v[index] & 15] = v[value]
+            case Load(target, index, width, is_signed):
+                raw = _bytes(a)[_place(v[index], width)]
+                v[target] = int.from_bytes(raw, "little", signed=is_signed) & MASK
+            case Store(index, value, width):
+                memory = _bytes(a)
+                memory[_place(v[index], width)] = v[value].to_bytes(4, "little")[:width]
+                a[:] = memoryview(memory).cast("I").tolist()
             case If(left, right, then, other):
                 _run(then if signed(v[left]) < signed(v[right]) else other, v, a)
             case Jump(kind, left, right):
@@ -162,6 +170,15 @@ def _run(statements: Sequence[object], v: list[int], a: list[int]) -> None:
                 _loop(iter(range(start, count)), target, body, v, a)
             case While(left, right, fuel, body):
                 _while(left, right, fuel, body, v, a)
+
+
+def _bytes(words: list[int]) -> bytearray:
+    return bytearray(b"".join(word.to_bytes(4, "little") for word in words))
+
+
+def _place(index: int, width: int) -> slice:
+    start = index % (4 * WORDS // width) * width
+    return slice(start, start + width)
 
 
 def _loop(indices: object, target: int, body: Sequence[object], v: list[int], a: list[int]) -> None:
@@ -210,12 +227,14 @@ class _Lowering:
         self.names += 1
         return f"b{self.names}"
 
-    def emit(self, op: Opcode, result: Type, *operands: Value) -> Ref:
+    def emit(
+        self, op: Opcode, result: Type, *operands: Value, width: int = 4, signed: bool = False
+    ) -> Ref:
         ident = self.new_id()
         memory = op in (Opcode.LOAD, Opcode.STORE)
-        self.instrs.append(
-            Instr(ident, op, result, operands, "a" if memory else "", 2 if memory else 0)
-        )
+        array, shift = ("a", width.bit_length() - 1) if memory else ("", 0)
+        instr = Instr(ident, op, result, operands, array, shift, width=width, signed=signed)
+        self.instrs.append(instr)
         return Ref(ident)
 
     def finish(self, branch: Branch) -> str:
@@ -235,8 +254,17 @@ class _Lowering:
     def less(self, env: Env, left: int, right: int) -> Value:
         return self.emit(Opcode.ICMP_SLT, Type.PRED, env[left], env[right])
 
-    def address(self, env: Env, index: int) -> Value:
-        return self.emit(Opcode.AND, Type.I32, env[index], Const(15))
+    def address(self, env: Env, index: int, width: int) -> Value:
+        return self.emit(Opcode.AND, Type.I32, env[index], Const(4 * WORDS // width - 1))
+
+    def load(self, env: Env, s: Load) -> Value:
+        place = Input("&a"), self.address(env, s.index, s.width)
+        signed = s.signed and s.width < 4
+        return self.emit(Opcode.LOAD, Type.I32, *place, width=s.width, signed=signed)
+
+    def store(self, env: Env, s: Store) -> Value:
+        place = Input("&a"), self.address(env, s.index, s.width)
+        return self.emit(Opcode.STORE, Type.NONE, *place, env[s.value], width=s.width)
 
 
 Targets = tuple[str, list[tuple[str, Env]], str, list[tuple[str, Env]]]
@@ -263,10 +291,10 @@ def _lower(statements: Sequence[object], env: Env, low: _Lowering, loop: Targets
             case Assign(target, op, left, right, constant):
                 other = env[right] if constant is None else Const(constant & MASK)
                 env[target] = low.emit(Opcode(op), Type.I32, env[left], other)
-            case Load(target, index):
-                env[target] = low.emit(Opcode.LOAD, Type.I32, Input("&a"), low.address(env, index))
-            case Store(index, value):
-                low.emit(Opcode.STORE, Type.NONE, Input("&a"), low.address(env, index), env[value])
+            case Load():
+                env[s.target] = low.load(env, s)
+            case Store():
+                low.store(env, s)
             case If():
                 env = _lower_if(s, env, low, loop)
             case Jump():

@@ -23,6 +23,8 @@ from vividc.sim.reference import ReferenceEngine
 BY_NAME = {workload.name: workload for workload in WORKLOADS}
 QUICK = {
     "adler32",
+    "apply_curve",
+    "base64_encode",
     "bellman_ford",
     "bfs",
     "binary_search",
@@ -30,9 +32,11 @@ QUICK = {
     "compact",
     "conv2d",
     "crc32",
+    "crc8",
     "first_match",
     "floyd_warshall",
     "gauss_seidel",
+    "grow_region",
     "haar",
     "heap_sort",
     "histogram",
@@ -40,8 +44,11 @@ QUICK = {
     "life",
     "mandelbrot",
     "merge",
+    "mix_pcm",
     "queens",
+    "quantised_layer",
     "quickselect",
+    "run_length_encode",
     "sieve",
     "spmv_csr",
     "trmv",
@@ -56,6 +63,14 @@ def words(*values: int) -> np.ndarray:
 
 def unsigned(*values: int) -> np.ndarray:
     return np.array(values, np.uint32)
+
+
+def octets(*values: int) -> np.ndarray:
+    return np.array(values, np.uint8)
+
+
+def halves(*values: int) -> np.ndarray:
+    return np.array(values, np.int16)
 
 
 def floats(*shape: int) -> np.ndarray:
@@ -114,6 +129,41 @@ SMALL: dict[str, tuple[Arguments, ...]] = {
         (np.zeros((2, 2, 2), np.int32), 1),
     ),
     "sieve": ((words(),), (words(7),), (words(7, 7, 7, 7, 7),)),
+    "gray_histogram": ((np.full((3, 1), 255, np.uint8), np.zeros(256, np.int32)),),
+    "threshold_mask": (
+        (octets(), np.uint8(0), np.zeros(0, bool)),
+        (octets(0, 255, 254), np.uint8(254), np.ones(3, bool)),
+    ),
+    "box_blur": ((octets(1, 2).reshape(1, 2), octets(3, 4).reshape(1, 2)),),
+    "blend_over": (
+        (octets(0, 255, 255, 7), octets(255, 255, 0, 9), octets(255, 0, 255, 128)),
+        (octets(), octets(), octets()),
+    ),
+    "run_length_encode": (
+        (octets(), octets(9)),
+        (octets(5), octets(0, 0)),
+        (np.full(600, 255, np.uint8), np.zeros(6, np.uint8)),
+    ),
+    "crc8": ((octets(),), (octets(255),), (octets(*b"123456789"),)),
+    "adler32_bytes": ((octets(),), (octets(255),)),
+    "utf8_length": ((octets(),), (octets(*"aé€🙂".encode()),)),
+    "mix_pcm": (
+        (halves(32767, -32768, 5), halves(1, -1, -5), halves(0, 0, 0)),
+        (halves(), halves(), halves()),
+    ),
+    "delta_decode": ((halves(),), (halves(7),), (halves(32767, 1, -32768, -1),)),
+    "grow_region": ((np.ones((2, 3), bool), np.ones((2, 3), bool)),),
+    "base64_encode": ((octets(1, 2), octets(*range(64)), octets()),),
+    "quantised_layer": (
+        (
+            np.full((2, 3), -128, np.int8),
+            np.array([-128, -128, -128], np.int8),
+            words(-50_000, 0),
+            np.int8(0),
+            np.zeros(2, np.int8),
+        ),
+    ),
+    "loudest": ((np.array([-128], np.int8),), (np.array([-1, -128, -2], np.int8),)),
     "bracket_match": ((words(), words()), (words(41), words(0)), (words(40, 40), words(0, 0))),
 }
 

@@ -38,14 +38,14 @@ class _Machine:
         self.values: dict[int, int] = {}
         for param, value in zip(function.params, args, strict=True):
             if param.ndim:
-                self.memory[param.name] = value.reshape(-1).view(np.uint32)
+                self.memory[param.name] = value.reshape(-1).view(np.uint8)
                 self.inputs[f"&{param.name}"] = 0
                 for axis, size in enumerate(value.shape):
                     self.inputs[f"{param.name}.shape{axis}"] = size
             elif param.dtype is DType.F32:
                 self.inputs[param.name] = int(np.float32(value).view(np.uint32))
             else:
-                self.inputs[param.name] = int(value) & _MASK
+                self.inputs[param.name] = int(value) & (1 << 8 * param.dtype.size_bytes) - 1
 
     def word(self, value: Value) -> int:
         if isinstance(value, Const):
@@ -66,11 +66,12 @@ class _Machine:
         assert instr.operands[0].key == f"&{instr.array}"
         address = (words[0] + (words[1] << instr.shift) + instr.offset) & _MASK
         cells = self.memory[instr.array]
-        assert address % 4 == 0
-        assert address // 4 < cells.size, f"{instr} leaves its array"
+        assert address % instr.width == 0
+        assert address + instr.width <= cells.size, f"{instr} leaves its array"
+        place = cells[address : address + instr.width]
         if instr.op is Opcode.LOAD:
-            return int(cells[address // 4])
-        cells[address // 4] = words[2]
+            return int.from_bytes(place.tobytes(), "little", signed=instr.signed)
+        place[...] = list(words[2].to_bytes(4, "little")[: instr.width])
         return 0
 
     def result(self, returns: DType | None, value: Value | None) -> object:
@@ -81,10 +82,14 @@ class _Machine:
             return _float(word)
         if returns is DType.BOOL:
             return bool(word)
-        return word if returns is DType.U32 else _signed(word)
+        bits = 8 * returns.size_bytes
+        if returns.is_signed:
+            return _signed(word << 32 - bits) >> 32 - bits
+        return word & (1 << bits) - 1
 
 
 def _signed(word: int) -> int:
+    word &= _MASK
     return word - 2**32 if word & 0x80000000 else word
 
 

@@ -40,3 +40,12 @@ def test_no_overlap_and_inside(sizes: list[int], banks: int) -> None:
     cells = [placed[name] // 4 + k for name, words in arrays for k in range(words)]
     assert len(set(cells)) == len(cells)
     assert all(0 <= cell < pad.words for cell in cells)
+
+
+def test_accesses_may_meet_in_a_bank() -> None:
+    """Against every alignment of the first of two accesses a number of bytes apart."""
+    pad = Scratchpad(256, 4)
+    for gap in range(-40, 41):
+        starts = range(64, 64 + 4 * 4)
+        same = [start // 4 % 4 == (start + gap) // 4 % 4 for start in starts]
+        assert pad.may_meet(gap) is any(same)

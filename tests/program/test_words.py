@@ -65,6 +65,8 @@ def entries(draw: st.DrawFn, fabric: Fabric) -> Entry:
         constant,
         st.integers(0, 31),
         st.integers(-(1 << 15), (1 << 15) - 1),
+        st.sampled_from((1, 2, 4)),
+        st.booleans(),
         stage,
         st.sampled_from(Use),
         st.booleans(),
@@ -115,9 +117,9 @@ def test_fields_are_adjacent_and_named_once(name: str) -> None:
     assert len(layout.by_name) == len(layout.fields)
 
 
-def test_word_of_the_default_tile_is_146_bits() -> None:
+def test_word_of_the_default_tile_is_149_bits() -> None:
     layout = word_layout(fabric_of("vivid-tile"))
-    assert (layout.bits, layout.words_per_entry) == (146, 5)
+    assert (layout.bits, layout.words_per_entry) == (149, 5)
     assert layout.by_name["offset"].width == 16
     assert layout.links == 4
 

@@ -10,6 +10,7 @@ from vividc.dfg.regions import RETURN_VARIABLE, Region
 from vividc.errors import ArgumentError
 from vividc.program import DType, Param, Program
 from vividc.sim import simulate
+from vividc.sim.bind import bind
 
 
 def echo(dtype: DType) -> Program:
@@ -34,6 +35,11 @@ def echo(dtype: DType) -> Program:
         (DType.F32, np.float64(-0.0), -0.0),
         (DType.F32, 3, 3.0),
         (DType.F32, float("-inf"), float("-inf")),
+        (DType.I16, -(2**15), -(2**15)),
+        (DType.U16, 2**16 - 1, 2**16 - 1),
+        (DType.I8, np.int8(-1), -1),
+        (DType.I8, 127, 127),
+        (DType.U8, 255, 255),
         (DType.BOOL, np.True_, True),
         (DType.BOOL, 0, False),
     ],
@@ -58,6 +64,11 @@ def test_scalars(dtype: DType, given: object, value: object) -> None:
         (DType.F32, 10**400),
         (DType.F32, 1j),
         (DType.BOOL, 2),
+        (DType.I16, 2**15),
+        (DType.U16, -1),
+        (DType.I8, -129),
+        (DType.U8, 256),
+        (DType.U8, 1.0),
     ],
 )
 def test_refused_scalars(dtype: DType, given: object) -> None:
@@ -131,15 +142,44 @@ def test_arrays_only_read_stay_untouched_even_with_nan_payloads() -> None:
     assert x.view(np.uint32).tolist() == [0x7FC12345, 0xFF800001]
 
 
-def test_64_bit_and_bool_arrays_hold_one_word_per_element() -> None:
+def test_64_bit_arrays_hold_one_word_per_element() -> None:
     compiled = positive(fabric())
-    params = (Param("x", DType.I64, 1), Param("y", DType.BOOL, 1), N)
+    params = (Param("x", DType.I64, 1), Param("y", DType.I32, 1), N)
     wide = type(compiled)(**{**fields(compiled), "params": params})
-    x, y = np.array([5, -3, 1]), np.zeros(3, np.bool_)
+    x, y = np.array([5, -3, 1]), np.zeros(3, np.int32)
     simulate(wide, x, y, 3)
-    assert y.tolist() == [True, False, True]
+    assert y.tolist() == [5, 0, 1]
     with pytest.raises(ArgumentError, match="32 bits"):
         simulate(wide, x * 2**40, y, 3)
+
+
+NARROW = [DType.U8, DType.I8, DType.BOOL, DType.U16, DType.I16]
+
+
+@pytest.mark.parametrize("dtype", NARROW)
+def test_narrow_arrays_lie_in_the_scratchpad_as_in_numpy(dtype: DType) -> None:
+    compiled = saxpy(fabric())
+    params = (Param("x", dtype, 1), Param("y", DType.F32, 1), N)
+    packed = type(compiled)(**{**fields(compiled), "params": params})
+    x = np.arange(7).astype(dtype.value)
+    bound = bind(packed, (x, np.ones(2, np.float32), 0), {})
+    start = bound.addresses["x"]
+    assert bound.extents["x"] == (start, start + x.nbytes)
+    assert bound.memory.tobytes()[start : start + x.nbytes] == x.tobytes()
+    assert bound.addresses["y"] % 4 == 0
+    bound.memory.view(np.uint8)[start : start + x.nbytes] = 1
+    bound.copy_back(bound.memory, frozenset({"x"}))
+    assert x.tobytes() == b"\x01" * x.nbytes
+
+
+def test_a_flag_is_0_or_1_whatever_its_byte() -> None:
+    compiled = saxpy(fabric())
+    params = (Param("x", DType.BOOL, 1), Param("y", DType.F32, 1), N)
+    packed = type(compiled)(**{**fields(compiled), "params": params})
+    flags = np.array([0, 1, 2, 255], np.uint8).view(np.bool_)
+    bound = bind(packed, (flags, np.ones(2, np.float32), 0), {})
+    start = bound.addresses["x"]
+    assert bound.memory.view(np.uint8)[start : start + 4].tolist() == [0, 1, 1, 1]
 
 
 def fields(compiled: Program) -> dict[str, object]:

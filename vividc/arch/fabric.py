@@ -67,6 +67,13 @@ class Scratchpad:
         """Capacity in 32-bit words."""
         return self.size_bytes // 4
 
+    def may_meet(self, gap_bytes: int) -> bool:
+        """Whether two accesses `gap_bytes` apart can be in one bank: in words that are a multiple
+        of `banks` apart, for some alignment of the first.
+        """
+        around = 4 * self.banks
+        return min(gap_bytes % around, -gap_bytes % around) < 4  # noqa: PLR2004 - a word's bytes
+
 
 @dataclass(frozen=True, slots=True)
 class Controller:

@@ -217,6 +217,8 @@ class _LoopEmitter:
                 name=instr.array,
                 shift=address.shift,
                 offset=address.offset,
+                width=instr.width,
+                signed=instr.signed,
                 unless_exit=unless_exit,
                 loc=instr.loc,
             ),
@@ -252,6 +254,7 @@ class _LoopEmitter:
                 address.offset,
                 address.stride_bytes if folded else None,
                 block,
+                instr.width,
             )
         )
 

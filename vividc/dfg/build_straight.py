@@ -71,6 +71,8 @@ def _emit(
             name=instr.array,
             shift=instr.shift,
             offset=instr.offset,
+            width=instr.width,
+            signed=instr.signed,
             loc=instr.loc,
         ),
         [index, *rest],
@@ -86,6 +88,7 @@ def _emit(
             None if fixed is not None else (instr.operands[1], instr.shift),
             instr.offset + (0 if fixed is None else fixed << instr.shift),
             stride_bytes=0,
+            width=instr.width,
         )
     )
     return node

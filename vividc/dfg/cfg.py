@@ -24,8 +24,25 @@ class DType(Enum):
     F32 = "float32"
     I32 = "int32"
     U32 = "uint32"
+    I16 = "int16"
+    U16 = "uint16"
+    I8 = "int8"
+    U8 = "uint8"
     I64 = "int64"
     BOOL = "bool"
+
+    @property
+    def size_bytes(self) -> int:
+        """Bytes of an element in the scratchpad, where int64 is narrowed to a word."""
+        return _SIZE_BYTES.get(self, 4)
+
+    @property
+    def is_signed(self) -> bool:
+        """Whether negative integers are among its values."""
+        return self in (DType.I8, DType.I16, DType.I32, DType.I64)
+
+
+_SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,8 +93,9 @@ class Instr:
 
     `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
     index, value). The byte address is base + (index << shift) + offset; `array` names the array
-    accessed. `exact`: an integer addition or subtraction that is proved not to wrap as a signed
-    word.
+    accessed, `width` the bytes of the access (1, 2 or 4), and `signed` says that a load of less
+    than a word sign-extends. `exact`: an integer addition or subtraction that is proved not to wrap
+    as a signed word.
     """
 
     id: int
@@ -87,6 +105,8 @@ class Instr:
     array: str = ""
     shift: int = 0
     offset: int = 0
+    width: int = 4
+    signed: bool = False
     exact: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)
 

@@ -10,6 +10,8 @@ from vividc.dfg.loops import block_graph, dominators
 from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 
 _WORD_LIMIT = 1 << 32
+_WORD_BYTES = 4
+_WIDTHS = (1, 2, _WORD_BYTES)
 _NOT_INSTRUCTIONS = frozenset(
     {Opcode.CONST, Opcode.LIVE_IN, Opcode.LIVE_OUT, Opcode.IV, Opcode.GENERIC}
 )
@@ -78,6 +80,14 @@ def _operands_of(instr: Instr, block: Block) -> Iterator[str]:
         yield f"{place} has {len(instr.operands)} operands instead of {expected}"
     if instr.op in MEMORY and not instr.array:
         yield f"{place} names no array"
+    yield from (f"{place} {problem}" for problem in _width_problems(instr))
+
+
+def _width_problems(instr: Instr) -> Iterator[str]:
+    if instr.width not in _WIDTHS or (instr.op not in MEMORY and instr.width != _WORD_BYTES):
+        yield f"has a width of {instr.width} bytes"
+    if instr.signed and (instr.op is not Opcode.LOAD or instr.width == _WORD_BYTES):
+        yield "is signed and no load of less than a word"
 
 
 def _phis(fn: Function) -> Iterator[str]:

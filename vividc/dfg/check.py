@@ -17,6 +17,7 @@ from vividc.dfg.order import cyclic_nodes
 
 WORD_LIMIT: Final = 1 << 32
 _SHIFT_LIMIT: Final = 32
+_WIDTHS: Final = (1, 2, 4)
 _INIT_SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN})
 _EFFECTS: Final = frozenset({Opcode.STORE, Opcode.LIVE_OUT})
 
@@ -60,6 +61,16 @@ def _nodes_have_their_fields(dfg: DFG) -> Iterator[str]:
             yield f"node {node.id} ({node.op.value}): only memory operations have shift and offset"
         if not 0 <= node.shift < _SHIFT_LIMIT:
             yield f"node {node.id}: shift {node.shift} is not in 0 .. {_SHIFT_LIMIT - 1}"
+
+
+def _widths_are_legal(dfg: DFG) -> Iterator[str]:
+    for node in dfg.nodes:
+        if node.width not in _WIDTHS:
+            yield f"node {node.id}: an access of {node.width} bytes; a width is 1, 2 or 4"
+        if not node.is_memory and node.width != _WIDTHS[-1]:
+            yield f"node {node.id} ({node.op.value}): only memory operations have a width"
+        if node.signed and (node.op is not Opcode.LOAD or node.width == _WIDTHS[-1]):
+            yield f"node {node.id} ({node.op.value}): only a load of less than a word is signed"
 
 
 def _ports_exist(dfg: DFG) -> Iterator[str]:
@@ -215,6 +226,7 @@ def _show(edge: Edge) -> str:
 
 _RULES: Final[tuple[Callable[[DFG], Iterator[str]], ...]] = (
     _nodes_have_their_fields,
+    _widths_are_legal,
     _ports_exist,
     _ports_have_one_producer,
     _ports_are_fed,

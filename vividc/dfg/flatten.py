@@ -11,7 +11,7 @@ from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.opcodes import BASE, PRED, Opcode
 from vividc.dfg.order import evaluation_order
 from vividc.dfg.semantics import SEMANTICS
-from vividc.dfg.words import WORD_MASK, signed
+from vividc.dfg.words import WORD_MASK, loaded, signed, stored
 from vividc.errors import DFGError, SimulationError
 
 Step = Callable[[list[int], "memoryview[int]"], None]
@@ -176,20 +176,20 @@ class _Address:
     index: int
     node: Node
 
-    def word(self, values: Sequence[int], limit: int) -> int:
-        """Word address, checked."""
+    def byte(self, values: Sequence[int], limit: int) -> int:
+        """Byte address in a memory of `limit` words, checked."""
         node = self.node
         raw = values[self.base] + (values[self.index] << node.shift) + node.offset
         address = raw & WORD_MASK
-        if address & 3 or address >> 2 >= limit:
+        if address % node.width or address >> 2 >= limit:
             fault = (
-                "is not aligned to 4 bytes"
-                if address & 3
+                f"is not aligned to {node.width} bytes"
+                if address % node.width
                 else f"leaves the {limit * 4} bytes of the scratchpad"
             )
             access = f"{node.op.value} of {node.name or 'memory'} at byte {signed(address)}"
             raise SimulationError(f"{access} {fault}", loc=node.loc)
-        return address >> 2
+        return address
 
 
 def _unary(function: Callable[..., int], out: int, slots: Sequence[int]) -> Step:
@@ -248,15 +248,23 @@ def _load_that_may_miss(
 
 
 def _load(address: _Address, out: int, pred: int | None) -> Step:
+    width, is_signed = address.node.width, address.node.signed
+
     def step(values: list[int], words: memoryview[int]) -> None:
-        values[out] = words[address.word(values, len(words))] if pred is None or values[pred] else 0
+        values[out] = 0
+        if pred is None or values[pred]:
+            byte = address.byte(values, len(words))
+            values[out] = loaded(words[byte >> 2], byte, width, is_signed)
 
     return step
 
 
 def _store(address: _Address, value: int, pred: int | None, exit_slot: int | None) -> Step:
+    width = address.node.width
+
     def step(values: list[int], words: memoryview[int]) -> None:
         if (pred is None or values[pred]) and (exit_slot is None or not values[exit_slot]):
-            words[address.word(values, len(words))] = values[value]
+            byte = address.byte(values, len(words))
+            words[byte >> 2] = stored(words[byte >> 2], values[value], byte, width)
 
     return step

@@ -57,6 +57,9 @@ class Node:
         `generic` node.
     shift, offset
         Memory operations: byte address = base + (index << shift) + offset.
+    width, signed
+        Memory operations: bytes accessed, 1, 2 or 4; a load of less than a word extends it with its
+        sign or with zeros.
     control
         The controller's use of the result, if any.
     unless_exit
@@ -70,6 +73,8 @@ class Node:
     name: str = ""
     shift: int = 0
     offset: int = 0
+    width: int = 4
+    signed: bool = False
     control: Control | None = None
     unless_exit: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)

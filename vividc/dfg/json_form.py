@@ -3,10 +3,11 @@
 ``{"name", "nodes": [{"id", "op"}], "edges": [{"src", "dst", "distance", "operand"?, "kind"?}]}``
 
 With ``"schema": "vividc.dfg/1"`` the operations are our own (`Opcode` values) and the graph is
-complete: nodes also have ``const``, ``name``, ``shift``, ``offset``, ``control``, ``unless_exit``
-and ``loc``, edges ``init``. Without it the graph is foreign and its names are read as
-`vividc.dfg.foreign` says; ids may be strings, which are numbered in file order. ``operand`` is a
-port number, ``"pred"`` or ``"base"``; ``kind`` is ``"data"``, ``"order"`` or ``"control"``.
+complete: nodes also have ``const``, ``name``, ``shift``, ``offset``, ``width``, ``signed``,
+``control``, ``unless_exit`` and ``loc``, edges ``init``. Without it the graph is foreign and its
+names are read as `vividc.dfg.foreign` says; ids may be strings, which are numbered in file order.
+``operand`` is a port number, ``"pred"`` or ``"base"``; ``kind`` is ``"data"``, ``"order"`` or
+``"control"``.
 """
 
 from __future__ import annotations
@@ -23,8 +24,10 @@ from vividc.errors import DFGError
 SCHEMA: Final = "vividc.dfg/1"
 _PORT_NAMES: Final = {"pred": PRED, "base": BASE}
 _NODE_KEYS: Final = frozenset(
-    {"id", "op", "const", "name", "shift", "offset", "control", "unless_exit", "loc"}
+    {"id", "op", "const", "name", "shift", "offset", "width", "signed"}
+    | {"control", "unless_exit", "loc"}
 )
+_WORD_BYTES: Final = 4
 _EDGE_KEYS: Final = frozenset({"src", "dst", "distance", "operand", "kind", "init"})
 
 
@@ -86,6 +89,8 @@ def _node_to_json(node: Node) -> dict[str, object]:
         "name": node.name or None,
         "shift": node.shift or None,
         "offset": node.offset or None,
+        "width": node.width if node.width != _WORD_BYTES else None,
+        "signed": node.signed or None,
         "control": node.control.value if node.control is not None else None,
         "unless_exit": node.unless_exit or None,
         "loc": str(node.loc) if node.loc is not None else None,
@@ -150,6 +155,8 @@ def _own_node(fields: Fields, numbers: Mapping[int | str, int]) -> Node:
         name=fields.text("name", ""),
         shift=fields.integer("shift", 0),
         offset=fields.integer("offset", 0),
+        width=fields.integer("width", _WORD_BYTES),
+        signed=fields.flag("signed"),
         control=fields.choice("control", marks, None),
         unless_exit=fields.flag("unless_exit"),
         loc=parse_loc(loc) if loc else None,

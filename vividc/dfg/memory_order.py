@@ -14,7 +14,7 @@ class Access:
     construction.
 
     `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
-    the array.
+    the array. The access covers `width` bytes from its address on.
     """
 
     node: Operand
@@ -25,6 +25,7 @@ class Access:
     offset: int
     stride_bytes: int | None
     block: str = ""
+    width: int = 4
 
 
 Exclusive = Callable[[str, str], bool]
@@ -38,7 +39,7 @@ def order_accesses(
     in_loop: bool,
     exclusive: Exclusive = lambda first, second: False,
 ) -> None:
-    """Adds ORDER edges between accesses (in program order) that may touch the same word, at least
+    """Adds ORDER edges between accesses (in program order) that may touch the same byte, at least
     one a store.
 
     Arrays passed as different arguments do not overlap. Affine accesses get their exact distance;
@@ -58,22 +59,45 @@ def _dependences(
 ) -> Iterator[tuple[Access, Access, int]]:
     """(before, after, distance); accesses `apart` never meet in one iteration."""
     same = first is second
-    affine = (
+    if _step_alike(first, second):
+        if first.stride_bytes:
+            yield from _stepping(first, second, meet_now=not (same or apart))
+            return
+        if not -second.width < second.offset - first.offset < first.width:
+            return
+    if not same:
+        yield first, second, int(apart)
+    if in_loop:
+        yield second, first, 1
+
+
+def _step_alike(first: Access, second: Access) -> bool:
+    """Whether the accesses stay the same number of bytes apart."""
+    return (
         first.stride_bytes is not None
         and first.stride_bytes == second.stride_bytes
         and first.base == second.base
         and first.index == second.index
     )
+
+
+def _stepping(
+    first: Access, second: Access, *, meet_now: bool
+) -> Iterator[tuple[Access, Access, int]]:
+    """Accesses that move by one stride: the nearest iteration on either side in which they meet.
+
+    `second` in iteration i + k starts gap + k * stride bytes behind `first` in iteration i; they
+    share a byte iff -second.width < gap + k * stride < first.width. Farther iterations that meet
+    too are kept in order by the nearest one.
+    """
+    stride = first.stride_bytes
+    assert stride is not None
     gap = second.offset - first.offset
-    if affine and first.stride_bytes:
-        ahead, remainder = divmod(gap, first.stride_bytes)
-        if remainder == 0 and not same and not (ahead == 0 and apart):
-            # `second` touches now what `first` touches `ahead` iterations later.
-            yield (first, second, -ahead) if ahead <= 0 else (second, first, ahead)
-        return
-    if affine and gap != 0:
-        return
-    if not same:
-        yield first, second, int(apart)
-    if in_loop:
-        yield second, first, 1
+    lowest = (-second.width - gap) // stride + 1
+    highest = -((gap - first.width) // stride) - 1
+    later = max(lowest, 0 if meet_now else 1)
+    if later <= highest:
+        yield first, second, later
+    earlier = min(highest, -1)
+    if lowest <= earlier and first is not second:
+        yield second, first, -earlier

@@ -12,10 +12,11 @@ One node a line, with the edges that enter it; full lines that start with ``#`` 
     %6 = store "y" %2, %4 shift 2 base %1 after %3, %6@1
 
 ``%4@1(init=%0)`` is the word of node 4 one iteration ago, of node 0 in the first. Operands fill
-ports 0, 1, ...; ``5: %3`` names another port. ``if`` is the predicate, ``after`` lists ORDER edges,
-``control`` CONTROL edges, and ``exit``, ``branch``, ``trip`` and ``unless_exit`` are the marks of
-the node. A last line ``edges 2 0 1`` gives the creation order of the edges where it is not the
-order of the text.
+ports 0, 1, ...; ``5: %3`` names another port. An access of less than a word says ``width 1`` or
+``width 2``, and ``signed`` if it sign-extends. ``if`` is the predicate, ``after`` lists ORDER
+edges, ``control`` CONTROL edges, and ``exit``, ``branch``, ``trip`` and ``unless_exit`` are the
+marks of the node. A last line ``edges 2 0 1`` gives the creation order of the edges where it is not
+the order of the text.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from vividc.dfg.text_parser import parse
 __all__ = ["parse", "to_text"]
 
 _KIND_RANK: Final = {EdgeKind.DATA: 0, EdgeKind.ORDER: 1, EdgeKind.CONTROL: 2}
+_WORD_BYTES: Final = 4
 _PORT_RANK: Final = {PRED: 1, BASE: 2}
 
 
@@ -105,6 +107,10 @@ def _address_text(node: Node) -> Iterable[str]:
         yield f"shift {node.shift}"
     if node.offset:
         yield f"offset {node.offset}"
+    if node.width != _WORD_BYTES:
+        yield f"width {node.width}"
+    if node.signed:
+        yield "signed"
 
 
 def _edge_text(edge: Edge) -> str:

@@ -71,6 +71,8 @@ class _Clauses:
     edges: list[Edge] = field(default_factory=list)
     shift: int = 0
     offset: int = 0
+    width: int = 4
+    signed: bool = False
     control: Control | None = None
     unless_exit: bool = False
 
@@ -153,6 +155,8 @@ class _Line:
             name=self.string(quoted) if quoted is not None else "",
             shift=clauses.shift,
             offset=clauses.offset,
+            width=clauses.width,
+            signed=clauses.signed,
             control=clauses.control,
             unless_exit=clauses.unless_exit,
             loc=loc,
@@ -184,12 +188,10 @@ class _Line:
 
     def clause(self, word: str, dst: int, clauses: _Clauses) -> None:
         """One clause, its first word read."""
-        if word == "shift":
-            clauses.shift = self.integer()
-        elif word == "offset":
-            clauses.offset = self.integer()
-        elif word == "unless_exit":
-            clauses.unless_exit = True
+        if word in _NUMBER_CLAUSES:
+            setattr(clauses, word, self.integer())
+        elif word in _FLAG_CLAUSES:
+            setattr(clauses, word, True)
         elif word in _CONTROLS:
             if clauses.control is not None:
                 self.fail(f"the node is already marked {clauses.control.value}")
@@ -255,6 +257,8 @@ _KINDS: Final = {
     "mark": "a mark",
     "loc": "a source line",
 }
+_NUMBER_CLAUSES: Final = frozenset({"shift", "offset", "width"})
+_FLAG_CLAUSES: Final = frozenset({"signed", "unless_exit"})
 _EDGE_CLAUSES: Final = {
     "if": (PRED, EdgeKind.DATA),
     "base": (BASE, EdgeKind.DATA),

@@ -10,6 +10,8 @@ SIGN_BIT: Final = 0x80000000
 CANONICAL_NAN: Final = 0x7FC00000
 INT_MAX: Final = 0x7FFFFFFF
 INFINITY: Final = 0x7F800000
+_BYTES: Final = 4
+_MASKS: Final = {1: 0xFF, 2: 0xFFFF}  # of the bytes of a narrow access
 
 # Native ("@") packing of `f` is a plain C conversion: it rounds to nearest even and overflows to
 # infinity, where the standard-size formats raise OverflowError.
@@ -36,3 +38,27 @@ def word_of(value: float) -> int:
 def signed(word: int) -> int:
     """Two's complement value of a word."""
     return word - ((word & SIGN_BIT) << 1)
+
+
+def loaded(word: int, byte: int, width: int, is_signed: bool) -> int:
+    """What a load of `width` bytes at byte address `byte` gives, if `word` is the memory's word
+    there.
+    """
+    if width == _BYTES:
+        return word
+    low = word >> _lane(byte) & _MASKS[width]
+    sign = 1 << 8 * width - 1
+    return low | WORD_MASK ^ _MASKS[width] if is_signed and low & sign else low
+
+
+def stored(word: int, value: int, byte: int, width: int) -> int:
+    """The memory's word after a store of `value`'s low `width` bytes at byte address `byte`."""
+    if width == _BYTES:
+        return value
+    lane, mask = _lane(byte), _MASKS[width]
+    return word & ~(mask << lane) | (value & mask) << lane
+
+
+def _lane(byte: int) -> int:
+    """Lowest bit in its word of the byte at this address."""
+    return byte % _BYTES * 8

@@ -44,7 +44,7 @@ def _demands(block: WideBlock, demand: dict[str, int]) -> Iterator[tuple[Operand
 
 def _of_operands(op: Op, bits: int) -> Iterator[tuple[Operand, int]]:
     if op.op == "store":
-        yield op.args[0], _WORD
+        yield op.args[0], 8 * op.width
         yield op.args[1], _WORD
     elif op.op == "load":
         yield op.args[0], _WORD

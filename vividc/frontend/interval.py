@@ -126,6 +126,9 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
     if op.op in ("icmp", "fcmp"):
         decided = compare(op.pred, *operands) if op.op == "icmp" and comparable(op) else None
         return _BOOL if decided is None else (int(decided), int(decided))
+    if op.op == "load" and op.signed:
+        half = 1 << 8 * op.width - 1
+        return (-half, half - 1)
     if op.op in _CONVERTED and width(op.type) > _WORD:
         return _CONVERTED[op.op]
     key = op.pred.rsplit(".", 1)[0] if op.op == "call" else op.op

@@ -18,12 +18,21 @@ from vividc.dfg.cfg import DType, Function, Param
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.lower import lower
 
-_DTYPES = {types.float32: DType.F32, types.int32: DType.I32, types.uint32: DType.U32}
-_SCALARS = _DTYPES | {types.int64: DType.I64, types.boolean: DType.BOOL}
+_DTYPES = {
+    types.float32: DType.F32,
+    types.int32: DType.I32,
+    types.uint32: DType.U32,
+    types.int16: DType.I16,
+    types.uint16: DType.U16,
+    types.int8: DType.I8,
+    types.uint8: DType.U8,
+    types.boolean: DType.BOOL,
+}
+_SCALARS = _DTYPES | {types.int64: DType.I64}
 _MAX_NDIM = 3
 _SUPPORTED = (
-    "scalars are float32, int32, uint32, int64 or bool; arrays hold float32, int32 or uint32 "
-    "in C order, as in float32[::1] or int32[:, ::1]"
+    "scalars and arrays are float32, int32, uint32, int16, uint16, int8, uint8 or bool, scalars "
+    "also int64; arrays in C order, as in float32[::1] or uint8[:, ::1]"
 )
 
 

@@ -20,17 +20,21 @@ from vividc.frontend.numba_target import DATA_LAYOUT, NumbaModule
 
 ENTRY = "vividc.entry"
 
-_ELEMENT = {DType.F32: "float", DType.I32: "i32", DType.U32: "i32"}
 _SCALAR = {
     DType.F32: "float",
     DType.I32: "i32",
     DType.U32: "i32",
+    DType.I16: "i16",
+    DType.U16: "i16",
+    DType.I8: "i8",
+    DType.U8: "i8",
     DType.I64: "i64",
     DType.BOOL: "i8",
 }
 # Returned types that no kernel can have are read all the same: the error then names the line.
 _RETURN = {"float32": "float", "float64": "double", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _RETURN |= {"int64": "i64", "uint64": "i64"}
+_RETURN |= {"int16": "i16", "uint16": "i16", "int8": "i8", "uint8": "i8"}
 _DECLARE = re.compile(r"^.*llvm\.dbg\.(declare|value).*\n", re.MULTILINE)
 
 
@@ -186,7 +190,8 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
     inputs.append(f'ptr %"&{x}"')
     shapes: list[str] = []
     strides: list[str] = []
-    stride = "4"
+    item = param.dtype.size_bytes
+    stride = str(item)
     for axis in range(param.ndim):
         inputs.append(f'i32 range(i32 0, {MAX_DIMENSION + 1}) %"{x}.shape{axis}"')
         body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
@@ -195,6 +200,6 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
         strides.insert(0, f"i64 {stride}")
         body.append(f'%".{x}.size{axis}" = mul nuw nsw i64 {stride}, %".{x}.shape{axis}"')
         stride = f'%".{x}.size{axis}"'
-    body.append(f'%".{x}.nitems" = lshr exact i64 {stride}, 2')
-    head = ["ptr null", "ptr null", f'i64 %".{x}.nitems"', "i64 4", f'ptr %"&{x}"']
+    body.append(f'%".{x}.nitems" = lshr exact i64 {stride}, {item.bit_length() - 1}')
+    head = ["ptr null", "ptr null", f'i64 %".{x}.nitems"', f"i64 {item}", f'ptr %"&{x}"']
     arguments.extend(head + shapes + strides)

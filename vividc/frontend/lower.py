@@ -15,6 +15,7 @@ from numba.core.errors import NumbaError
 from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.flags import load_flags
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -25,7 +26,9 @@ from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
+from vividc.frontend.small_integers import compute_in_words
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
+from vividc.frontend.subword import extend_loads, store_low_bits
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -80,7 +83,7 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
-        hint = "return one float32, int32, uint32, int64 or bool, or store results into an array"
+        hint = "return one float32, bool or integer, or store results into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
     wide = read_function(optimised_ir(module, params, loc), ENTRY, loc.file)
     returns = _RETURNS[module.return_type]
@@ -154,9 +157,16 @@ def prepared(wide: WideFunction) -> WideFunction:
 def _narrowed(
     wide: WideFunction, name: str, params: tuple[Param, ...], returns: DType | None, file: str
 ) -> Narrowed:
+    wide = load_flags(wide, _flag_arrays(params))
+    # Once more for what was small before: a `trunc` is as good as any sum.
+    wide = store_low_bits(compute_in_words(store_low_bits(extend_loads(wide))))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, file)
+
+
+def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:
+    return frozenset(param.name for param in params if param.ndim and param.dtype is DType.BOOL)
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:

@@ -26,7 +26,7 @@ from vividc.frontend.ssa import (
 from vividc.frontend.unmerge import split_merged_loads
 
 _SUFFIX = ".bytes"
-_WORD_BYTES = 4
+_BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
 _LOCAL_HINT = "use scalar variables, or pass a scratch array as a parameter"
 _GLOBAL_HINT = "pass the array as a parameter: only scalar globals are constants of a kernel"
 
@@ -130,14 +130,14 @@ class _Resolver:
 
     def _access(self, op: Op, pointer: Operand, value: tuple[Operand, ...]) -> Iterator[Op]:
         address = self._address(pointer, op.loc)
-        if op.type not in ("float", "i32"):
+        if op.type not in _BYTES:
             raise KernelError(
                 f"an array access of type {op.type}",
                 loc=op.loc,
-                hint="arrays hold float32, int32 or uint32",
+                hint="arrays hold float32, bool, or integers of 8, 16 or 32 bits",
             )
         index: Operand = Int(0)
-        shift = 2
+        shift = _BYTES[op.type].bit_length() - 1
         if address.terms:
             unit = min(stride & -stride for _, stride in address.terms)
             shift = unit.bit_length() - 1
@@ -146,7 +146,12 @@ class _Resolver:
             computed, index = _sum(name + ".index", address.terms, unit, op.loc)
             yield from computed
         yield replace(
-            op, args=(*value, index), array=address.array, shift=shift, offset=address.offset
+            op,
+            args=(*value, index),
+            array=address.array,
+            shift=shift,
+            offset=address.offset,
+            width=_BYTES[op.type],
         )
 
     def _gep_bytes(self, op: Op) -> Iterator[Op]:

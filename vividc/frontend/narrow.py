@@ -22,6 +22,7 @@ from vividc.frontend.emit import ALIASES, Emitter, result_type
 from vividc.frontend.narrow_wide import high_phis
 from vividc.frontend.numba_target import RAISE_PREFIX
 from vividc.frontend.ranges import Ranges
+from vividc.frontend.small_integers import is_computed_in_words
 from vividc.frontend.ssa import Local, Op, Operand, WideBlock, WideFunction
 
 
@@ -171,6 +172,8 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
         array=op.array,
         shift=op.shift,
         offset=op.offset,
+        width=op.width,
+        signed=op.signed,
         loc=op.loc,
     )
     emitter.instrs.append(instr)
@@ -180,7 +183,7 @@ def refuse_calls(function: WideFunction) -> None:
     """Refuse a kernel that can raise, or that calls what the array cannot run."""
     for block in function.blocks:
         for op in block.ops:
-            if op.op == "call" and _call_rule(op) is None:
+            if op.op == "call" and _call_rule(op) is None and not is_computed_in_words(op):
                 raise _refused(op)
 
 

@@ -75,6 +75,9 @@ class Op:
         Type before a conversion; element type of a `getelementptr`.
     array, shift, offset
         Resolved loads and stores: byte address = base of array + (index << shift) + offset.
+    width, signed
+        Resolved loads and stores: bytes accessed; whether a load of less than a word sign-extends
+        to its type.
     strides
         `getelementptr`: bytes per unit of each index.
     flags
@@ -90,6 +93,8 @@ class Op:
     array: str = ""
     shift: int = 0
     offset: int = 0
+    width: int = 4
+    signed: bool = False
     strides: tuple[int, ...] = ()
     flags: frozenset[str] = frozenset()
     loc: SourceLoc | None = None

@@ -10,16 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from vividc.arch.fabric import Fabric
+from vividc.arch.fabric import Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import BASE, Opcode
 from vividc.dfg.regions import Kernel
 from vividc.mapper.mapping import Mapping as RegionMapping
 
+_WORD_BYTES = 4
+
 
 @dataclass(frozen=True, slots=True)
 class _Stream:
-    """Accesses of `array` in slot `slot` of region `region`: word (start + lead + step * cycle-
+    """Accesses of `array` in slot `slot` of region `region`: byte (start + lead + step * cycle-
     group).
     """
 
@@ -50,7 +52,9 @@ def choose_banks(
     arrays = [param.name for param in kernel.params if param.ndim]
     for position, name in enumerate(arrays):
         order = [(position + offset) % banks for offset in range(banks)]
-        starts[name] = min(order, key=lambda bank: _meetings(streams, starts, name, bank, banks))
+        starts[name] = min(
+            order, key=lambda bank: _meetings(streams, starts, name, bank, fabric.scratchpad)
+        )
     return starts
 
 
@@ -58,9 +62,9 @@ def _streams(index: int, dfg: DFG, mapping: RegionMapping) -> Iterator[_Stream]:
     for node in dfg.nodes:
         if not node.is_memory or not _steps_from_array_start(dfg, node):
             continue
-        step = max(1, (1 << node.shift) // 4)
+        step = 1 << node.shift
         stage, slot = divmod(mapping.places[node.id].time, mapping.ii)
-        yield _Stream(index, slot, node.name, step, node.offset // 4 - stage * step)
+        yield _Stream(index, slot, node.name, step, node.offset - stage * step)
 
 
 def _steps_from_array_start(dfg: DFG, node: Node) -> bool:
@@ -73,11 +77,15 @@ def _steps_from_array_start(dfg: DFG, node: Node) -> bool:
 
 
 def _meetings(
-    streams: list[_Stream], starts: Mapping[str, int], name: str, bank: int, banks: int
+    streams: list[_Stream],
+    starts: Mapping[str, int],
+    name: str,
+    bank: int,
+    scratchpad: Scratchpad,
 ) -> int:
     mine = [stream for stream in streams if stream.array == name]
     return sum(
-        (bank + own.lead - starts[other.array] - other.lead) % banks == 0
+        scratchpad.may_meet((bank - starts[other.array]) * _WORD_BYTES + own.lead - other.lead)
         for own in mine
         for other in streams
         if other.array in starts

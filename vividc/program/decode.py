@@ -20,7 +20,14 @@ from vividc.program.entry import (
     Write,
     faults,
 )
-from vividc.program.layout import OFFSET_BITS, OPCODE_NUMBERS, WORD_BITS, WordLayout, word_layout
+from vividc.program.layout import (
+    OFFSET_BITS,
+    OPCODE_NUMBERS,
+    WIDTHS,
+    WORD_BITS,
+    WordLayout,
+    word_layout,
+)
 from vividc.program.words import USES
 
 
@@ -102,6 +109,9 @@ class _Reader:
             return None
         a, b, c, p = (self._operand(name) for name in OPERAND_NAMES)
         offset = self._value("offset")
+        width = self._value("width")
+        if width >= len(WIDTHS):
+            raise BundleError(f"configuration field width holds the illegal code {width}")
         return Issue(
             op,
             (a, b, c),
@@ -109,6 +119,8 @@ class _Reader:
             base=self._value("base"),
             shift=self._value("shift"),
             offset=offset - (offset >> OFFSET_BITS - 1 << OFFSET_BITS),
+            width=WIDTHS[width],
+            signed=bool(self._value("signed")),
             stage=self._value("stage"),
             use=USES[self._value("control")],
             unless_exit=bool(self._value("unless_exit")),

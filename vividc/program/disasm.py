@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import MEMORY, OPCODES
+from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use
+from vividc.program.memory import WORD_BYTES
 from vividc.program.program import Program
 from vividc.program.tables import RegionRow
 
@@ -17,6 +18,8 @@ def disassemble(program: Program) -> str:
     Operands read ``link<-3`` (the link from PE 3), ``r2`` (register 2), ``out``, ``iv`` or ``c4``
     (constant-store entry 4); ``c4|out`` reads entry 4 in iteration 0. ``->3=res`` drives the link
     to PE 3, ``r2=res`` writes register 2, ``c4=out`` is a live-out. ``@s1`` is the stage.
+    ``load.u1`` and ``load.s2`` extend a byte with zeros and two bytes with their sign; ``store.1``
+    writes one byte.
     """
     return "\n".join(_lines(program)) + "\n"
 
@@ -84,7 +87,7 @@ def _issue(issue: Issue, entry: Entry, fabric: Fabric, pe: int) -> str:
     if issue.op in MEMORY:
         address = f"[c{issue.base} + ({operands[0]} << {issue.shift}) {issue.offset:+d}]"
         operands = [address, *operands[1:]]
-    text = f"{issue.op.value} {', '.join(operands)}"
+    text = f"{issue.op.value}{_width(issue)} {', '.join(operands)}"
     if issue.predicate.select.kind is not Sel.NONE:
         text += f" if {_operand(issue.predicate, entry, fabric, pe)}"
     if issue.use is not Use.NONE:
@@ -92,6 +95,14 @@ def _issue(issue: Issue, entry: Entry, fabric: Fabric, pe: int) -> str:
     if issue.unless_exit:
         text += " !unless_exit"
     return f"{text} @s{issue.stage}"
+
+
+def _width(issue: Issue) -> str:
+    """`.s1`, `.u2`: bytes and extension of a narrow load; `.1`: bytes of a narrow store."""
+    if issue.width == WORD_BYTES:
+        return ""
+    kind = {Opcode.LOAD: "s" if issue.signed else "u"}.get(issue.op, "")
+    return f".{kind}{issue.width}"
 
 
 def _capture(capture: Capture, entry: Entry, fabric: Fabric, pe: int) -> str:

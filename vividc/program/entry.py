@@ -73,6 +73,8 @@ class Issue:
         p; nothing selected: the operation is not predicated.
     base
         Constant-store entry with the base address of a load or store.
+    width, signed
+        Bytes that a load or store accesses; whether a load of less than a word sign-extends.
     stage
         Live bit that gates the operation.
     """
@@ -83,6 +85,8 @@ class Issue:
     base: int = 0
     shift: int = 0
     offset: int = 0
+    width: int = 4
+    signed: bool = False
     stage: int = 0
     use: Use = Use.NONE
     unless_exit: bool = False

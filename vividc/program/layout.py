@@ -11,6 +11,7 @@ field                  meaning
 ``control``            0 none, 1 exit, 2 branch, 3 trip: the controller takes the result
 ``unless_exit``        store: suppressed in the iteration that exits; load: may miss there
 ``shift``, ``offset``  byte address = base + (index << shift) + offset; offset is signed
+``width``, ``signed``  bytes accessed: 0 four, 1 one, 2 two; 1: a narrow load sign-extends
 ``base``               constant-store entry of the base address
 ``a b c p .source``    operand multiplexer: `WordLayout.operand_sources`
 ``a b c p .const``     constant-store entry the operand reads when its source is CONST
@@ -47,6 +48,8 @@ OPCODE_NUMBERS: Final[tuple[Opcode | None, ...]] = (
 
 OFFSET_BITS: Final = 16
 SHIFT_BITS: Final = 5
+WIDTHS: Final = (4, 1, 2)
+"""Bytes of each value of field ``width``."""
 WORD_BITS: Final = 32
 
 
@@ -135,7 +138,8 @@ def _widths(
     entry = _width(max(pe.constants for pe in fabric.pes))
     register = _width(max(pe.registers for pe in fabric.pes))
     yield from (("op", _width(len(OPCODE_NUMBERS))), ("stage", stage), ("control", 2))
-    yield from (("unless_exit", 1), ("shift", SHIFT_BITS), ("offset", OFFSET_BITS), ("base", entry))
+    yield from (("unless_exit", 1), ("shift", SHIFT_BITS), ("offset", OFFSET_BITS))
+    yield from (("width", _width(len(WIDTHS))), ("signed", 1), ("base", entry))
     for name in OPERAND_NAMES:
         yield from ((f"{name}.source", operand), (f"{name}.const", entry))
         yield from ((f"{name}.first", 1), (f"{name}.first_const", entry))

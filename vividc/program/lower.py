@@ -234,6 +234,8 @@ class _Lowering:
             base=base.select.index if base is not None else 0,
             shift=node.shift,
             offset=node.offset,
+            width=node.width,
+            signed=node.signed,
             stage=place.time // self._mapping.ii,
             use=_USES[node.control],
             unless_exit=node.unless_exit,

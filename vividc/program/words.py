@@ -8,7 +8,7 @@ from typing import Final
 
 from vividc.errors import InternalError
 from vividc.program.entry import OPERAND_NAMES, Capture, Entry, Issue, Operand, Sel, Select, Use
-from vividc.program.layout import OFFSET_BITS, OPCODE_NUMBERS, WORD_BITS, WordLayout
+from vividc.program.layout import OFFSET_BITS, OPCODE_NUMBERS, WIDTHS, WORD_BITS, WordLayout
 
 USES: Final = (Use.NONE, Use.EXIT, Use.BRANCH, Use.TRIP)
 _WORD_MASK: Final = (1 << WORD_BITS) - 1
@@ -57,9 +57,17 @@ def _issue_values(layout: WordLayout, issue: Issue) -> Iterator[tuple[str, int]]
     yield "unless_exit", int(issue.unless_exit)
     yield "shift", issue.shift
     yield "offset", issue.offset % (1 << OFFSET_BITS)
+    yield "width", _width_code(issue.width)
+    yield "signed", int(issue.signed)
     yield "base", issue.base
     for name, operand in zip(OPERAND_NAMES, (*issue.operands, issue.predicate), strict=True):
         yield from _operand_values(layout, name, operand)
+
+
+def _width_code(width: int) -> int:
+    if width not in WIDTHS:
+        raise InternalError(f"no access is {width} bytes wide")
+    return WIDTHS.index(width)
 
 
 def _operand_values(layout: WordLayout, name: str, operand: Operand) -> Iterator[tuple[str, int]]:

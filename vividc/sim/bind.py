@@ -13,17 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.program import MAX_DIMENSION, DType, Param, Program, place_arrays
+from vividc.program import MAX_DIMENSION, WORD_BYTES, DType, Param, Program, place_arrays
 
 Array = NDArray[np.generic]
 
 _INT_RANGE: Final = {
     DType.I32: (-(1 << 31), (1 << 31) - 1),
     DType.U32: (0, (1 << 32) - 1),
+    DType.I16: (-(1 << 15), (1 << 15) - 1),
+    DType.U16: (0, (1 << 16) - 1),
+    DType.I8: (-(1 << 7), (1 << 7) - 1),
+    DType.U8: (0, (1 << 8) - 1),
     DType.I64: (-(1 << 31), (1 << 31) - 1),
     DType.BOOL: (0, 1),
 }
-_WORD_MASK: Final = 0xFFFFFFFF
 _FLOAT: Final = Struct("@f")
 _WORD: Final = Struct("@I")
 
@@ -51,7 +54,7 @@ class Bound:
     def extents(self) -> dict[str, tuple[int, int]]:
         """First byte and end of each array in the scratchpad."""
         return {
-            name: (self.addresses[name], self.addresses[name] + 4 * array.size)
+            name: (self.addresses[name], self.addresses[name] + _size_bytes(array))
             for name, array in self.arrays.items()
         }
 
@@ -59,8 +62,9 @@ class Bound:
         """Write the arrays named in `stored` from the scratchpad into the caller's arrays."""
         for name, array in self.arrays.items():
             if name in stored:
-                start = self.addresses[name] // 4
-                array[...] = _elements(memory[start : start + array.size], array)
+                start = self.addresses[name]
+                raw = memory.view(np.uint8)[start : start + _size_bytes(array)]
+                array[...] = _elements(raw, array)
 
 
 def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object]) -> Bound:
@@ -85,12 +89,12 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
         else:
             inputs[param.name] = _scalar(param, values[param.name])
     _refuse_overlap(arrays)
-    sizes = [(name, array.size) for name, array in arrays.items()]
+    sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
-        start = addresses[name] // 4
-        memory[start : start + array.size] = _words(name, array)
+        raw = _bytes(name, array)
+        memory.view(np.uint8)[addresses[name] : addresses[name] + raw.size] = raw
         inputs[f"&{name}"] = addresses[name]
     return Bound(memory, inputs, arrays, addresses)
 
@@ -102,7 +106,10 @@ def returned(dtype: DType, word: int) -> int | float | bool:
         return value
     if dtype is DType.BOOL:
         return word != 0
-    return word if dtype is DType.U32 else word - ((word & 0x80000000) << 1)
+    # Of what is less than a word only the low bits count.
+    sign = 1 << 8 * dtype.size_bytes - 1
+    value = word & 2 * sign - 1
+    return value - ((value & sign) << 1) if dtype.is_signed else value
 
 
 def _by_name(
@@ -171,24 +178,34 @@ def _refuse_overlap(arrays: Mapping[str, Array]) -> None:
             )
 
 
-def _words(name: str, array: Array) -> NDArray[np.uint32]:
-    """Elements as words, one each: 32-bit ones as they are, others by value."""
+def _size_bytes(array: Array) -> int:
+    """Bytes of the array in the scratchpad."""
+    return array.size * min(array.dtype.itemsize, WORD_BYTES)
+
+
+def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
+    """Elements as they lie in the scratchpad: as in numpy, but 64-bit ones as words, by value. A
+    bool is 0 or 1 whatever byte numpy has for it.
+    """
     flat = array.reshape(-1)
-    if flat.dtype.itemsize == _WORD.size:
-        return flat.view(np.uint32)
-    if flat.dtype != np.bool_ and flat.size:
+    if flat.dtype == np.bool_:
+        flags: NDArray[np.bool_] = flat.view(np.uint8) != 0
+        return flags.view(np.uint8)
+    if flat.dtype.itemsize <= WORD_BYTES:
+        return flat.view(np.uint8)
+    if flat.size:
         low, high = _INT_RANGE[DType.I64]
         if int(flat.min()) < low or int(flat.max()) > high:
             raise ArgumentError(
                 "an element does not fit the machine's 32 bits", loc=f"argument {name}"
             )
-    return flat.astype(np.int32).view(np.uint32)
+    return flat.astype(np.int32).view(np.uint8)
 
 
-def _elements(words: NDArray[np.uint32], array: Array) -> Array:
-    if array.dtype.itemsize == _WORD.size:
-        return words.view(array.dtype).reshape(array.shape)
-    return words.view(np.int32).astype(array.dtype).reshape(array.shape)
+def _elements(raw: NDArray[np.uint8], array: Array) -> Array:
+    if array.dtype.itemsize <= WORD_BYTES:
+        return raw.view(array.dtype).reshape(array.shape)
+    return raw.view(np.int32).astype(array.dtype).reshape(array.shape)
 
 
 def _scalar(param: Param, value: object) -> int:
@@ -209,9 +226,9 @@ def _scalar(param: Param, value: object) -> int:
         raise ArgumentError(
             f"{value} does not fit {kind} ({low} .. {high})",
             loc=where,
-            hint="the machine's words have 32 bits",
+            hint="the machine's words have 32 bits" if kind == "32 bits" else None,
         )
-    return value & _WORD_MASK
+    return value & (1 << 8 * param.dtype.size_bytes) - 1
 
 
 def _float_word(value: object, where: str) -> int:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from vividc.dfg.words import loaded, stored
 from vividc.errors import SimulationError
 from vividc.program import Program, Use
 from vividc.sim.engine import Progress
@@ -221,9 +222,11 @@ class RegionState:
         written = self._store(slot.stores, newest) if slot.stores else []
         self._tile.scratchpad_reads += len(touched)
         self._tile.scratchpad_writes += len(written)
-        for address, word in written:
-            self._tile.memory[address] = word
-            touched.append(address)
+        memory = self._tile.memory
+        for address, word, width in written:
+            cell = address // _WORD_BYTES
+            memory[cell] = stored(memory[cell], word, address, width)
+            touched.append(cell)
         if len(touched) > 1:
             self._stall(touched)
 
@@ -246,18 +249,23 @@ class RegionState:
             if predicate:
                 address = base + (index << issue.shift) + issue.offset & _WORD_MASK  # type: ignore[operator]
                 first, end = extents.get(op.array, anywhere)
-                if not first <= address < end or address % _WORD_BYTES:
+                width = issue.width
+                if not first <= address <= end - width or address % width:
                     self._miss(op, iteration, address)
-                if address < scratchpad_end and not address % _WORD_BYTES:
+                if address < scratchpad_end and not address % width:
                     touched.append(address // _WORD_BYTES)
                     word = memory[address // _WORD_BYTES]
+                    if width < _WORD_BYTES:
+                        word = loaded(word, address, width, issue.signed)
             self._complete(op, word)
             if issue.use is not Use.NONE:
                 self._inform_controller(op, newest, word)
         return touched
 
-    def _store(self, ops: tuple[Op, ...], newest: int) -> list[tuple[int, int]]:
-        """Issue the stores of a slot; the (word address, word) pairs they write."""
+    def _store(self, ops: tuple[Op, ...], newest: int) -> list[tuple[int, int, int]]:
+        """Issue the stores of a slot; the (byte address, word, width) triples they write, lower PE
+        first.
+        """
         extents, anywhere = self._tile.extents, self._anywhere
         written = []
         for op in ops:
@@ -271,9 +279,9 @@ class RegionState:
                 continue
             address = base + (index << issue.shift) + issue.offset & _WORD_MASK
             first, end = extents.get(op.array, anywhere)
-            if not first <= address < end or address % _WORD_BYTES:
+            if not first <= address <= end - issue.width or address % issue.width:
                 raise self._bad_address(op, address)
-            written.append((address // _WORD_BYTES, word))
+            written.append((address, word, issue.width))
         return written
 
     def _miss(self, op: Op, iteration: int, address: int) -> None:
@@ -285,7 +293,7 @@ class RegionState:
         self._settle_misses()
 
     def _bad_address(self, op: Op, address: int) -> SimulationError:
-        what = "a misaligned" if address % _WORD_BYTES else "an out-of-bounds"
+        what = "a misaligned" if address % op.issue.width else "an out-of-bounds"
         first, end = self._tile.extents.get(op.array, self._anywhere)
         place = f"the array {op.array}" if op.array in self._tile.extents else "the scratchpad"
         byte = address - first if address - first < _SIGN_BIT else address - first - (1 << 32)

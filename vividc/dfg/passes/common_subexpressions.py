@@ -59,7 +59,8 @@ def _key(rewrite: Rewrite, node: Node, stored: set[str]) -> Hashable | None:
     pred, base = _read(rewrite, node, PRED), _read(rewrite, node, BASE)
     if node.info.commutes and pred is None:  # a predicate decides which operand passes through
         operands[:2] = sorted(operands[:2], key=str)
-    return node.op, node.name, node.shift, node.offset, tuple(operands), pred, base
+    address = (node.name, node.shift, node.offset, node.width, node.signed)
+    return node.op, address, tuple(operands), pred, base
 
 
 def _edges(rewrite: Rewrite, node_id: int) -> list[Edge]:

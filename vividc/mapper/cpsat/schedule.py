@@ -200,10 +200,10 @@ def _accesses_fit_banks(model: CpModel, task: MapProblem, times: _Times, ii: int
 def _streams_spare_banks(model: CpModel, task: MapProblem, ii: int, times: _Times) -> None:
     """Two accesses that step through one array are never in the same slot and bank.
 
-    In one cycle, an access that starts n * II cycles later than another sees the word n steps
+    In one cycle, an access that starts n * II cycles later than another sees the bytes n steps
     behind.
     """
-    banks = task.fabric.scratchpad.banks
+    scratchpad = task.fabric.scratchpad
     streams: dict[tuple[str, int, int], list[Node]] = {}
     for node in task.dfg.nodes:
         word, base = task.dfg.operand(node.id, 0), task.dfg.operand(node.id, BASE)
@@ -212,13 +212,13 @@ def _streams_spare_banks(model: CpModel, task: MapProblem, ii: int, times: _Time
         if task.dfg.by_id[word.src].op is Opcode.IV:
             streams.setdefault((node.name, base.src, node.shift), []).append(node)
     for (_, _, shift), nodes in streams.items():
-        step = max(1, (1 << shift) // 4)
+        step = 1 << shift
         for one, other in combinations(nodes, 2):
-            ahead = (one.offset - other.offset) // 4
+            ahead = one.offset - other.offset
             for (t, first), (u, second) in product(
                 times.at[one.id].items(), times.at[other.id].items()
             ):
-                if (t - u) % ii == 0 and (ahead - step * (t - u) // ii) % banks == 0:
+                if (t - u) % ii == 0 and scratchpad.may_meet(ahead - step * (t - u) // ii):
                     model.add_at_most_one(first, second)
 
 
