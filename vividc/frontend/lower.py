@@ -14,6 +14,7 @@ from numba.core.errors import NumbaError
 from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.floor_division import recover_divisions, truncate_divisions
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -101,6 +102,7 @@ def _narrowed(
     text: str, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
 ) -> Narrowed:
     wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
+    wide = recover_divisions(wide)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
@@ -108,6 +110,7 @@ def _narrowed(
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
+    wide = truncate_divisions(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from vividc.dfg.cfg import Block, Branch, DType, Function, Input, Instr, Param, Phi, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend import narrow_float, narrow_int
+from vividc.frontend import narrow_bits, narrow_float, narrow_int
 from vividc.frontend.emit import ALIASES, Emitter, result_type
 from vividc.frontend.narrow_wide import high_phis
 from vividc.frontend.numba_target import RAISE_PREFIX
@@ -56,9 +56,6 @@ def narrow(
     return Narrowed(
         result, tuple(dict.fromkeys(emitter.demoted)), tuple(dict.fromkeys(emitter.saturated))
     )
-
-
-_BIT_TRICKS = frozenset({"bitreverse", "bswap", "ctpop", "ctlz", "cttz"})
 
 
 class _Narrower:
@@ -197,7 +194,7 @@ def _stem(callee: str) -> str:
 
 def _call_rule(op: Op) -> narrow_int.Rule | None:
     stem = _stem(op.pred)
-    return narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem)
+    return narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem) or narrow_bits.CALLS.get(stem)
 
 
 def _refused(op: Op) -> KernelError:
@@ -209,10 +206,6 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
-    if callee.startswith("llvm.") and _stem(callee) in _BIT_TRICKS:
-        reason = f"code that LLVM recognises as `{_stem(callee)}`, which no FU has"
-        hint = "loop over the bits, with shifts and masks that carry a value from one to the next"
-        return KernelError(reason, loc=op.loc, hint=hint)
     hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)

@@ -90,6 +90,31 @@ class Ranges:
             return None
         return compare(op.pred, self.at(op.args[0], block), self.at(op.args[1], block))
 
+    @property
+    def flow(self) -> Flow:
+        """Dominators and loops of the function."""
+        return self._flow
+
+    def is_nonzero(self, operand: Operand, block: str) -> bool:
+        """Whether `operand` is known not to be 0 while `block` runs."""
+        low, high = self.at(operand, block)
+        if low > 0 or high < 0:
+            return True
+        same = self._unextended(operand)
+        return any(
+            fact.pred == "ne" and fact.other == Int(0) and self._unextended(fact.value) == same
+            for fact in self._facts[block]
+        )
+
+    def _unextended(self, operand: Operand) -> Operand:
+        """What was sign- or zero-extended to the operand."""
+        while isinstance(operand, Local):
+            definition = self._definitions.get(operand.name)
+            if not isinstance(definition, Op) or definition.op not in ("sext", "zext"):
+                break
+            operand = definition.args[0]
+        return operand
+
     def _solve(self) -> None:
         blocks = [self._function.by_name[name] for name in self._flow.order]
         rounds = 0
