@@ -39,22 +39,38 @@ def recover_divisions(function: WideFunction) -> WideFunction:
 
 
 def truncate_divisions(function: WideFunction, ranges: Ranges) -> WideFunction:
-    """Write the divisions whose operands may not fit words as LLVM's, with a correction; the same
-    object if there are none.
+    """Write the divisions whose operands may not fit words as LLVM's, with a correction, and the
+    one quotient of words that is none, 2**31, by its operands' signs; the same object if there are
+    none of either.
     """
 
     def rewrite(op: Op, block: str) -> tuple[Op, ...]:
-        if op.op not in FLOOR_DIVISIONS or all(
-            _fits_word(op, ranges.at(arg, block)) for arg in op.args
-        ):
+        if op.op not in FLOOR_DIVISIONS:
             return (op,)
-        return tuple(_truncating(op))
+        if not all(_fits_word(op, ranges.at(arg, block)) for arg in op.args):
+            return tuple(_truncating(op))
+        if op.op == "sfloordiv" and not _fits_word(op, ranges.at(Local(op.name), block)):
+            return tuple(_with_sign(op))
+        return (op,)
 
     return _map_ops(function, rewrite)
 
 
 def _fits_word(op: Op, interval: tuple[int, int]) -> bool:
     return contains(U32, interval) or (op.op[0] == "s" and contains(S32, interval))
+
+
+def _with_sign(op: Op) -> Iterator[Op]:
+    """The quotient of two negative words is positive even where its word's sign bit is set."""
+    names = ("quotient", "word", "signed", "unsigned", "signs", "positive")
+    quotient, word, signed, unsigned, signs, positive = (_local(op, name) for name in names)
+    yield replace(op, name=quotient.name)
+    yield Op(word.name, "trunc", "i32", (quotient,), source="i64", loc=op.loc)
+    yield Op(signed.name, "sext", "i64", (word,), source="i32", loc=op.loc)
+    yield Op(unsigned.name, "zext", "i64", (word,), source="i32", loc=op.loc)
+    yield Op(signs.name, "and", op.type, op.args, loc=op.loc)
+    yield Op(positive.name, "icmp", op.type, (signs, Int(0)), pred="slt", loc=op.loc)
+    yield replace(op, op="select", args=(positive, unsigned, signed))
 
 
 def _map_ops(function: WideFunction, change: Callable[[Op, str], tuple[Op, ...]]) -> WideFunction:

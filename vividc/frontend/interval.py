@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 from vividc.frontend.ssa import Op
@@ -13,6 +14,7 @@ S32: Interval = (-(2**31), 2**31 - 1)
 U32: Interval = (0, 2**32 - 1)
 _BOOL: Interval = (0, 1)
 _WORD = 32
+_TYPES = re.compile(r"(\.[if]\d+)+$")
 _LOW = (0, -1, -(2**15), -(2**31), -(2**32), -(2**63))
 _HIGH = (-1, 0, 1, 2**13, 2**15, 2**31 - 2, 2**31 - 1, 2**32 - 1, 2**63 - 1)
 _CONVERTED: dict[str, Interval] = {"fptosi": S32, "fptoui": U32}
@@ -128,7 +130,7 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
         return _BOOL if decided is None else (int(decided), int(decided))
     if op.op in _CONVERTED and width(op.type) > _WORD:
         return _CONVERTED[op.op]
-    key = op.pred.rsplit(".", 1)[0] if op.op == "call" else op.op
+    key = _name(op)
     if op.op in ("sext", "zext", "trunc"):
         return BOTTOM if BOTTOM in operands else _convert(op, operands[0])
     rule = _RULES.get(key)
@@ -138,6 +140,11 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
         return _of_signed(op, operands)
     result = full(op.type) if rule is None else rule(op, *operands)
     return result if contains(full(op.type), result) else full(op.type)
+
+
+def _name(op: Op) -> str:
+    """The operation, or the intrinsic without its types."""
+    return _TYPES.sub("", op.pred) if op.op == "call" else op.op
 
 
 def as_signed(interval: Interval, bits: int) -> Interval:
@@ -152,7 +159,7 @@ def as_signed(interval: Interval, bits: int) -> Interval:
 def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
     """A signed operation on a type of less than a word."""
     bits = width(op.type)
-    key = op.pred.rsplit(".", 1)[0] if op.op == "call" else op.op
+    key = _name(op)
     low, high = _RULES[key](op, *(as_signed(operand, bits) for operand in operands))
     if not contains((-(2 ** (bits - 1)), 2 ** (bits - 1)), (low, high)) or low < 0 <= high:
         return full(op.type)

@@ -12,6 +12,7 @@ conversion of a float to a 64-bit integer is taken to fit in 32 bits, and satura
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import Block, Branch, DType, Function, Input, Instr, Param, Phi, Value
@@ -188,8 +189,13 @@ def _call(emitter: Emitter, op: Op) -> None:
     rule(emitter, op)
 
 
+_TYPES = re.compile(r"(\.[a-z]+\d+)+$")
+
+
 def _stem(callee: str) -> str:
-    return callee.removeprefix("llvm.").rsplit(".", 1)[0] if callee.startswith("llvm.") else callee
+    if not callee.startswith("llvm."):
+        return callee
+    return _TYPES.sub("", callee.removeprefix("llvm."))
 
 
 def _call_rule(op: Op) -> narrow_int.Rule | None:

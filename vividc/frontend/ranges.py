@@ -158,7 +158,23 @@ class Ranges:
         if op.op == "select":
             return self._select(op, block, depth)
         operands = tuple(self._at(arg, block, depth) for arg in op.args)
-        return evaluate(op, operands)
+        interval = evaluate(op, operands)
+        return intersect(interval, (0, interval[1])) if self._is_distance(op) else interval
+
+    def _is_distance(self, op: Op) -> bool:
+        """Whether `op` is the maximum of two values less their minimum, which is not negative."""
+        if op.op != "sub" or not all(isinstance(arg, Local) for arg in op.args):
+            return False
+        extrema = [self._definitions.get(arg.name) for arg in op.args if isinstance(arg, Local)]
+        if not all(isinstance(item, Op) and item.op == "call" for item in extrema):
+            return False
+        largest, smallest = (item for item in extrema if isinstance(item, Op))
+        pair = (largest.pred.split(".")[1], smallest.pred.split(".")[1])
+        if pair == ("umax", "umin"):
+            signless = all(self._base(arg)[0] >= 0 for arg in largest.args)
+        else:
+            signless = pair == ("smax", "smin")
+        return signless and set(largest.args) == set(smallest.args)
 
     def _select(self, op: Op, block: str, depth: int) -> Interval:
         cond, yes, no = op.args
