@@ -223,7 +223,7 @@ NUMBER_THEORY: dict[str, Maker] = {
     "gcd_by_remainder": lambda r: (_ints(r, -999, 999, 30), _ints(r, -999, 999, 30), _zeros(30)),
     "gcd_of_library": lambda r: (_ints(r, -999, 999, 30), _ints(r, -999, 999, 30), _zeros(30)),
     "digit_sums": lambda r: (_words(r, 30), _zeros(30)),
-    "count_primes": lambda _: (np.int32(100),),
+    "count_primes": lambda _: (np.uint32(100),),
     "power_modulo": lambda r: (_ints(r, -9999, 9999, 20), _ints(r, 0, 9999, 20), _zeros(20)),
     "lcg_modulo": lambda _: (np.uint32(12345), np.uint32(65521), np.zeros(50, np.uint32)),
     "civil_from_days": lambda r: (_ints(r, -(10**6), 10**6, 30), _zeros(30, 3)),

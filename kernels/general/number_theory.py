@@ -7,6 +7,7 @@ import numpy as np
 import vividc
 
 MODULUS = 10007
+JANUARY = 10  # months of a year that starts in March
 
 
 @vividc.kernel("void(int32[::1], int32[::1], int32[::1])")
@@ -37,20 +38,16 @@ def digit_sums(x, out):
         out[i] = total
 
 
-@vividc.kernel("int32(int32)")
+@vividc.kernel("int32(uint32)")
 def count_primes(limit):
     """Below a limit, by trial division."""
-    found = 0
+    found = np.int32(0)
     for n in range(2, limit):
-        is_prime = True
-        d = np.int32(2)
-        while np.int32(d * d) <= n:
-            if n % d == 0:
-                is_prime = False
-                break
-            d = np.int32(d + 1)
-        if is_prime:
-            found += 1
+        divisor = np.uint32(2)
+        while np.uint32(divisor * divisor) <= n and n % divisor != 0:
+            divisor = np.uint32(divisor + 1)
+        if np.uint32(divisor * divisor) > n:
+            found = np.int32(found + 1)
     return found
 
 
@@ -91,9 +88,9 @@ def civil_from_days(days, dates):
         ) // 365
         day_of_year = day_of_era - (365 * year_of_era + year_of_era // 4 - year_of_era // 100)
         shifted = (5 * day_of_year + 2) // 153
-        month = shifted + 3 if shifted < 10 else shifted - 9
-        dates[i, 0] = year_of_era + era * 400 + (1 if month <= 2 else 0)
-        dates[i, 1] = month
+        is_next_year = shifted >= JANUARY
+        dates[i, 0] = year_of_era + era * 400 + is_next_year
+        dates[i, 1] = shifted + 3 - 12 * is_next_year
         dates[i, 2] = day_of_year - (153 * shifted + 2) // 5 + 1
 
 
@@ -117,10 +114,7 @@ def longest_collatz(limit):
         n = np.uint32(start)
         steps = np.int32(0)
         while n != 1:
-            if n % 2 == 0:
-                n = np.uint32(n // 2)
-            else:
-                n = np.uint32(3 * n + 1)
+            n = np.uint32(n // 2) if n % 2 == 0 else np.uint32(3 * n + 1)
             steps = np.int32(steps + 1)
         if steps > longest:
             longest = steps

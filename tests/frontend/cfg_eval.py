@@ -122,7 +122,7 @@ def _to_int(word: int) -> int:
 
 
 def _truncated(a: int, b: int) -> int:
-    return int(math.trunc(Fraction(a, b))) if b else 0
+    return math.trunc(Fraction(a, b)) if b else 0
 
 
 _O = Opcode

@@ -49,7 +49,8 @@ def truncate_divisions(function: WideFunction, ranges: Ranges) -> WideFunction:
             return (op,)
         if not all(_fits_word(op, ranges.at(arg, block)) for arg in op.args):
             return tuple(_truncating(op))
-        if op.op == "sfloordiv" and not _fits_word(op, ranges.at(Local(op.name), block)):
+        is_signed = all(contains(S32, ranges.at(arg, block)) for arg in op.args)
+        if is_signed and not contains(S32, ranges.at(Local(op.name), block)):
             return tuple(_with_sign(op))
         return (op,)
 

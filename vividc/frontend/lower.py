@@ -26,6 +26,7 @@ from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.ssa import remove_dead, remove_unreachable
+from vividc.frontend.value_numbering import merge_equal
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -91,7 +92,7 @@ def lower(
         raise KernelError(error.reason, loc=loc, hint=error.hint) from error
     _report(narrowed.demoted, loc, _DEMOTED, strict_fp=strict_fp)
     _report(narrowed.saturated, loc, _SATURATED, strict_fp=strict_fp)
-    function = hoist_invariants(narrowed.function)
+    function = merge_equal(hoist_invariants(narrowed.function))
     problems = check_function(function)
     if problems:
         raise InternalError(f"the lowered kernel {name} is malformed: {'; '.join(problems)}")

@@ -154,8 +154,9 @@ def _funnel_small(emitter: Emitter, op: Op, left: bool) -> None:
     by = emitter.helper(op, Opcode.AND, amount, Const(bits - 1))
     if left:
         shifted = emitter.helper(op, Opcode.SHL, both, by)
-        both, by = shifted, Const(bits)
-    emit_masked(emitter, op, Opcode.LSHR, both, by)
+        emit_masked(emitter, op, Opcode.LSHR, shifted, Const(bits))
+    else:
+        emit_masked(emitter, op, Opcode.LSHR, both, by)
 
 
 def _saturating(opcode: Opcode, is_signed: bool) -> Rule:
