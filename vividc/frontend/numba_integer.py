@@ -70,10 +70,13 @@ def _call(builder: ir.IRBuilder, kind: str, operands: list[Any]) -> Any:
     return result if type_ == wide else builder.trunc(result, type_)
 
 
-def _power(context: Any, sig: Any, general: Lowering, builder: ir.IRBuilder, args: Any) -> Any:
+def _power(
+    context: Any, sig: Any, general: Lowering, builder: ir.IRBuilder, args: Any, *_: Any
+) -> Any:
     """Numba's multiplications in numba's order, but as straight code for exponents below 16.
 
-    Numba runs a loop over the exponent's bits and trusts LLVM to unroll it.
+    Numba runs a loop over the exponent's bits and trusts LLVM to unroll it. An integer's power
+    has no other way than that loop here.
     """
     base = context.cast(builder, args[0], sig.args[0], sig.return_type)
     exponent = args[1]
@@ -91,5 +94,37 @@ def _power(context: Any, sig: Any, general: Lowering, builder: ir.IRBuilder, arg
                 base = multiply(base, base)
             builder.store(result, slot)
         with otherwise:
-            builder.store(general(builder, args), slot)
+            if is_float:
+                large = general(builder, args)
+            else:
+                large = context.compile_internal(builder, _power_function(sig), sig, args)
+            builder.store(large, slot)
     return builder.load(slot)
+
+
+def _power_function(sig: Any) -> Callable[[int, int], int]:
+    """Powers of integers, of which numba makes floats where the exponent is negative or large.
+
+    A product that numba gets from `pow` does not fit 64 bits, so it has no meaning there; 0 to a
+    negative power is the smallest integer, as in numba.
+    """
+    type_ = sig.return_type
+    zero_inverse = type_(-1 << (type_.bitwidth - 1) if type_.signed else 0)
+
+    def power(base: Any, exponent: Any) -> Any:
+        result = type_(1)
+        factor = type_(base)
+        if exponent < 0:
+            if factor == 0:
+                return zero_inverse
+            if factor == 1:
+                return result
+            return type_(1 - 2 * (exponent & 1)) if factor == -1 else type_(0)
+        while exponent != 0:
+            if exponent & 1:
+                result *= factor
+            exponent >>= 1
+            factor *= factor
+        return result
+
+    return power
