@@ -32,9 +32,9 @@ def recover_divisions(function: WideFunction) -> WideFunction:
     """Replace numba's calls by operations, by powers of two by shifts and masks, and those of
     constants by their results.
     """
-    function = _map_ops(function, lambda op, _: (_recovered(op),))
+    function = remove_dead(_map_ops(function, lambda op, _: (_recovered(op),)))
     while known := _constants(function):
-        function = _map_ops(substitute(function, known), lambda op, _: (_by_constant(op),))
+        function = remove_dead(substitute(function, known))
     return remove_dead(_map_ops(function, lambda op, _: (_by_constant(op),)))
 
 

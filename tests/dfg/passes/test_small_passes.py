@@ -127,6 +127,23 @@ def test_cheaper_operations_and_nested_constants() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("operation", "constant", "shift", "amount"),
+    [
+        ("mulhu", "0x80000000", "lshr", "0x00000001"),
+        ("mulhu", "0x00000010", "lshr", "0x0000001c"),
+        ("mulhs", "0x00000010", "ashr", "0x0000001c"),
+        ("mulhs", "0x00000001", "ashr", "0x0000001f"),
+    ],
+)
+def test_high_products_by_powers_of_two_are_shifts(
+    operation: str, constant: str, shift: str, amount: str
+) -> None:
+    lines = folded(f'%5 = const {constant}\n%6 = {operation} %3, %5\n%7 = live_out "%v" %6\n')
+    [by] = [line.split()[0] for line in lines if line.endswith(f"const {amount}")]
+    assert f"%6 = {shift} %3, {by}" in lines
+
+
 def test_constants_of_an_index_go_into_the_address() -> None:
     body = """%5 = const 0x00000003
 %6 = add %0, %5
