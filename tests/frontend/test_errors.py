@@ -102,12 +102,12 @@ def test_the_error_names_the_line(
 
 def integer_division(x, n):
     for i in range(n):
-        x[i] = x[i] // 3
+        x[i] = x[i] * x[i] // 3
 
 
 def integer_remainder(x, n):
     for i in range(n):
-        x[i] = x[i] % n
+        x[i] = x[i] % (x[i] * n)
 
 
 def compares_wide(x, n):
@@ -129,8 +129,8 @@ def converts_wide(x, n):
 
 
 INT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
-    (integer_division, 2, "other than a power of two"),
-    (integer_remainder, 2, "other than a power of two"),
+    (integer_division, 2, "the dividend may not fit in 32 bits"),
+    (integer_remainder, 2, "may not fit in 32 bits"),
     (compares_wide, 4, "may not fit in 32 bits"),
     (shifts_wide, 2, "may not fit in 32 bits"),
     (converts_wide, 2, "may not fit in 32 bits"),

@@ -16,6 +16,7 @@ from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.flags import load_flags
+from vividc.frontend.floor_division import recover_divisions, truncate_divisions
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -26,9 +27,9 @@ from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
-from vividc.frontend.small_integers import compute_in_words
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 from vividc.frontend.subword import extend_loads, store_low_bits
+from vividc.frontend.value_numbering import merge_equal
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -130,7 +131,7 @@ def lower_words(
         (narrowed.saturated, _SATURATED),
     ):
         _report(lines, loc, (*what, reword(instead)), strict_fp=strict_fp)
-    function = hoist_invariants(narrowed.function)
+    function = merge_equal(hoist_invariants(narrowed.function))
     problems = check_function(function)
     if problems:
         raise InternalError(f"the lowered kernel {name} is malformed: {'; '.join(problems)}")
@@ -146,7 +147,7 @@ def prepared(wide: WideFunction) -> WideFunction:
         The kernel calls what the array cannot run, never ends, or uses pointers other than into
         arrays.
     """
-    wide = remove_dead(remove_unreachable(wide))
+    wide = recover_divisions(remove_dead(remove_unreachable(wide)))
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
@@ -158,10 +159,10 @@ def _narrowed(
     wide: WideFunction, name: str, params: tuple[Param, ...], returns: DType | None, file: str
 ) -> Narrowed:
     wide = load_flags(wide, _flag_arrays(params))
-    # Once more for what was small before: a `trunc` is as good as any sum.
-    wide = store_low_bits(compute_in_words(store_low_bits(extend_loads(wide))))
+    wide = store_low_bits(extend_loads(wide))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
+    wide = truncate_divisions(wide, Ranges(wide, bounds))
     return narrow(wide, Ranges(wide, bounds), name, params, returns, file)
 
 

@@ -78,6 +78,8 @@ def test_an_identity_forwards_the_operand(constant: str, operation: str, expecte
     [
         ("0x00000000", "mul %3, %5", "0x00000000"),
         ("0x00000000", "and %5, %3", "0x00000000"),
+        ("0x00000000", "mulhs %5, %3", "0x00000000"),
+        ("0x00000001", "mulhu %5, %3", "0x00000000"),
         ("0xffffffff", "or %3, %5", "0xffffffff"),
         ("0x7fffffff", "smax %3, %5", "0x7fffffff"),
         ("0x00000005", "xor %3, %3", "0x00000000"),
@@ -123,6 +125,23 @@ def test_cheaper_operations_and_nested_constants() -> None:
         '%10 = live_out "%v" %9',
         "%12 = const 0x00000005",
     ]
+
+
+@pytest.mark.parametrize(
+    ("operation", "constant", "shift", "amount"),
+    [
+        ("mulhu", "0x80000000", "lshr", "0x00000001"),
+        ("mulhu", "0x00000010", "lshr", "0x0000001c"),
+        ("mulhs", "0x00000010", "ashr", "0x0000001c"),
+        ("mulhs", "0x00000001", "ashr", "0x0000001f"),
+    ],
+)
+def test_high_products_by_powers_of_two_are_shifts(
+    operation: str, constant: str, shift: str, amount: str
+) -> None:
+    lines = folded(f'%5 = const {constant}\n%6 = {operation} %3, %5\n%7 = live_out "%v" %6\n')
+    [by] = [line.split()[0] for line in lines if line.endswith(f"const {amount}")]
+    assert f"%6 = {shift} %3, {by}" in lines
 
 
 def test_constants_of_an_index_go_into_the_address() -> None:

@@ -1,0 +1,102 @@
+"""Python's division in SSA: constants fold, powers of two are shifts, and what fits no word is
+LLVM's division with a correction.
+"""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from vividc.frontend.floor_division import recover_divisions, truncate_divisions
+from vividc.frontend.numba_integer import FLOOR_PREFIX
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.ssa import Exit, Int, Local, Op, Operand, WideBlock, WideFunction
+
+VALUES = (0, 1, -1, 2, -2, 7, -7, 10**12, -(10**12), 2**62, -(2**63) + 1)
+KINDS = ("sdiv", "srem", "udiv", "urem")
+
+
+def function(kind: str, dividend: Operand, divisor: Operand) -> WideFunction:
+    call = Op("r", "call", "i64", (dividend, divisor), pred=FLOOR_PREFIX + kind)
+    block = WideBlock("entry", (), (call,), Exit(value=Local("r")))
+    return WideFunction((("a", "i64"), ("b", "i64")), (block,), "i64")
+
+
+def divided(kind: str, a: int, b: int) -> int:
+    if kind[0] == "u":
+        a, b = a % 2**64, b % 2**64
+    if b == 0:
+        return 0
+    return wrapped(a // b if kind.endswith("div") else a % b)
+
+
+def wrapped(value: int) -> int:
+    return (value + 2**63) % 2**64 - 2**63
+
+
+def evaluate(changed: WideFunction, a: int, b: int) -> int:
+    """The function of 64-bit integers, instruction by instruction."""
+    values: dict[str, int] = {"a": a, "b": b}
+
+    def value(operand: Operand | None) -> int:
+        assert isinstance(operand, Local | Int)
+        return operand.value if isinstance(operand, Int) else values[operand.name]
+
+    [block] = changed.blocks
+    for op in block.ops:
+        values[op.name] = _step(op, [value(arg) for arg in op.args])
+    return value(block.exit.value)
+
+
+def _step(op: Op, args: list[int]) -> int:
+    x, y = args[0], args[-1]
+    ux, uy = x % 2**64, y % 2**64
+    quotient = abs(x) // abs(y) * (1 if (x < 0) == (y < 0) else -1) if y else 0
+    results = {
+        "icmp": lambda: {"eq": x == y, "ne": x != y, "slt": x < y}[op.pred],
+        "select": lambda: args[1] if x else args[2],
+        "sdiv": lambda: quotient,
+        "srem": lambda: x - y * quotient,
+        "udiv": lambda: ux // uy,
+        "urem": lambda: ux % uy,
+        "xor": lambda: x ^ y,
+        "and": lambda: x & y,
+        "add": lambda: x + y,
+        "ashr": lambda: x >> y,
+        "lshr": lambda: ux >> y,
+    }
+    return wrapped(int(results[op.op]()))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_fits_no_word_is_llvms_division_with_a_correction(kind: str) -> None:
+    wide = recover_divisions(function(kind, Local("a"), Local("b")))
+    changed = truncate_divisions(wide, Ranges(wide, {}))
+    assert {"sdiv", "srem", "udiv", "urem"} & {op.op for op in changed.blocks[0].ops}
+    for a, b in itertools.product(VALUES, VALUES):
+        assert evaluate(changed, a, b) == divided(kind, a, b), (a, b)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("divisor", [0, 1, 2, 8, 2**31, 2**32, 2**62, 10, -3])
+def test_divisors_that_are_constant(kind: str, divisor: int) -> None:
+    wide = recover_divisions(function(kind, Local("a"), Int(divisor)))
+    if divisor in (2, 8, 2**31, 2**32, 2**62):
+        assert {op.op for op in wide.blocks[0].ops} <= {"ashr", "lshr", "and"}
+    changed = truncate_divisions(wide, Ranges(wide, {}))
+    for a in VALUES:
+        assert evaluate(changed, a, 0) == divided(kind, a, divisor), a
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_constants_fold(kind: str) -> None:
+    for a, b in itertools.product(VALUES, VALUES):
+        wide = recover_divisions(function(kind, Int(a), Int(b)))
+        assert wide.blocks[0].exit.value == Int(divided(kind, a, b))
+
+
+def test_what_fits_words_stays() -> None:
+    wide = recover_divisions(function("srem", Local("a"), Local("b")))
+    bounds = {"a": (-5, 2**31 - 1), "b": (-(2**31), 9)}
+    assert truncate_divisions(wide, Ranges(wide, bounds)) is wide
