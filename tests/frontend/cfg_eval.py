@@ -25,7 +25,7 @@ def run(function: Function, *args: object, max_blocks: int = 1_000_000) -> objec
         machine.execute(block, previous)
         previous, branch = name, block.branch
         if branch.target is None:
-            return machine.result(function.returns, branch.value)
+            return machine.result(function.returns, branch.value, branch.high)
         taken = branch.cond is None or machine.word(branch.cond)
         name = branch.target if taken else branch.otherwise
     raise AssertionError("the function does not end")
@@ -46,6 +46,8 @@ class _Machine:
                 self.inputs[param.name] = int(np.float32(value).view(np.uint32))
             else:
                 self.inputs[param.name] = int(value) & _MASK
+                if param.words == 2:
+                    self.inputs[f"{param.name}.high"] = int(value) >> 32 & _MASK
 
     def word(self, value: Value) -> int:
         if isinstance(value, Const):
@@ -73,15 +75,18 @@ class _Machine:
         cells[address // 4] = words[2]
         return 0
 
-    def result(self, returns: DType | None, value: Value | None) -> object:
+    def result(self, returns: DType | None, value: Value | None, high: Value | None) -> object:
         if returns is None or value is None:
             return None
         word = self.word(value)
+        if high is not None:
+            whole = word | self.word(high) << 32
+            return whole - 2**64 if returns is DType.I64 and whole >> 63 else whole
         if returns is DType.F32:
             return _float(word)
         if returns is DType.BOOL:
             return bool(word)
-        return word if returns is DType.U32 else _signed(word)
+        return word if returns in (DType.U32, DType.U64) else _signed(word)
 
 
 def _signed(word: int) -> int:
@@ -125,6 +130,8 @@ _SEMANTICS: dict[Opcode, Callable[..., int]] = {
     _O.ADD: lambda a, b: a + b,
     _O.SUB: lambda a, b: a - b,
     _O.MUL: lambda a, b: a * b,
+    _O.MULHS: lambda a, b: _signed(a) * _signed(b) >> 32,
+    _O.MULHU: lambda a, b: a * b >> 32,
     _O.AND: lambda a, b: a & b,
     _O.OR: lambda a, b: a | b,
     _O.XOR: lambda a, b: a ^ b,

@@ -19,11 +19,11 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.lower import lower
 
 _DTYPES = {types.float32: DType.F32, types.int32: DType.I32, types.uint32: DType.U32}
-_SCALARS = _DTYPES | {types.int64: DType.I64, types.boolean: DType.BOOL}
+_SCALARS = _DTYPES | {types.int64: DType.I64, types.uint64: DType.U64, types.boolean: DType.BOOL}
 _MAX_NDIM = 3
 _SUPPORTED = (
-    "scalars are float32, int32, uint32, int64 or bool; arrays hold float32, int32 or uint32 "
-    "in C order, as in float32[::1] or int32[:, ::1]"
+    "scalars are float32, int32, uint32, int64, uint64 or bool; arrays hold float32, int32 or "
+    "uint32 in C order, as in float32[::1] or int32[:, ::1]"
 )
 
 

@@ -7,13 +7,15 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from numba.core.errors import NumbaError
 
-from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
+from vividc.dfg.cfg import MAX_DIMENSION, WIDE_DTYPES, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.counting import word_parameters
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -24,7 +26,7 @@ from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
-from vividc.frontend.ssa import remove_dead, remove_unreachable
+from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -79,11 +81,10 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
-        hint = "return one float32, int32, uint32, int64 or bool, or store results into an array"
+        hint = "return one scalar (float32, int32, uint32, int64, uint64, bool), or store into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
-    text = optimised_ir(module, params, loc)
     try:
-        narrowed = _narrowed(text, name, params, _RETURNS[module.return_type], loc)
+        narrowed = _narrowed(module, name, params, _RETURNS[module.return_type], loc)
     except KernelError as error:
         if error.loc is not None:
             raise
@@ -98,23 +99,31 @@ def lower(
 
 
 def _narrowed(
-    text: str, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
+    module: NumbaModule, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
 ) -> Narrowed:
+    params = tuple(replace(p, words=2) if p.dtype in WIDE_DTYPES else p for p in params)
+    wide = _simplified(module, params, loc)
+    words = word_parameters(wide)
+    if words:
+        params = tuple(replace(p, words=1) if p.name in words else p for p in params)
+        wide = _simplified(module, params, loc)
+    return narrow(wide, Ranges(wide, _bounds(params)), name, params, returns, loc.file)
+
+
+def _simplified(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> WideFunction:
+    """The kernel without pointers, and without what the ranges of its values decide."""
+    text = optimised_ir(module, params, loc)
     wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
-    bounds = _bounds(params)
-    wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+    return fold_by_ranges(wide, Ranges(wide, _bounds(params)))
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
-    """Shapes: an array must fit in the scratchpad. Integer parameters are words (checked at
-    launch).
-    """
+    """Shapes: an array must fit in the scratchpad (checked at launch)."""
     bounds = {}
     for param in params:
         for axis in range(param.ndim):

@@ -9,19 +9,15 @@ from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import width
-from vividc.frontend.narrow_wide import (
-    WORD_HINT,
-    abs_wide,
-    compare_wide,
-    extremum_wide,
-    shift_right_wide,
-)
 from vividc.frontend.ssa import Int, Op, Operand
 
 Rule = Callable[[Emitter, Op], None]
 
 _WORD = 32
-_HINT = WORD_HINT
+_HINT = (
+    "wrap the result in np.int32(...), or bound it with a comparison before; "
+    "a range with a step: range(0, min(n, len(x)), 2)"
+)
 _SIGNED: dict[str, tuple[Opcode, bool]] = {
     "eq": (Opcode.ICMP_EQ, False),
     "ne": (Opcode.ICMP_NE, False),
@@ -98,17 +94,10 @@ def _compare(emitter: Emitter, op: Op) -> None:
     if _small(op) and pred[0] == "s":
         raise KernelError(f"a comparison of {op.type} integers", loc=op.loc, hint="use np.int32")
     if not _small(op):
-        if not _fits_words(emitter, op) and compare_wide(emitter, op):
-            return
         pred = _word_predicate(emitter, op)
     opcode, swap = _SIGNED[pred]
     left, right = (emitter.value(arg) for arg in op.args)
     emitter.emit(op, opcode, (right, left) if swap else (left, right))
-
-
-def _fits_words(emitter: Emitter, op: Op) -> bool:
-    """Whether the operands' words, all read as signed or all as unsigned, are their values."""
-    return width(op.type) == _WORD or emitter.signed(*op.args) or emitter.unsigned(*op.args)
 
 
 def _word_predicate(emitter: Emitter, op: Op) -> str:
@@ -150,9 +139,6 @@ def _shift_right(emitter: Emitter, op: Op) -> None:
     if isinstance(amount, Int) and emitter.demand(op) + amount.value <= _WORD:
         # What comes in from above the word is not looked at.
         emitter.emit(op, Opcode.LSHR, (word, Const(amount.value)))
-        return
-    in_a_word = emitter.signed(value) or emitter.unsigned(value)
-    if not in_a_word and shift_right_wide(emitter, op):
         return
     if not _whole(emitter, op, value, what="the shifted integer"):
         _emit_shift(emitter, op, Opcode.LSHR, word, amount, outside=Const(0))
@@ -256,10 +242,6 @@ def _extremum(signed: bool, largest: bool) -> Rule:
         _refuse_small(op)
         left, right = (emitter.value(arg) for arg in op.args[:2])
         as_signed = signed
-        if not _fits_words(emitter, op) and extremum_wide(
-            emitter, op, is_signed=signed, largest=largest
-        ):
-            return
         if width(op.type) > _WORD:
             whole = _whole(emitter, op, *op.args[:2], what="the compared integer")
             as_signed = signed and whole
@@ -276,8 +258,6 @@ def _abs(emitter: Emitter, op: Op) -> None:
     _refuse_small(op)
     value = op.args[0]
     if width(op.type) > _WORD and not emitter.signed(value):
-        if abs_wide(emitter, op):
-            return
         emitter.require_signed(value, op.loc, "the operand of abs", _HINT)
     word = emitter.value(value)
     negated = emitter.helper(op, Opcode.SUB, Const(0), word)

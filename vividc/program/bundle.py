@@ -29,7 +29,7 @@ from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionR
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
-SCHEMA: Final = "vividc.program/1"
+SCHEMA: Final = "vividc.program/2"
 MAX_FILE_BYTES: Final = 256 << 20
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
@@ -65,6 +65,7 @@ class Manifest:
     table: tuple[RegionRow, ...]
     launch: tuple[LaunchRow, ...]
     return_home: Home | None
+    return_high: Home | None
     banks: dict[str, int]
     debug: tuple[DebugRow, ...]
     regions: tuple[RegionReport, ...]

@@ -13,16 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.program import MAX_DIMENSION, DType, Param, Program, place_arrays
+from vividc.program import HIGH_SUFFIX, MAX_DIMENSION, DType, Param, Program, place_arrays
 
 Array = NDArray[np.generic]
 
 _INT_RANGE: Final = {
     DType.I32: (-(1 << 31), (1 << 31) - 1),
     DType.U32: (0, (1 << 32) - 1),
-    DType.I64: (-(1 << 31), (1 << 31) - 1),
+    DType.I64: (-(1 << 63), (1 << 63) - 1),
+    DType.U64: (0, (1 << 64) - 1),
     DType.BOOL: (0, 1),
 }
+_ONE_WORD: Final = {DType.I64: DType.I32, DType.U64: DType.U32}
 _WORD_MASK: Final = 0xFFFFFFFF
 _FLOAT: Final = Struct("@f")
 _WORD: Final = Struct("@I")
@@ -82,7 +84,10 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
             arrays[param.name] = array
             inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
         else:
-            inputs[param.name] = _scalar(param, values[param.name])
+            word = _scalar(param, values[param.name])
+            inputs[param.name] = word & _WORD_MASK
+            if param.words > 1:
+                inputs[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
     _refuse_overlap(arrays)
     sizes = [(name, array.size) for name, array in arrays.items()]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
@@ -95,13 +100,16 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
 
 
 def returned(dtype: DType, word: int) -> int | float | bool:
-    """A word as the Python scalar that numba would return."""
+    """A word (for integers of 64 bits: both) as the Python scalar that numba would return."""
     if dtype is DType.F32:
         value: float = _FLOAT.unpack(_WORD.pack(word))[0]
         return value
     if dtype is DType.BOOL:
         return word != 0
-    return word if dtype is DType.U32 else word - ((word & 0x80000000) << 1)
+    if dtype in (DType.U32, DType.U64):
+        return word
+    sign = 1 << (63 if dtype is DType.I64 else 31)
+    return word - ((word & sign) << 1)
 
 
 def _by_name(
@@ -171,7 +179,7 @@ def _words(name: str, array: Array) -> NDArray[np.uint32]:
     if flat.dtype.itemsize == _WORD.size:
         return flat.view(np.uint32)
     if flat.dtype != np.bool_ and flat.size:
-        low, high = _INT_RANGE[DType.I64]
+        low, high = _INT_RANGE[DType.I32]
         if int(flat.min()) < low or int(flat.max()) > high:
             raise ArgumentError(
                 "an element does not fit the machine's 32 bits", loc=f"argument {name}"
@@ -197,15 +205,17 @@ def _scalar(param: Param, value: object) -> int:
             loc=where,
             hint="convert it with int(...)" if isinstance(value, float) else None,
         )
-    low, high = _INT_RANGE[param.dtype]
+    counts = param.words == 1 and param.dtype in _ONE_WORD
+    low, high = _INT_RANGE[_ONE_WORD[param.dtype] if counts else param.dtype]
     if not low <= value <= high:
-        kind = "32 bits" if param.dtype is DType.I64 else param.dtype.value
+        kind = "32 bits" if counts else param.dtype.value
+        hint = "it counts the iterations of a loop or indexes an array: both are words"
         raise ArgumentError(
             f"{value} does not fit {kind} ({low} .. {high})",
             loc=where,
-            hint="the machine's words have 32 bits",
+            hint=hint if counts else None,
         )
-    return value & _WORD_MASK
+    return value
 
 
 def _float_word(value: object, where: str) -> int:
