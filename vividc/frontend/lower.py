@@ -81,7 +81,7 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
-        hint = "return one scalar (float32, int32, uint32, int64, uint64, bool), or store into an array"
+        hint = "return one float32, int32, uint32, int64, uint64 or bool, or store into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
     try:
         narrowed = _narrowed(module, name, params, _RETURNS[module.return_type], loc)
