@@ -230,7 +230,7 @@ WIDE_INTEGERS: dict[str, Maker] = {
     "pcg32": lambda _: (0x853C49E6748FEA9B, np.zeros(100, np.uint32)),
     "q31_multiply": lambda r: (_signed_words(r, 100), _signed_words(r, 100), _zeros(100)),
     "dot64": lambda r: (_signed_words(r, 200), _signed_words(r, 200)),
-    "squares_until": lambda r: (_signed_words(r, 200), 10**20 >> 2),
+    "squares_until": lambda r: (_ints(r, -(10**6), 10**6, 200), 3 * 10**13),
     "adler32_lazy": lambda r: (_words(r, 200) & np.uint32(255),),
     "montgomery": lambda r: (
         _words(r, 100) % np.uint32(998244353),
@@ -239,7 +239,7 @@ WIDE_INTEGERS: dict[str, Maker] = {
         np.zeros(100, np.uint32),
     ),
     "power_modulo": lambda _: (123456789012, 10**15 + 7),
-    "rolling_hash": lambda r: (_ints(r, 32, 127, 60),),
+    "rolling_hash": lambda r: (_words(r, 60) & np.uint32(127),),
     "morton64": lambda r: (
         _words(r, 10),
         _words(r, 10),

@@ -5,7 +5,7 @@ import numpy as np
 import vividc
 
 ADLER = 65521
-MERSENNE = (1 << 31) - 1
+MODULUS = 1000000007
 PRIME = 998244353
 
 
@@ -122,12 +122,12 @@ def power_modulo(base, exponent):
     return result
 
 
-@vividc.kernel("int32(int32[::1])")
+@vividc.kernel("int32(uint32[::1])")
 def rolling_hash(text):
-    """Of Rabin and Karp, modulo a Mersenne prime."""
+    """Of Rabin and Karp."""
     h = 0
     for c in text:
-        h = (h * 911382323 + c) % MERSENNE
+        h = (h * 911382323 + c) % MODULUS
     return np.int32(h)
 
 

@@ -87,17 +87,19 @@ def _by_power(w: Words, op: Op, magnitude: int, *, negative: bool) -> Pair:
 
 
 def _by_constant(w: Words, dividend: Pair, d: Pair) -> _Division:
-    """The estimate lacks at most 1 for the reciprocal's rounding and 2 for the dropped carries."""
+    """The estimate lacks at most 1 for the reciprocal's rounding, and 2 if carries are dropped: for
+    small divisors the remainder is a word all the same, and two corrections cost less than carries.
+    """
     assert isinstance(d.low, Const)
     assert isinstance(d.high, Const)
     divisor = d.low.word | d.high.word << WORD
-    reciprocal = _constant(_LIMIT // divisor)
-    quotient = _high_product(w, dividend, reciprocal, carries=False)
+    carries = (2 + _DROPPED_CARRIES) * divisor >= 1 << WORD
+    quotient = _high_product(w, dividend, _constant(_LIMIT // divisor), carries=carries)
     remainder = w.sub(dividend, w.mul(quotient, d))
-    if (2 + _DROPPED_CARRIES) * divisor < 1 << WORD:
+    if not carries or 2 * divisor < 1 << WORD:
         remainder = Pair(remainder.low, ZERO)
     result = _Division(quotient, remainder)
-    if 2 * divisor < _LIMIT:  # else no quotient is larger than 1
+    if not carries:
         result = _corrected(w, result, _constant(2 * divisor), 2)
     return _corrected(w, result, d, 1)
 
@@ -107,6 +109,8 @@ def _corrected(w: Words, division: _Division, d: Pair, units: int) -> _Division:
     below = w.less(division.remainder, d, signed=False)
     more = w.add(division.quotient, _constant(units))
     rest = w.sub(division.remainder, d)
+    if division.remainder.high == ZERO:  # then d is a word, too, where anything is taken off
+        rest = Pair(rest.low, ZERO)
     return _Division(
         w.select(below, division.quotient, more), w.select(below, division.remainder, rest)
     )
