@@ -1,7 +1,5 @@
 """Kernels whose 64-bit integers outgrow a word where it matters."""
 
-import math
-
 import numpy as np
 
 from vividc.frontend import kernel
@@ -198,8 +196,3 @@ def early_return(a):
     if a > 1 << 40:
         return a >> 3
     return a * a
-
-
-@kernel("float32(int64)")
-def root_of(a):
-    return np.float32(math.sqrt(np.float32(a)))
