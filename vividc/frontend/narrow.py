@@ -2,8 +2,8 @@
 
 Integers: a value is represented by its low word. Sums, products, left shifts and logic need no more
 of their operands, so they stay exact; comparisons, right shifts, divisions and conversions need the
-whole value, and it is proved by ranges that the word determines it (sign-extended or
-zero-extended), or the kernel is refused.
+whole value. Where ranges prove that the word determines it (sign-extended or zero-extended), that
+is all; else its high word is computed, too (`wide_demand`, `wide_rules`).
 
 Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A
 conversion of a float to a 64-bit integer is taken to fit in 32 bits, and saturates: its lines are
@@ -35,7 +35,7 @@ from vividc.frontend.numba_target import RAISE_PREFIX
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Exit, Op, Operand, WideBlock, WideFunction
 from vividc.frontend.wide_phis import high_phis
-from vividc.frontend.wide_rules import translate_wide
+from vividc.frontend.wide_rules import saturates_wide, translate_wide
 from vividc.frontend.wide_words import Words
 
 
@@ -202,7 +202,7 @@ def refuse_calls(function: WideFunction) -> None:
     """Refuse a kernel that can raise, or that calls what the array cannot run."""
     for block in function.blocks:
         for op in block.ops:
-            if op.op == "call" and _call_rule(op) is None:
+            if op.op == "call" and _call_rule(op) is None and not saturates_wide(op):
                 raise _refused(op)
 
 

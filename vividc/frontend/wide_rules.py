@@ -13,7 +13,7 @@ from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import S32, contains
 from vividc.frontend.ssa import Int, Op, Operand
-from vividc.frontend.wide_demand import reads_high, stem
+from vividc.frontend.wide_demand import WIDE, reads_high, stem
 from vividc.frontend.wide_divide import divide
 from vividc.frontend.wide_float import to_float
 from vividc.frontend.wide_shifts import ashr, funnel_left, funnel_right, lshr, shl
@@ -46,6 +46,11 @@ def translate_wide(emitter: Emitter, op: Op) -> bool:
     value = rule(words, op)
     words.results(emitter.ids.get(op.name), wanted, value)
     return True
+
+
+def saturates_wide(op: Op) -> bool:
+    """Whether a call is a saturating sum or difference that has a rule in two words only."""
+    return op.type == WIDE and stem(op.pred) in ("uadd.sat", "sadd.sat", "ssub.sat")
 
 
 def _add(w: Words, op: Op) -> Pair:
