@@ -61,7 +61,7 @@ def narrow(
     Raises
     ------
     KernelError
-        A construct that the array cannot run, or a value that cannot be proved to fit in 32 bits.
+        A construct that the array cannot run, or an integer that has no rule in two words.
     """
     narrower = _Narrower(function, ranges, returns)
     blocks = tuple(narrower.block(block, returns) for block in function.blocks)
