@@ -143,9 +143,9 @@ def _of_shift_right(op: Op, facts: WordFacts, wanted: bool) -> tuple[Operand, ..
 def _of_division(op: Op, facts: WordFacts, wanted: bool) -> tuple[Operand, ...]:
     if wanted:
         return op.args
-    if facts.unsigned(*op.args) or (op.op in ("sdiv", "srem") and facts.signed(*op.args)):
-        return ()
-    return op.args
+    signed = op.op[0] == "s"
+    fits = (facts.unsigned(arg) or (signed and facts.signed(arg)) for arg in op.args)
+    return () if all(fits) else op.args
 
 
 def _of_call(op: Op, facts: WordFacts, *, wanted: bool) -> tuple[Operand, ...]:
@@ -185,6 +185,11 @@ _WHOLE: dict[str, Callable[[Op, WordFacts, bool], tuple[Operand, ...]]] = {
     "udiv": _of_division,
     "srem": _of_division,
     "urem": _of_division,
+    # Python's, rounded down.
+    "sfloordiv": _of_division,
+    "sfloorrem": _of_division,
+    "ufloordiv": _of_division,
+    "ufloorrem": _of_division,
     "sitofp": _of_conversion,
     "uitofp": _of_conversion,
 }

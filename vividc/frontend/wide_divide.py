@@ -42,10 +42,49 @@ def divide(w: Words, op: Op) -> Pair:
             return _by_power(w, op, magnitude, negative=signed and divisor.value < 0)
     dividend, sign = _magnitude(w, value, signed=signed)
     d, divisor_sign = _magnitude(w, divisor, signed=signed)
-    result = _by_constant(w, dividend, d) if _is_constant(d) else _by_variable(w, dividend, d)
+    result = _by_magnitude(w, dividend, d)
     if op.op in _QUOTIENTS:
         return _signed(w, result.quotient, w.op(Opcode.XOR, sign, divisor_sign))
     return _signed(w, result.remainder, sign)
+
+
+def divide_down(w: Words, op: Op) -> Pair:
+    """sfloordiv, sfloorrem, ufloordiv, ufloorrem: as Python rounds, and 0 by zero."""
+    value, divisor = op.args
+    signed, is_quotient = op.op[0] == "s", op.op.endswith("div")
+    dividend, sign = _magnitude(w, value, signed=signed)
+    d, divisor_sign = _magnitude(w, divisor, signed=signed)
+    result = _by_magnitude(w, dividend, d)
+    quotient, remainder = result.quotient, result.remainder
+    differ = w.op(Opcode.XOR, sign, divisor_sign)
+    if differ != ZERO:
+        inexact = w.negated(w.equal(remainder, _NOTHING))
+        step = w.op(Opcode.AND, differ, inexact)
+        quotient = w.add(quotient, Pair(step, ZERO))
+        remainder = w.select(step, w.sub(d, remainder), remainder)
+    found = _signed(w, quotient, differ) if is_quotient else _signed(w, remainder, divisor_sign)
+    low, high = w.range(divisor)
+    if low > 0 or high < 0:
+        return found
+    return w.select(w.equal(w.pair(divisor), _NOTHING), _NOTHING, found)
+
+
+def _by_magnitude(w: Words, dividend: Pair, d: Pair) -> _Division:
+    if not _is_constant(d):
+        return _by_variable(w, dividend, d)
+    power = _power_of(d)
+    if power is None:
+        return _by_constant(w, dividend, d)
+    rest = w.logic(Opcode.AND, dividend, _constant((1 << power) - 1))
+    return _Division(lshr(w, dividend, power, (power, power)), rest)
+
+
+def _power_of(d: Pair) -> int | None:
+    """The exponent of a constant power of two (0 for 0)."""
+    assert isinstance(d.low, Const)
+    assert isinstance(d.high, Const)
+    divisor = d.low.word | d.high.word << WORD
+    return max(divisor.bit_length() - 1, 0) if divisor & (divisor - 1) == 0 else None
 
 
 def _magnitude(w: Words, operand: Operand, *, signed: bool) -> tuple[Pair, Value]:

@@ -14,7 +14,7 @@ from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import S32, contains
 from vividc.frontend.ssa import Int, Op, Operand
 from vividc.frontend.wide_demand import WIDE, reads_high, stem
-from vividc.frontend.wide_divide import divide
+from vividc.frontend.wide_divide import divide, divide_down
 from vividc.frontend.wide_float import to_float
 from vividc.frontend.wide_shifts import ashr, funnel_left, funnel_right, lshr, shl
 from vividc.frontend.wide_words import MASK, WORD, ZERO, Pair, Words
@@ -234,6 +234,10 @@ _RULES: dict[str, Rule] = {
     "udiv": divide,
     "srem": divide,
     "urem": divide,
+    "sfloordiv": divide_down,
+    "sfloorrem": divide_down,
+    "ufloordiv": divide_down,
+    "ufloorrem": divide_down,
     "sitofp": to_float,
     "uitofp": to_float,
 }
