@@ -250,6 +250,23 @@ WIDE_INTEGERS: dict[str, Maker] = {
     "integer_root": lambda _: (np.int32(40000),),
 }
 
+NUMBER_THEORY: dict[str, Maker] = {
+    "gcd_by_remainder": lambda r: (_ints(r, -999, 999, 30), _ints(r, -999, 999, 30), _zeros(30)),
+    "gcd_of_library": lambda r: (_ints(r, -999, 999, 30), _ints(r, -999, 999, 30), _zeros(30)),
+    "digit_sums": lambda r: (_words(r, 30), _zeros(30)),
+    "count_primes": lambda _: (np.uint32(100),),
+    "power_modulo": lambda r: (_ints(r, -9999, 9999, 20), _ints(r, 0, 9999, 20), _zeros(20)),
+    "lcg_modulo": lambda _: (np.uint32(12345), np.uint32(65521), np.zeros(50, np.uint32)),
+    "civil_from_days": lambda r: (_ints(r, -(10**6), 10**6, 30), _zeros(30, 3)),
+    "digits_in_base": lambda r: (_ints(r, -9999, 9999, 10), np.int32(7), _zeros(10, 6)),
+    "longest_collatz": lambda _: (np.int32(20),),
+    "isbn13_check": lambda r: (_ints(r, 0, 10, 12, 12), _zeros(12)),
+    "modular_inverse": lambda r: (_ints(r, -9999, 9999, 20), np.int32(1009), _zeros(20)),
+    "fibonacci_modulo": lambda _: (np.int32(100), np.uint32(1000)),
+    "bit_counts": lambda r: (_words(r, 100), _zeros(100)),
+    "bin_counts": lambda r: (_ints(r, -500, 500, 100), np.int32(37), _zeros(16)),
+}
+
 FAMILIES = {
     "linear_algebra": LINEAR_ALGEBRA,
     "image": IMAGE,
@@ -259,6 +276,7 @@ FAMILIES = {
     "searching": SEARCHING,
     "graphs": GRAPHS,
     "control": CONTROL,
+    "number_theory": NUMBER_THEORY,
 }
 
 WORKLOADS = tuple(

@@ -4,7 +4,9 @@ rest of vividc.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from fractions import Fraction
 
 import numpy as np
 
@@ -124,6 +126,10 @@ def _to_int(word: int) -> int:
     return int(min(max(value, -(2.0**31)), 2.0**31 - 1))
 
 
+def _truncated(a: int, b: int) -> int:
+    return math.trunc(Fraction(a, b)) if b else 0
+
+
 _O = Opcode
 _SEMANTICS: dict[Opcode, Callable[..., int]] = {
     _O.MOV: lambda a: a,
@@ -132,6 +138,15 @@ _SEMANTICS: dict[Opcode, Callable[..., int]] = {
     _O.MUL: lambda a, b: a * b,
     _O.MULHS: lambda a, b: _signed(a) * _signed(b) >> 32,
     _O.MULHU: lambda a, b: a * b >> 32,
+    _O.SDIV: lambda a, b: _truncated(_signed(a), _signed(b)),
+    _O.SREM: lambda a, b: _signed(a) - _signed(b) * _truncated(_signed(a), _signed(b)),
+    _O.UDIV: _truncated,
+    _O.UREM: lambda a, b: a - b * _truncated(a, b),
+    _O.CTPOP: lambda a: bin(a).count("1"),
+    _O.CTLZ: lambda a: f"{a:032b}1".index("1"),
+    _O.CTTZ: lambda a: f"{a:032b}"[::-1].find("1") % 33,
+    _O.BSWAP: lambda a: int.from_bytes(a.to_bytes(4, "big"), "little"),
+    _O.BITREVERSE: lambda a: int(f"{a:032b}"[::-1], 2),
     _O.AND: lambda a, b: a & b,
     _O.OR: lambda a, b: a | b,
     _O.XOR: lambda a, b: a ^ b,

@@ -26,6 +26,12 @@ FORMS = (
     "({a} >> {shift})",
     "(np.int32({a}) // {power})",
     "(np.int32({a}) % {power})",
+    "(np.int32({a}) // np.int32({b}))",
+    "(np.int32({a}) % np.int32({b}))",
+    "(np.uint32({a}) % np.uint32({b}))",
+    "(np.uint32({a}) // {power})",
+    "np.int8({a})",
+    "np.uint16({a})",
     "(np.int32({a}) >> (np.int32({b}) & 31))",
     "min(np.int32({a}), np.int32({b}))",
     "max(np.int32({a}), np.int32({b}))",
@@ -58,7 +64,7 @@ def _expression(random: Random, depth: int) -> str:
         b=b,
         cond=_condition(random, depth - 1),
         shift=random.choice([0, 1, 5, 16, 31, 33]),
-        power=random.choice([1, 2, 4, 1024]),
+        power=random.choice([1, 2, 4, 1024, 3, 10, -7, 641, 2**31 - 1]),
     )
 
 

@@ -20,6 +20,7 @@ from vividc.frontend.interval import (
 from vividc.frontend.ssa import Op
 
 BINARY = ("add", "sub", "mul", "and", "or", "xor", "shl", "lshr", "ashr")
+FLOORS = ("sfloordiv", "sfloorrem", "ufloordiv", "ufloorrem")
 DIVISIONS = ("sdiv", "udiv", "srem", "urem")
 EXTREMA = ("smin", "smax", "umin", "umax")
 PREDICATES = ("eq", "ne", "slt", "sle", "sgt", "sge", "ult", "ule", "ugt", "uge")
@@ -60,6 +61,10 @@ def concrete(op: str, a: int, b: int, type_: str) -> int | None:
         "udiv": lambda: ua // ub,
         "srem": lambda: a - b * truncated(a, b),
         "urem": lambda: ua % ub,
+        "sfloordiv": lambda: a // b if b else 0,
+        "sfloorrem": lambda: a % b if b else 0,
+        "ufloordiv": lambda: ua // ub if b else 0,
+        "ufloorrem": lambda: ua % ub if b else 0,
         "smin": lambda: min(a, b),
         "smax": lambda: max(a, b),
         "umin": lambda: min(a, b, key=lambda v: unsigned(v, type_)),
@@ -87,7 +92,7 @@ def interval_and_value(draw: st.DrawFn, type_: str) -> tuple[Interval, int]:
 TYPES = st.sampled_from(["i32", "i64"])
 
 
-@given(st.data(), TYPES, st.sampled_from(BINARY + DIVISIONS + EXTREMA))
+@given(st.data(), TYPES, st.sampled_from(BINARY + DIVISIONS + FLOORS + EXTREMA))
 def test_results_lie_in_the_interval(data: st.DataObject, type_: str, name: str) -> None:
     left, a = data.draw(interval_and_value(type_))
     right, b = data.draw(interval_and_value(type_))
@@ -96,6 +101,17 @@ def test_results_lie_in_the_interval(data: st.DataObject, type_: str, name: str)
     result = concrete(name, a, b, type_)
     low, high = evaluate(op, (left, right))
     assert result is None or low <= result <= high
+
+
+@given(st.data(), st.sampled_from(["i8", "i16"]), st.sampled_from(BINARY + DIVISIONS + EXTREMA))
+def test_small_types_are_kept_without_sign(data: st.DataObject, type_: str, name: str) -> None:
+    left, a = data.draw(interval_and_value(type_))
+    right, b = data.draw(interval_and_value(type_))
+    call = name in EXTREMA
+    op = Op("r", "call" if call else name, type_, (), pred=f"llvm.{name}.{type_}" if call else "")
+    result = concrete(name, wrapped(a, type_), wrapped(b, type_), type_)
+    low, high = evaluate(op, (left, right))
+    assert result is None or low <= unsigned(result, type_) <= high
 
 
 @given(st.data(), TYPES, st.sampled_from(PREDICATES))

@@ -2,9 +2,8 @@
 
 Quotients and roots survive the rounding to binary64 and then to binary32; the transcendental
 functions are correctly rounded wherever binary64's are not within a rounding error of a tie.
-Integer division truncates towards zero; by zero it gives a quotient of all ones and leaves the
-dividend as the remainder, and INT_MIN / -1 wraps (as RISC-V, Unprivileged ISA, chapter "M"). The
-counts of leading and trailing zeros of 0 are 32.
+Integer division truncates towards zero; by zero the quotient is 0 and the remainder the dividend,
+and INT_MIN / -1 wraps. The counts of leading and trailing zeros of 0 are 32.
 """
 
 from __future__ import annotations
@@ -75,7 +74,7 @@ def _integral(a: int, rounding: Callable[[float], int]) -> int:
 def _sdiv(a: int, b: int) -> int:
     x, y = signed(a), signed(b)
     if y == 0:
-        return WORD_MASK
+        return 0
     quotient = abs(x) // abs(y)
     return (quotient if (x < 0) == (y < 0) else -quotient) & WORD_MASK
 
@@ -89,7 +88,7 @@ def _srem(a: int, b: int) -> int:
 
 
 def _udiv(a: int, b: int) -> int:
-    return a // b if b else WORD_MASK
+    return a // b if b else 0
 
 
 def _urem(a: int, b: int) -> int:

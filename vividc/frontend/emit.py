@@ -18,6 +18,7 @@ from vividc.frontend.wide_demand import WordFacts, high_words, types_of
 # Free in words: the result is the operand (conversions to or from less than a word apart).
 ALIASES = frozenset({"sext", "zext", "trunc", "fpext", "fptrunc", "bitcast", "freeze"})
 _MASK = 0xFFFFFFFF
+_DEPTH = 4
 
 
 def result_type(type_: str) -> Type:
@@ -147,6 +148,26 @@ class Emitter:
     def _range_text(self, operand: Operand) -> str:
         low, high = self.range(operand)
         return f" (its range is {low} to {high})" if abs(low) < 2**62 and abs(high) < 2**62 else ""
+
+    def is_nonzero(self, operand: Operand) -> bool:
+        """Whether an integer operand is known not to be 0 here."""
+        return self._ranges.is_nonzero(operand, self._block)
+
+    def is_invariant(self, operand: Operand) -> bool:
+        """Whether the innermost loop around here leaves an operand as it is; False outside."""
+        bodies = [body for body in self._ranges.flow.loops.values() if self._block in body]
+        return bool(bodies) and self._is_outside(operand, min(bodies, key=len), _DEPTH)
+
+    def _is_outside(self, operand: Operand, body: frozenset[str], depth: int) -> bool:
+        """Whether an operand is computed outside the loop, or could be."""
+        definition = (
+            self.function.definitions.get(operand.name) if isinstance(operand, Local) else None
+        )
+        if definition is None or self.function.block_of[definition.name] not in body:
+            return True
+        if not isinstance(definition, Op) or definition.op in ("load", "call") or depth == 0:
+            return False
+        return all(self._is_outside(arg, body, depth - 1) for arg in definition.args)
 
     def type_of(self, operand: Operand) -> str:
         """LLVM type of a local ("" for a constant)."""

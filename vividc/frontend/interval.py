@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 from vividc.frontend.ssa import Op
@@ -13,6 +14,7 @@ S32: Interval = (-(2**31), 2**31 - 1)
 U32: Interval = (0, 2**32 - 1)
 _BOOL: Interval = (0, 1)
 _WORD = 32
+_TYPES = re.compile(r"(\.[if]\d+)+$")
 _LOW = (0, -1, -(2**15), -(2**31), -(2**32), -(2**63))
 _HIGH = (-1, 0, 1, 2**13, 2**15, 2**31 - 2, 2**31 - 1, 2**32 - 1, 2**63 - 1)
 _CONVERTED: dict[str, Interval] = {"fptosi": S32, "fptoui": U32}
@@ -128,14 +130,40 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
         return _BOOL if decided is None else (int(decided), int(decided))
     if op.op in _CONVERTED and width(op.type) > _WORD:
         return _CONVERTED[op.op]
-    key = op.pred.rsplit(".", 1)[0] if op.op == "call" else op.op
+    key = _name(op)
     if op.op in ("sext", "zext", "trunc"):
         return BOTTOM if BOTTOM in operands else _convert(op, operands[0])
     rule = _RULES.get(key)
     if rule is not None and BOTTOM in operands:
         return BOTTOM
+    if key in _READ_AS_SIGNED and width(op.type) < _WORD:
+        return _of_signed(op, operands)
     result = full(op.type) if rule is None else rule(op, *operands)
     return result if contains(full(op.type), result) else full(op.type)
+
+
+def _name(op: Op) -> str:
+    """The operation, or the intrinsic without its types."""
+    return _TYPES.sub("", op.pred) if op.op == "call" else op.op
+
+
+def as_signed(interval: Interval, bits: int) -> Interval:
+    """Values of an integer type of less than a word, which are kept without sign, as signed."""
+    low, high = interval
+    half = 2 ** (bits - 1)
+    if high < half:
+        return interval
+    return (low - 2 * half, high - 2 * half) if low >= half else (-half, half - 1)
+
+
+def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
+    """A signed operation on a type of less than a word."""
+    bits = width(op.type)
+    key = _name(op)
+    low, high = _RULES[key](op, *(as_signed(operand, bits) for operand in operands))
+    if not contains((-(2 ** (bits - 1)), 2 ** (bits - 1)), (low, high)) or low < 0 <= high:
+        return full(op.type)
+    return (low + 2**bits, high + 2**bits) if low < 0 else (low, high)
 
 
 def _convert(op: Op, a: Interval) -> Interval:
@@ -203,21 +231,47 @@ def _umax(op: Op, a: Interval, b: Interval) -> Interval:
     return full(op.type)
 
 
+def _quotient(a: Interval, b: Interval, divide: Callable[[int, int], int]) -> list[int]:
+    """Quotients at the corners: they are monotonous in the dividend, and in the divisor on either
+    side of 0.
+    """
+    positive, negative = intersect(b, (1, max(b[1], 1))), intersect(b, (min(b[0], -1), -1))
+    return [
+        divide(x, y) for side in (positive, negative) if side != BOTTOM for x in a for y in side
+    ]
+
+
+def _toward_zero(x: int, y: int) -> int:
+    return abs(x) // abs(y) * (1 if (x < 0) == (y < 0) else -1)
+
+
 def _divide(op: Op, a: Interval, b: Interval) -> Interval:
-    if b[0] <= 0:
+    """Also Python's, whose quotients by zero are 0."""
+    if op.op[0] == "u" and (a[0] < 0 or b[0] < 0):
         return full(op.type)
-    quotients = [abs(x) // y * (1 if x >= 0 else -1) for x in a for y in b]
-    return (
-        (min(*quotients, 0), max(*quotients, 0)) if op.op == "sdiv" or a[0] >= 0 else full(op.type)
-    )
+    if "floor" in op.op:
+        quotients = _quotient(a, b, lambda x, y: x // y)
+        if b[0] <= 0 <= b[1]:
+            quotients.append(0)
+    else:
+        quotients = [*_quotient(a, b, _toward_zero), 0]
+    return (min(quotients), max(quotients))
 
 
 def _remainder(op: Op, a: Interval, b: Interval) -> Interval:
-    if b[0] <= 0:
+    """Smaller than the divisor, with the sign of the dividend (LLVM's) or of the divisor."""
+    if op.op[0] == "u" and b[0] < 0:
         return full(op.type)
-    if a[0] >= 0:
-        return (0, min(a[1], b[1] - 1))
-    return (1 - b[1], b[1] - 1) if op.op == "srem" else (0, b[1] - 1)
+    if op.op[0] == "u":
+        high = max(b[1] - 1, 0)
+        return (0, min(high, a[1]) if a[0] >= 0 else high)
+    if "floor" not in op.op:
+        largest = max(abs(b[0]), abs(b[1]), 1) - 1
+        return (max(-largest, min(a[0], 0)), min(largest, max(a[1], 0)))
+    low, high = min(b[0] + 1, 0), max(b[1] - 1, 0)
+    if a[0] >= 0 and b[0] >= 0:
+        high = min(high, a[1])
+    return (low, high)
 
 
 def _abs(op: Op, a: Interval, _: Interval) -> Interval:
@@ -240,6 +294,10 @@ _RULES: dict[str, _Rule] = {
     "sdiv": _divide,
     "urem": _remainder,
     "srem": _remainder,
+    "ufloordiv": _divide,
+    "sfloordiv": _divide,
+    "ufloorrem": _remainder,
+    "sfloorrem": _remainder,
     "freeze": lambda op, a: a,
     "llvm.smin": lambda op, a, b: (min(a[0], b[0]), min(a[1], b[1])),
     "llvm.smax": lambda op, a, b: (max(a[0], b[0]), max(a[1], b[1])),
@@ -248,4 +306,8 @@ _RULES: dict[str, _Rule] = {
     "llvm.abs": _abs,
     "llvm.scmp": lambda op, a, b: (-1, 1),
     "llvm.ucmp": lambda op, a, b: (-1, 1),
+    "llvm.ctpop": lambda op, a: (0, width(op.type)),
+    "llvm.ctlz": lambda op, a, _: (0, width(op.type)),
+    "llvm.cttz": lambda op, a, _: (0, width(op.type)),
 }
+_READ_AS_SIGNED = frozenset({"ashr", "sdiv", "srem", "llvm.smin", "llvm.smax", "llvm.abs"})

@@ -16,6 +16,7 @@ from vividc.dfg.cfg import MAX_DIMENSION, WIDE_DTYPES, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
+from vividc.frontend.floor_division import recover_divisions, truncate_divisions
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -27,6 +28,7 @@ from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
+from vividc.frontend.value_numbering import merge_equal
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -91,7 +93,7 @@ def lower(
         raise KernelError(error.reason, loc=loc, hint=error.hint) from error
     _report(narrowed.demoted, loc, _DEMOTED, strict_fp=strict_fp)
     _report(narrowed.saturated, loc, _SATURATED, strict_fp=strict_fp)
-    function = hoist_invariants(narrowed.function)
+    function = merge_equal(hoist_invariants(narrowed.function))
     problems = check_function(function)
     if problems:
         raise InternalError(f"the lowered kernel {name} is malformed: {'; '.join(problems)}")
@@ -114,12 +116,15 @@ def _simplified(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
     """The kernel without pointers, and without what the ranges of its values decide."""
     text = optimised_ir(module, params, loc)
     wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
+    wide = recover_divisions(wide)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
-    return fold_by_ranges(wide, Ranges(wide, _bounds(params)))
+    bounds = _bounds(params)
+    wide = fold_by_ranges(wide, Ranges(wide, bounds))
+    return truncate_divisions(wide, Ranges(wide, bounds))
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:

@@ -12,6 +12,7 @@ conversion of a float to a 64-bit integer is taken to fit in 32 bits, and satura
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import (
@@ -28,7 +29,7 @@ from vividc.dfg.cfg import (
 )
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend import narrow_float, narrow_int
+from vividc.frontend import narrow_bits, narrow_float, narrow_int
 from vividc.frontend.emit import ALIASES, Emitter, result_type
 from vividc.frontend.interval import S32, U32, contains
 from vividc.frontend.numba_target import RAISE_PREFIX
@@ -70,9 +71,6 @@ def narrow(
     return Narrowed(
         result, tuple(dict.fromkeys(emitter.demoted)), tuple(dict.fromkeys(emitter.saturated))
     )
-
-
-_BIT_TRICKS = frozenset({"bitreverse", "bswap", "ctpop", "ctlz", "cttz"})
 
 
 class _Narrower:
@@ -213,13 +211,18 @@ def _call(emitter: Emitter, op: Op) -> None:
     rule(emitter, op)
 
 
+_TYPES = re.compile(r"(\.[a-z]+\d+)+$")
+
+
 def _stem(callee: str) -> str:
-    return callee.removeprefix("llvm.").rsplit(".", 1)[0] if callee.startswith("llvm.") else callee
+    if not callee.startswith("llvm."):
+        return callee
+    return _TYPES.sub("", callee.removeprefix("llvm."))
 
 
 def _call_rule(op: Op) -> narrow_int.Rule | None:
     stem = _stem(op.pred)
-    return narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem)
+    return narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem) or narrow_bits.CALLS.get(stem)
 
 
 def _refused(op: Op) -> KernelError:
@@ -231,10 +234,6 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
-    if callee.startswith("llvm.") and _stem(callee) in _BIT_TRICKS:
-        reason = f"code that LLVM recognises as `{_stem(callee)}`, which no FU has"
-        hint = "loop over the bits, with shifts and masks that carry a value from one to the next"
-        return KernelError(reason, loc=op.loc, hint=hint)
     hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)

@@ -11,6 +11,8 @@ from vividc.dfg.cfg import Const
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
+from vividc.frontend.interval import width
+from vividc.frontend.narrow_small import emit_masked, is_small, sign_extended
 from vividc.frontend.ssa import Float, Local, Op, Operand
 
 Rule = Callable[[Emitter, Op], None]
@@ -107,6 +109,9 @@ def _from_int(emitter: Emitter, op: Op) -> None:
             word = emitter.helper(op, Opcode.SUB, Const(0), word)
         emitter.emit(op, Opcode.SITOFP, (word,))
         return
+    if op.op == "sitofp" and is_small(source):
+        emitter.emit(op, Opcode.SITOFP, (sign_extended(emitter, op, operand, width(source)),))
+        return
     if op.type == "double":
         low, high = emitter.range(operand)
         if max(-low, high) > 2**24:
@@ -124,15 +129,16 @@ def _from_int(emitter: Emitter, op: Op) -> None:
 
 
 def _to_signed(emitter: Emitter, op: Op) -> None:
-    _refuse_small(op)
     if op.type == "i64":
         emitter.saturated.append(op.loc)
-    emitter.emit(op, Opcode.FPTOSI, (emitter.value(op.args[0]),))
+    emit_masked(emitter, op, Opcode.FPTOSI, emitter.value(op.args[0]))
 
 
 def _to_unsigned(emitter: Emitter, op: Op) -> None:
     """Values from 2**31 on are converted less 2**31, which is exact."""
-    _refuse_small(op)
+    if is_small(op.type):
+        _to_signed(emitter, op)
+        return
     if op.type == "i64":
         emitter.saturated.append(op.loc)
     value = emitter.value(op.args[0])
@@ -143,11 +149,6 @@ def _to_unsigned(emitter: Emitter, op: Op) -> None:
     word = emitter.helper(op, Opcode.FPTOSI, chosen)
     high = emitter.helper(op, Opcode.SELECT, small, Const(0), Const(_SIGN))
     emitter.emit(op, Opcode.XOR, (word, high))
-
-
-def _refuse_small(op: Op) -> None:
-    if op.type not in ("i32", "i64"):
-        raise KernelError(f"a conversion to {op.type}", loc=op.loc, hint="convert to np.int32")
 
 
 def _copysign(emitter: Emitter, op: Op) -> None:

@@ -8,7 +8,10 @@ from vividc.dfg.cfg import Const, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
+from vividc.frontend.floor_division import FLOOR_DIVISIONS
 from vividc.frontend.interval import width
+from vividc.frontend.narrow_divide import divide
+from vividc.frontend.narrow_small import emit_masked, sign_extended
 from vividc.frontend.ssa import Int, Op, Operand
 
 Rule = Callable[[Emitter, Op], None]
@@ -66,10 +69,10 @@ def _sign_extend(emitter: Emitter, op: Op) -> None:
     bits = width(op.source)
     word = emitter.value(op.args[0])
     if bits == 1:
-        emitter.emit(op, Opcode.SUB, (Const(0), word))
+        emit_masked(emitter, op, Opcode.SUB, Const(0), word)
         return
     up = emitter.helper(op, Opcode.SHL, word, Const(_WORD - bits))
-    emitter.emit(op, Opcode.ASHR, (up, Const(_WORD - bits)))
+    emit_masked(emitter, op, Opcode.ASHR, up, Const(_WORD - bits))
 
 
 def _small(op: Op) -> bool:
@@ -91,13 +94,20 @@ def _whole(emitter: Emitter, op: Op, *operands: Operand, what: str) -> bool:
 
 def _compare(emitter: Emitter, op: Op) -> None:
     pred = op.pred
-    if _small(op) and pred[0] == "s":
-        raise KernelError(f"a comparison of {op.type} integers", loc=op.loc, hint="use np.int32")
     if not _small(op):
         pred = _word_predicate(emitter, op)
     opcode, swap = _SIGNED[pred]
-    left, right = (emitter.value(arg) for arg in op.args)
+    left, right = _extended(emitter, op, op.args, is_signed=op.pred[0] == "s")
     emitter.emit(op, opcode, (right, left) if swap else (left, right))
+
+
+def _extended(
+    emitter: Emitter, op: Op, operands: tuple[Operand, ...], *, is_signed: bool
+) -> tuple[Value, ...]:
+    """The operands' words, those of less than a word as signed or unsigned."""
+    if not is_signed:
+        return tuple(emitter.value(operand) for operand in operands)
+    return tuple(sign_extended(emitter, op, operand, width(op.type)) for operand in operands)
 
 
 def _word_predicate(emitter: Emitter, op: Op) -> str:
@@ -117,7 +127,9 @@ def _word_predicate(emitter: Emitter, op: Op) -> str:
 
 
 def _shift_left(emitter: Emitter, op: Op) -> None:
-    _refuse_small(op)
+    if _small(op):
+        emit_masked(emitter, op, Opcode.SHL, *(emitter.value(arg) for arg in op.args))
+        return
     value, amount = op.args
     _emit_shift(emitter, op, Opcode.SHL, emitter.value(value), amount, outside=Const(0))
 
@@ -127,8 +139,7 @@ def _shift_right(emitter: Emitter, op: Op) -> None:
     which.
     """
     if _small(op):
-        _refuse_small_arithmetic(op)
-        emitter.emit(op, Opcode.LSHR, tuple(emitter.value(arg) for arg in op.args))
+        _shift_right_small(emitter, op)
         return
     value, amount = op.args
     word = emitter.value(value)
@@ -184,62 +195,27 @@ def _emit_shift(
     emitter.emit(op, Opcode.SELECT, (inside, shifted, outside))
 
 
-def _refuse_small(op: Op) -> None:
-    if _small(op):
-        raise KernelError(f"arithmetic on {op.type} integers", loc=op.loc, hint="use np.int32(...)")
-
-
-def _refuse_small_arithmetic(op: Op) -> None:
-    if op.op == "ashr":
-        _refuse_small(op)
+def _shift_right_small(emitter: Emitter, op: Op) -> None:
+    """LLVM gives amounts from the type's width on no meaning."""
+    value, amount = op.args
+    if op.op == "lshr":
+        emitter.emit(op, Opcode.LSHR, (emitter.value(value), emitter.value(amount)))
+        return
+    word = sign_extended(emitter, op, value, width(op.type))
+    emit_masked(emitter, op, Opcode.ASHR, word, emitter.value(amount))
 
 
 def _divide(emitter: Emitter, op: Op) -> None:
-    """By a power of two: a shift, with a correction for negative dividends; a remainder is what is
-    left.
-    """
-    _refuse_small(op)
-    value, divisor = op.args
-    if not isinstance(divisor, Int) or divisor.value <= 0 or divisor.value & (divisor.value - 1):
-        raise KernelError(
-            "an integer division or remainder by other than a power of two",
-            loc=op.loc,
-            hint="divide by a constant power of two, or count with comparisons instead",
-        )
-    power = divisor.value.bit_length() - 1
-    signed = op.op in ("sdiv", "srem")
-    if power >= _WORD - 1:
-        raise KernelError("an integer division by a constant this large", loc=op.loc, hint=_HINT)
-    may_be_negative = emitter.range(value)[0] < 0
-    if width(op.type) > _WORD:
-        _whole(emitter, op, value, what="the dividend")
-        if may_be_negative and op.op == "udiv":
-            raise KernelError("a negative dividend, divided as unsigned", loc=op.loc, hint=_HINT)
-    negative = signed and may_be_negative
-    word = emitter.value(value)
-    if not negative:
-        mask = Const((1 << power) - 1)
-        if op.op in ("udiv", "sdiv"):
-            emitter.emit(op, Opcode.LSHR, (word, Const(power)))
-        else:
-            emitter.emit(op, Opcode.AND, (word, mask))
-        return
-    if power == 0:
-        quotient: Value = word
-    else:
-        sign = emitter.helper(op, Opcode.ASHR, word, Const(_WORD - 1))
-        bias = emitter.helper(op, Opcode.LSHR, sign, Const(_WORD - power))
-        quotient = emitter.helper(op, Opcode.ADD, word, bias)
-    if op.op == "sdiv":
-        emitter.emit(op, Opcode.ASHR, (quotient, Const(power)))
-        return
-    multiple = emitter.helper(op, Opcode.AND, quotient, Const(-(1 << power) & 0xFFFFFFFF))
-    emitter.emit(op, Opcode.SUB, (word, multiple))
+    divide(emitter, op, _HINT)
 
 
 def _extremum(signed: bool, largest: bool) -> Rule:
     def rule(emitter: Emitter, op: Op) -> None:
-        _refuse_small(op)
+        if _small(op):
+            # Unsigned ones are positive words.
+            words = _extended(emitter, op, op.args[:2], is_signed=signed)
+            emit_masked(emitter, op, Opcode.SMAX if largest else Opcode.SMIN, *words)
+            return
         left, right = (emitter.value(arg) for arg in op.args[:2])
         as_signed = signed
         if width(op.type) > _WORD:
@@ -255,42 +231,12 @@ def _extremum(signed: bool, largest: bool) -> Rule:
 
 
 def _abs(emitter: Emitter, op: Op) -> None:
-    _refuse_small(op)
     value = op.args[0]
     if width(op.type) > _WORD and not emitter.signed(value):
         emitter.require_signed(value, op.loc, "the operand of abs", _HINT)
-    word = emitter.value(value)
+    word = sign_extended(emitter, op, value, width(op.type))
     negated = emitter.helper(op, Opcode.SUB, Const(0), word)
-    emitter.emit(op, Opcode.SMAX, (word, negated))
-
-
-def _saturating_subtract(emitter: Emitter, op: Op) -> None:
-    _refuse_small(op)
-    if width(op.type) > _WORD and not emitter.unsigned(*op.args):
-        emitter.require_signed(op.args[0], op.loc, "the operand of a subtraction", _HINT)
-        raise KernelError("a saturating subtraction of negative integers", loc=op.loc, hint=_HINT)
-    left, right = (emitter.value(arg) for arg in op.args)
-    less = emitter.helper(op, Opcode.ICMP_ULT, left, right, type_=Type.PRED)
-    difference = emitter.helper(op, Opcode.SUB, left, right)
-    emitter.emit(op, Opcode.SELECT, (less, Const(0), difference))
-
-
-def _funnel(left: bool) -> Rule:
-    """fshl, fshr by a constant: two shifts."""
-
-    def rule(emitter: Emitter, op: Op) -> None:
-        high, low, amount = op.args
-        if width(op.type) != _WORD or not isinstance(amount, Int):
-            raise KernelError("a rotation by a variable amount", loc=op.loc, hint="use a constant")
-        by = amount.value % _WORD if left else (_WORD - amount.value % _WORD) % _WORD
-        if by == 0:
-            emitter.emit(op, Opcode.MOV, (emitter.value(high if left else low),))
-            return
-        up = emitter.helper(op, Opcode.SHL, emitter.value(high), Const(by))
-        down = emitter.helper(op, Opcode.LSHR, emitter.value(low), Const(_WORD - by))
-        emitter.emit(op, Opcode.OR, (up, down))
-
-    return rule
+    emit_masked(emitter, op, Opcode.SMAX, word, negated)
 
 
 def _three_way(signed: bool) -> Rule:
@@ -298,13 +244,23 @@ def _three_way(signed: bool) -> Rule:
 
     def rule(emitter: Emitter, op: Op) -> None:
         source = emitter.type_of(op.args[0]) or emitter.type_of(op.args[1])
-        if width(source) != _WORD and not (signed and emitter.signed(*op.args[:2])):
-            raise KernelError("a three-way comparison of 64-bit integers", loc=op.loc, hint=_HINT)
-        less = Opcode.ICMP_SLT if signed else Opcode.ICMP_ULT
-        left, right = (emitter.value(arg) for arg in op.args[:2])
+        bits = width(source)
+        left, right = (
+            sign_extended(emitter, op, arg, bits) if signed else emitter.value(arg)
+            for arg in op.args[:2]
+        )
+        as_signed = signed
+        if bits > _WORD:
+            if not emitter.signed(*op.args[:2]) and not emitter.unsigned(*op.args[:2]):
+                raise KernelError(
+                    "a three-way comparison of 64-bit integers", loc=op.loc, hint=_HINT
+                )
+            # Zero extensions are ordered as words are; sign extensions keep the unsigned order.
+            as_signed = signed and emitter.signed(*op.args[:2])
+        less = Opcode.ICMP_SLT if as_signed else Opcode.ICMP_ULT
         above = emitter.helper(op, less, right, left, type_=Type.PRED)
         below = emitter.helper(op, less, left, right, type_=Type.PRED)
-        emitter.emit(op, Opcode.SUB, (above, below))
+        emit_masked(emitter, op, Opcode.SUB, above, below)
 
     return rule
 
@@ -326,6 +282,7 @@ RULES: dict[str, Rule] = {
     "udiv": _divide,
     "srem": _divide,
     "urem": _divide,
+    **dict.fromkeys(FLOOR_DIVISIONS, _divide),
 }
 CALLS: dict[str, Rule] = {
     "smin": _extremum(signed=True, largest=False),
@@ -333,9 +290,6 @@ CALLS: dict[str, Rule] = {
     "umin": _extremum(signed=False, largest=False),
     "umax": _extremum(signed=False, largest=True),
     "abs": _abs,
-    "usub.sat": _saturating_subtract,
-    "fshl": _funnel(left=True),
-    "fshr": _funnel(left=False),
     "scmp": _three_way(signed=True),
     "ucmp": _three_way(signed=False),
 }

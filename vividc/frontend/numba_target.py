@@ -1,16 +1,16 @@
 """Unoptimised LLVM IR of a Python function, typed and lowered by a numba target of our own.
 
-The only module that relies on numba's internals. The target is numba's CPU without everything that
-an array has not: code generation, reference counting, Python wrappers, exceptions. A raise becomes
-a call of a function named after it, so that a reachable one can be reported with its line. `range`
-iterates by comparing with its stop value: numba's own trip counter needs a division. An array index
-is taken as a 32-bit word, since any other is outside its array, which numba leaves undefined.
+With `numba_integer` the only module that relies on numba's internals. The target is numba's CPU
+without everything that an array has not: code generation, reference counting, Python wrappers,
+exceptions. A raise becomes a call of a function named after it, so that a reachable one can be
+reported with its line. `range` iterates by comparing with its stop value: numba's own trip counter
+needs a division. An array index is taken as a 32-bit word, since any other is outside its array,
+which numba leaves undefined.
 """
 
 from __future__ import annotations
 
 import functools
-import operator
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,6 +34,8 @@ from numba.core.target_extension import (
     target_registry,
 )
 from numba.np import arrayobj
+
+from vividc.frontend.numba_integer import integer_operator
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
@@ -216,15 +218,13 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         """Numba links its runtime here."""
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
-        """As numba's, except for iteration over a range and for integer powers."""
+        """As numba's, except for iteration over a range and for some integer operators."""
         if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
             return functools.partial(_range_iterator, self, sig)
         if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
             return functools.partial(_range_next, self, sig)
         general = super().get_function(fn, sig, _firstcall)
-        if getattr(fn, "typing_key", None) in _POWERS and isinstance(sig.args[1], types.Integer):
-            return functools.partial(_integer_power, self, sig, general)
-        return general
+        return integer_operator(self, fn, sig, general)
 
 
 _I64 = ir.IntType(64)
@@ -268,37 +268,6 @@ def _range_step(context: _Context, builder: ir.IRBuilder, sig: Any, args: Any, r
     # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
     # iterator.
     builder.store(builder.add(value, step, flags=["nsw"]), field[0])
-
-
-_POWERS = (pow, operator.pow, operator.ipow)
-_POWER_BITS = 4
-
-
-def _integer_power(
-    context: _Context, sig: Any, general: Any, builder: ir.IRBuilder, args: Any
-) -> Any:
-    """Numba's multiplications in numba's order, but as straight code for exponents below 16.
-
-    Numba runs a loop over the exponent's bits and trusts LLVM to unroll it.
-    """
-    base = context.cast(builder, args[0], sig.args[0], sig.return_type)
-    exponent = args[1]
-    is_float = isinstance(sig.return_type, types.Float)
-    multiply = builder.fmul if is_float else builder.mul
-    slot = cgutils.alloca_once(builder, base.type)
-    small = builder.icmp_unsigned("<", exponent, exponent.type(1 << _POWER_BITS))
-    with builder.if_else(small) as (then, otherwise):
-        with then:
-            result = base.type(1)
-            for bit in range(_POWER_BITS):
-                chosen = builder.and_(exponent, exponent.type(1 << bit))
-                is_set = builder.icmp_signed("!=", chosen, exponent.type(0))
-                result = builder.select(is_set, multiply(result, base), result)
-                base = multiply(base, base)
-            builder.store(result, slot)
-        with otherwise:
-            builder.store(general(builder, args), slot)
-    return builder.load(slot)
 
 
 class _Descriptor(TargetDescriptor):  # type: ignore[misc]

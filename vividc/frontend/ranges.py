@@ -90,6 +90,31 @@ class Ranges:
             return None
         return compare(op.pred, self.at(op.args[0], block), self.at(op.args[1], block))
 
+    @property
+    def flow(self) -> Flow:
+        """Dominators and loops of the function."""
+        return self._flow
+
+    def is_nonzero(self, operand: Operand, block: str) -> bool:
+        """Whether `operand` is known not to be 0 while `block` runs."""
+        low, high = self.at(operand, block)
+        if low > 0 or high < 0:
+            return True
+        same = self._unextended(operand)
+        return any(
+            fact.pred == "ne" and fact.other == Int(0) and self._unextended(fact.value) == same
+            for fact in self._facts[block]
+        )
+
+    def _unextended(self, operand: Operand) -> Operand:
+        """What was sign- or zero-extended to the operand."""
+        while isinstance(operand, Local):
+            definition = self._definitions.get(operand.name)
+            if not isinstance(definition, Op) or definition.op not in ("sext", "zext"):
+                break
+            operand = definition.args[0]
+        return operand
+
     def _solve(self) -> None:
         blocks = [self._function.by_name[name] for name in self._flow.order]
         rounds = 0
@@ -133,7 +158,23 @@ class Ranges:
         if op.op == "select":
             return self._select(op, block, depth)
         operands = tuple(self._at(arg, block, depth) for arg in op.args)
-        return evaluate(op, operands)
+        interval = evaluate(op, operands)
+        return intersect(interval, (0, interval[1])) if self._is_distance(op) else interval
+
+    def _is_distance(self, op: Op) -> bool:
+        """Whether `op` is the maximum of two values less their minimum, which is not negative."""
+        if op.op != "sub" or not all(isinstance(arg, Local) for arg in op.args):
+            return False
+        extrema = [self._definitions.get(arg.name) for arg in op.args if isinstance(arg, Local)]
+        if not all(isinstance(item, Op) and item.op == "call" for item in extrema):
+            return False
+        largest, smallest = (item for item in extrema if isinstance(item, Op))
+        pair = (largest.pred.split(".")[1], smallest.pred.split(".")[1])
+        if pair == ("umax", "umin"):
+            signless = all(self._base(arg)[0] >= 0 for arg in largest.args)
+        else:
+            signless = pair == ("smax", "smin")
+        return signless and set(largest.args) == set(smallest.args)
 
     def _select(self, op: Op, block: str, depth: int) -> Interval:
         cond, yes, no = op.args

@@ -78,6 +78,8 @@ def test_an_identity_forwards_the_operand(constant: str, operation: str, expecte
     [
         ("0x00000000", "mul %3, %5", "0x00000000"),
         ("0x00000000", "and %5, %3", "0x00000000"),
+        ("0x00000000", "mulhs %5, %3", "0x00000000"),
+        ("0x00000001", "mulhu %5, %3", "0x00000000"),
         ("0xffffffff", "or %3, %5", "0xffffffff"),
         ("0x7fffffff", "smax %3, %5", "0x7fffffff"),
         ("0x00000005", "xor %3, %3", "0x00000000"),

@@ -1,4 +1,4 @@
-"""A graph of float operations on many words at once, in numpy: for sweeps over all mantissas."""
+"""A graph of operations on many words at once, in numpy: for sweeps over all mantissas."""
 
 from __future__ import annotations
 
@@ -58,9 +58,16 @@ def _signed(a: np.ndarray) -> np.ndarray:
     return a.view(np.int32)
 
 
+def _high(product: np.ndarray) -> np.ndarray:
+    return (product >> product.dtype.type(32)).astype(np.uint32)
+
+
 OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.ADD: lambda a, b: a + b,
     _O.SUB: lambda a, b: a - b,
+    _O.MUL: lambda a, b: a * b,
+    _O.MULHS: lambda a, b: _high(_signed(a).astype(np.int64) * _signed(b)),
+    _O.MULHU: lambda a, b: _high(a.astype(np.uint64) * b),
     _O.AND: lambda a, b: a & b,
     _O.OR: lambda a, b: a | b,
     _O.XOR: lambda a, b: a ^ b,
@@ -69,6 +76,9 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.ASHR: lambda a, b: (_signed(a) >> _signed(b & _SHIFT_MASK)).view(np.uint32),
     _O.SMIN: lambda a, b: np.minimum(_signed(a), _signed(b)).view(np.uint32),
     _O.SMAX: lambda a, b: np.maximum(_signed(a), _signed(b)).view(np.uint32),
+    _O.MOV: lambda a: a,
+    _O.ICMP_NE: lambda a, b: (a != b).astype(np.uint32),
+    _O.ICMP_SLT: lambda a, b: (_signed(a) < _signed(b)).astype(np.uint32),
     _O.ICMP_ULT: lambda a, b: (a < b).astype(np.uint32),
     _O.SELECT: lambda p, a, b: np.where(p != 0, a, b),
     _O.FADD: _of_floats(np.add),
@@ -81,6 +91,7 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.FABS: lambda a: a & np.uint32(0x7FFFFFFF),
     _O.FCMP_OLT: _test_floats(np.less),
     _O.FCMP_ULE: _test_floats(lambda a, b: ~(a > b)),
+    _O.UITOFP: lambda a: a.astype(np.float32).view(np.uint32),
     _O.SITOFP: lambda a: _signed(a).astype(np.float32).view(np.uint32),
     _O.FPTOSI: _to_int,
 }

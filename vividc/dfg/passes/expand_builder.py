@@ -34,6 +34,10 @@ class Builder:
             self._rewrite.set_operand(node_id, PRED, pred)
         return Value(node_id)
 
+    def word(self, value: Value) -> int | None:
+        """The word of a value that is the same constant in every iteration."""
+        return self._rewrite.word(value)
+
     def horner(self, coefficients: Sequence[int], x: Value) -> Value:
         """Polynomial in `x`; coefficients from the highest power (two or more) to the constant."""
         value = self.op(Opcode.FMA, coefficients[0], x, coefficients[1])

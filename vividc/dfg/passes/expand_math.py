@@ -6,8 +6,21 @@ from typing import Final
 
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import PRED, Opcode
+from vividc.dfg.passes.expand_bits import (
+    count_ones,
+    leading_zeros,
+    reverse_bits,
+    swap_bytes,
+    trailing_zeros,
+)
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, Builder, Expansion
 from vividc.dfg.passes.expand_divide import divide
+from vividc.dfg.passes.expand_integer import (
+    signed_quotient,
+    signed_remainder,
+    unsigned_quotient,
+    unsigned_remainder,
+)
 from vividc.dfg.passes.expand_round import ceil, floor
 from vividc.dfg.passes.expand_sqrt import square_root
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
@@ -107,6 +120,15 @@ EXPANSIONS: Final[dict[Opcode, Expansion]] = {
     Opcode.SQRT: square_root,
     Opcode.FLOOR: floor,
     Opcode.CEIL: ceil,
+    Opcode.UDIV: unsigned_quotient,
+    Opcode.UREM: unsigned_remainder,
+    Opcode.SDIV: signed_quotient,
+    Opcode.SREM: signed_remainder,
+    Opcode.CTPOP: count_ones,
+    Opcode.CTLZ: leading_zeros,
+    Opcode.CTTZ: trailing_zeros,
+    Opcode.BSWAP: swap_bytes,
+    Opcode.BITREVERSE: reverse_bits,
 }
 
 

@@ -31,6 +31,8 @@ _NEUTRAL: Final = {
 }
 _ABSORBING: Final = {
     Opcode.MUL: 0,
+    Opcode.MULHS: 0,
+    Opcode.MULHU: 0,
     Opcode.AND: 0,
     Opcode.OR: WORD_MASK,
     Opcode.SMIN: SIGN_BIT,
@@ -161,6 +163,20 @@ def _multiply_by_power_of_two(rewrite: Rewrite, node: Node) -> bool:
     return True
 
 
+def _high_product_by_power_of_two(rewrite: Rewrite, node: Node) -> bool:
+    """The high word of `x << k` is `x >> (32 - k)`; by 1 it is 0, or the sign."""
+    first, second = rewrite.operands(node)
+    word = rewrite.word(second)
+    if word is None or word.bit_count() != 1 or (node.op is Opcode.MULHS and word == SIGN_BIT):
+        return False
+    if word == 1 and node.op is Opcode.MULHU:
+        return rewrite.forward_constant(node.id, 0)
+    amount = Value(rewrite.constant(min(32 - (word.bit_length() - 1), _SHIFT_MASK)))
+    shift = Opcode.ASHR if node.op is Opcode.MULHS else Opcode.LSHR
+    change_operation(rewrite, node, shift, [first, amount])
+    return True
+
+
 def _shift_by_zero(rewrite: Rewrite, node: Node) -> bool:
     first, second = rewrite.operands(node)
     if rewrite.word(first) == 0:
@@ -271,6 +287,7 @@ def _table() -> dict[Opcode, tuple[Identity, ...]]:
     rows(_ASSOCIATIVE, _nested_constant)
     rows((Opcode.SUB,), _subtract_constant)
     rows((Opcode.MUL,), _multiply_by_power_of_two)
+    rows((Opcode.MULHS, Opcode.MULHU), _high_product_by_power_of_two)
     rows((Opcode.SHL, Opcode.LSHR, Opcode.ASHR), _shift_by_zero)
     rows((Opcode.FNEG, Opcode.FABS), _double_sign)
     rows((Opcode.MOV,), _copy)

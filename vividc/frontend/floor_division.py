@@ -1,0 +1,169 @@
+"""Python's integer division in SSA: from numba's calls to operations of their own, and from those
+to LLVM's truncating ones where no word holds the operands.
+
+The operations are `sfloordiv`, `sfloorrem`, `ufloordiv` and `ufloorrem`: of signed or unsigned
+integers, rounded down, and 0 by zero (as numba's under the error model "numpy").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from vividc.frontend.interval import S32, U32, contains
+from vividc.frontend.numba_integer import FLOOR_PREFIX
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.ssa import (
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideBlock,
+    WideFunction,
+    remove_dead,
+    substitute,
+)
+
+FLOOR_DIVISIONS = ("sfloordiv", "sfloorrem", "ufloordiv", "ufloorrem")
+_BITS = 64
+
+
+def recover_divisions(function: WideFunction) -> WideFunction:
+    """Replace numba's calls by operations, by powers of two by shifts and masks, and those of
+    constants by their results.
+    """
+    function = _map_ops(function, lambda op, _: (_recovered(op),))
+    while known := _constants(function):
+        function = _map_ops(substitute(function, known), lambda op, _: (_by_constant(op),))
+    return remove_dead(_map_ops(function, lambda op, _: (_by_constant(op),)))
+
+
+def truncate_divisions(function: WideFunction, ranges: Ranges) -> WideFunction:
+    """Write the divisions whose operands may not fit words as LLVM's, with a correction, and the
+    one quotient of words that is none, 2**31, by its operands' signs; the same object if there are
+    none of either.
+    """
+
+    def rewrite(op: Op, block: str) -> tuple[Op, ...]:
+        if op.op not in FLOOR_DIVISIONS:
+            return (op,)
+        if not all(_fits_word(op, ranges.at(arg, block)) for arg in op.args):
+            return (op,)
+        is_signed = all(contains(S32, ranges.at(arg, block)) for arg in op.args)
+        if is_signed and not contains(S32, ranges.at(Local(op.name), block)):
+            return tuple(_with_sign(op))
+        return (op,)
+
+    return _map_ops(function, rewrite)
+
+
+def _fits_word(op: Op, interval: tuple[int, int]) -> bool:
+    return contains(U32, interval) or (op.op[0] == "s" and contains(S32, interval))
+
+
+def _with_sign(op: Op) -> Iterator[Op]:
+    """The quotient of two negative words is positive even where its word's sign bit is set."""
+    names = ("quotient", "word", "signed", "unsigned", "signs", "positive")
+    quotient, word, signed, unsigned, signs, positive = (_local(op, name) for name in names)
+    yield replace(op, name=quotient.name)
+    yield Op(word.name, "trunc", "i32", (quotient,), source="i64", loc=op.loc)
+    yield Op(signed.name, "sext", "i64", (word,), source="i32", loc=op.loc)
+    yield Op(unsigned.name, "zext", "i64", (word,), source="i32", loc=op.loc)
+    yield Op(signs.name, "and", op.type, op.args, loc=op.loc)
+    yield Op(positive.name, "icmp", op.type, (signs, Int(0)), pred="slt", loc=op.loc)
+    yield replace(op, op="select", args=(positive, unsigned, signed))
+
+
+def _map_ops(function: WideFunction, change: Callable[[Op, str], tuple[Op, ...]]) -> WideFunction:
+    """The function with `change` applied to every instruction; the same object if nothing does."""
+
+    def changed(block: WideBlock) -> WideBlock:
+        ops = tuple(new for op in block.ops for new in change(op, block.name))
+        return block if ops == block.ops else replace(block, ops=ops)
+
+    blocks = tuple(changed(block) for block in function.blocks)
+    same = all(new is old for new, old in zip(blocks, function.blocks, strict=True))
+    return function if same else replace(function, blocks=blocks)
+
+
+def _recovered(op: Op) -> Op:
+    if op.op != "call" or not op.pred.startswith(FLOOR_PREFIX):
+        return op
+    kind = op.pred.removeprefix(FLOOR_PREFIX)
+    return replace(op, op=f"{kind[0]}floor{kind[1:]}", pred="")
+
+
+def _constants(function: WideFunction) -> dict[str, Operand]:
+    """Divisions whose result is a constant or their dividend."""
+    known: dict[str, Operand] = {}
+    for op in (op for block in function.blocks for op in block.ops):
+        value = _result(op) if op.op in FLOOR_DIVISIONS else None
+        if value is not None:
+            known[op.name] = value
+    return known
+
+
+def _result(op: Op) -> Operand | None:
+    dividend, divisor = op.args
+    is_quotient = op.op.endswith("div")
+    if not isinstance(divisor, Int):
+        return None
+    if divisor.value in (0, 1):
+        return dividend if divisor.value and is_quotient else Int(0)
+    if not isinstance(dividend, Int):
+        return None
+    values = (dividend.value, divisor.value)
+    if op.op[0] == "u":
+        values = (values[0] % 2**_BITS, values[1] % 2**_BITS)
+    result = values[0] // values[1] if is_quotient else values[0] % values[1]
+    return Int((result + 2 ** (_BITS - 1)) % 2**_BITS - 2 ** (_BITS - 1))
+
+
+def _by_constant(op: Op) -> Op:
+    """By a power of two, or by a constant without sign."""
+    if op.op not in FLOOR_DIVISIONS or not isinstance(op.args[1], Int) or op.args[1].value <= 0:
+        return op
+    dividend, by = op.args[0], op.args[1].value
+    is_quotient, is_signed = op.op.endswith("div"), op.op[0] == "s"
+    if by & (by - 1) == 0:
+        if not is_quotient:
+            return replace(op, op="and", args=(dividend, Int(by - 1)))
+        return replace(
+            op, op="ashr" if is_signed else "lshr", args=(dividend, Int(by.bit_length() - 1))
+        )
+    return op if is_signed else replace(op, op="udiv" if is_quotient else "urem")
+
+
+def _truncating(op: Op) -> Iterator[Op]:
+    """As numba's own code, with selects for its branches."""
+    dividend, divisor = op.args
+
+    def new(suffix: str, opcode: str, type_: str, *args: Operand, pred: str = "") -> Op:
+        return Op(f"{op.name}.{suffix}", opcode, type_, args, pred=pred, loc=op.loc)
+
+    by: Operand = divisor
+    if not isinstance(divisor, Int):
+        yield new("zero", "icmp", op.type, divisor, Int(0), pred="eq")
+        yield new("by", "select", op.type, _local(op, "zero"), Int(1), divisor)
+        by = _local(op, "by")
+    kind = "div" if op.op.endswith("div") else "rem"
+    yield new("plain", op.op[0] + kind, op.type, dividend, by)
+    result: Operand = _local(op, "plain")
+    if op.op[0] == "s":
+        yield new("left", "srem", op.type, dividend, by)
+        yield new("signs", "xor", op.type, _local(op, "left"), by)
+        yield new("differ", "icmp", op.type, _local(op, "signs"), Int(0), pred="slt")
+        yield new("inexact", "icmp", op.type, _local(op, "left"), Int(0), pred="ne")
+        yield new("below", "and", "i1", _local(op, "differ"), _local(op, "inexact"))
+        step = (Int(-1), Int(0)) if kind == "div" else (by, Int(0))
+        yield new("step", "select", op.type, _local(op, "below"), *step)
+        yield new("floor", "add", op.type, result, _local(op, "step"))
+        result = _local(op, "floor")
+    if isinstance(divisor, Int):
+        yield replace(op, op="add", args=(result, Int(0)))
+    else:
+        yield replace(op, op="select", args=(_local(op, "zero"), Int(0), result))
+
+
+def _local(op: Op, suffix: str) -> Local:
+    return Local(f"{op.name}.{suffix}")
