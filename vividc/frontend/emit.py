@@ -17,6 +17,10 @@ from vividc.frontend.wide_demand import WordFacts, high_words, types_of
 
 # Free in words: the result is the operand (conversions to or from less than a word apart).
 ALIASES = frozenset({"sext", "zext", "trunc", "fpext", "fptrunc", "bitcast", "freeze"})
+WORD_HINT = (
+    "wrap the result in np.int32(...), or bound it with a comparison before; "
+    "a range with a step: range(0, min(n, len(x)), 2)"
+)
 _MASK = 0xFFFFFFFF
 _DEPTH = 4
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from vividc.dfg.cfg import Const, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
-from vividc.frontend.emit import Emitter
+from vividc.frontend.emit import WORD_HINT, Emitter
 from vividc.frontend.floor_division import FLOOR_DIVISIONS
 from vividc.frontend.interval import width
 from vividc.frontend.narrow_divide import divide
@@ -17,10 +17,7 @@ from vividc.frontend.ssa import Int, Op, Operand
 Rule = Callable[[Emitter, Op], None]
 
 _WORD = 32
-_HINT = (
-    "wrap the result in np.int32(...), or bound it with a comparison before; "
-    "a range with a step: range(0, min(n, len(x)), 2)"
-)
+_HINT = WORD_HINT
 _SIGNED: dict[str, tuple[Opcode, bool]] = {
     "eq": (Opcode.ICMP_EQ, False),
     "ne": (Opcode.ICMP_NE, False),
