@@ -13,10 +13,9 @@ from vividc.frontend.ssa import Flow, Int, Local, Op, Operand, WideFunction, Wid
 
 _SMALL_STEP = 16
 _EXTENSIONS = frozenset({"sext", "zext", "trunc", "freeze"})
-_ARITHMETIC = _EXTENSIONS | frozenset(
-    {"add", "sub", "mul", "shl", "lshr", "ashr", "sdiv", "udiv", "srem", "urem", "and", "or"}
-    | {"select", "call"}
-)
+_ARITHMETIC = frozenset({"sext", "zext", "freeze", "add", "sub", "mul", "shl", "select", "call"})
+_SHRINKING = frozenset({"lshr", "ashr", "sdiv", "udiv", "sfloordiv", "ufloordiv"})
+_LARGEST_SHRINK = 16
 
 
 def word_parameters(function: WideFunction) -> frozenset[str]:
@@ -51,7 +50,7 @@ class _Search:
             if phi.name in self._indices or self._is_short(step, starts, limits):
                 yield from (step, *starts, *limits)
 
-    def sources(self, operand: Operand) -> set[str]:
+    def sources(self, operand: Operand, *, indexes: bool = False) -> set[str]:
         """Parameters and phis that an operand is computed from."""
         found: set[str] = set()
         pending, seen = [operand], set[str]()
@@ -62,7 +61,8 @@ class _Search:
             seen.add(current.name)
             definition = self._definitions.get(current.name)
             if isinstance(definition, Op):
-                pending.extend(definition.args if definition.op in _ARITHMETIC else ())
+                kept = _keeps_magnitude(definition) or (indexes and definition.op == "trunc")
+                pending.extend(definition.args if kept else ())
             else:
                 found.add(current.name)
         return found
@@ -73,7 +73,7 @@ class _Search:
             for block in self._function.blocks
             for op in block.ops
             if op.op in ("load", "store")
-            for name in self.sources(op.args[-1])
+            for name in self.sources(op.args[-1], indexes=True)
         }
 
     def _step(self, phi: WidePhi, body: frozenset[str]) -> Operand | None:
@@ -127,3 +127,12 @@ class _Search:
             all(isinstance(end, Int) and contains(S32, (end.value, end.value)) for end in ends)
             for ends in (starts, limits)
         )
+
+
+def _keeps_magnitude(op: Op) -> bool:
+    """Whether a small result means small operands: not so after a mask or a truncation."""
+    if op.op in _SHRINKING:
+        by = op.args[1]
+        limit = 4 if op.op in ("lshr", "ashr") else _LARGEST_SHRINK
+        return isinstance(by, Int) and 0 < by.value <= limit
+    return op.op in _ARITHMETIC
