@@ -23,6 +23,10 @@ def _words(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return rng.integers(0, 1 << 32, shape, dtype=np.uint32)
 
 
+def _signed_words(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return _words(rng, *shape).view(np.int32)
+
+
 def _zeros(*shape: int) -> np.ndarray:
     return np.zeros(shape, np.int32)
 
@@ -287,6 +291,33 @@ BYTES_AND_IMAGES: dict[str, Maker] = {
     "pcm_to_float": lambda r: (_halves(r, 203), np.float32(2**-15), _blank(203)),
 }
 
+WIDE_INTEGERS: dict[str, Maker] = {
+    "fnv1a_64": lambda r: (_words(r, 100),),
+    "splitmix64": lambda _: (0x123456789ABCDEF, np.zeros(100, np.uint32), np.zeros(100, np.uint32)),
+    "xorshift64_star": lambda _: (0x9E3779B97F4A7C15, np.zeros(100, np.uint32)),
+    "pcg32": lambda _: (0x853C49E6748FEA9B, np.zeros(100, np.uint32)),
+    "q31_multiply": lambda r: (_signed_words(r, 100), _signed_words(r, 100), _zeros(100)),
+    "dot64": lambda r: (_signed_words(r, 200), _signed_words(r, 200)),
+    "squares_until": lambda r: (_ints(r, -(10**6), 10**6, 200), 3 * 10**13),
+    "adler32_lazy": lambda r: (_words(r, 200) & np.uint32(255),),
+    "montgomery": lambda r: (
+        _words(r, 100) % np.uint32(998244353),
+        np.uint32(998244353),
+        np.uint32(998244351),
+        np.zeros(100, np.uint32),
+    ),
+    "power_modulo": lambda _: (123456789012, 10**15 + 7),
+    "rolling_hash": lambda r: (_words(r, 60) & np.uint32(127),),
+    "morton64": lambda r: (
+        _words(r, 10),
+        _words(r, 10),
+        np.zeros(10, np.uint32),
+        np.zeros(10, np.uint32),
+    ),
+    "gcd64": lambda _: (2**40 * 3 * 7 * 11, 2**33 * 9 * 49),
+    "integer_root": lambda _: (np.int32(40000),),
+}
+
 NUMBER_THEORY: dict[str, Maker] = {
     "gcd_by_remainder": lambda r: (_ints(r, -999, 999, 30), _ints(r, -999, 999, 30), _zeros(30)),
     "gcd_of_library": lambda r: (_ints(r, -999, 999, 30), _ints(r, -999, 999, 30), _zeros(30)),
@@ -309,6 +340,7 @@ FAMILIES = {
     "image": IMAGE,
     "signals": SIGNALS,
     "integers": INTEGERS,
+    "wide_integers": WIDE_INTEGERS,
     "searching": SEARCHING,
     "graphs": GRAPHS,
     "control": CONTROL,

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import BASE, Opcode
-from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region, is_variable
+from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
 from vividc.mapper.mapping import Mapping as RegionMapping
 from vividc.mapper.problem import ConstantKey, MapProblem
 
@@ -154,5 +154,6 @@ def _variables_read(kernel: Kernel) -> list[str]:
         if node.op is Opcode.LIVE_IN and is_variable(node.name)
     )
     if kernel.returns is not None:
-        names[RETURN_VARIABLE] = None
+        written = {n.name for r in kernel.regions for n in r.dfg.nodes if n.op is Opcode.LIVE_OUT}
+        names.update((name, None) for name in (RETURN_VARIABLE, RETURN_HIGH) if name in written)
     return list(names)

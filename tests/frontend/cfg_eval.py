@@ -27,7 +27,7 @@ def run(function: Function, *args: object, max_blocks: int = 1_000_000) -> objec
         machine.execute(block, previous)
         previous, branch = name, block.branch
         if branch.target is None:
-            return machine.result(function.returns, branch.value)
+            return machine.result(function.returns, branch.value, branch.high)
         taken = branch.cond is None or machine.word(branch.cond)
         name = branch.target if taken else branch.otherwise
     raise AssertionError("the function does not end")
@@ -48,6 +48,8 @@ class _Machine:
                 self.inputs[param.name] = int(np.float32(value).view(np.uint32))
             else:
                 self.inputs[param.name] = int(value) & (1 << 8 * param.dtype.size_bytes) - 1
+                if param.words == 2:
+                    self.inputs[f"{param.name}.high"] = int(value) >> 32 & _MASK
 
     def word(self, value: Value) -> int:
         if isinstance(value, Const):
@@ -76,10 +78,13 @@ class _Machine:
         place[...] = list(words[2].to_bytes(4, "little")[: instr.width])
         return 0
 
-    def result(self, returns: DType | None, value: Value | None) -> object:
+    def result(self, returns: DType | None, value: Value | None, high: Value | None) -> object:
         if returns is None or value is None:
             return None
         word = self.word(value)
+        if high is not None:
+            whole = word | self.word(high) << 32
+            return whole - 2**64 if returns is DType.I64 and whole >> 63 else whole
         if returns is DType.F32:
             return _float(word)
         if returns is DType.BOOL:

@@ -61,11 +61,6 @@ def never_ends(x, n):
         x[0] += 1
 
 
-def compares_a_product(x, n):
-    if n * n > 5:
-        x[0] = 1
-
-
 def recurses(x, n):
     def inner(k):
         return k if k < 2 else inner(k - 1)
@@ -83,7 +78,6 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (unknown_attribute, 1, "frobnicate"),
     (makes_a_list, 0, "NRT"),
     (never_ends, 0, "never ends"),
-    (compares_a_product, 1, "may not fit in 32 bits"),
     (recurses, 0, "cell variable|recursi"),
 ]
 
@@ -110,31 +104,7 @@ def integer_remainder(x, n):
         x[i] = x[i] % (x[i] * n)
 
 
-def compares_wide(x, n):
-    total = 0
-    for i in range(n):
-        total += x[i] * x[i]
-        if total > 10:
-            x[i] = 0
-
-
-def shifts_wide(x, n):
-    for i in range(n):
-        x[i] = (x[i] * x[i]) >> 20
-
-
-def converts_wide(x, n):
-    for i in range(n):
-        x[i] = np.int32(np.float32(x[i] * x[i]))
-
-
-INT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
-    (integer_division, 2, "the dividend may not fit in 32 bits"),
-    (integer_remainder, 2, "may not fit in 32 bits"),
-    (compares_wide, 4, "may not fit in 32 bits"),
-    (shifts_wide, 2, "may not fit in 32 bits"),
-    (converts_wide, 2, "may not fit in 32 bits"),
-]
+INT_KERNELS: list[tuple[Callable[..., object], int, str]] = []
 
 
 @pytest.mark.parametrize(("function", "offset", "reason"), INT_KERNELS, ids=lambda v: str(v)[:30])
@@ -146,18 +116,6 @@ def test_what_words_cannot_hold_is_refused(
         kernel.lower()
     assert caught.value.hint
     assert caught.value.loc == SourceLoc(__file__, function.__code__.co_firstlineno + offset)
-
-
-def test_an_integer_result_must_fit_in_a_word() -> None:
-    def total(x):
-        result = 0
-        for value in x:
-            result += value * 65536
-        return result
-
-    with pytest.raises(KernelError, match="the returned integer may not fit") as caught:
-        KernelFunction(total, "int64(int32[::1])", None).lower()
-    assert "np.int32" in str(caught.value.hint)
 
 
 def test_a_float64_result_is_refused() -> None:

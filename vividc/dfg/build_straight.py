@@ -7,7 +7,7 @@ from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
 from vividc.dfg.opcodes import MEMORY, Opcode
-from vividc.dfg.regions import RETURN_VARIABLE
+from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 
 
 def variable(ident: int) -> str:
@@ -48,6 +48,8 @@ def build_straight(
         _write(builder, variable(ident), value(item))
     if branch.target is None and branch.value is not None:
         _write(builder, RETURN_VARIABLE, value(branch.value))
+        if branch.high is not None:
+            _write(builder, RETURN_HIGH, value(branch.high))
     return builder.build()
 
 

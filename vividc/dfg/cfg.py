@@ -12,10 +12,15 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from vividc.dfg.opcodes import Opcode, Type
+from vividc.dfg.words import SIGN_BIT, WORD_MASK
 from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
 """No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+
+
+HIGH_SUFFIX = ".high"
+"""Ends the key of the high word of a 64-bit parameter."""
 
 
 class DType(Enum):
@@ -29,6 +34,7 @@ class DType(Enum):
     I8 = "int8"
     U8 = "uint8"
     I64 = "int64"
+    U64 = "uint64"
     BOOL = "bool"
 
     @property
@@ -45,18 +51,25 @@ class DType(Enum):
 _SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2}
 
 
+WIDE_DTYPES = frozenset({DType.I64, DType.U64})
+"""Scalars of two words, if their values need them."""
+
+
 @dataclass(frozen=True, slots=True)
 class Param:
     """One parameter of the kernel's function. `ndim` 0: a scalar.
 
     `flat`: an array of any number of dimensions, whose elements the kernel counts in C order (as C
     does, which knows no shapes).
+    `words` 2: a scalar of 64 bits, of which the host supplies both words; else its value must fit
+    one (the launch checks it).
     """
 
     name: str
     dtype: DType
     ndim: int = 0
     flat: bool = False
+    words: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +90,9 @@ class Const:
 class Input:
     """A word the host supplies at launch.
 
-    `key` is "n" for scalar parameter n, "&x" for the byte address of array x in the scratchpad, and
-    "x.shape0", "x.shape1", ... for its dimensions.
+    `key` is "n" for scalar parameter n (and "n.high" for the high word of one of 64 bits), "&x" for
+    the byte address of array x in the scratchpad, and "x.shape0", "x.shape1", ... for its
+    dimensions.
     """
 
     key: str
@@ -123,13 +137,22 @@ class Phi:
 
 @dataclass(frozen=True, slots=True)
 class Branch:
-    """The block's terminator. `cond` None: jump to `target`. No target: return (`value` if any)."""
+    """The block's terminator. `cond` None: jump to `target`. No target: return (`value` if any, and
+    `high`, its high word, if one word may not hold it).
+    """
 
     target: str | None = None
     cond: Value | None = None
     otherwise: str | None = None
     value: Value | None = None
     loc: SourceLoc | None = field(default=None, compare=False)
+    high: Value | None = None
+
+    @property
+    def read(self) -> tuple[Value, ...]:
+        """The words that the terminator reads."""
+        words = (self.cond, self.value, self.high)
+        return tuple(word for word in words if word is not None)
 
     @property
     def successors(self) -> tuple[str, ...]:
@@ -162,3 +185,18 @@ class Function:
     returns: DType | None = None
     file: str = ""
     sequential: frozenset[str] = frozenset()
+
+
+def joined(returns: DType | None, low: int, high: int | None) -> int:
+    """A returned integer modulo 2**64 if its type has 64 bits; any other word as it is.
+
+    Parameters
+    ----------
+    high
+        None: the word `low` is the value, signed or unsigned as the type is.
+    """
+    if returns not in WIDE_DTYPES:
+        return low
+    if high is None:
+        high = WORD_MASK if returns is DType.I64 and low & SIGN_BIT else 0
+    return low | high << 32

@@ -127,8 +127,8 @@ def _order(block: Block, home: dict[int, str], dominating: frozenset[str]) -> It
                 place = f"{instr.op.value} {instr.id} in {block.name}"
                 yield f"{place} reads {value} before its definition"
         later.discard(instr.id)
-    for read in (block.branch.cond, block.branch.value):
-        if read is not None and not _available(read, home, dominating):
+    for read in block.branch.read:
+        if not _available(read, home, dominating):
             yield f"the branch of {block.name} reads {read}, which is not defined there"
 
 
@@ -143,7 +143,7 @@ def _available(value: Value, home: dict[int, str], dominating: frozenset[str]) -
 def _read(block: Block) -> Iterator[Value]:
     yield from (value for phi in block.phis for value in _values(phi))
     yield from (value for instr in block.instrs for value in instr.operands)
-    yield from (value for value in (block.branch.cond, block.branch.value) if value is not None)
+    yield from block.branch.read
 
 
 def _values(phi: Phi) -> tuple[Value, ...]:

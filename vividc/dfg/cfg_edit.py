@@ -84,6 +84,7 @@ def map_values(block: Block, change: Callable[[Value], Value]) -> Block:
             branch,
             cond=None if branch.cond is None else change(branch.cond),
             value=None if branch.value is None else change(branch.value),
+            high=None if branch.high is None else change(branch.high),
         ),
     )
 
@@ -103,10 +104,7 @@ def uses(block: Block) -> Iterator[Value]:
     """Operands of a block's instructions and branch (not of its phis)."""
     for instr in block.instrs:
         yield from instr.operands
-    if block.branch.cond is not None:
-        yield block.branch.cond
-    if block.branch.value is not None:
-        yield block.branch.value
+    yield from block.branch.read
 
 
 def incoming(phi: Phi, source: str) -> Value:

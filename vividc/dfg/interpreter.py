@@ -14,9 +14,10 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from vividc.dfg.cfg import DType, joined
 from vividc.dfg.flatten import Executable, compile_dfg
 from vividc.dfg.ir import DFG, Control
-from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region, is_variable
+from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
 from vividc.dfg.words import WORD_MASK, signed
 from vividc.errors import ArgumentError, DFGError, SimulationError, SourceLoc
 
@@ -163,7 +164,7 @@ def interpret(
         if left < 0:
             raise _limit_reached(region.name, region.loc)
         index = region.branch if run.branch else region.next
-    return _result_of(env, executables, iterations, runs)
+    return _result_of(kernel.returns, env, executables, iterations, runs)
 
 
 def words_of(memory: bytearray | npt.NDArray[np.uint32]) -> memoryview[int]:
@@ -221,15 +222,18 @@ def _settle_misses(misses: list[SimulationError], *, exited: bool) -> None:
 
 
 def _result_of(
+    returns: DType | None,
     env: Mapping[str, int],
     executables: Sequence[Executable],
     iterations: Sequence[int],
     runs: Sequence[int],
 ) -> InterpreterResult:
     counts = zip(iterations, executables, strict=True)
+    low = env.get(RETURN_VARIABLE)
+    value = None if low is None else joined(returns, low, env.get(RETURN_HIGH))
     return InterpreterResult(
         variables={name: word for name, word in env.items() if is_variable(name)},
-        value=env.get(RETURN_VARIABLE),
+        value=value,
         iterations=tuple(iterations),
         runs=tuple(runs),
         operations=sum(count * executable.operations for count, executable in counts),

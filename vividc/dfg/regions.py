@@ -7,11 +7,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from vividc.dfg.cfg import DType, Param
+from vividc.dfg.cfg import HIGH_SUFFIX, DType, Param
 from vividc.dfg.ir import DFG
 from vividc.errors import SourceLoc
 
 RETURN_VARIABLE = "%return"
+RETURN_HIGH = RETURN_VARIABLE + HIGH_SUFFIX
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,10 @@ class Kernel:
 
     A `live_in` node names an input the host supplies (see `cfg.Input.key`) or a variable. Variables
     start with "%", are written by `live_out` nodes of that name and keep their word until written
-    again. A returned scalar is the variable `RETURN_VARIABLE` when the program ends. Within a
-    region, every read of a variable sees the word from before the region (a straight region's
-    writes take effect after its reads; a loop never reads a variable that it writes).
+    again. A returned scalar is the variable `RETURN_VARIABLE` when the program ends, and an integer
+    of 64 bits that one word may not hold has its high word in `RETURN_HIGH`. Within a region, every
+    read of a variable sees the word from before the region (a straight region's writes take effect
+    after its reads; a loop never reads a variable that it writes).
     """
 
     name: str

@@ -6,16 +6,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from vividc.dfg.cfg import Const, Input, Instr, Ref, Value
+from vividc.dfg.cfg import HIGH_SUFFIX, Const, Input, Instr, Ref, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import InternalError, KernelError, SourceLoc
 from vividc.frontend.demand import demanded_bits
 from vividc.frontend.interval import S32, U32, Interval, contains
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Float, Int, Local, Op, Operand, WideFunction, type_of
+from vividc.frontend.wide_demand import WordFacts, high_words, types_of
 
 # Free in words: the result is the operand (conversions to or from less than a word apart).
 ALIASES = frozenset({"sext", "zext", "trunc", "fpext", "fptrunc", "bitcast", "freeze"})
+WORD_HINT = (
+    "wrap the result in np.int32(...), or bound it with a comparison before; "
+    "a range with a step: range(0, min(n, len(x)), 2)"
+)
 _MASK = 0xFFFFFFFF
 _DEPTH = 4
 
@@ -38,17 +43,22 @@ def constant(operand: Int | Float) -> Const:
 class Emitter:
     """Instructions of the current block."""
 
-    def __init__(self, function: WideFunction, ranges: Ranges, ids: dict[str, int]) -> None:
+    def __init__(
+        self, function: WideFunction, ranges: Ranges, ids: dict[str, int], *, returned: bool
+    ) -> None:
         self.function = function
         self.ids = ids
         self.instrs: list[Instr] = []
         self.demoted: list[SourceLoc | None] = []
         self.saturated: list[SourceLoc | None] = []
-        self.wide_phis: dict[str, tuple[int, Op]] = {}  # high word of a phi, and who asked for it
         self._ranges = ranges
         self._demand = demanded_bits(function)
+        self._types = types_of(function)
         self._block = ""
         self._next = len(ids)
+        found = high_words(function, ranges, self._demand, returned=returned)
+        # In the function's order, so that two runs give the same numbers.
+        self.high_ids = {name: self.fresh() for name in self._types if name in found}
 
     def start(self, block: str) -> None:
         """Begin a block."""
@@ -92,9 +102,33 @@ class Emitter:
             return constant(operand)
         raise InternalError(f"a global is used as a value: {operand.name}")
 
+    def known_high(self, operand: Operand) -> Value | None:
+        """The high word of a 64-bit integer; None if that is the sign of its word."""
+        if isinstance(operand, Int):
+            return Const(operand.value >> 32 & _MASK)
+        if self.unsigned(operand):
+            return Const(0)
+        assert isinstance(operand, Local)
+        if operand.name in self.high_ids:
+            if operand.name in self.function.definitions:
+                return Ref(self.high_ids[operand.name])
+            return Input(operand.name + HIGH_SUFFIX)
+        if not self.signed(operand):
+            raise InternalError(f"nothing gives the high word of {operand.name}")
+        return None
+
+    @property
+    def facts(self) -> WordFacts:
+        """What is known of words in the current block."""
+        return WordFacts(self._ranges, self._demand, self._types, self._block)
+
     def range(self, operand: Operand) -> Interval:
         """Values of an integer operand here."""
         return self._ranges.at(operand, self._block)
+
+    def range_at(self, operand: Operand, block: str) -> Interval:
+        """Values of an integer operand in a block."""
+        return self._ranges.at(operand, block)
 
     def demand(self, op: Op) -> int:
         """Low bits of `op`'s result that anything reads."""

@@ -39,16 +39,15 @@ def recover_divisions(function: WideFunction) -> WideFunction:
 
 
 def truncate_divisions(function: WideFunction, ranges: Ranges) -> WideFunction:
-    """Write the divisions whose operands may not fit words as LLVM's, with a correction, and the
-    one quotient of words that is none, 2**31, by its operands' signs; the same object if there are
-    none of either.
+    """Write the one quotient of words that is none, 2**31, by its operands' signs; the same object
+    if there is none.
     """
 
     def rewrite(op: Op, block: str) -> tuple[Op, ...]:
         if op.op not in FLOOR_DIVISIONS:
             return (op,)
         if not all(_fits_word(op, ranges.at(arg, block)) for arg in op.args):
-            return tuple(_truncating(op))
+            return (op,)
         is_signed = all(contains(S32, ranges.at(arg, block)) for arg in op.args)
         if is_signed and not contains(S32, ranges.at(Local(op.name), block)):
             return tuple(_with_sign(op))
@@ -132,37 +131,6 @@ def _by_constant(op: Op) -> Op:
             op, op="ashr" if is_signed else "lshr", args=(dividend, Int(by.bit_length() - 1))
         )
     return op if is_signed else replace(op, op="udiv" if is_quotient else "urem")
-
-
-def _truncating(op: Op) -> Iterator[Op]:
-    """As numba's own code, with selects for its branches."""
-    dividend, divisor = op.args
-
-    def new(suffix: str, opcode: str, type_: str, *args: Operand, pred: str = "") -> Op:
-        return Op(f"{op.name}.{suffix}", opcode, type_, args, pred=pred, loc=op.loc)
-
-    by: Operand = divisor
-    if not isinstance(divisor, Int):
-        yield new("zero", "icmp", op.type, divisor, Int(0), pred="eq")
-        yield new("by", "select", op.type, _local(op, "zero"), Int(1), divisor)
-        by = _local(op, "by")
-    kind = "div" if op.op.endswith("div") else "rem"
-    yield new("plain", op.op[0] + kind, op.type, dividend, by)
-    result: Operand = _local(op, "plain")
-    if op.op[0] == "s":
-        yield new("left", "srem", op.type, dividend, by)
-        yield new("signs", "xor", op.type, _local(op, "left"), by)
-        yield new("differ", "icmp", op.type, _local(op, "signs"), Int(0), pred="slt")
-        yield new("inexact", "icmp", op.type, _local(op, "left"), Int(0), pred="ne")
-        yield new("below", "and", "i1", _local(op, "differ"), _local(op, "inexact"))
-        step = (Int(-1), Int(0)) if kind == "div" else (by, Int(0))
-        yield new("step", "select", op.type, _local(op, "below"), *step)
-        yield new("floor", "add", op.type, result, _local(op, "step"))
-        result = _local(op, "floor")
-    if isinstance(divisor, Int):
-        yield replace(op, op="add", args=(result, Int(0)))
-    else:
-        yield replace(op, op="select", args=(_local(op, "zero"), Int(0), result))
 
 
 def _local(op: Op, suffix: str) -> Local:

@@ -28,11 +28,11 @@ _DTYPES = {
     types.uint8: DType.U8,
     types.boolean: DType.BOOL,
 }
-_SCALARS = _DTYPES | {types.int64: DType.I64}
+_SCALARS = _DTYPES | {types.int64: DType.I64, types.uint64: DType.U64}
 _MAX_NDIM = 3
 _SUPPORTED = (
     "scalars and arrays are float32, int32, uint32, int16, uint16, int8, uint8 or bool, scalars "
-    "also int64; arrays in C order, as in float32[::1] or uint8[:, ::1]"
+    "also int64 and uint64; arrays in C order, as in float32[::1] or uint8[:, ::1]"
 )
 
 

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 
 from llvmlite import binding
 
-from vividc.dfg.cfg import MAX_DIMENSION, DType, Param
+from vividc.dfg.cfg import MAX_DIMENSION, WIDE_DTYPES, DType, Param
 from vividc.errors import SourceLoc
 from vividc.frontend.numba_target import DATA_LAYOUT, NumbaModule
 
@@ -29,6 +29,7 @@ _SCALAR = {
     DType.I8: "i8",
     DType.U8: "i8",
     DType.I64: "i64",
+    DType.U64: "i64",
     DType.BOOL: "i8",
 }
 # Returned types that no kernel can have are read all the same: the error then names the line.
@@ -171,9 +172,10 @@ def _scalar_argument(
 ) -> None:
     kind = _SCALAR[param.dtype]
     name = f'%"{param.name}"'
-    if param.dtype is DType.I64:
+    if param.dtype in WIDE_DTYPES and param.words == 1:
         inputs.append(f"i32 {name}")
-        body.append(f'%".{param.name}" = sext i32 {name} to i64')
+        extend = "sext" if param.dtype is DType.I64 else "zext"
+        body.append(f'%".{param.name}" = {extend} i32 {name} to i64')
         name = f'%".{param.name}"'
     elif param.dtype is DType.BOOL:
         inputs.append(f"i1 {name}")

@@ -8,13 +8,15 @@ import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 from numba.core.errors import NumbaError
 
-from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
+from vividc.dfg.cfg import MAX_DIMENSION, WIDE_DTYPES, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.counting import word_parameters
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, truncate_divisions
 from vividc.frontend.hoist import hoist_invariants
@@ -86,11 +88,26 @@ def lower(
     if module.return_type not in _RETURNS:
         hint = "return one float32, bool or integer, or store results into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
-    wide = read_function(optimised_ir(module, params, loc), ENTRY, loc.file)
-    returns = _RETURNS[module.return_type]
     with located(loc):
-        wide = prepared(wide)
-    return lower_words(wide, name, params, returns, loc, strict_fp=strict_fp)
+        wide, params = _read(module, params, loc)
+    return lower_words(wide, name, params, _RETURNS[module.return_type], loc, strict_fp=strict_fp)
+
+
+def _read(
+    module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc
+) -> tuple[WideFunction, tuple[Param, ...]]:
+    """The kernel without pointers, and its parameters with the words each needs."""
+
+    def read() -> WideFunction:
+        return prepared(read_function(optimised_ir(module, params, loc), ENTRY, loc.file))
+
+    params = tuple(replace(p, words=2) if p.dtype in WIDE_DTYPES else p for p in params)
+    wide = read()
+    if all(p.words == 1 for p in params):
+        return wide, params
+    words = word_parameters(_simplified(wide, params))
+    params = tuple(replace(p, words=1) if p.name in words else p for p in params)
+    return (read() if words else wide), params
 
 
 @contextmanager
@@ -158,12 +175,17 @@ def prepared(wide: WideFunction) -> WideFunction:
 def _narrowed(
     wide: WideFunction, name: str, params: tuple[Param, ...], returns: DType | None, file: str
 ) -> Narrowed:
+    wide = _simplified(wide, params)
+    return narrow(wide, Ranges(wide, _bounds(params)), name, params, returns, file)
+
+
+def _simplified(wide: WideFunction, params: tuple[Param, ...]) -> WideFunction:
+    """Without small integers in memory, and without what the ranges of values decide."""
     wide = load_flags(wide, _flag_arrays(params))
     wide = store_low_bits(extend_loads(wide))
     bounds = _bounds(params)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    wide = truncate_divisions(wide, Ranges(wide, bounds))
-    return narrow(wide, Ranges(wide, bounds), name, params, returns, file)
+    return truncate_divisions(wide, Ranges(wide, bounds))
 
 
 def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:
@@ -171,9 +193,7 @@ def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
-    """Shapes: an array must fit in the scratchpad. Integer parameters are words (checked at
-    launch).
-    """
+    """Shapes: an array must fit in the scratchpad (checked at launch)."""
     bounds = {}
     for param in params:
         for axis in range(param.ndim):

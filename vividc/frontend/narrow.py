@@ -2,8 +2,8 @@
 
 Integers: a value is represented by its low word. Sums, products, left shifts and logic need no more
 of their operands, so they stay exact; comparisons, right shifts, divisions and conversions need the
-whole value, and it is proved by ranges that the word determines it (sign-extended or
-zero-extended), or the kernel is refused.
+whole value. Where ranges prove that the word determines it (sign-extended or zero-extended), that
+is all; else its high word is computed, too (`wide_demand`, `wide_rules`).
 
 Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A
 conversion of a float to a 64-bit integer is taken to fit in 32 bits, and saturates: its lines are
@@ -15,15 +15,29 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import Block, Branch, DType, Function, Input, Instr, Param, Phi, Value
+from vividc.dfg.cfg import (
+    WIDE_DTYPES,
+    Block,
+    Branch,
+    DType,
+    Function,
+    Input,
+    Instr,
+    Param,
+    Phi,
+    Value,
+)
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_bits, narrow_float, narrow_int
 from vividc.frontend.emit import ALIASES, Emitter, result_type
-from vividc.frontend.narrow_wide import high_phis
+from vividc.frontend.interval import S32, U32, contains
 from vividc.frontend.numba_target import RAISE_PREFIX
 from vividc.frontend.ranges import Ranges
-from vividc.frontend.ssa import Local, Op, Operand, WideBlock, WideFunction
+from vividc.frontend.ssa import Exit, Op, Operand, WideBlock, WideFunction
+from vividc.frontend.wide_phis import high_phis
+from vividc.frontend.wide_rules import saturates_wide, translate_wide
+from vividc.frontend.wide_words import Words
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +62,9 @@ def narrow(
     Raises
     ------
     KernelError
-        A construct that the array cannot run, or a value that cannot be proved to fit in 32 bits.
+        A construct that the array cannot run, or an integer that has no rule in two words.
     """
-    narrower = _Narrower(function, ranges)
+    narrower = _Narrower(function, ranges, returns)
     blocks = tuple(narrower.block(block, returns) for block in function.blocks)
     result = Function(name, params, narrower.with_high_words(blocks), returns, file)
     emitter = narrower.emitter
@@ -62,11 +76,11 @@ def narrow(
 class _Narrower:
     """Translates block by block. Results are numbered beforehand: a phi may name a later one."""
 
-    def __init__(self, function: WideFunction, ranges: Ranges) -> None:
+    def __init__(self, function: WideFunction, ranges: Ranges, returns: DType | None) -> None:
         self._function = function
         self._names = {block.name: f"b{index}" for index, block in enumerate(function.blocks)}
         ids = {name: index for index, name in enumerate(_results(function))}
-        self.emitter = Emitter(function, ranges, ids)
+        self.emitter = Emitter(function, ranges, ids, returned=returns in WIDE_DTYPES)
 
     def block(self, block: WideBlock, returns: DType | None) -> Block:
         """One block."""
@@ -82,7 +96,8 @@ class _Narrower:
             for phi in block.phis
         )
         for op in block.ops:
-            _translate(emitter, op)
+            if not translate_wide(emitter, op):
+                _translate(emitter, op)
         branch = self._branch(block, returns)
         return Block(self._names[block.name], phis, tuple(emitter.instrs), branch)
 
@@ -103,25 +118,32 @@ class _Narrower:
             raise KernelError("the kernel can reach code that has no meaning", loc=leave.loc)
         targets = [self._names[target] for target in leave.targets]
         if not targets:
-            return Branch(value=self._returned(leave.value, returns, leave.loc), loc=leave.loc)
+            return self._return(leave, returns)
         if leave.cond is None:
             return Branch(targets[0], loc=leave.loc)
         return Branch(targets[0], self.emitter.value(leave.cond), targets[1], loc=leave.loc)
 
-    def _returned(
-        self, value: Operand | None, returns: DType | None, loc: SourceLoc | None
-    ) -> Value | None:
-        if value is None or returns is None:
-            return None
-        definition = (
-            self._function.definitions.get(value.name) if isinstance(value, Local) else None
+    def _return(self, leave: Exit, returns: DType | None) -> Branch:
+        if leave.value is None or returns is None:
+            return Branch(loc=leave.loc)
+        low = self.emitter.value(leave.value)
+        high: Value | None = None
+        if returns in WIDE_DTYPES and not self._returns_words(returns):
+            high = self._high(leave)
+        return Branch(value=low, high=high, loc=leave.loc)
+
+    def _returns_words(self, returns: DType) -> bool:
+        """Whether every returned value is its word, read as the type says."""
+        fits = S32 if returns is DType.I64 else U32
+        return all(
+            contains(fits, self.emitter.range_at(block.exit.value, block.name))
+            for block in self._function.blocks
+            if block.exit.value is not None
         )
-        where = loc or (definition.loc if definition is not None else None)
-        if returns is DType.I64:
-            self.emitter.require_signed(
-                value, where, "the returned integer", "return np.int32(...)"
-            )
-        return self.emitter.value(value)
+
+    def _high(self, leave: Exit) -> Value:
+        assert leave.value is not None
+        return Words(self.emitter, Op("", "ret", "i64", (), loc=leave.loc)).high(leave.value)
 
 
 def _results(function: WideFunction) -> list[str]:
@@ -180,7 +202,7 @@ def refuse_calls(function: WideFunction) -> None:
     """Refuse a kernel that can raise, or that calls what the array cannot run."""
     for block in function.blocks:
         for op in block.ops:
-            if op.op == "call" and _call_rule(op) is None:
+            if op.op == "call" and _call_rule(op) is None and not saturates_wide(op):
                 raise _refused(op)
 
 

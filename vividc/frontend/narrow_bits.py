@@ -9,10 +9,9 @@ from collections.abc import Callable
 from vividc.dfg.cfg import Const, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
-from vividc.frontend.emit import Emitter
+from vividc.frontend.emit import WORD_HINT, Emitter
 from vividc.frontend.interval import width
 from vividc.frontend.narrow_small import emit_masked, sign_extended
-from vividc.frontend.narrow_wide import WORD_HINT
 from vividc.frontend.ssa import Int, Op
 
 Rule = Callable[[Emitter, Op], None]

@@ -7,18 +7,11 @@ from collections.abc import Callable
 from vividc.dfg.cfg import Const, Value
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
-from vividc.frontend.emit import Emitter
+from vividc.frontend.emit import WORD_HINT, Emitter
 from vividc.frontend.floor_division import FLOOR_DIVISIONS
 from vividc.frontend.interval import width
 from vividc.frontend.narrow_divide import divide
 from vividc.frontend.narrow_small import emit_masked, sign_extended
-from vividc.frontend.narrow_wide import (
-    WORD_HINT,
-    abs_wide,
-    compare_wide,
-    extremum_wide,
-    shift_right_wide,
-)
 from vividc.frontend.ssa import Int, Op, Operand
 
 Rule = Callable[[Emitter, Op], None]
@@ -99,8 +92,6 @@ def _whole(emitter: Emitter, op: Op, *operands: Operand, what: str) -> bool:
 def _compare(emitter: Emitter, op: Op) -> None:
     pred = op.pred
     if not _small(op):
-        if not _fits_words(emitter, op) and compare_wide(emitter, op):
-            return
         pred = _word_predicate(emitter, op)
     opcode, swap = _SIGNED[pred]
     left, right = _extended(emitter, op, op.args, is_signed=op.pred[0] == "s")
@@ -114,11 +105,6 @@ def _extended(
     if not is_signed:
         return tuple(emitter.value(operand) for operand in operands)
     return tuple(sign_extended(emitter, op, operand, width(op.type)) for operand in operands)
-
-
-def _fits_words(emitter: Emitter, op: Op) -> bool:
-    """Whether the operands' words, all read as signed or all as unsigned, are their values."""
-    return width(op.type) == _WORD or emitter.signed(*op.args) or emitter.unsigned(*op.args)
 
 
 def _word_predicate(emitter: Emitter, op: Op) -> str:
@@ -161,9 +147,6 @@ def _shift_right(emitter: Emitter, op: Op) -> None:
     if isinstance(amount, Int) and emitter.demand(op) + amount.value <= _WORD:
         # What comes in from above the word is not looked at.
         emitter.emit(op, Opcode.LSHR, (word, Const(amount.value)))
-        return
-    in_a_word = emitter.signed(value) or emitter.unsigned(value)
-    if not in_a_word and shift_right_wide(emitter, op):
         return
     if not _whole(emitter, op, value, what="the shifted integer"):
         _emit_shift(emitter, op, Opcode.LSHR, word, amount, outside=Const(0))
@@ -232,10 +215,6 @@ def _extremum(signed: bool, largest: bool) -> Rule:
             return
         left, right = (emitter.value(arg) for arg in op.args[:2])
         as_signed = signed
-        if not _fits_words(emitter, op) and extremum_wide(
-            emitter, op, is_signed=signed, largest=largest
-        ):
-            return
         if width(op.type) > _WORD:
             whole = _whole(emitter, op, *op.args[:2], what="the compared integer")
             as_signed = signed and whole
@@ -251,8 +230,6 @@ def _extremum(signed: bool, largest: bool) -> Rule:
 def _abs(emitter: Emitter, op: Op) -> None:
     value = op.args[0]
     if width(op.type) > _WORD and not emitter.signed(value):
-        if abs_wide(emitter, op):
-            return
         emitter.require_signed(value, op.loc, "the operand of abs", _HINT)
     word = sign_extended(emitter, op, value, width(op.type))
     negated = emitter.helper(op, Opcode.SUB, Const(0), word)

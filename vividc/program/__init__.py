@@ -1,6 +1,6 @@
 """Configuration words, region table, memory layout: one versioned bundle."""
 
-from vividc.dfg.cfg import MAX_DIMENSION, DType, Param
+from vividc.dfg.cfg import HIGH_SUFFIX, MAX_DIMENSION, DType, Param, joined
 from vividc.program.decode import decode, unpack
 from vividc.program.disasm import disassemble
 from vividc.program.encode import encode
@@ -22,6 +22,7 @@ from vividc.program.tables import (
 from vividc.program.words import pack
 
 __all__ = [
+    "HIGH_SUFFIX",
     "MAX_DIMENSION",
     "WORD_BYTES",
     "BoundReport",
@@ -49,6 +50,7 @@ __all__ = [
     "decode",
     "disassemble",
     "encode",
+    "joined",
     "load",
     "pack",
     "place_arrays",

@@ -65,6 +65,7 @@ class Manifest:
     table: tuple[RegionRow, ...]
     launch: tuple[LaunchRow, ...]
     return_home: Home | None
+    return_high: Home | None
     banks: dict[str, int]
     debug: tuple[DebugRow, ...]
     regions: tuple[RegionReport, ...]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import Opcode
-from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region, is_variable
+from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
 from vividc.errors import InternalError
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
@@ -81,18 +81,35 @@ def allocate(kernel: Kernel, fabric: Fabric, mappings: ReadOnly[int, Mapping]) -
 def return_home(
     kernel: Kernel, mappings: ReadOnly[int, Mapping], stores: ConstantStores
 ) -> Home | None:
-    """Entry of the returned scalar at the end: on the lowest PE that every writer writes."""
+    """Entry of the returned scalar at the end (of its low word, if it has two)."""
     if kernel.returns is None:
         return None
+    home = _home(RETURN_VARIABLE, kernel, mappings, stores)
+    if home is None:
+        raise InternalError(f"the regions of {kernel.name} return a value on no common PE")
+    return home
+
+
+def return_high(
+    kernel: Kernel, mappings: ReadOnly[int, Mapping], stores: ConstantStores
+) -> Home | None:
+    """Entry of the returned integer's high word, None if it has one word only."""
+    return _home(RETURN_HIGH, kernel, mappings, stores)
+
+
+def _home(
+    name: str, kernel: Kernel, mappings: ReadOnly[int, Mapping], stores: ConstantStores
+) -> Home | None:
+    """Entry of a variable on the lowest PE that every writer writes."""
     common: set[int] | None = None
     for index, region in enumerate(kernel.regions):
-        written = _writes(region, mappings[index]).get(RETURN_VARIABLE)
+        written = _writes(region, mappings[index]).get(name)
         if written is not None:
             common = set(written) if common is None else common & set(written)
     if not common:
-        raise InternalError(f"the regions of {kernel.name} return a value on no common PE")
+        return None
     pe = min(common)
-    return Home(pe, stores.entries[pe].index(("live_in", RETURN_VARIABLE)))
+    return Home(pe, stores.entries[pe].index(("live_in", name)))
 
 
 def _check_variables(kernel: Kernel, mappings: ReadOnly[int, Mapping]) -> None:

@@ -32,6 +32,8 @@ def _lines(program: Program) -> Iterator[str]:
         yield f"image: PE {pe} c{entry} = 0x{program.images[pe, entry]:08x}"
     if program.return_home is not None:
         yield f"return: PE {program.return_home.pe} c{program.return_home.entry}"
+    if program.return_high is not None:
+        yield f"return, high word: PE {program.return_high.pe} c{program.return_high.entry}"
     for index, region in enumerate(program.table):
         yield ""
         yield _header(index, program.regions[index].name, region)

@@ -17,7 +17,7 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, KernelError
 from vividc.mapper.mapping import Mapping, MapResult
 from vividc.program.banks import choose_banks
-from vividc.program.constants import allocate, return_home
+from vividc.program.constants import allocate, return_high, return_home
 from vividc.program.layout import WordLayout, word_layout
 from vividc.program.lower import LoweredRegion, lower_region
 from vividc.program.program import Program
@@ -88,6 +88,7 @@ def encode(
         images_set=images_set,
         launch=stores.launch(),
         return_home=return_home(kernel, mappings, stores),
+        return_high=return_high(kernel, mappings, stores),
         banks=choose_banks(kernel, fabric, mappings),
         debug=tuple(row for region in lowered for row in region.debug),
         regions=_reports(kernel, fabric, table, reports or {}),

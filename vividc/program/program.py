@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
-from vividc.dfg.cfg import DType, Param
+from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, Param
 from vividc.errors import BundleError, VividcError, demand_type
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
@@ -40,8 +40,8 @@ class Program:
         entries of the largest store].
     launch
         Constant-store entries the host writes at launch.
-    return_home
-        Entry that holds the returned scalar at the end.
+    return_home, return_high
+        Entries that hold the returned scalar at the end, and the high word of one of two words.
     banks
         Bank in which each array should start, so that the hot loops' accesses meet in no bank.
     debug
@@ -60,6 +60,7 @@ class Program:
     images_set: NDArray[np.bool_]
     launch: tuple[LaunchRow, ...]
     return_home: Home | None
+    return_high: Home | None
     banks: ReadOnly[str, int]
     debug: tuple[DebugRow, ...]
     regions: tuple[RegionReport, ...]
@@ -145,6 +146,7 @@ def _manifest(program: Program) -> Manifest:
         table=program.table,
         launch=program.launch,
         return_home=program.return_home,
+        return_high=program.return_high,
         banks=dict(program.banks),
         debug=program.debug,
         regions=program.regions,
@@ -189,6 +191,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         images_set=reader.array("images_set", np.dtype(np.bool_), images),
         launch=manifest.launch,
         return_home=manifest.return_home,
+        return_high=manifest.return_high,
         banks=manifest.banks,
         debug=manifest.debug,
         regions=manifest.regions,
@@ -212,6 +215,8 @@ def _faults(program: Program) -> Iterator[str]:
         yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
     if (program.returns is None) is not (program.return_home is None):
         yield "its return type and its return value disagree"
+    if program.return_high is not None and program.returns not in WIDE_DTYPES:
+        yield "its return value has more words than its return type"
     if len(program.entries) != contexts:
         yield "its configuration memory is incomplete"
 
@@ -219,8 +224,9 @@ def _faults(program: Program) -> Iterator[str]:
 def _store_faults(program: Program) -> Iterator[str]:
     """What is wrong with the entries of constant stores and the layout of arrays."""
     homes = [(item.pe, item.entry) for item in program.launch]
-    if program.return_home is not None:
-        homes.append((program.return_home.pe, program.return_home.entry))
+    for home in (program.return_home, program.return_high):
+        if home is not None:
+            homes.append((home.pe, home.entry))
     for pe, entry in homes:
         if not 0 <= pe < len(program.fabric.pes) or not (
             0 <= entry < program.fabric.pes[pe].constants
@@ -235,6 +241,7 @@ def _store_faults(program: Program) -> Iterator[str]:
 
 def _input_keys(params: tuple[Param, ...]) -> set[str]:
     keys = {param.name for param in params if not param.ndim}
+    keys |= {param.name + HIGH_SUFFIX for param in params if param.words > 1}
     for param in params:
         if param.ndim:
             keys |= {f"&{param.name}", *(f"{param.name}.shape{k}" for k in range(param.ndim))}

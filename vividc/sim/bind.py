@@ -13,7 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.program import MAX_DIMENSION, WORD_BYTES, DType, Param, Program, place_arrays
+from vividc.program import (
+    HIGH_SUFFIX,
+    MAX_DIMENSION,
+    WORD_BYTES,
+    DType,
+    Param,
+    Program,
+    place_arrays,
+)
 
 Array = NDArray[np.generic]
 
@@ -24,9 +32,12 @@ _INT_RANGE: Final = {
     DType.U16: (0, (1 << 16) - 1),
     DType.I8: (-(1 << 7), (1 << 7) - 1),
     DType.U8: (0, (1 << 8) - 1),
-    DType.I64: (-(1 << 31), (1 << 31) - 1),
+    DType.I64: (-(1 << 63), (1 << 63) - 1),
+    DType.U64: (0, (1 << 64) - 1),
     DType.BOOL: (0, 1),
 }
+_ONE_WORD: Final = {DType.I64: DType.I32, DType.U64: DType.U32}
+_WORD_MASK: Final = 0xFFFFFFFF
 _FLOAT: Final = Struct("@f")
 _WORD: Final = Struct("@I")
 
@@ -87,7 +98,10 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
             if not param.flat:
                 inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
         else:
-            inputs[param.name] = _scalar(param, values[param.name])
+            word = _scalar(param, values[param.name])
+            inputs[param.name] = word & _WORD_MASK
+            if param.words > 1:
+                inputs[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
     _refuse_overlap(arrays)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
@@ -100,16 +114,16 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
 
 
 def returned(dtype: DType, word: int) -> int | float | bool:
-    """A word as the Python scalar that numba would return."""
+    """A word (for integers of 64 bits: both) as the Python scalar that numba would return."""
     if dtype is DType.F32:
         value: float = _FLOAT.unpack(_WORD.pack(word))[0]
         return value
     if dtype is DType.BOOL:
         return word != 0
     # Of what is less than a word only the low bits count.
-    sign = 1 << 8 * dtype.size_bytes - 1
-    value = word & 2 * sign - 1
-    return value - ((value & sign) << 1) if dtype.is_signed else value
+    bits = 64 if dtype in _ONE_WORD else 8 * dtype.size_bytes
+    value = word & (1 << bits) - 1
+    return value - ((value >> bits - 1) << bits) if dtype.is_signed else value
 
 
 def _by_name(
@@ -194,7 +208,7 @@ def _bytes(name: str, array: Array) -> NDArray[np.uint8]:
     if flat.dtype.itemsize <= WORD_BYTES:
         return flat.view(np.uint8)
     if flat.size:
-        low, high = _INT_RANGE[DType.I64]
+        low, high = _INT_RANGE[DType.I32]
         if int(flat.min()) < low or int(flat.max()) > high:
             raise ArgumentError(
                 "an element does not fit the machine's 32 bits", loc=f"argument {name}"
@@ -220,15 +234,17 @@ def _scalar(param: Param, value: object) -> int:
             loc=where,
             hint="convert it with int(...)" if isinstance(value, float) else None,
         )
-    low, high = _INT_RANGE[param.dtype]
+    counts = param.words == 1 and param.dtype in _ONE_WORD
+    low, high = _INT_RANGE[_ONE_WORD[param.dtype] if counts else param.dtype]
     if not low <= value <= high:
-        kind = "32 bits" if param.dtype is DType.I64 else param.dtype.value
+        kind = "32 bits" if counts else param.dtype.value
+        hint = "it counts the iterations of a loop or indexes an array: both are words"
         raise ArgumentError(
             f"{value} does not fit {kind} ({low} .. {high})",
             loc=where,
-            hint="the machine's words have 32 bits" if kind == "32 bits" else None,
+            hint=hint if counts else None,
         )
-    return value & (1 << 8 * param.dtype.size_bytes) - 1
+    return value     return value & (1 << 8 * param.dtype.size_bytes) - 1 if param.dtype.size_bytes < 4 else value (1 << 8 * param.dtype.size_bytes) - 1 if param.words == 1 else value
 
 
 def _float_word(value: object, where: str) -> int:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from vividc.errors import SimulationError
-from vividc.program import Program, RegionRow
+from vividc.program import Home, Program, RegionRow, joined
 from vividc.sim.engine import Activity, Launch, RegionRun, Run
 from vividc.sim.predecode import RegionCode, State, StateMap, predecode
 from vividc.sim.region_run import RegionState, Tile
@@ -80,9 +80,14 @@ class ReferenceEngine:
         return state
 
     def _returned(self, state: State) -> int | None:
-        home = self._program.return_home
-        if home is None:
+        program = self._program
+        if program.return_home is None:
             return None
+        low = self._word(state, program.return_home)
+        high = program.return_high
+        return joined(program.returns, low, None if high is None else self._word(state, high))
+
+    def _word(self, state: State, home: Home) -> int:
         word = state[self._cells.constant(home.pe, home.entry)]
         if word is None:
             raise SimulationError(

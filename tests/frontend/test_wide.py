@@ -1,0 +1,149 @@
+"""64-bit integers in two words: against numba bit for bit, and in one word wherever that does."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+from tests.frontend import wide_kernels
+from tests.frontend.cfg_eval import run
+from vividc.dfg.cfg import DType, Function
+from vividc.dfg.opcodes import Opcode
+from vividc.frontend import KernelFunction, kernel
+
+KERNELS = [item for item in vars(wide_kernels).values() if isinstance(item, KernelFunction)]
+BY_NAME = {item.name: item for item in KERNELS}
+BITS = {DType.I32: 32, DType.U32: 32, DType.I64: 64, DType.U64: 64, DType.BOOL: 1}
+UNSIGNED = {DType.U32, DType.U64, DType.BOOL}
+BOUNDS = {
+    ("root", 0): (-10, 2**31 - 1),
+    ("gcd_by_subtraction", 0): (2**40, 2**40 + 2**36),
+    ("gcd_by_subtraction", 1): (2**38, 2**39),
+    ("shifts", 1): (0, 63),
+    ("unsigned_shifts", 1): (0, 63),
+    ("splitmix_word", 1): (0, 4),
+    ("crosses", 1): (0, 20),
+    # Numba leaves an overflow of 64 signed bits undefined.
+    ("extremes", 0): (-(2**60), 2**60),
+    ("extremes", 1): (-(2**60), 2**60),
+}
+TRIALS = 60
+
+
+def scalar(rng: random.Random, dtype: DType) -> int:
+    """Any value of a type, those next to powers of two more often than others."""
+    bits = BITS[dtype]
+    word = rng.getrandbits(rng.randint(1, bits))
+    if rng.random() < 0.4:
+        word = (1 << rng.randint(0, bits)) + rng.randint(-2, 2)
+    word = -word if rng.random() < 0.4 else word
+    word %= 1 << bits
+    return word if dtype in UNSIGNED or not word >> bits - 1 else word - (1 << bits)
+
+
+def argument(rng: random.Random, tested: KernelFunction, position: int) -> object:
+    param = tested.params[position]
+    if param.ndim:
+        values = [scalar(rng, param.dtype) for _ in range(7)]
+        return np.array(values, param.dtype.value)
+    if (tested.name, position) in BOUNDS:
+        return rng.randint(*BOUNDS[tested.name, position])
+    if tested.name == "crosses" and rng.random() < 0.7:
+        return rng.choice([2**31, 2**32, -(2**31)]) - rng.randint(0, 40)
+    return scalar(rng, param.dtype)
+
+
+@pytest.mark.parametrize("tested", KERNELS, ids=lambda k: k.name)
+def test_kernels_compute_what_numba_computes(tested: KernelFunction) -> None:
+    function = tested.lower()
+    rng = random.Random(7)
+    for _ in range(TRIALS):
+        args = [argument(rng, tested, position) for position in range(len(tested.params))]
+        if tested.name.startswith("divides") and args[-1] == 0:
+            continue
+        expected = tested(*args)
+        actual = run(function, *args, max_blocks=200_000)
+        assert actual == expected, f"{tested.name}{tuple(args)}"
+
+
+def operations(function: Function) -> int:
+    return sum(len(block.instrs) for block in function.blocks)
+
+
+@kernel("void(int32[::1], int32[::1])")
+def low_bits_only(x, y):
+    for i in range(len(x)):
+        y[i] = (x[i] * x[i] + (x[i] << 7)) * 3 ^ x[i]
+
+
+@kernel("void(int32[::1], int64)")
+def counts_to_a_parameter(x, n):
+    for i in range(n):
+        x[i & 3] = i
+
+
+@kernel("int32(int32[::1], int64, int64)")
+def sums_a_slice(x, first, last):
+    total = np.int32(0)
+    for i in range(first, last):
+        total += x[i]
+    return total
+
+
+@kernel("int64(int64, int64)")
+def sums_far_numbers(first, last):
+    total = 0
+    for i in range(first, last):
+        total ^= i
+    return total
+
+
+@kernel("int64(int32[::1])")
+def counts_matches(x):
+    found = 0
+    for value in x:
+        if value == 7:
+            found += 1
+    return found
+
+
+def test_high_words_are_computed_only_where_something_reads_them() -> None:
+    function = low_bits_only.lower()
+    high = {Opcode.MULHS, Opcode.MULHU}
+    assert not [i for block in function.blocks for i in block.instrs if i.op in high]
+    assert operations(function) <= 8
+
+
+def test_a_result_that_fits_is_one_word() -> None:
+    ends = [block.branch for block in counts_matches.lower().blocks if not block.branch.successors]
+    assert [branch.high for branch in ends] == [None] * len(ends)
+
+
+@pytest.mark.parametrize(
+    ("tested", "words"),
+    [
+        (counts_to_a_parameter, [1, 1]),
+        (sums_a_slice, [1, 1, 1]),
+        (sums_far_numbers, [2, 2]),
+        (BY_NAME["shifts"], [2, 2]),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_parameters_that_count_or_index_are_words(tested: KernelFunction, words: list[int]) -> None:
+    assert [param.words for param in tested.lower().params] == words
+
+
+def test_a_loop_over_far_numbers() -> None:
+    first = 2**40 - 3
+    function = sums_far_numbers.lower()
+    assert run(function, first, first + 9) == sums_far_numbers(first, first + 9)
+    assert run(function, 5, -5) == 0
+
+
+def test_divisions_by_constants_take_no_estimate() -> None:
+    """Only a variable divisor needs a reciprocal at run time."""
+    for name in ("divides_by_constants", "modular_product"):
+        ops = [i.op for block in BY_NAME[name].lower().blocks for i in block.instrs]
+        assert Opcode.UITOFP not in ops
