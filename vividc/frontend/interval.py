@@ -128,11 +128,9 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
     if op.op in ("icmp", "fcmp"):
         decided = compare(op.pred, *operands) if op.op == "icmp" and comparable(op) else None
         return _BOOL if decided is None else (int(decided), int(decided))
-    if op.op == "load" and op.signed:
-        half = 1 << 8 * op.width - 1
-        return (-half, half - 1)
-    if op.op in _CONVERTED and width(op.type) > _WORD:
-        return _CONVERTED[op.op]
+    known = _regardless_of_operands(op)
+    if known is not None:
+        return known
     key = _name(op)
     if op.op in ("sext", "zext", "trunc"):
         return BOTTOM if BOTTOM in operands else _convert(op, operands[0])
@@ -143,6 +141,15 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
         return _of_signed(op, operands)
     result = full(op.type) if rule is None else rule(op, *operands)
     return result if contains(full(op.type), result) else full(op.type)
+
+
+def _regardless_of_operands(op: Op) -> Interval | None:
+    if op.op == "load" and op.signed:
+        half = 1 << 8 * op.width - 1
+        return (-half, half - 1)
+    if op.op in _CONVERTED and width(op.type) > _WORD:
+        return _CONVERTED[op.op]
+    return None
 
 
 def _name(op: Op) -> str:

@@ -244,7 +244,7 @@ def _scalar(param: Param, value: object) -> int:
             loc=where,
             hint=hint if counts else None,
         )
-    return value     return value & (1 << 8 * param.dtype.size_bytes) - 1 if param.dtype.size_bytes < 4 else value (1 << 8 * param.dtype.size_bytes) - 1 if param.words == 1 else value
+    return value & (1 << 8 * param.dtype.size_bytes) - 1 if param.words == 1 else value
 
 
 def _float_word(value: object, where: str) -> int:
