@@ -11,9 +11,6 @@ import pytest
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import KernelFunction
 
-TABLE = np.arange(4, dtype=np.float32)
-
-
 def float_remainder(x, n):
     for i in range(n):
         x[i] = math.fmod(x[0], x[i])
@@ -22,11 +19,6 @@ def float_remainder(x, n):
 def arc_tangent(x, n):
     for i in range(n):
         x[i] = math.atan(x[i])
-
-
-def global_array(x, n):
-    for i in range(n):
-        x[i] = TABLE[i]
 
 
 def prints(x, n):
@@ -76,7 +68,6 @@ def recurses(x, n):
 FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (float_remainder, 2, "a float remainder|fmod"),
     (arc_tangent, 2, "atan"),
-    (global_array, 2, "a global array"),
     (prints, 2, "the Python runtime"),
     (raises, 2, "can raise ValueError: negative"),
     (catches, 0, "`try`"),

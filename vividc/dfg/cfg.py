@@ -38,6 +38,20 @@ class Param:
 
 
 @dataclass(frozen=True, slots=True)
+class LocalArray:
+    """An array of the kernel's own in the scratchpad: `words` words.
+
+    `contents`: the words of a constant table, which is there before the kernel starts and is never
+    written. None: an array the kernel allocates; what it holds at first is undefined. Its address
+    is the input "&" + `name`.
+    """
+
+    name: str
+    words: int
+    contents: tuple[int, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Ref:
     """The result of the instruction with this id."""
 
@@ -128,7 +142,7 @@ class Function:
     """A kernel in SSA form; the first block is the entry. Loops are in while or do-while form.
 
     `sequential` names the headers of innermost loops that are not to be modulo-scheduled: they run
-    block by block, like the loops around them.
+    block by block, like the loops around them. `locals` are the kernel's own arrays.
     """
 
     name: str
@@ -137,3 +151,4 @@ class Function:
     returns: DType | None = None
     file: str = ""
     sequential: frozenset[str] = frozenset()
+    locals: tuple[LocalArray, ...] = ()

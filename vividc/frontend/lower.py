@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from numba.core.errors import NumbaError
@@ -18,6 +19,7 @@ from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
 from vividc.frontend.llvm_text import read_function
+from vividc.frontend.local_arrays import bounds_of_loads, hold_arrays, with_locals
 from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
 from vividc.frontend.numba_target import NumbaModule, numba_module
@@ -101,14 +103,17 @@ def _narrowed(
     text: str, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
 ) -> Narrowed:
     wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
+    holding = hold_arrays(wide, text)
+    wide = remove_dead(holding.function)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
-    wide = straighten_single_trips(recover_extensions(resolve_memory(wide)))
-    bounds = _bounds(params)
+    wide = straighten_single_trips(recover_extensions(resolve_memory(wide, holding.arrays)))
+    bounds = _bounds(params) | bounds_of_loads(wide, holding.arrays)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    return narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+    narrowed = narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
+    return replace(narrowed, function=with_locals(narrowed.function, holding.arrays))
 
 
 def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.local_arrays import Held, as_words, in_words
 from vividc.frontend.ssa import (
     Global,
     Int,
@@ -39,22 +40,23 @@ class _Address:
     offset: int = 0
 
 
-def resolve_memory(function: WideFunction) -> WideFunction:
-    """Give every load and store its array, and drop all pointers.
+def resolve_memory(function: WideFunction, own: dict[str, Held] | None = None) -> WideFunction:
+    """Give every load and store its array, and drop all pointers; `own`: the kernel's own arrays.
 
     Raises
     ------
     KernelError
         A pointer does not come from an array parameter.
     """
-    return _Resolver(remove_dead(split_merged_loads(function))).run()
+    return _Resolver(remove_dead(split_merged_loads(function)), own or {}).run()
 
 
 class _Resolver:
     """One function's pointers, resolved on demand."""
 
-    def __init__(self, function: WideFunction) -> None:
+    def __init__(self, function: WideFunction, own: dict[str, Held]) -> None:
         self._function = function
+        self._own = own
         self._definitions = function.definitions
         self._arrays: dict[str, str] = {}
         self._stores = 0
@@ -107,9 +109,9 @@ class _Resolver:
 
     def _rewrite(self, op: Op) -> Iterator[Op]:
         if op.op == "load":
-            yield from self._access(op, op.args[0], ())
+            yield from self._access(op, op.args[0])
         elif op.op == "store":
-            yield from self._access(op, op.args[1], (op.args[0],))
+            yield from self._access(op, op.args[1])
         elif op.op == "getelementptr":
             yield from self._gep_bytes(op)
         elif op.op == "select" and op.type == "ptr":
@@ -124,8 +126,20 @@ class _Resolver:
         else:
             yield op
 
-    def _access(self, op: Op, pointer: Operand, value: tuple[Operand, ...]) -> Iterator[Op]:
+    def _access(self, op: Op, pointer: Operand) -> Iterator[Op]:
         address = self._address(pointer, op.loc)
+        held = self._own.get(address.array)
+        if held is None:
+            yield from self._word_access(op, address)
+            return
+        terms, offset = in_words(address.terms, address.offset, held, op.loc)
+        self._stores += 1
+        before, access, after = as_words(op, held, self._stores)
+        yield from before
+        yield from self._word_access(access, _Address(address.array, terms, offset))
+        yield from after
+
+    def _word_access(self, op: Op, address: _Address) -> Iterator[Op]:
         if op.type not in ("float", "i32"):
             raise KernelError(
                 f"an array access of type {op.type}",
@@ -142,7 +156,7 @@ class _Resolver:
             computed, index = _sum(name + ".index", address.terms, unit, op.loc)
             yield from computed
         yield replace(
-            op, args=(*value, index), array=address.array, shift=shift, offset=address.offset
+            op, args=(*op.args[:-1], index), array=address.array, shift=shift, offset=address.offset
         )
 
     def _gep_bytes(self, op: Op) -> Iterator[Op]:

@@ -35,6 +35,8 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj
 
+from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick
+
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
 # Pointers of 32 bits: LLVM then truncates address arithmetic to the machine's words by itself.
@@ -194,6 +196,8 @@ class _TypingContext(typing.Context):  # type: ignore[misc]
 
 class _Context(cpu.CPUContext):  # type: ignore[misc]
     enable_boundscheck = False
+    # Without it numba types no function that returns an array, such as np.empty.
+    enable_nrt = True
 
     def init(self) -> None:
         self.is32bit = False
@@ -205,6 +209,11 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         rtsys.initialize(cpu_target.target_context)
         super().load_additional_registries()
 
+    @functools.cached_property
+    def nrt(self) -> NoRuntime:
+        """Nothing is counted; what needs the heap is an error."""
+        return NoRuntime(self, False)
+
     @property
     def call_conv(self) -> _CallConv:
         return _CallConv(self)
@@ -215,16 +224,27 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
     def post_lowering(self, mod: Any, library: Any) -> None:
         """Numba links its runtime here."""
 
+    def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
+        """Constant arrays are typed globals; numba's are bytes."""
+        return constant_array(self, builder, typ, ary)
+
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for iteration over a range and for integer powers."""
         if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
             return functools.partial(_range_iterator, self, sig)
         if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
             return functools.partial(_range_next, self, sig)
+        operation = getattr(fn, "typing_key", None)
+        if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
+            return functools.partial(_picked, self, sig)
         general = super().get_function(fn, sig, _firstcall)
-        if getattr(fn, "typing_key", None) in _POWERS and isinstance(sig.args[1], types.Integer):
+        if operation in _POWERS and isinstance(sig.args[1], types.Integer):
             return functools.partial(_integer_power, self, sig, general)
         return general
+
+
+def _picked(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    return pick(context, builder, sig, args)
 
 
 _I64 = ir.IntType(64)
@@ -422,7 +442,7 @@ def numba_module(
     with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
-        with _indices_are_words():
+        with _indices_are_words(), arrays_are_ours():
             result = _compile(py_func, args, return_type)
     return NumbaModule(
         texts=result.library.all_texts(),

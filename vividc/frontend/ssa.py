@@ -46,9 +46,10 @@ class Float:
 
 @dataclass(frozen=True, slots=True)
 class Global:
-    """A global variable or function."""
+    """A global variable or function, or the place `offset` bytes into it."""
 
     name: str
+    offset: int = 0
 
 
 Operand = Local | Int | Float | Global

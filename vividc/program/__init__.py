@@ -1,6 +1,6 @@
 """Configuration words, region table, memory layout: one versioned bundle."""
 
-from vividc.dfg.cfg import MAX_DIMENSION, DType, Param
+from vividc.dfg.cfg import MAX_DIMENSION, DType, LocalArray, Param
 from vividc.program.decode import decode, unpack
 from vividc.program.disasm import disassemble
 from vividc.program.encode import encode
@@ -32,6 +32,7 @@ __all__ = [
     "Home",
     "Issue",
     "LaunchRow",
+    "LocalArray",
     "Operand",
     "Option",
     "Param",

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.program import MAX_DIMENSION, DType, Param, Program, place_arrays
+from vividc.program import MAX_DIMENSION, DType, LocalArray, Param, Program, place_arrays
 
 Array = NDArray[np.generic]
 
@@ -39,20 +39,25 @@ class Bound:
     inputs
         Word of each launch key.
     arrays, addresses
-        The caller's arrays and their byte addresses, by parameter name.
+        The caller's arrays by parameter name; byte addresses of these and of the kernel's own.
+    locals
+        The kernel's own arrays.
     """
 
     memory: NDArray[np.uint32]
     inputs: Mapping[str, int]
     arrays: Mapping[str, Array]
     addresses: Mapping[str, int]
+    locals: tuple[LocalArray, ...] = ()
 
     @property
     def extents(self) -> dict[str, tuple[int, int]]:
         """First byte and end of each array in the scratchpad."""
+        sizes = {name: array.size for name, array in self.arrays.items()}
+        sizes |= {local.name: local.words for local in self.locals}
         return {
-            name: (self.addresses[name], self.addresses[name] + 4 * array.size)
-            for name, array in self.arrays.items()
+            name: (self.addresses[name], self.addresses[name] + 4 * words)
+            for name, words in sizes.items()
         }
 
     def copy_back(self, memory: NDArray[np.uint32], stored: frozenset[str]) -> None:
@@ -85,13 +90,25 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
             inputs[param.name] = _scalar(param, values[param.name])
     _refuse_overlap(arrays)
     sizes = [(name, array.size) for name, array in arrays.items()]
+    sizes += [(local.name, local.words) for local in program.locals]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
         start = addresses[name] // 4
         memory[start : start + array.size] = _words(name, array)
         inputs[f"&{name}"] = addresses[name]
-    return Bound(memory, inputs, arrays, addresses)
+    for local in program.locals:
+        _place_local(local, addresses[local.name], memory, inputs)
+    return Bound(memory, inputs, arrays, addresses, program.locals)
+
+
+def _place_local(
+    local: LocalArray, address: int, memory: NDArray[np.uint32], inputs: dict[str, int]
+) -> None:
+    inputs[f"&{local.name}"] = address
+    if local.contents:
+        start = address // 4
+        memory[start : start + len(local.contents)] = local.contents
 
 
 def returned(dtype: DType, word: int) -> int | float | bool:
