@@ -11,6 +11,7 @@ import pytest
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import KernelFunction
 
+
 def float_remainder(x, n):
     for i in range(n):
         x[i] = math.fmod(x[0], x[i])

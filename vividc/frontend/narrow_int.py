@@ -9,6 +9,7 @@ from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import width
+from vividc.frontend.lang import MULHS, MULHU
 from vividc.frontend.narrow_wide import (
     WORD_HINT,
     abs_wide,
@@ -329,6 +330,13 @@ def _three_way(signed: bool) -> Rule:
     return rule
 
 
+def _high_product(opcode: Opcode) -> Rule:
+    def rule(emitter: Emitter, op: Op) -> None:
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+
+    return rule
+
+
 RULES: dict[str, Rule] = {
     "add": _ring(Opcode.ADD),
     "sub": _ring(Opcode.SUB),
@@ -358,4 +366,6 @@ CALLS: dict[str, Rule] = {
     "fshr": _funnel(left=False),
     "scmp": _three_way(signed=True),
     "ucmp": _three_way(signed=False),
+    MULHS: _high_product(Opcode.MULHS),
+    MULHU: _high_product(Opcode.MULHU),
 }

@@ -43,6 +43,21 @@ RAISE_PREFIX = "vividc.raise "
 DATA_LAYOUT = "e-p:32:32-i64:64-n32"
 
 
+class Callee:
+    """What a kernel must be that another one calls.
+
+    Attributes
+    ----------
+    py_func
+        The Python function.
+    numba_signature
+        Its numba signature, or the tuple of its argument types: a call casts to them.
+    """
+
+    py_func: Callable[..., Any]
+    numba_signature: Any
+
+
 @dataclass(frozen=True, slots=True)
 class NumbaModule:
     """What numba made of a function.
@@ -188,9 +203,12 @@ class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
 
 class _TypingContext(typing.Context):  # type: ignore[misc]
     def resolve_value_type(self, val: Any) -> Any:
-        """A jitted helper becomes a function of this target, typed anew."""
-        if isinstance(val, Dispatcher) and not isinstance(val, _Dispatcher):
-            val = _own_dispatcher(val)
+        """A jitted helper or another kernel becomes a function of this target, typed anew."""
+        if isinstance(val, Callee):
+            val = _own_dispatcher(val, val.py_func, (val.numba_signature,))
+        elif isinstance(val, Dispatcher) and not isinstance(val, _Dispatcher):
+            fixed = () if val._can_compile else tuple(val.nopython_signatures)
+            val = _own_dispatcher(val, val.py_func, fixed, val.locals)
         return super().resolve_value_type(val)
 
 
@@ -367,11 +385,22 @@ class _EntryPoint:
     """Stands for the address of a function that is never loaded."""
 
 
-def _own_dispatcher(host: Dispatcher) -> _Dispatcher:
+def _own_dispatcher(
+    host: Any, py_func: Callable[..., Any], signatures: tuple[Any, ...], locals_: Any = None
+) -> _Dispatcher:
+    """The dispatcher of our target for what the host calls `host`, limited to `signatures`."""
     own: _Dispatcher | None = getattr(host, "_vividc_dispatcher", None)
     if own is None:
-        own = _Dispatcher(host.py_func, host.locals)
+        own = _Dispatcher(py_func, locals_ or {})
         host._vividc_dispatcher = own
+        try:
+            for signature in signatures:
+                own.compile(signature)
+        except errors.NumbaError:
+            del host._vividc_dispatcher
+            raise
+        if signatures:
+            own.disable_compile()
     return own
 
 

@@ -1,0 +1,159 @@
+"""Operations of the array that Python has no words for (`vividc.lang`).
+
+Each is a plain Python function on words, so a kernel that uses it also runs without numba. Numba
+compiles it to one instruction for the host, and our target to one operation of the array.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import intrinsic, overload
+
+MULHS = "vividc.mulhs"
+MULHU = "vividc.mulhu"
+
+_TARGET = "vividc"
+_WORD = ir.IntType(32)
+_I64 = ir.IntType(64)
+_INTEGERS = (types.Integer, types.Boolean)
+
+
+def fma(a: float, b: float, c: float) -> np.float32:
+    """a * b + c of float32 values, rounded once.
+
+    Parameters
+    ----------
+    a, b, c
+        Numbers; each is taken as float32.
+    """
+    x, y, z = (np.float32(value) for value in (a, b, c))
+    if not all(np.isfinite(value) for value in (x, y, z)):
+        with np.errstate(all="ignore"):
+            return np.float32(x * y + z)
+    exact = Fraction(float(x)) * Fraction(float(y)) + Fraction(float(z))
+    if exact == 0:
+        return np.float32(np.float64(x) * np.float64(y) + np.float64(z))
+    return _nearest(exact)
+
+
+def _nearest(exact: Fraction) -> np.float32:
+    """The float32 nearest to a number other than 0, ties to even."""
+    _, exponent = np.frexp(float(exact)) if abs(exact) > Fraction(2) ** -1000 else (0, -200)
+    unit = Fraction(2) ** max(int(exponent) - 24, -149)
+    with np.errstate(over="ignore"):
+        # At most 25 bits and a power of two: exact in float64.
+        return np.float32(float(round(exact / unit) * unit))
+
+
+def mulhi(a: int, b: int) -> np.int32:
+    """High word of the 64-bit product of two int32 values."""
+    return np.int32((_signed(a) * _signed(b)) >> 32)
+
+
+def mulhi_u(a: int, b: int) -> np.uint32:
+    """High word of the 64-bit product of two uint32 values."""
+    return np.uint32((_unsigned(a) * _unsigned(b)) >> 32)
+
+
+def bitcast_f32(bits: int) -> np.float32:
+    """The float32 that has the bits of a word."""
+    (value,) = struct.unpack("<f", struct.pack("<I", _unsigned(bits)))
+    return np.float32(value)
+
+
+def bitcast_i32(value: float) -> np.int32:
+    """The bits of a float32 as a word."""
+    (bits,) = struct.unpack("<i", struct.pack("<f", np.float32(value)))
+    return np.int32(bits)
+
+
+def _unsigned(value: int) -> int:
+    return int(value) & 0xFFFFFFFF
+
+
+def _signed(value: int) -> int:
+    return _unsigned(value) - ((_unsigned(value) & 0x80000000) << 1)
+
+
+def _floats(context: Any, builder: ir.IRBuilder, signature: Any, args: Any) -> list[Any]:
+    pairs = zip(args, signature.args, strict=True)
+    return [context.cast(builder, value, type_, types.float32) for value, type_ in pairs]
+
+
+def _words(context: Any, builder: ir.IRBuilder, signature: Any, args: Any) -> list[Any]:
+    """The low words of integers."""
+    words = []
+    for value, type_ in zip(args, signature.args, strict=True):
+        wide = context.cast(builder, value, type_, types.int64)
+        words.append(builder.trunc(wide, _WORD))
+    return words
+
+
+def _call(builder: ir.IRBuilder, symbol: str, type_: Any, args: list[Any]) -> Any:
+    signature = ir.FunctionType(type_, [arg.type for arg in args])
+    callee = cgutils.get_or_insert_function(builder.module, signature, symbol)
+    callee.attributes.add("nounwind")
+    callee.attributes.add("readnone")
+    return builder.call(callee, args)
+
+
+def _emit_fma(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    return builder.fma(*_floats(context, builder, signature, args))
+
+
+def _emit_mulhi(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    words = _words(context, builder, signature, args)
+    signed = signature.return_type == types.int32
+    if context.codegen().magic_tuple() == (_TARGET,):
+        return _call(builder, MULHS if signed else MULHU, _WORD, words)
+    widen = builder.sext if signed else builder.zext
+    product = builder.mul(widen(words[0], _I64), widen(words[1], _I64))
+    return builder.trunc(builder.lshr(product, _I64(32)), _WORD)
+
+
+def _emit_to_float(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    return builder.bitcast(_words(context, builder, signature, args)[0], ir.FloatType())
+
+
+def _emit_to_word(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    return builder.bitcast(_floats(context, builder, signature, args)[0], _WORD)
+
+
+def _define(
+    function: Callable[..., Any], emit: Callable[..., Any], result: Any, accepted: Any
+) -> None:
+    """Teach numba one function of this module."""
+
+    def typed(_: Any, args: tuple[Any, ...]) -> Any:
+        return result(*args), emit
+
+    one = intrinsic(lambda typingctx, a: typed(typingctx, (a,)))
+    two = intrinsic(lambda typingctx, a, b: typed(typingctx, (a, b)))
+    three = intrinsic(lambda typingctx, a, b, c: typed(typingctx, (a, b, c)))
+
+    def fits(*args: Any) -> bool:
+        return all(isinstance(arg, accepted) for arg in args)
+
+    implementations: dict[Any, Callable[..., Any]] = {
+        fma: lambda a, b, c: (lambda a, b, c: three(a, b, c)) if fits(a, b, c) else None,
+        mulhi: lambda a, b: (lambda a, b: two(a, b)) if fits(a, b) else None,
+        mulhi_u: lambda a, b: (lambda a, b: two(a, b)) if fits(a, b) else None,
+        bitcast_f32: lambda bits: (lambda bits: one(bits)) if fits(bits) else None,
+        bitcast_i32: lambda value: (lambda value: one(value)) if fits(value) else None,
+    }
+    overload(function)(implementations[function])
+
+
+_NUMBERS = (*_INTEGERS, types.Float)
+_define(fma, _emit_fma, types.float32, _NUMBERS)
+_define(mulhi, _emit_mulhi, types.int32, _INTEGERS)
+_define(mulhi_u, _emit_mulhi, types.uint32, _INTEGERS)
+_define(bitcast_f32, _emit_to_float, types.float32, _INTEGERS)
+_define(bitcast_i32, _emit_to_word, types.int32, _NUMBERS)
