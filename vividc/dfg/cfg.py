@@ -16,6 +16,8 @@ from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
 """No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+MAX_ELEMENTS = 1 << 29
+"""No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 
 
 class DType(Enum):

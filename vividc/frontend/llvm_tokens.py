@@ -144,7 +144,8 @@ class Cursor:
     def _constant_address(self) -> Global:
         """`getelementptr inbounds (i8, ptr @global, i32 16)`: LLVM writes offsets in bytes."""
         start = self.position
-        self.skip_flags()
+        while self.peek in _FLAGS:
+            self.take()
         if self.accept("(") and self.accept("i8") and self.accept(","):
             base = self.typed_operand()[1]
             self.expect(",")

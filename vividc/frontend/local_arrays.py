@@ -192,9 +192,12 @@ def _tables_read(function: WideFunction) -> Iterator[tuple[str, SourceLoc | None
         yield from ((use.name, None) for use in uses(block) if isinstance(use, Global))
 
 
+Terms = tuple[tuple[Operand, int], ...]
+
+
 def in_words(
-    terms: tuple[tuple[Operand, int], ...], offset: int, held: Held, loc: SourceLoc | None
-) -> tuple[tuple[tuple[Operand, int], ...], int]:
+    function: WideFunction, terms: Terms, offset: int, held: Held, loc: SourceLoc | None
+) -> tuple[Terms, int]:
     """A byte address within LLVM's array as one within ours, whose elements are words.
 
     Raises
@@ -203,10 +206,24 @@ def in_words(
         The address may lie inside an element.
     """
     size = held.element_bytes
+    if size == _WORD_BYTES:
+        return terms, offset
+    terms = tuple(_unscaled(function, value, stride) for value, stride in terms)
     if any(number % size for number in (offset, *(stride for _, stride in terms))):
         raise KernelError(f"the bytes of an array of {held.element}", loc=loc, hint=_DTYPE_HINT)
     scaled = tuple((value, stride // size * _WORD_BYTES) for value, stride in terms)
     return scaled, offset // size * _WORD_BYTES
+
+
+def _unscaled(function: WideFunction, value: Operand, stride: int) -> tuple[Operand, int]:
+    """A term whose constant factors are all in its stride: LLVM prefers (i << 3) * 1 to i * 8."""
+    definition = function.definitions.get(value.name) if isinstance(value, Local) else None
+    if isinstance(definition, Op) and definition.op in ("shl", "mul"):
+        factor = definition.args[1]
+        if isinstance(factor, Int):
+            by = 1 << factor.value if definition.op == "shl" else factor.value
+            return _unscaled(function, definition.args[0], stride * by)
+    return value, stride
 
 
 def as_words(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], Op, tuple[Op, ...]]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from numba.core.errors import NumbaError
 
-from vividc.dfg.cfg import MAX_DIMENSION, DType, Function, Param
+from vividc.dfg.cfg import MAX_DIMENSION, MAX_ELEMENTS, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.hoist import hoist_invariants
@@ -23,9 +23,11 @@ from vividc.frontend.local_arrays import bounds_of_loads, hold_arrays, with_loca
 from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
 from vividc.frontend.numba_target import NumbaModule, numba_module
+from vividc.frontend.overlap import fold_overlaps
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
+from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import remove_dead, remove_unreachable
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
@@ -103,7 +105,7 @@ def _narrowed(
     text: str, name: str, params: tuple[Param, ...], returns: DType | None, loc: SourceLoc
 ) -> Narrowed:
     wide = remove_dead(remove_unreachable(read_function(text, ENTRY, loc.file)))
-    holding = hold_arrays(wide, text)
+    holding = hold_arrays(fold_overlaps(wide), text)
     wide = remove_dead(holding.function)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
@@ -111,6 +113,7 @@ def _narrowed(
     # Memory first: the other stages know no pointers.
     wide = straighten_single_trips(recover_extensions(resolve_memory(wide, holding.arrays)))
     bounds = _bounds(params) | bounds_of_loads(wide, holding.arrays)
+    bounds |= bounds_of_sizes(wide, MAX_ELEMENTS)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
     narrowed = narrow(wide, Ranges(wide, bounds), name, params, returns, loc.file)
     return replace(narrowed, function=with_locals(narrowed.function, holding.arrays))

@@ -132,7 +132,7 @@ class _Resolver:
         if held is None:
             yield from self._word_access(op, address)
             return
-        terms, offset = in_words(address.terms, address.offset, held, op.loc)
+        terms, offset = in_words(self._function, address.terms, address.offset, held, op.loc)
         self._stores += 1
         before, access, after = as_words(op, held, self._stores)
         yield from before

@@ -20,6 +20,8 @@ from numba.core.runtime.context import NRTContext
 from numba.cpython import tupleobj
 from numba.np import arraymath, arrayobj
 
+from vividc.frontend.overlap import ask_later
+
 ALLOCATE = "vividc.allocate "
 TABLE = "vividc.table "
 PICK = "vividc.pick "
@@ -38,6 +40,17 @@ class NoRuntime(NRTContext):  # type: ignore[misc]
     def decref(self, *_: Any) -> None:
         """Nothing is counted."""
 
+    def allocate(self, builder: ir.IRBuilder, size: Any) -> Any:
+        """Numba's temporary copy of a slice that may overlap another."""
+        pointer = ir.IntType(8).as_pointer()
+        callee = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(pointer, (size.type,)), f"{ALLOCATE}a temporary copy"
+        )
+        return builder.call(callee, (size,))
+
+    def free(self, *_: Any) -> None:
+        """Nothing is freed."""
+
 
 @contextmanager
 def arrays_are_ours() -> Iterator[None]:
@@ -47,6 +60,9 @@ def arrays_are_ours() -> Iterator[None]:
         (arraymath, "_empty_nd_impl", _allocate),
         (tupleobj, "getitem_unituple", pick),
         (cgutils, "memset", _memset),
+        (cgutils, "raw_memcpy", _copy),
+        (arrayobj, "extents_may_overlap", ask_later),
+        (arrayobj, "_attempt_nocopy_reshape", _reshape),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
     for module, name, ours in patches:
@@ -106,6 +122,38 @@ def _memset(builder: ir.IRBuilder, pointer: Any, size: Any, value: int) -> None:
 _cgutils_memset = cgutils.memset
 
 
+def _copy(
+    builder: ir.IRBuilder, to: Any, source: Any, count: Any, itemsize: Any, align: int = 1
+) -> None:
+    """Numba's `raw_memcpy`, element by element."""
+    if not isinstance(to.type.pointee, (ir.IntType, ir.FloatType, ir.DoubleType)):
+        _cgutils_copy(builder, to, source, count, itemsize, align)
+        return
+    with cgutils.for_range(builder, count) as loop:
+        item = builder.load(builder.gep(source, (loop.index,), inbounds=True))
+        builder.store(item, builder.gep(to, (loop.index,), inbounds=True))
+
+
+_cgutils_copy = cgutils.raw_memcpy
+
+
+def _reshape(
+    context: Any, builder: ir.IRBuilder, type_: Any, array: Any, ndim: int, shape: Any, strides: Any
+) -> Any:
+    """Numba's `_attempt_nocopy_reshape`; it always succeeds on a contiguous array."""
+    if type_.layout != "C":
+        return _numba_reshape(context, builder, type_, array, ndim, shape, strides)
+    stride = array.itemsize
+    for axis in reversed(range(ndim)):
+        builder.store(stride, cgutils.gep_inbounds(builder, strides, 0, axis))
+        size = builder.load(cgutils.gep_inbounds(builder, shape, 0, axis))
+        stride = builder.mul(stride, size, flags=["nsw"])
+    return ir.IntType(32)(1)
+
+
+_numba_reshape = arrayobj._attempt_nocopy_reshape
+
+
 def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) -> Any:
     """A constant array: one global of whole elements, the same in every module that reads it."""
     flat = np.ascontiguousarray(array).reshape(-1)
@@ -118,7 +166,7 @@ def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) ->
         data = ir.GlobalVariable(builder.module, type_, symbol)
         data.linkage = "linkonce_odr"
         data.global_constant = True
-        data.initializer = ir.Constant(type_, [element(item) for item in flat.tolist()])
+        data.initializer = ir.Constant(type_, [element(_plain(item)) for item in flat.tolist()])
     result = arrayobj.make_array(typ)(context, builder)
     step = flat.itemsize
     strides: list[int] = []
@@ -134,6 +182,11 @@ def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) ->
         meminfo=None,
     )
     return result._getvalue()
+
+
+def _plain(item: Any) -> Any:
+    """llvmlite writes a bool as an i1, whatever its type."""
+    return int(item) if isinstance(item, bool) else item
 
 
 def pick(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:

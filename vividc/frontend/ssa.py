@@ -282,7 +282,8 @@ def remove_dead(function: WideFunction) -> WideFunction:
 
 def has_effect(op: Op) -> bool:
     """Whether the instruction must stay even if nothing reads its result."""
-    return op.op == "store" or (op.op == "call" and not op.pred.startswith("llvm."))
+    pure = op.pred.startswith("llvm.") and not op.pred.startswith("llvm.mem")
+    return op.op == "store" or (op.op == "call" and not pure)
 
 
 @dataclass(frozen=True)
