@@ -62,7 +62,7 @@ def arrays_are_ours() -> Iterator[None]:
         (cgutils, "memset", _memset),
         (cgutils, "raw_memcpy", _copy),
         (arrayobj, "extents_may_overlap", ask_later),
-        (arrayobj, "_attempt_nocopy_reshape", _reshape),
+        (arrayobj, "array_reshape", reshape),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
     for module, name, ours in patches:
@@ -137,21 +137,52 @@ def _copy(
 _cgutils_copy = cgutils.raw_memcpy
 
 
-def _reshape(
-    context: Any, builder: ir.IRBuilder, type_: Any, array: Any, ndim: int, shape: Any, strides: Any
-) -> Any:
-    """Numba's `_attempt_nocopy_reshape`; it always succeeds on a contiguous array."""
-    if type_.layout != "C":
-        return _numba_reshape(context, builder, type_, array, ndim, shape, strides)
-    stride = array.itemsize
-    for axis in reversed(range(ndim)):
-        builder.store(stride, cgutils.gep_inbounds(builder, strides, 0, axis))
-        size = builder.load(cgutils.gep_inbounds(builder, shape, 0, axis))
-        stride = builder.mul(stride, size, flags=["nsw"])
-    return ir.IntType(32)(1)
+def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
+    """`x.reshape(shape)` of a contiguous array, without numba's loops over the shape."""
+    if sig.args[0].layout != "C" or sig.return_type.layout != "C":
+        return _array_reshape(context, builder, sig, args)
+    source = arrayobj.make_array(sig.args[0])(context, builder, args[0])
+    given = [
+        context.cast(builder, size, type_, types.intp)
+        for size, type_ in zip(cgutils.unpack_tuple(builder, args[1]), sig.args[1], strict=True)
+    ]
+    open_ = [builder.icmp_signed("<", size, _I64(0)) for size in given]
+    known = _product(builder, [builder.select(o, _I64(1), s) for o, s in zip(open_, given)])
+    rest = builder.udiv(source.nitems, builder.select(_is_zero(builder, known), _I64(1), known))
+    shape = [builder.select(o, rest, s) for o, s in zip(open_, given)]
+    wrong = builder.icmp_signed("!=", _product(builder, shape), source.nitems)
+    with cgutils.if_unlikely(builder, wrong):
+        context.call_conv.return_user_exc(
+            builder, ValueError, ("total size of new array must be unchanged",)
+        )
+    strides = [source.itemsize]
+    for size in reversed(shape[1:]):
+        strides.insert(0, builder.mul(strides[0], size, flags=["nsw"]))
+    result = arrayobj.make_array(sig.return_type)(context, builder)
+    arrayobj.populate_array(
+        result,
+        data=source.data,
+        shape=shape,
+        strides=strides[: len(shape)],
+        itemsize=source.itemsize,
+        meminfo=source.meminfo,
+        parent=source.parent,
+    )
+    return result._getvalue()
 
 
-_numba_reshape = arrayobj._attempt_nocopy_reshape
+_array_reshape: Callable[..., Any] = arrayobj.array_reshape
+
+
+def _product(builder: ir.IRBuilder, values: list[Any]) -> Any:
+    result: Any = _I64(1)
+    for value in values:
+        result = builder.mul(result, value)
+    return result
+
+
+def _is_zero(builder: ir.IRBuilder, value: Any) -> Any:
+    return builder.icmp_signed("==", value, _I64(0))
 
 
 def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) -> Any:

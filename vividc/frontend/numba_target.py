@@ -35,7 +35,7 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj
 
-from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick
+from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick, reshape
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
@@ -254,15 +254,17 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
             return functools.partial(_range_next, self, sig)
         operation = getattr(fn, "typing_key", None)
         if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
-            return functools.partial(_picked, self, sig)
+            return functools.partial(_ours, pick, self, sig)
+        if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
+            return functools.partial(_ours, reshape, self, sig)
         general = super().get_function(fn, sig, _firstcall)
         if operation in _POWERS and isinstance(sig.args[1], types.Integer):
             return functools.partial(_integer_power, self, sig, general)
         return general
 
 
-def _picked(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
-    return pick(context, builder, sig, args)
+def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    return rule(context, builder, sig, args)
 
 
 _I64 = ir.IntType(64)
