@@ -126,34 +126,62 @@ def _emit_to_word(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     return builder.bitcast(_floats(context, builder, signature, args)[0], _WORD)
 
 
-def _define(
-    function: Callable[..., Any], emit: Callable[..., Any], result: Any, accepted: Any
-) -> None:
-    """Teach numba one function of this module."""
-
-    def typed(_: Any, args: tuple[Any, ...]) -> Any:
-        return result(*args), emit
-
-    one = intrinsic(lambda typingctx, a: typed(typingctx, (a,)))
-    two = intrinsic(lambda typingctx, a, b: typed(typingctx, (a, b)))
-    three = intrinsic(lambda typingctx, a, b, c: typed(typingctx, (a, b, c)))
-
-    def fits(*args: Any) -> bool:
-        return all(isinstance(arg, accepted) for arg in args)
-
-    implementations: dict[Any, Callable[..., Any]] = {
-        fma: lambda a, b, c: (lambda a, b, c: three(a, b, c)) if fits(a, b, c) else None,
-        mulhi: lambda a, b: (lambda a, b: two(a, b)) if fits(a, b) else None,
-        mulhi_u: lambda a, b: (lambda a, b: two(a, b)) if fits(a, b) else None,
-        bitcast_f32: lambda bits: (lambda bits: one(bits)) if fits(bits) else None,
-        bitcast_i32: lambda value: (lambda value: one(value)) if fits(value) else None,
-    }
-    overload(function)(implementations[function])
+def _typed(emit: Callable[..., Any], result: Any, accepted: Any, args: Any) -> Any:
+    """Result type and code generator of an intrinsic, if the arguments are what it takes."""
+    if not all(isinstance(arg, accepted) for arg in args):
+        return None
+    return result(*args), emit
 
 
 _NUMBERS = (*_INTEGERS, types.Float)
-_define(fma, _emit_fma, types.float32, _NUMBERS)
-_define(mulhi, _emit_mulhi, types.int32, _INTEGERS)
-_define(mulhi_u, _emit_mulhi, types.uint32, _INTEGERS)
-_define(bitcast_f32, _emit_to_float, types.float32, _INTEGERS)
-_define(bitcast_i32, _emit_to_word, types.int32, _NUMBERS)
+
+
+@intrinsic
+def _fma(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
+    return _typed(_emit_fma, types.float32, _NUMBERS, (a, b, c))
+
+
+@intrinsic
+def _mulhi(typingctx: Any, a: Any, b: Any) -> Any:
+    return _typed(_emit_mulhi, types.int32, _INTEGERS, (a, b))
+
+
+@intrinsic
+def _mulhi_u(typingctx: Any, a: Any, b: Any) -> Any:
+    return _typed(_emit_mulhi, types.uint32, _INTEGERS, (a, b))
+
+
+@intrinsic
+def _bitcast_f32(typingctx: Any, bits: Any) -> Any:
+    return _typed(_emit_to_float, types.float32, _INTEGERS, (bits,))
+
+
+@intrinsic
+def _bitcast_i32(typingctx: Any, value: Any) -> Any:
+    return _typed(_emit_to_word, types.int32, _NUMBERS, (value,))
+
+
+# An overload's implementation must be a Python function: it cannot be the intrinsic itself.
+@overload(fma)
+def _overload_fma(a: Any, b: Any, c: Any) -> Any:
+    return lambda a, b, c: _fma(a, b, c)  # noqa: PLW0108
+
+
+@overload(mulhi)
+def _overload_mulhi(a: Any, b: Any) -> Any:
+    return lambda a, b: _mulhi(a, b)  # noqa: PLW0108
+
+
+@overload(mulhi_u)
+def _overload_mulhi_u(a: Any, b: Any) -> Any:
+    return lambda a, b: _mulhi_u(a, b)  # noqa: PLW0108
+
+
+@overload(bitcast_f32)
+def _overload_bitcast_f32(bits: Any) -> Any:
+    return lambda bits: _bitcast_f32(bits)  # noqa: PLW0108
+
+
+@overload(bitcast_i32)
+def _overload_bitcast_i32(value: Any) -> Any:
+    return lambda value: _bitcast_i32(value)  # noqa: PLW0108

@@ -4,17 +4,17 @@ the user's.
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from numba.core.errors import NumbaError
+from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.dfg.cfg import MAX_DIMENSION, MAX_ELEMENTS, DType, Function, Param
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.diagnose import construct_at, diagnose
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
@@ -30,8 +30,9 @@ from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import remove_dead, remove_unreachable
 
-_ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
-_PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
+# What numba raises for functions that it did not foresee.
+_NUMBA_FAULTS = (NotImplementedError, ImportError, LookupError, TypeError, ValueError, SyntaxError)
+_NUMBA_FAULTS += (RecursionError, AttributeError, UnsupportedBytecodeError)
 _RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
 
 
@@ -83,14 +84,21 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
+        if "generator(" in module.return_type:
+            raise construct_at(loc, py_func.__name__) or KernelError("a generator", loc=loc)
         hint = "return one float32, int32, uint32, int64 or bool, or store results into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
     text = optimised_ir(module, params, loc)
     try:
         narrowed = _narrowed(text, name, params, _RETURNS[module.return_type], loc)
     except KernelError as error:
-        if error.loc is not None:
-            raise
+        if isinstance(error.loc, SourceLoc):
+            # Numba compiles some of what no array runs, such as print, to calls of its runtime.
+            is_call = "call" in error.reason
+            better = construct_at(loc, py_func.__name__, error.loc.line) if is_call else None
+            if better is None:
+                raise
+            raise better from error
         raise KernelError(error.reason, loc=loc, hint=error.hint) from error
     _report(narrowed.demoted, loc, _DEMOTED, strict_fp=strict_fp)
     _report(narrowed.saturated, loc, _SATURATED, strict_fp=strict_fp)
@@ -135,34 +143,8 @@ def _typed(
 ) -> NumbaModule:
     try:
         return numba_module(py_func, args, return_type)
-    except (NumbaError, NotImplementedError, ImportError) as error:
-        hint = None
-        if "NRT required" in str(error):
-            hint = "a kernel cannot make arrays, lists or copies of slices: pass arrays"
-        raise KernelError(_readable(error), loc=_place(error, loc), hint=hint) from error
-
-
-def _readable(error: Exception) -> str:
-    """Numba's message without its colours, banner and advice."""
-    lines = [line.strip() for line in _ESCAPE.sub("", str(error)).splitlines()]
-    text = [
-        line
-        for line in lines
-        if line and not line.startswith(("Failed in", "File ", "During:", ">>>"))
-    ]
-    return f"numba: {' '.join(text[:3])}"
-
-
-def _place(error: Exception, loc: SourceLoc) -> SourceLoc:
-    """The line in the user's file that numba names last: its messages go from the outer to the
-    inner fault.
-    """
-    places = [
-        int(match["line"])
-        for match in _PLACE.finditer(_ESCAPE.sub("", str(error)))
-        if loc.file.endswith(match["file"].lstrip("./"))
-    ]
-    return SourceLoc(loc.file, places[-1]) if places else loc
+    except (NumbaError, *_NUMBA_FAULTS) as error:
+        raise diagnose(error, loc, py_func.__name__) from error
 
 
 def _report(

@@ -177,7 +177,7 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
 
 
 def refuse_calls(function: WideFunction) -> None:
-    """Refuse a kernel that calls what the array cannot run. What raises may yet prove unreachable."""
+    """Refuse a kernel that calls what the array cannot run; a raise may yet prove unreachable."""
     for block in function.blocks:
         for op in block.ops:
             if op.op == "call" and _call_rule(op) is None and not _raises(op):
@@ -210,7 +210,10 @@ def _refused(op: Op) -> KernelError:
         what = callee.removeprefix(RAISE_PREFIX).removesuffix(": ")
         hint = "the array has no exceptions: return or store a flag instead"
         return KernelError(f"the kernel can raise {what}", loc=op.loc, hint=hint)
-    if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
+    if callee.startswith("numba_") and not callee.startswith("numba_gil"):
+        reason = f"a call of numba's `{callee.removeprefix('numba_')}`, which the array cannot run"
+        return KernelError(reason, loc=op.loc, hint="write it with loops and arithmetic")
+    if callee.startswith(("NRT_", "numba_gil", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
     if callee.startswith("llvm.") and _stem(callee) in _BIT_TRICKS:

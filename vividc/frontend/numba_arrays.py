@@ -147,9 +147,11 @@ def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
         for size, type_ in zip(cgutils.unpack_tuple(builder, args[1]), sig.args[1], strict=True)
     ]
     open_ = [builder.icmp_signed("<", size, _I64(0)) for size in given]
-    known = _product(builder, [builder.select(o, _I64(1), s) for o, s in zip(open_, given)])
+    known = _product(
+        builder, [builder.select(o, _I64(1), s) for o, s in zip(open_, given, strict=True)]
+    )
     rest = builder.udiv(source.nitems, builder.select(_is_zero(builder, known), _I64(1), known))
-    shape = [builder.select(o, rest, s) for o, s in zip(open_, given)]
+    shape = [builder.select(o, rest, s) for o, s in zip(open_, given, strict=True)]
     wrong = builder.icmp_signed("!=", _product(builder, shape), source.nitems)
     with cgutils.if_unlikely(builder, wrong):
         context.call_conv.return_user_exc(

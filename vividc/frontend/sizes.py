@@ -1,4 +1,4 @@
-"""Bounds of products of one array's dimensions: however many they are, the array fits the memory."""
+"""Bounds of products of one array's dimensions: the array fits the memory."""
 
 from __future__ import annotations
 

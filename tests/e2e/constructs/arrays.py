@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.e2e.constructs.registry import A, construct, floats, unsigned, words
+from tests.e2e.constructs.registry import A, construct, floats, unsigned
 
 TABLE = np.array([3, 1, 4, 1, 5, 9, 2, 6], np.int32)
 SINES = np.sin(np.arange(8)).astype(np.float32)
@@ -435,6 +435,14 @@ def loop_over_tuple(x):
 
 
 @construct("int32(int32[::1])", A)
+def loop_over_list_of_constants(x):
+    total = np.int32(0)
+    for position in [1, 4, 6]:
+        total += x[position]
+    return total
+
+
+@construct("int32(int32[::1])", A)
 def loop_over_nested_tuple(x):
     total = np.int32(0)
     for a, b in NESTED:
@@ -473,7 +481,7 @@ def tuple_sum_and_extrema(n):
 @construct("int32(int32)", 4)
 def tuple_slice_and_join(n):
     t = (n, 2, 3)
-    u = t[1:] + (7,)
+    u = t[1:] + (7,)  # noqa: RUF005 - the construct under test
     return np.int32(u[0] + u[2])
 
 

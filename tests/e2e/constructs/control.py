@@ -103,8 +103,7 @@ def for_else_missing(x, wanted):
     for i in range(len(x)):
         if x[i] == wanted:
             return np.int32(i)
-    else:
-        return np.int32(-1)
+    return np.int32(-1)
 
 
 @construct("int32(int32)", 100)

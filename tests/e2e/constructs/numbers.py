@@ -169,8 +169,7 @@ def float_tests(x):
 def infinity(x):
     best = np.float32(np.inf)
     for i in range(len(x)):
-        if x[i] < best:
-            best = x[i]
+        best = min(best, x[i])
     x[0] = best
 
 
