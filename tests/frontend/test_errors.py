@@ -76,7 +76,7 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (makes_a_list, 1, "a list"),
     (never_ends, 0, "never ends"),
     (compares_a_product, 1, "may not fit in 32 bits"),
-    (recurses, 0, "cell variable|recursi"),
+    (recurses, 2, "recursi"),
 ]
 
 

@@ -72,7 +72,7 @@ class KernelFunction(Callee):
         return self._host(*args, **kwargs)
 
     @property
-    def numba_signature(self) -> Any:  # type: ignore[override]  # it never changes
+    def numba_signature(self) -> Any:
         """The signature, or the argument types if the return type is inferred."""
         return self._args if self._return_type is None else self.signature
 

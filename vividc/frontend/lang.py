@@ -49,7 +49,8 @@ def _nearest(exact: Fraction) -> np.float32:
     unit = Fraction(2) ** max(int(exponent) - 24, -149)
     with np.errstate(over="ignore"):
         # At most 25 bits and a power of two: exact in float64.
-        return np.float32(float(round(exact / unit) * unit))
+        nearest = np.float32(float(round(exact / unit) * unit))
+    return np.copysign(nearest, np.float32(1 if exact > 0 else -1))
 
 
 def mulhi(a: int, b: int) -> np.int32:
@@ -133,55 +134,73 @@ def _typed(emit: Callable[..., Any], result: Any, accepted: Any, args: Any) -> A
     return result(*args), emit
 
 
+_Decorator = Callable[[Callable[..., Any]], Any]
+_intrinsic: _Decorator = intrinsic
+_overload: Callable[[Callable[..., Any]], _Decorator] = overload
 _NUMBERS = (*_INTEGERS, types.Float)
 
 
-@intrinsic
+@_intrinsic
 def _fma(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
     return _typed(_emit_fma, types.float32, _NUMBERS, (a, b, c))
 
 
-@intrinsic
+@_intrinsic
 def _mulhi(typingctx: Any, a: Any, b: Any) -> Any:
     return _typed(_emit_mulhi, types.int32, _INTEGERS, (a, b))
 
 
-@intrinsic
+@_intrinsic
 def _mulhi_u(typingctx: Any, a: Any, b: Any) -> Any:
     return _typed(_emit_mulhi, types.uint32, _INTEGERS, (a, b))
 
 
-@intrinsic
+@_intrinsic
 def _bitcast_f32(typingctx: Any, bits: Any) -> Any:
     return _typed(_emit_to_float, types.float32, _INTEGERS, (bits,))
 
 
-@intrinsic
+@_intrinsic
 def _bitcast_i32(typingctx: Any, value: Any) -> Any:
     return _typed(_emit_to_word, types.int32, _NUMBERS, (value,))
 
 
-# An overload's implementation must be a Python function: it cannot be the intrinsic itself.
-@overload(fma)
+# Numba wants a Python function of the same signature, annotations included.
+@_overload(fma)
 def _overload_fma(a: Any, b: Any, c: Any) -> Any:
-    return lambda a, b, c: _fma(a, b, c)  # noqa: PLW0108
+    def compute(a: Any, b: Any, c: Any) -> Any:
+        return _fma(a, b, c)
+
+    return compute
 
 
-@overload(mulhi)
+@_overload(mulhi)
 def _overload_mulhi(a: Any, b: Any) -> Any:
-    return lambda a, b: _mulhi(a, b)  # noqa: PLW0108
+    def compute(a: Any, b: Any) -> Any:
+        return _mulhi(a, b)
+
+    return compute
 
 
-@overload(mulhi_u)
+@_overload(mulhi_u)
 def _overload_mulhi_u(a: Any, b: Any) -> Any:
-    return lambda a, b: _mulhi_u(a, b)  # noqa: PLW0108
+    def compute(a: Any, b: Any) -> Any:
+        return _mulhi_u(a, b)
+
+    return compute
 
 
-@overload(bitcast_f32)
+@_overload(bitcast_f32)
 def _overload_bitcast_f32(bits: Any) -> Any:
-    return lambda bits: _bitcast_f32(bits)  # noqa: PLW0108
+    def compute(bits: Any) -> Any:
+        return _bitcast_f32(bits)
+
+    return compute
 
 
-@overload(bitcast_i32)
+@_overload(bitcast_i32)
 def _overload_bitcast_i32(value: Any) -> Any:
-    return lambda value: _bitcast_i32(value)  # noqa: PLW0108
+    def compute(value: Any) -> Any:
+        return _bitcast_i32(value)
+
+    return compute

@@ -31,8 +31,18 @@ from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import remove_dead, remove_unreachable
 
 # What numba raises for functions that it did not foresee.
-_NUMBA_FAULTS = (NotImplementedError, ImportError, LookupError, TypeError, ValueError, SyntaxError)
-_NUMBA_FAULTS += (RecursionError, AttributeError, UnsupportedBytecodeError)
+_NUMBA_FAULTS: tuple[type[Exception], ...] = (
+    NumbaError,
+    UnsupportedBytecodeError,
+    NotImplementedError,
+    ImportError,
+    LookupError,
+    TypeError,
+    ValueError,
+    SyntaxError,
+    RecursionError,
+    AttributeError,
+)
 _RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
 
 
@@ -143,7 +153,7 @@ def _typed(
 ) -> NumbaModule:
     try:
         return numba_module(py_func, args, return_type)
-    except (NumbaError, *_NUMBA_FAULTS) as error:
+    except _NUMBA_FAULTS as error:
         raise diagnose(error, loc, py_func.__name__) from error
 
 
