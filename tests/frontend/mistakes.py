@@ -69,12 +69,6 @@ def list_appended(x, n):
     x[0] = len(values)
 
 
-@mistake("a list", "tuple of constants")
-def loop_over_list(x, n):
-    for v in [3, 1, 2]:  # here
-        x[v] = n
-
-
 @mistake("a generator expression", "loop")
 def generator_expression(x, n):
     x[0] = sum(i for i in range(n))  # here

@@ -36,7 +36,7 @@ def fma(a: float, b: float, c: float) -> np.float32:
     x, y, z = (np.float32(value) for value in (a, b, c))
     if not all(np.isfinite(value) for value in (x, y, z)):
         with np.errstate(all="ignore"):
-            return np.float32(x * y + z)
+            return np.float32(np.float64(x) * np.float64(y) + np.float64(z))
     exact = Fraction(float(x)) * Fraction(float(y)) + Fraction(float(z))
     if exact == 0:
         return np.float32(np.float64(x) * np.float64(y) + np.float64(z))
@@ -50,7 +50,7 @@ def _nearest(exact: Fraction) -> np.float32:
     with np.errstate(over="ignore"):
         # At most 25 bits and a power of two: exact in float64.
         nearest = np.float32(float(round(exact / unit) * unit))
-    return np.copysign(nearest, np.float32(1 if exact > 0 else -1))
+    return np.float32(np.copysign(nearest, 1 if exact > 0 else -1))
 
 
 def mulhi(a: int, b: int) -> np.int32:

@@ -27,8 +27,8 @@ from vividc.frontend.unmerge import split_merged_loads
 
 _SUFFIX = ".bytes"
 _WORD_BYTES = 4
-_LOCAL_HINT = "use scalar variables, or pass a scratch array as a parameter"
-_GLOBAL_HINT = "pass the array as a parameter: only scalar globals are constants of a kernel"
+_LOCAL_HINT = "use scalar variables, or an array of constant size: np.zeros(16, np.float32)"
+_GLOBAL_HINT = "pass the array as a parameter: constants are numbers, tuples of them, and arrays"
 
 
 @dataclass(frozen=True, slots=True)
