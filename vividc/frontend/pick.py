@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from vividc.frontend.constant_tables import Table
 from vividc.frontend.numba_arrays import PICK
 from vividc.frontend.ssa import Float, Global, Int, Local, Op, Operand, WideBlock, WideFunction
@@ -50,6 +52,9 @@ def _expand(op: Op, tables: dict[str, Table]) -> list[Op]:
 def _fit_words(type_: str, values: list[int | float]) -> bool:
     """Whether a table of words holds the values exactly."""
     low, high = _INT_LIMITS
+    if type_ == "double":
+        with np.errstate(over="ignore", under="ignore"):
+            return all(float(np.float32(value)) == value for value in values)
     return type_ in _EXACT_WORDS or (type_ == "i64" and all(low <= v <= high for v in values))
 
 
