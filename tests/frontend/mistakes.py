@@ -97,7 +97,7 @@ def raises(x, n):
     x[0] = n
 
 
-@mistake("can raise AssertionError", "flag")
+@mistake("can raise AssertionError", "return a flag")
 def asserts(x, n):
     assert n > 0  # here
     x[0] = n
@@ -286,7 +286,26 @@ def overlapping_slices(x, n):
     x[0] = a[n]
 
 
-@mistake("can raise ValueError", "")
+@mistake("can raise ValueError: range", "if step < 1")
+def step_of_zero(x, n):
+    for i in range(0, 8, n):  # here
+        x[i] = 0
+
+
+@mistake("can raise ValueError: total size", "i \\* columns")
+def reshape_of_unknown_size(x, n):
+    m = x.reshape(2, 4)  # here
+    m[1, 1] = n
+
+
+@mistake("can raise ValueError: cannot assign slice", "write the loop")
+def slices_of_unknown_size(x, n):
+    a = np.zeros(4, np.float32)
+    a[:] = x  # here
+    x[0] = a[n]
+
+
+@mistake("can raise ValueError: zero-size", "best = x\\[0\\]")
 def largest_of_nothing(x, n):
     x[0] = x.max()  # here
 

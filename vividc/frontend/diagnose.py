@@ -79,6 +79,22 @@ _STRING = _Rule("a string", "strings are for the host: use integers")
 _RECURSION = _Rule("a recursive call", "use a loop, with an array as its stack")
 
 
+_RAISES = (
+    ("range()", "test the step before the loop: if step < 1: return"),
+    ("zero-size", "start from the first element and write the loop: best = x[0]"),
+    ("empty sequence", "start from the first element and write the loop: best = x[0]"),
+    ("cannot assign slice", "write the loop over the elements"),
+    ("total size of new array", "index with i * columns + j instead"),
+    ("division", "test the divisor before"),
+    ("AssertionError", "test the condition on the host, or return a flag"),
+)
+
+
+def hint_of_raise(what: str) -> str:
+    """What to write instead of what raises `what`, an exception's name and text."""
+    return next((hint for text, hint in _RAISES if text in what), _FLAG)
+
+
 @dataclass(frozen=True, slots=True)
 class _Finding:
     line: int

@@ -18,6 +18,7 @@ from vividc.dfg.cfg import Block, Branch, DType, Function, Input, Instr, Param, 
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_float, narrow_int
+from vividc.frontend.diagnose import hint_of_raise
 from vividc.frontend.emit import ALIASES, Emitter, result_type
 from vividc.frontend.narrow_wide import high_phis
 from vividc.frontend.numba_target import RAISE_PREFIX
@@ -208,8 +209,7 @@ def _refused(op: Op) -> KernelError:
     callee = op.pred
     if callee.startswith(RAISE_PREFIX):
         what = callee.removeprefix(RAISE_PREFIX).removesuffix(": ")
-        hint = "the array has no exceptions: return or store a flag instead"
-        return KernelError(f"the kernel can raise {what}", loc=op.loc, hint=hint)
+        return KernelError(f"the kernel can raise {what}", loc=op.loc, hint=hint_of_raise(what))
     if callee.startswith("numba_") and not callee.startswith("numba_gil"):
         reason = f"a call of numba's `{callee.removeprefix('numba_')}`, which the array cannot run"
         return KernelError(reason, loc=op.loc, hint="write it with loops and arithmetic")
