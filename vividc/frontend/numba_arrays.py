@@ -9,13 +9,15 @@ Each becomes something that survives LLVM and that `local_arrays` recognises aft
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numba
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils, lowering, types
 from numba.core.runtime.context import NRTContext
 from numba.cpython import tupleobj
 from numba.np import arraymath, arrayobj
@@ -63,6 +65,7 @@ def arrays_are_ours() -> Iterator[None]:
         (cgutils, "raw_memcpy", _copy),
         (arrayobj, "extents_may_overlap", ask_later),
         (arrayobj, "array_reshape", reshape),
+        (lowering, "get_func_body_first_lineno", _first_line),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
     for module, name, ours in patches:
@@ -72,6 +75,22 @@ def arrays_are_ours() -> Iterator[None]:
     finally:
         for (module, name, _), original in zip(patches, originals, strict=True):
             setattr(module, name, original)
+
+
+def _first_line(function: Any) -> int | None:
+    """Numba parses a whole file for each function's first line; of its own functions none is
+    shown.
+    """
+    code = function.__code__
+    if code.co_filename.startswith(_NUMBA_HOME):
+        first: int = code.co_firstlineno
+        return first
+    line: int | None = _numba_first_line(function)
+    return line
+
+
+_NUMBA_HOME = os.path.dirname(numba.__file__) + os.sep
+_numba_first_line = lowering.get_func_body_first_lineno
 
 
 def _allocate(context: Any, builder: ir.IRBuilder, arrtype: Any, shapes: Any) -> Any:
