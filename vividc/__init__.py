@@ -1,6 +1,6 @@
 """vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays."""
 
-from vividc import arch, dfg, mapper, program
+from vividc import arch, dfg, lang, mapper, program
 from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
@@ -21,6 +21,7 @@ __all__ = [
     "compile",
     "dfg",
     "kernel",
+    "lang",
     "load",
     "load_ll",
     "mapper",

@@ -91,6 +91,12 @@ class SimulationError(VividcError):
     """The program did something that the machine forbids; it names PE and cycle."""
 
 
+class CycleLimit(SimulationError):
+    """A run was given up after its limit of cycles (exit code 4)."""
+
+    exit_code = 4
+
+
 class VividcWarning(UserWarning):
     """The kernel compiles, but may compute something else than was written."""
 

@@ -174,8 +174,9 @@ def test_failed_run_leaves_the_old_outputs(own):
 def test_cycle_limit(folder):
     args = ("--inputs", folder / "in.npz", "--cycle-limit", "5")
     result = run("simulate", folder / "k.vivid", *args)
-    assert result.exit_code == 2
-    assert "cycle" in result.stderr
+    assert result.exit_code == 4
+    assert "after 5 cycles" in result.stderr
+    assert "Traceback" not in result.stderr
 
 
 def test_disasm(folder):

@@ -51,6 +51,12 @@ class _Machine:
                 if param.words == 2:
                     self.inputs[f"{param.name}.high"] = int(value) >> 32 & _MASK
 
+        for local in function.locals:
+            self.memory[local.name] = np.zeros(local.words, np.uint32)
+            self.inputs[f"&{local.name}"] = 0
+            if local.contents is not None:
+                self.memory[local.name][:] = local.contents
+
     def word(self, value: Value) -> int:
         if isinstance(value, Const):
             return value.word

@@ -48,7 +48,14 @@ def build_kernel(function: Function) -> Kernel:
     plan = _plan(copy_exit_values(normalize(function)))
     cutter = _Cutter(plan)
     regions = _drop_empty(cutter.regions())
-    return Kernel(function.name, function.params, tuple(regions), function.returns, function.file)
+    return Kernel(
+        function.name,
+        function.params,
+        tuple(regions),
+        function.returns,
+        function.file,
+        function.locals,
+    )
 
 
 def _plan(function: Function) -> _Plan:

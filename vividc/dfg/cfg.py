@@ -17,6 +17,8 @@ from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
 """No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+MAX_ELEMENTS = 1 << 29
+"""No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 
 
 HIGH_SUFFIX = ".high"
@@ -70,6 +72,20 @@ class Param:
     ndim: int = 0
     flat: bool = False
     words: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class LocalArray:
+    """An array of the kernel's own in the scratchpad: `words` words.
+
+    `contents`: the words of a constant table, which is there before the kernel starts and is never
+    written. None: an array the kernel allocates; what it holds at first is undefined. Its address
+    is the input "&" + `name`.
+    """
+
+    name: str
+    words: int
+    contents: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +192,7 @@ class Function:
     """A kernel in SSA form; the first block is the entry. Loops are in while or do-while form.
 
     `sequential` names the headers of innermost loops that are not to be modulo-scheduled: they run
-    block by block, like the loops around them.
+    block by block, like the loops around them. `locals` are the kernel's own arrays.
     """
 
     name: str
@@ -185,6 +201,7 @@ class Function:
     returns: DType | None = None
     file: str = ""
     sequential: frozenset[str] = frozenset()
+    locals: tuple[LocalArray, ...] = ()
 
 
 def joined(returns: DType | None, low: int, high: int | None) -> int:

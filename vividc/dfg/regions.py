@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from vividc.dfg.cfg import HIGH_SUFFIX, DType, Param
+from vividc.dfg.cfg import HIGH_SUFFIX, DType, LocalArray, Param
 from vividc.dfg.ir import DFG
 from vividc.errors import SourceLoc
 
@@ -60,6 +60,7 @@ class Kernel:
     regions: tuple[Region, ...]
     returns: DType | None = None
     file: str = ""
+    locals: tuple[LocalArray, ...] = ()
 
 
 def is_variable(name: str) -> bool:

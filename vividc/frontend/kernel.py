@@ -17,6 +17,7 @@ from numba.core.typing import Signature
 from vividc.dfg.cfg import DType, Function, Param
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.lower import lower
+from vividc.frontend.numba_target import Callee
 
 _DTYPES = {
     types.float32: DType.F32,
@@ -39,7 +40,7 @@ _SUPPORTED = (
 _SIGNATURE_HINT = 'write for example @vividc.kernel("void(float32[::1], int32)")'
 
 
-class KernelFunction:
+class KernelFunction(Callee):
     """A kernel. Calling it runs it through numba; `lower` gives it to the compiler.
 
     Attributes
@@ -79,12 +80,22 @@ class KernelFunction:
         """Run the kernel on the host, compiled by numba for exactly its signature."""
         return self._host(*args, **kwargs)
 
+    @property
+    def numba_signature(self) -> Any:
+        """The signature, or the argument types if the return type is inferred."""
+        return self._args if self._return_type is None else self.signature
+
+    @property
+    def _numba_type_(self) -> Any:
+        """Numba's type of a kernel that another function calls."""
+        return self._host._numba_type_
+
     @functools.cached_property
-    def _host(self) -> Callable[..., Any]:
-        signature = self._args if self._return_type is None else self.signature
-        jit = numba.njit(signature, error_model="numpy", fastmath=False, boundscheck=False)
-        compiled: Callable[..., Any] = jit(self.py_func)
-        return compiled
+    def _host(self) -> Any:
+        jit = numba.njit(
+            self.numba_signature, error_model="numpy", fastmath=False, boundscheck=False
+        )
+        return jit(self.py_func)
 
     def lower(self, strict_fp: bool = False) -> Function:
         """The kernel as SSA words, once per option.

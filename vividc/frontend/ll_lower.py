@@ -17,7 +17,7 @@ from vividc.frontend.ll_library import BELOW, PARTIAL, with_block_operations, wi
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
 from vividc.frontend.llvm_text import Locations, read_function
-from vividc.frontend.lower import located, lower_words, prepared
+from vividc.frontend.lower import Prepared, located, lower_words, prepared
 from vividc.frontend.ssa import Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 
@@ -59,7 +59,7 @@ class CModule:
         The file's text.
     file
         Its absolute path.
-    wide
+    kernel
         The function with all that it calls, without pointers, before narrowing.
     """
 
@@ -67,7 +67,7 @@ class CModule:
     file: str
     function: CFunction
     params: tuple[Param, ...]
-    wide: WideFunction
+    kernel: Prepared
 
 
 def declare(source: str, text: str, file: str, name: str) -> CModule:
@@ -95,8 +95,8 @@ def declare(source: str, text: str, file: str, name: str) -> CModule:
         check_body(body, locate)
     refuse_recursion(used, locate)
     with located(function.loc), _in_c_terms():
-        wide = _read(text, function)
-    return CModule(source, file, function, _params(function, wide), wide)
+        kernel = _read(text, function)
+    return CModule(source, file, function, _params(function, kernel.function), kernel)
 
 
 def lower_c(module: CModule, *, strict_fp: bool) -> Function:
@@ -107,7 +107,7 @@ def lower_c(module: CModule, *, strict_fp: bool) -> Function:
             _report_double(param, function.loc, strict_fp=strict_fp)
     with _in_c_terms():
         return lower_words(
-            module.wide,
+            module.kernel,
             function.symbol,
             module.params,
             function.result,
@@ -182,7 +182,7 @@ def _function(text: str, body: Body, file: str) -> CFunction:
     return CFunction(body.name, params, returns, dtype, signed, loc)
 
 
-def _read(text: str, function: CFunction) -> WideFunction:
+def _read(text: str, function: CFunction) -> Prepared:
     module, library = with_block_operations(with_intrinsics(text))
     parts = [module, library] if library else [module]
     optimised = _HINTS.sub("", linked_ir(entry_text(function), parts))
@@ -190,7 +190,8 @@ def _read(text: str, function: CFunction) -> WideFunction:
     blocks = tuple(
         replace(block, ops=tuple(_block_operation(op) for op in block.ops)) for block in wide.blocks
     )
-    return unrotate(prepared(replace(wide, blocks=blocks)))
+    kernel = prepared(replace(wide, blocks=blocks), optimised)
+    return replace(kernel, function=unrotate(kernel.function))
 
 
 def _block_operation(op: Op) -> Op:

@@ -194,14 +194,16 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
     strides: list[str] = []
     item = param.dtype.size_bytes
     stride = str(item)
+    count = "1"
     for axis in range(param.ndim):
         inputs.append(f'i32 range(i32 0, {MAX_DIMENSION + 1}) %"{x}.shape{axis}"')
         body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
+        body.append(f'%".{x}.count{axis}" = mul nuw nsw i64 {count}, %".{x}.shape{axis}"')
+        count = f'%".{x}.count{axis}"'
         shapes.append(f'i64 %".{x}.shape{axis}"')
     for axis in reversed(range(param.ndim)):
         strides.insert(0, f"i64 {stride}")
         body.append(f'%".{x}.size{axis}" = mul nuw nsw i64 {stride}, %".{x}.shape{axis}"')
         stride = f'%".{x}.size{axis}"'
-    body.append(f'%".{x}.nitems" = lshr exact i64 {stride}, {item.bit_length() - 1}')
-    head = ["ptr null", "ptr null", f'i64 %".{x}.nitems"', f"i64 {item}", f'ptr %"&{x}"']
+    head = ["ptr null", "ptr null", f"i64 {count}", f"i64 {item}", f'ptr %"&{x}"']
     arguments.extend(head + shapes + strides)

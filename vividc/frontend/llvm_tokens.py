@@ -141,8 +141,25 @@ class Cursor:
         if re.fullmatch(r"-?\d+", token):
             # Types of less than a word are kept without sign.
             return Int(int(token) & _SMALL[type_] if type_ in _SMALL else int(token))
+        if token == "getelementptr":
+            return self._constant_address()
         self._skip_constant_expression()
         return Global(token)
+
+    def _constant_address(self) -> Global:
+        """`getelementptr inbounds (i8, ptr @global, i32 16)`: LLVM writes offsets in bytes."""
+        start = self.position
+        while self.peek in _FLAGS:
+            self.take()
+        if self.accept("(") and self.accept("i8") and self.accept(","):
+            base = self.typed_operand()[1]
+            self.expect(",")
+            offset = self.typed_operand()[1]
+            if isinstance(base, Global) and isinstance(offset, Int) and self.accept(")"):
+                return Global(base.name, base.offset + offset.value)
+        self.position = start
+        self._skip_constant_expression()
+        return Global("getelementptr")
 
     def _skip_constant_expression(self) -> None:
         while self.peek and self.peek != "(":

@@ -4,37 +4,58 @@ the user's.
 
 from __future__ import annotations
 
-import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from numba.core.errors import NumbaError
+from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
-from vividc.dfg.cfg import MAX_DIMENSION, WIDE_DTYPES, DType, Function, Param
+from vividc.dfg.cfg import (
+    MAX_DIMENSION,
+    MAX_ELEMENTS,
+    WIDE_DTYPES,
+    DType,
+    Function,
+    Param,
+)
 from vividc.dfg.cfg_check import check_function
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
+from vividc.frontend.diagnose import construct_at, diagnose
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, truncate_divisions
 from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
 from vividc.frontend.llvm_text import read_function
+from vividc.frontend.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
 from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
 from vividc.frontend.numba_target import NumbaModule, numba_module
+from vividc.frontend.overlap import fold_overlaps
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
+from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 from vividc.frontend.subword import extend_loads, store_low_bits
 from vividc.frontend.value_numbering import merge_equal
 
-_ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
-_PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
+# What numba raises for functions that it did not foresee.
+_NUMBA_FAULTS: tuple[type[Exception], ...] = (
+    NumbaError,
+    UnsupportedBytecodeError,
+    NotImplementedError,
+    ImportError,
+    LookupError,
+    TypeError,
+    ValueError,
+    SyntaxError,
+    RecursionError,
+    AttributeError,
+)
 _RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
 
 
@@ -86,28 +107,32 @@ def lower(
     """
     module = _typed(py_func, args, return_type, loc)
     if module.return_type not in _RETURNS:
+        if "generator(" in module.return_type:
+            raise construct_at(loc, py_func.__name__) or KernelError("a generator", loc=loc)
         hint = "return one float32, bool or integer, or store results into an array"
         raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
-    with located(loc):
-        wide, params = _read(module, params, loc)
-    return lower_words(wide, name, params, _RETURNS[module.return_type], loc, strict_fp=strict_fp)
+    with _in_python(loc, py_func.__name__), located(loc):
+        kernel, params = _read(module, params, loc)
+        returns = _RETURNS[module.return_type]
+        return lower_words(kernel, name, params, returns, loc, strict_fp=strict_fp)
 
 
 def _read(
     module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc
-) -> tuple[WideFunction, tuple[Param, ...]]:
+) -> tuple[Prepared, tuple[Param, ...]]:
     """The kernel without pointers, and its parameters with the words each needs."""
 
-    def read() -> WideFunction:
-        return prepared(read_function(optimised_ir(module, params, loc), ENTRY, loc.file))
+    def read() -> Prepared:
+        text = optimised_ir(module, params, loc)
+        return prepared(read_function(text, ENTRY, loc.file), text)
 
     params = tuple(replace(p, words=2) if p.dtype in WIDE_DTYPES else p for p in params)
-    wide = read()
+    kernel = read()
     if all(p.words == 1 for p in params):
-        return wide, params
-    words = word_parameters(_simplified(wide, params))
+        return kernel, params
+    words = word_parameters(_simplified(kernel, params)[0])
     params = tuple(replace(p, words=1) if p.name in words else p for p in params)
-    return (read() if words else wide), params
+    return (read() if words else kernel), params
 
 
 @contextmanager
@@ -121,8 +146,24 @@ def located(loc: SourceLoc) -> Iterator[None]:
         raise KernelError(error.reason, loc=loc, hint=error.hint) from error
 
 
+@contextmanager
+def _in_python(loc: SourceLoc, name: str) -> Iterator[None]:
+    """Numba compiles some of what no array runs, such as print, to calls of its runtime: name the
+    construct instead of the call.
+    """
+    try:
+        yield
+    except KernelError as error:
+        better = None
+        if isinstance(error.loc, SourceLoc) and "call" in error.reason:
+            better = construct_at(loc, name, error.loc.line)
+        if better is None:
+            raise
+        raise better from error
+
+
 def lower_words(
-    wide: WideFunction,
+    kernel: Prepared,
     name: str,
     params: tuple[Param, ...],
     returns: DType | None,
@@ -142,7 +183,7 @@ def lower_words(
         Puts the advice of warnings in the words of another language than Python.
     """
     with located(loc):
-        narrowed = _narrowed(wide, name, params, returns, file or loc.file)
+        narrowed = _narrowed(kernel, name, params, returns, file or loc.file)
     for lines, (*what, instead) in (
         (narrowed.demoted, _DEMOTED),
         (narrowed.saturated, _SATURATED),
@@ -155,8 +196,18 @@ def lower_words(
     return function
 
 
-def prepared(wide: WideFunction) -> WideFunction:
+@dataclass(frozen=True)
+class Prepared:
+    """A function without pointers, and the arrays of its own by name."""
+
+    function: WideFunction
+    arrays: dict[str, Held]
+
+
+def prepared(wide: WideFunction, text: str) -> Prepared:
     """What was read from LLVM, without dead code, calls that cannot run, and pointers.
+
+    `text`: the module it was read from, whose constant arrays become tables.
 
     Raises
     ------
@@ -165,27 +216,33 @@ def prepared(wide: WideFunction) -> WideFunction:
         arrays.
     """
     wide = recover_divisions(remove_dead(remove_unreachable(wide)))
+    holding = hold_arrays(fold_overlaps(wide), text)
+    wide = remove_dead(holding.function)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
-    return straighten_single_trips(recover_extensions(resolve_memory(wide)))
+    wide = resolve_memory(wide, holding.arrays)
+    return Prepared(straighten_single_trips(recover_extensions(wide)), holding.arrays)
 
 
 def _narrowed(
-    wide: WideFunction, name: str, params: tuple[Param, ...], returns: DType | None, file: str
+    kernel: Prepared, name: str, params: tuple[Param, ...], returns: DType | None, file: str
 ) -> Narrowed:
-    wide = _simplified(wide, params)
-    return narrow(wide, Ranges(wide, _bounds(params)), name, params, returns, file)
+    wide, ranges = _simplified(kernel, params)
+    narrowed = narrow(wide, ranges, name, params, returns, file)
+    return replace(narrowed, function=with_locals(narrowed.function, kernel.arrays))
 
 
-def _simplified(wide: WideFunction, params: tuple[Param, ...]) -> WideFunction:
+def _simplified(kernel: Prepared, params: tuple[Param, ...]) -> tuple[WideFunction, Ranges]:
     """Without small integers in memory, and without what the ranges of values decide."""
-    wide = load_flags(wide, _flag_arrays(params))
+    wide = load_flags(kernel.function, _flag_arrays(params))
     wide = store_low_bits(extend_loads(wide))
-    bounds = _bounds(params)
+    bounds = _bounds(params) | bounds_of_loads(wide, kernel.arrays)
+    bounds |= bounds_of_sizes(wide, MAX_ELEMENTS)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    return truncate_divisions(wide, Ranges(wide, bounds))
+    wide = truncate_divisions(wide, Ranges(wide, bounds))
+    return wide, Ranges(wide, bounds)
 
 
 def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:
@@ -206,34 +263,8 @@ def _typed(
 ) -> NumbaModule:
     try:
         return numba_module(py_func, args, return_type)
-    except (NumbaError, NotImplementedError, ImportError) as error:
-        hint = None
-        if "NRT required" in str(error):
-            hint = "a kernel cannot make arrays, lists or copies of slices: pass arrays"
-        raise KernelError(_readable(error), loc=_place(error, loc), hint=hint) from error
-
-
-def _readable(error: Exception) -> str:
-    """Numba's message without its colours, banner and advice."""
-    lines = [line.strip() for line in _ESCAPE.sub("", str(error)).splitlines()]
-    text = [
-        line
-        for line in lines
-        if line and not line.startswith(("Failed in", "File ", "During:", ">>>"))
-    ]
-    return f"numba: {' '.join(text[:3])}"
-
-
-def _place(error: Exception, loc: SourceLoc) -> SourceLoc:
-    """The line in the user's file that numba names last: its messages go from the outer to the
-    inner fault.
-    """
-    places = [
-        int(match["line"])
-        for match in _PLACE.finditer(_ESCAPE.sub("", str(error)))
-        if loc.file.endswith(match["file"].lstrip("./"))
-    ]
-    return SourceLoc(loc.file, places[-1]) if places else loc
+    except _NUMBA_FAULTS as error:
+        raise diagnose(error, loc, py_func.__name__) from error
 
 
 def _report(

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.local_arrays import Held, as_words, in_words
 from vividc.frontend.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.ssa import (
     Global,
@@ -27,8 +28,8 @@ from vividc.frontend.unmerge import split_merged_loads
 
 _SUFFIX = ".bytes"
 _BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
-_LOCAL_HINT = "use scalar variables, or pass a scratch array as a parameter"
-_GLOBAL_HINT = "pass the array as a parameter: only scalar globals are constants of a kernel"
+_LOCAL_HINT = "use scalar variables, or an array of constant size: np.zeros(16, np.float32)"
+_GLOBAL_HINT = "pass the array as a parameter: constants are numbers, tuples of them, and arrays"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,22 +41,24 @@ class _Address:
     offset: int = 0
 
 
-def resolve_memory(function: WideFunction) -> WideFunction:
-    """Give every load and store its array, and drop all pointers.
+def resolve_memory(function: WideFunction, own: dict[str, Held] | None = None) -> WideFunction:
+    """Give every load and store its array, and drop all pointers; `own`: the kernel's own arrays.
 
     Raises
     ------
     KernelError
         A pointer does not come from an array parameter.
     """
-    return _Resolver(remove_dead(split_merged_loads(without_freezes(function)))).run()
+    function = remove_dead(split_merged_loads(without_freezes(function)))
+    return _Resolver(function, own or {}).run()
 
 
 class _Resolver:
     """One function's pointers, resolved on demand."""
 
-    def __init__(self, function: WideFunction) -> None:
+    def __init__(self, function: WideFunction, own: dict[str, Held]) -> None:
         self._function = function
+        self._own = own
         self._definitions = function.definitions
         self._arrays: dict[str, str] = {}
         self._stores = 0
@@ -109,9 +112,9 @@ class _Resolver:
 
     def _rewrite(self, op: Op) -> Iterator[Op]:
         if op.op == "load":
-            yield from self._access(op, op.args[0], ())
+            yield from self._access(op, op.args[0])
         elif op.op == "store":
-            yield from self._access(op, op.args[1], (op.args[0],))
+            yield from self._access(op, op.args[1])
         elif op.op == "getelementptr":
             yield from self._gep_bytes(op)
         elif op.op == "select" and op.type == "ptr":
@@ -128,8 +131,20 @@ class _Resolver:
         else:
             yield op
 
-    def _access(self, op: Op, pointer: Operand, value: tuple[Operand, ...]) -> Iterator[Op]:
+    def _access(self, op: Op, pointer: Operand) -> Iterator[Op]:
         address = self._address(pointer, op.loc)
+        held = self._own.get(address.array)
+        if held is None:
+            yield from self._word_access(op, address)
+            return
+        terms, offset = in_words(self._function, address.terms, address.offset, held, op.loc)
+        self._stores += 1
+        before, access, after = as_words(op, held, self._stores)
+        yield from before
+        yield from self._word_access(access, _Address(address.array, terms, offset))
+        yield from after
+
+    def _word_access(self, op: Op, address: _Address) -> Iterator[Op]:
         if op.type not in _BYTES:
             raise KernelError(
                 f"an array access of type {op.type}",
@@ -147,7 +162,7 @@ class _Resolver:
             yield from computed
         yield replace(
             op,
-            args=(*value, index),
+            args=(*op.args[:-1], index),
             array=address.array,
             shift=shift,
             offset=address.offset,

@@ -30,6 +30,7 @@ from vividc.dfg.cfg import (
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_bits, narrow_float, narrow_int
+from vividc.frontend.diagnose import hint_of_raise
 from vividc.frontend.emit import ALIASES, Emitter, result_type
 from vividc.frontend.interval import S32, U32, contains
 from vividc.frontend.numba_target import RAISE_PREFIX
@@ -199,11 +200,17 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
 
 
 def refuse_calls(function: WideFunction) -> None:
-    """Refuse a kernel that can raise, or that calls what the array cannot run."""
+    """Refuse a kernel that calls what the array cannot run; a raise may yet prove unreachable."""
     for block in function.blocks:
         for op in block.ops:
-            if op.op == "call" and _call_rule(op) is None and not saturates_wide(op):
+            if op.op != "call" or _raises(op) or saturates_wide(op):
+                continue
+            if _call_rule(op) is None:
                 raise _refused(op)
+
+
+def _raises(op: Op) -> bool:
+    return op.pred.startswith(RAISE_PREFIX)
 
 
 def _call(emitter: Emitter, op: Op) -> None:
@@ -231,9 +238,11 @@ def _refused(op: Op) -> KernelError:
     callee = op.pred
     if callee.startswith(RAISE_PREFIX):
         what = callee.removeprefix(RAISE_PREFIX).removesuffix(": ")
-        hint = "the array has no exceptions: return or store a flag instead"
-        return KernelError(f"the kernel can raise {what}", loc=op.loc, hint=hint)
-    if callee.startswith(("NRT_", "numba_", "Py", "printf", "puts")):
+        return KernelError(f"the kernel can raise {what}", loc=op.loc, hint=hint_of_raise(what))
+    if callee.startswith("numba_") and not callee.startswith("numba_gil"):
+        reason = f"a call of numba's `{callee.removeprefix('numba_')}`, which the array cannot run"
+        return KernelError(reason, loc=op.loc, hint="write it with loops and arithmetic")
+    if callee.startswith(("NRT_", "numba_gil", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
     hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"

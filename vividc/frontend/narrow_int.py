@@ -10,6 +10,7 @@ from vividc.errors import KernelError
 from vividc.frontend.emit import WORD_HINT, Emitter
 from vividc.frontend.floor_division import FLOOR_DIVISIONS
 from vividc.frontend.interval import width
+from vividc.frontend.lang import MULHS, MULHU
 from vividc.frontend.narrow_divide import divide
 from vividc.frontend.narrow_small import emit_masked, sign_extended
 from vividc.frontend.ssa import Int, Op, Operand
@@ -262,6 +263,13 @@ def _three_way(signed: bool) -> Rule:
     return rule
 
 
+def _high_product(opcode: Opcode) -> Rule:
+    def rule(emitter: Emitter, op: Op) -> None:
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+
+    return rule
+
+
 RULES: dict[str, Rule] = {
     "add": _ring(Opcode.ADD),
     "sub": _ring(Opcode.SUB),
@@ -289,4 +297,6 @@ CALLS: dict[str, Rule] = {
     "abs": _abs,
     "scmp": _three_way(signed=True),
     "ucmp": _three_way(signed=False),
+    MULHS: _high_product(Opcode.MULHS),
+    MULHU: _high_product(Opcode.MULHU),
 }

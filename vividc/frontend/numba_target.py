@@ -11,6 +11,7 @@ which numba leaves undefined.
 from __future__ import annotations
 
 import functools
+import operator
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -35,12 +36,28 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj
 
+from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick, reshape
 from vividc.frontend.numba_integer import integer_operator
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
 # Pointers of 32 bits: LLVM then truncates address arithmetic to the machine's words by itself.
 DATA_LAYOUT = "e-p:32:32-i64:64-n32"
+
+
+class Callee:
+    """What a kernel must be that another one calls.
+
+    Attributes
+    ----------
+    py_func
+        The Python function.
+    numba_signature
+        Its numba signature, or the tuple of its argument types: a call casts to them.
+    """
+
+    py_func: Callable[..., Any]
+    numba_signature: Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,14 +205,19 @@ class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
 
 class _TypingContext(typing.Context):  # type: ignore[misc]
     def resolve_value_type(self, val: Any) -> Any:
-        """A jitted helper becomes a function of this target, typed anew."""
-        if isinstance(val, Dispatcher) and not isinstance(val, _Dispatcher):
-            val = _own_dispatcher(val)
+        """A jitted helper or another kernel becomes a function of this target, typed anew."""
+        if isinstance(val, Callee):
+            val = _own_dispatcher(val, val.py_func, (val.numba_signature,))
+        elif isinstance(val, Dispatcher) and not isinstance(val, _Dispatcher):
+            fixed = () if val._can_compile else tuple(val.nopython_signatures)
+            val = _own_dispatcher(val, val.py_func, fixed, val.locals)
         return super().resolve_value_type(val)
 
 
 class _Context(cpu.CPUContext):  # type: ignore[misc]
     enable_boundscheck = False
+    # Without it numba types no function that returns an array, such as np.empty.
+    enable_nrt = True
 
     def init(self) -> None:
         self.is32bit = False
@@ -207,6 +229,11 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         rtsys.initialize(cpu_target.target_context)
         super().load_additional_registries()
 
+    @functools.cached_property
+    def nrt(self) -> NoRuntime:
+        """Nothing is counted; what needs the heap is an error."""
+        return NoRuntime(self, False)
+
     @property
     def call_conv(self) -> _CallConv:
         return _CallConv(self)
@@ -217,14 +244,27 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
     def post_lowering(self, mod: Any, library: Any) -> None:
         """Numba links its runtime here."""
 
+    def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
+        """Constant arrays are typed globals; numba's are bytes."""
+        return constant_array(self, builder, typ, ary)
+
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for iteration over a range and for some integer operators."""
         if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
             return functools.partial(_range_iterator, self, sig)
         if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
             return functools.partial(_range_next, self, sig)
+        operation = getattr(fn, "typing_key", None)
+        if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
+            return functools.partial(_ours, pick, self, sig)
+        if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
+            return functools.partial(_ours, reshape, self, sig)
         general = super().get_function(fn, sig, _firstcall)
         return integer_operator(self, fn, sig, general)
+
+
+def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    return rule(context, builder, sig, args)
 
 
 _I64 = ir.IntType(64)
@@ -316,11 +356,22 @@ class _EntryPoint:
     """Stands for the address of a function that is never loaded."""
 
 
-def _own_dispatcher(host: Dispatcher) -> _Dispatcher:
+def _own_dispatcher(
+    host: Any, py_func: Callable[..., Any], signatures: tuple[Any, ...], locals_: Any = None
+) -> _Dispatcher:
+    """The dispatcher of our target for what the host calls `host`, limited to `signatures`."""
     own: _Dispatcher | None = getattr(host, "_vividc_dispatcher", None)
     if own is None:
-        own = _Dispatcher(host.py_func, host.locals)
+        own = _Dispatcher(py_func, locals_ or {})
         host._vividc_dispatcher = own
+        try:
+            for signature in signatures:
+                own.compile(signature)
+        except errors.NumbaError:
+            del host._vividc_dispatcher
+            raise
+        if signatures:
+            own.disable_compile()
     return own
 
 
@@ -391,7 +442,7 @@ def numba_module(
     with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
-        with _indices_are_words():
+        with _indices_are_words(), arrays_are_ours():
             result = _compile(py_func, args, return_type)
     return NumbaModule(
         texts=result.library.all_texts(),

@@ -62,7 +62,7 @@ class Ranges:
     function
         A function without unreachable blocks, memory resolved.
     bounds
-        Intervals of parameters that are tighter than their type.
+        Intervals of parameters and of instructions that are tighter than their type.
     """
 
     def __init__(self, function: WideFunction, bounds: dict[str, Interval]) -> None:
@@ -156,7 +156,9 @@ class Ranges:
                 total = union(total, self._on_edge(value, pred, block))
             limit = self._limits.get(item.name)
             return total if limit is None else intersect(total, limit)
-        return self._evaluate(item, block, _DEPTH)
+        interval = self._evaluate(item, block, _DEPTH)
+        bound = self._bounds.get(item.name)
+        return interval if bound is None else intersect(interval, bound)
 
     def _evaluate(self, op: Op, block: str, depth: int) -> Interval:
         if op.op == "select":

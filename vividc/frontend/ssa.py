@@ -46,9 +46,10 @@ class Float:
 
 @dataclass(frozen=True, slots=True)
 class Global:
-    """A global variable or function."""
+    """A global variable or function, or the place `offset` bytes into it."""
 
     name: str
+    offset: int = 0
 
 
 Operand = Local | Int | Float | Global
@@ -289,7 +290,8 @@ def remove_dead(function: WideFunction) -> WideFunction:
 
 def has_effect(op: Op) -> bool:
     """Whether the instruction must stay even if nothing reads its result."""
-    return op.op == "store" or (op.op == "call" and not op.pred.startswith("llvm."))
+    pure = op.pred.startswith("llvm.") and not op.pred.startswith("llvm.mem")
+    return op.op == "store" or (op.op == "call" and not pure)
 
 
 @dataclass(frozen=True)

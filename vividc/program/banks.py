@@ -35,7 +35,7 @@ class _Stream:
 def choose_banks(
     kernel: Kernel, fabric: Fabric, mappings: Mapping[int, RegionMapping]
 ) -> dict[str, int]:
-    """The start bank of each array parameter, by name.
+    """The start bank of each array parameter and each array of the kernel's own, by name.
 
     Greedy in parameter order: the bank with the fewest meetings with the arrays before, and of
     those the one that follows on from the array before. Accesses whose addresses are not known to
@@ -50,6 +50,7 @@ def choose_banks(
     ]
     starts: dict[str, int] = {}
     arrays = [param.name for param in kernel.params if param.ndim]
+    arrays += [local.name for local in kernel.locals]
     for position, name in enumerate(arrays):
         order = [(position + offset) % banks for offset in range(banks)]
         starts[name] = min(

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from vividc.dfg.cfg import DType, Param
+from vividc.dfg.cfg import DType, LocalArray, Param
 from vividc.errors import BundleError
 from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
 
@@ -71,6 +71,7 @@ class Manifest:
     regions: tuple[RegionReport, ...]
     provenance: Provenance
     warnings: tuple[str, ...]
+    locals: tuple[LocalArray, ...] = ()
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

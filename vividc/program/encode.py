@@ -70,6 +70,7 @@ def encode(
         check_region(region, mappings[index], fabric)
     table = _table(kernel, fabric, mappings)
     _check_contexts(kernel, fabric, table)
+    _check_locals(kernel, fabric)
     stores = allocate(kernel, fabric, mappings)
     layout = word_layout(fabric)
     lowered = [
@@ -94,6 +95,7 @@ def encode(
         regions=_reports(kernel, fabric, table, reports or {}),
         provenance=_provenance(kernel, options or {}),
         warnings=tuple(warnings),
+        locals=kernel.locals,
     )
 
 
@@ -137,6 +139,17 @@ def _check_contexts(kernel: Kernel, fabric: Fabric, table: Sequence[RegionRow]) 
             f"{fabric.controller.contexts}",
             loc=kernel.file or None,
             hint="split the kernel, unroll less, or raise `controller.contexts` of the fabric",
+        )
+
+
+def _check_locals(kernel: Kernel, fabric: Fabric) -> None:
+    used = sum(local.words for local in kernel.locals)
+    if used > fabric.scratchpad.words:
+        raise KernelError(
+            f"the arrays that {kernel.name} makes and its constant tables need {4 * used} bytes, "
+            f"and the scratchpad of fabric {fabric.name} has {fabric.scratchpad.size_bytes}",
+            loc=kernel.file or None,
+            hint="make smaller arrays, or work on pieces",
         )
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
-from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, Param
+from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.errors import BundleError, VividcError, demand_type
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
@@ -48,6 +48,8 @@ class Program:
         What each configuration entry was made from.
     regions
         What the compiler achieved and proved, one report per row of `table`.
+    locals
+        Arrays of the kernel's own, which lie in the scratchpad behind the arguments.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Program:
     regions: tuple[RegionReport, ...]
     provenance: Provenance
     warnings: tuple[str, ...] = ()
+    locals: tuple[LocalArray, ...] = ()
 
     @property
     def fabric_name(self) -> str:
@@ -152,6 +155,7 @@ def _manifest(program: Program) -> Manifest:
         regions=program.regions,
         provenance=program.provenance,
         warnings=program.warnings,
+        locals=program.locals,
     )
 
 
@@ -197,6 +201,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         regions=manifest.regions,
         provenance=manifest.provenance,
         warnings=manifest.warnings,
+        locals=manifest.locals,
     )
 
 
@@ -211,6 +216,7 @@ def _faults(program: Program) -> Iterator[str]:
         yield from _row_faults(index, row, contexts, rows)
     yield from _store_faults(program)
     unknown = {item.key for item in program.launch} - _input_keys(program.params)
+    unknown -= {f"&{local.name}" for local in program.locals}
     if unknown:
         yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
     if (program.returns is None) is not (program.return_home is None):
@@ -233,10 +239,13 @@ def _store_faults(program: Program) -> Iterator[str]:
         ):
             yield f"constant-store entry {entry} of PE {pe} does not exist"
     arrays = {param.name for param in program.params if param.ndim}
+    arrays |= {local.name for local in program.locals}
     if set(program.banks) != arrays or any(
         not 0 <= bank < program.fabric.scratchpad.banks for bank in program.banks.values()
     ):
         yield "its memory layout does not fit its parameters"
+    if any(local.words < len(local.contents or ()) for local in program.locals):
+        yield "its constant tables are larger than their places"
 
 
 def _input_keys(params: tuple[Param, ...]) -> set[str]:

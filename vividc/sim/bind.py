@@ -18,6 +18,7 @@ from vividc.program import (
     MAX_DIMENSION,
     WORD_BYTES,
     DType,
+    LocalArray,
     Param,
     Program,
     place_arrays,
@@ -53,20 +54,25 @@ class Bound:
     inputs
         Word of each launch key.
     arrays, addresses
-        The caller's arrays and their byte addresses, by parameter name.
+        The caller's arrays by parameter name; byte addresses of these and of the kernel's own.
+    locals
+        The kernel's own arrays.
     """
 
     memory: NDArray[np.uint32]
     inputs: Mapping[str, int]
     arrays: Mapping[str, Array]
     addresses: Mapping[str, int]
+    locals: tuple[LocalArray, ...] = ()
 
     @property
     def extents(self) -> dict[str, tuple[int, int]]:
         """First byte and end of each array in the scratchpad."""
+        sizes = {name: _size_bytes(array) for name, array in self.arrays.items()}
+        sizes |= {local.name: WORD_BYTES * local.words for local in self.locals}
         return {
-            name: (self.addresses[name], self.addresses[name] + _size_bytes(array))
-            for name, array in self.arrays.items()
+            name: (self.addresses[name], self.addresses[name] + size)
+            for name, size in sizes.items()
         }
 
     def copy_back(self, memory: NDArray[np.uint32], stored: frozenset[str]) -> None:
@@ -104,13 +110,25 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
                 inputs[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
     _refuse_overlap(arrays)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
+    sizes += [(local.name, local.words) for local in program.locals]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
         raw = _bytes(name, array)
         memory.view(np.uint8)[addresses[name] : addresses[name] + raw.size] = raw
         inputs[f"&{name}"] = addresses[name]
-    return Bound(memory, inputs, arrays, addresses)
+    for local in program.locals:
+        _place_local(local, addresses[local.name], memory, inputs)
+    return Bound(memory, inputs, arrays, addresses, program.locals)
+
+
+def _place_local(
+    local: LocalArray, address: int, memory: NDArray[np.uint32], inputs: dict[str, int]
+) -> None:
+    inputs[f"&{local.name}"] = address
+    if local.contents:
+        start = address // 4
+        memory[start : start + len(local.contents)] = local.contents
 
 
 def returned(dtype: DType, word: int) -> int | float | bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from vividc.dfg.words import loaded, stored
-from vividc.errors import SimulationError
+from vividc.errors import CycleLimit, SimulationError
 from vividc.program import Program, Use
 from vividc.sim.engine import Progress
 from vividc.sim.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
@@ -53,7 +53,7 @@ class Tile:
         if self.cycle + cycles <= self.cycle_limit and self.entries <= self.cycle_limit:
             return
         report = self.program.regions[region]
-        raise SimulationError(
+        raise CycleLimit(
             f"{self.program.name} is in region {report.name} after {self.cycle_limit} cycles",
             loc=report.loc,
             hint="raise cycle_limit, or look for a loop that never ends",

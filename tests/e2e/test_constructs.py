@@ -1,0 +1,67 @@
+"""Ordinary Python constructs, one tiny kernel each: against numba, and some on the machine."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.e2e.constructs import arrays, calls, control, numbers, tables  # noqa: F401 - they register
+from tests.e2e.constructs.registry import CONSTRUCTS, Construct
+from tests.e2e.test_kernels import assert_close
+from vividc import arch
+from vividc.dfg.interpreter import interpret
+from vividc.driver import lower
+from vividc.sim.bind import bind, returned
+
+pytestmark = pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
+MAPPED = {name: item for name, item in CONSTRUCTS.items() if item.mapped}
+
+
+@pytest.mark.parametrize("name", CONSTRUCTS)
+def test_a_construct_means_what_it_means_to_numba(name: str) -> None:
+    construct = CONSTRUCTS[name]
+    ours, theirs = construct.fresh(), construct.fresh()
+    value = interpreted(construct, ours)
+    assert_same((*ours, value), (*theirs, construct.kernel(*theirs)))
+
+
+@pytest.mark.parametrize("name", MAPPED)
+def test_a_construct_runs_on_the_machine(name: str) -> None:
+    construct = CONSTRUCTS[name]
+    program = vividc.compile(construct.kernel, time_limit_s=20.0)
+    ours, theirs = construct.fresh(), construct.fresh()
+    result = vividc.simulate(program, *ours)
+    assert_same((*ours, result.value), (*theirs, construct.kernel(*theirs)))
+
+
+def interpreted(construct: Construct, args: tuple[object, ...]) -> object:
+    """Run the optimised graphs, before any mapping; arrays are updated in place."""
+    kernel = lower(construct.kernel)
+    launch = SimpleNamespace(
+        name=kernel.name,
+        params=kernel.params,
+        fabric=arch.load("vivid-tile"),
+        banks={},
+        locals=kernel.locals,
+        stored_arrays=frozenset(),
+    )
+    bound = bind(launch, args, {})  # type: ignore[arg-type]
+    memory = bound.memory.copy()
+    done = interpret(kernel, memory, bound.inputs)
+    bound.copy_back(memory, frozenset(bound.arrays))
+    if kernel.returns is None or done.value is None:
+        return None
+    return returned(kernel.returns, done.value)
+
+
+def assert_same(ours: tuple[object, ...], theirs: tuple[object, ...]) -> None:
+    """As `assert_close`; a returned value last, None if there is none."""
+    assert (ours[-1] is None) == (theirs[-1] is None)
+    keep = len(ours) - (ours[-1] is None)
+    assert_close(ours[:keep], theirs[:keep])
+    assert all(
+        np.asarray(a).shape == np.asarray(b).shape for a, b in zip(ours, theirs, strict=True)
+    )

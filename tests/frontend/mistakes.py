@@ -1,0 +1,333 @@
+"""Kernels that ask for what an array cannot do; `# here` marks the line of the error."""
+
+import math
+
+import numba
+import numpy as np
+
+from tests.frontend.mistake_registry import mistake
+
+TABLE = np.arange(4, dtype=np.float32)
+THIRDS = np.array([1 / 3, 2 / 3])
+HUGE = np.array([1, 2**40], np.int64)
+SETTINGS = {"scale": 2}
+NAMES = ["a", "b"]
+
+
+def plain(v):
+    return v + 1
+
+
+@numba.njit
+def factorial(n):
+    return 1 if n < 2 else n * factorial(n - 1)
+
+
+@numba.njit
+def helper_with_list(n):
+    values = [n, n + 1]  # here: helper_list
+    return values[0]
+
+
+@mistake("a dict", "array")
+def dict_display(x, n):
+    d = {1: 2}  # here
+    x[0] = d[n]
+
+
+@mistake("a dict", "array")
+def dict_call(x, n):
+    d = dict()  # here
+    d[n] = 1
+    x[0] = d[n]
+
+
+@mistake("a set", "np.bool_")
+def set_display(x, n):
+    s = {1, 2}  # here
+    if n in s:
+        x[0] = 1
+
+
+@mistake("a list", "np.zeros")
+def list_display(x, n):
+    values = [1.0, 2.0]  # here
+    x[0] = values[n]
+
+
+@mistake("a list comprehension", "np.zeros")
+def list_comprehension(x, n):
+    values = [i * 2 for i in range(n)]  # here
+    x[0] = values[0]
+
+
+@mistake("a list", "np.zeros")
+def list_appended(x, n):
+    values = []  # here
+    for i in range(n):
+        values.append(i)
+    x[0] = len(values)
+
+
+@mistake("a generator expression", "loop")
+def generator_expression(x, n):
+    x[0] = sum(i for i in range(n))  # here
+
+
+@mistake("a string", "integers")
+def string(x, n):
+    name = "a" + str(n)  # here
+    x[0] = len(name)
+
+
+@mistake("a string", "integers")
+def formatted_string(x, n):
+    x[0] = len(f"{n} items")  # here
+
+
+@mistake("`print`", "array")
+def prints(x, n):
+    print(x[n])  # here
+
+
+@mistake("can raise ValueError: negative", "flag")
+def raises(x, n):
+    if n < 0:
+        raise ValueError("negative")  # here
+    x[0] = n
+
+
+@mistake("can raise AssertionError", "return a flag")
+def asserts(x, n):
+    assert n > 0  # here
+    x[0] = n
+
+
+@mistake("`try`", "test the condition")
+def catches(x, n):
+    try:  # here
+        x[0] = n
+    except Exception:
+        x[1] = n
+
+
+@mistake("`with`", "around the kernel")
+def with_statement(x, n):
+    with open("file"):  # here
+        x[0] = n
+
+
+@mistake("`del`", "no deletion")
+def deletes(x, n):
+    del x[n]  # here
+
+
+@mistake("`yield`", "into an array")
+def generates(x, n):
+    for i in range(n):
+        yield x[i]  # here
+
+
+@mistake("a class", "one for each field")
+def defines_a_class(x, n):
+    class Point:  # here
+        pass
+
+    x[0] = n
+
+
+@mistake("`import`", "top of the file")
+def imports(x, n):
+    import math as m  # here  # noqa: PLC0415
+
+    x[0] = m.sqrt(n)
+
+
+@mistake("`global`", "return the value")
+def writes_a_global(x, n):
+    global counter  # here  # noqa: PLW0603
+    counter = n
+    x[0] = counter
+
+
+@mistake("a call of `hypot`", "")
+def complex_number(x, n):
+    z = (1 + 2j) * n
+    x[0] = abs(z * z)  # here
+
+
+@mistake("a recursive call", "array as its stack")
+def recurses_in_helper(x, n):
+    x[0] = factorial(n)  # here: any
+
+
+@mistake("a list", "np.zeros")
+def list_in_helper(x, n):
+    x[0] = helper_with_list(n)  # see: helper_list
+
+
+@mistake("`plain` is a plain Python function", "numba.njit")
+def plain_function(x, n):
+    x[0] = plain(n)  # here
+
+
+@mistake("`SETTINGS` is a dict", "parameters")
+def global_dict(x, n):
+    x[0] = SETTINGS["scale"]  # here: any
+
+
+@mistake("`NAMES` is no number, tuple or array", "tuple")
+def global_list(x, n):
+    x[0] = len(NAMES[n])  # here: any
+
+
+@mistake("`unknown_name_of_nothing` is not defined", "import")
+def unknown_name(x, n):
+    x[0] = unknown_name_of_nothing(n)  # here  # noqa: F821
+
+
+@mistake("frobnicate", "")
+def unknown_attribute(x, n):
+    x.frobnicate(n)  # here
+
+
+@mistake("`reversed`", "count down")
+def reversed_range(x, n):
+    for i in reversed(range(n)):  # here
+        x[i] = 1
+
+
+@mistake("`sorted`", "write a sort")
+def sorts(x, n):
+    for v in sorted(x):  # here
+        x[n] = v
+
+
+@mistake("whose size is not a constant", "write the size as a number")
+def dynamic_size(x, n):
+    a = np.zeros(n, np.float32)  # here
+    for i in range(n):
+        a[i] = x[i]
+    x[0] = a[0]
+
+
+@mistake("whose size is not a constant", "write the size as a number")
+def array_expression(x, n):
+    y = x + x  # here
+    x[0] = y[n]
+
+
+@mistake("whose size is not a constant", "write the size as a number")
+def dynamic_copy(x, n):
+    y = x.copy()  # here
+    x[0] = y[n]
+
+
+@mistake("a local array of float64", "np.float32")
+def float64_array(x, n):
+    a = np.zeros(4)  # here
+    a[n] = x[0]
+    x[0] = a[0]
+
+
+@mistake("a local array of int64", "np.int32")
+def int64_array(x, n):
+    a = np.arange(4)  # here
+    x[0] = a[n]
+
+
+@mistake("a local array of complex64", "np.float32")
+def complex_array(x, n):
+    a = np.zeros(4, np.complex64)  # here
+    x[0] = a[n].real
+
+
+@mistake("kept for the next iteration", "before the loop")
+def array_kept(x, n):
+    previous = np.zeros(4, np.float32)
+    for i in range(n):
+        current = np.zeros(4, np.float32)  # here
+        current[0] = previous[0] + x[i]
+        previous = current
+    x[0] = previous[0]
+
+
+@mistake("different arrays, chosen by a condition", "in each branch")
+def array_chosen(x, n):
+    a = np.ones(4, np.float32)
+    b = np.zeros(4, np.float32)
+    c = a if n > 2 else b  # here: any
+    for i in range(4):
+        c[i] += x[i]
+    x[0] = a[0] + b[0]
+
+
+@mistake("holds 0.333.*, which is no float32", r"astype\(np.float32\)")
+def doubles_in_table(x, n):
+    for i in range(n):
+        x[i] = THIRDS[i & 1]  # here
+
+
+@mistake("do not fit in 32 bits", "int32")
+def longs_in_table(x, n):
+    for i in range(n):
+        x[i] = HUGE[i & 1]  # here
+
+
+@mistake("a write to a global array", "parameter")
+def writes_a_table(x, n):
+    TABLE[n] = x[0]  # here
+
+
+@mistake("part of an array is copied", "element by element")
+def overlapping_slices(x, n):
+    a = np.zeros(8, np.float32)
+    a[1:5] = a[0:4]  # here
+    x[0] = a[n]
+
+
+@mistake("can raise ValueError: range", "if step < 1")
+def step_of_zero(x, n):
+    for i in range(0, 8, n):  # here
+        x[i] = 0
+
+
+@mistake("can raise ValueError: total size", "i \\* columns")
+def reshape_of_unknown_size(x, n):
+    m = x.reshape(2, 4)  # here
+    m[1, 1] = n
+
+
+@mistake("can raise ValueError: cannot assign slice", "write the loop")
+def slices_of_unknown_size(x, n):
+    a = np.zeros(4, np.float32)
+    a[:] = x  # here
+    x[0] = a[n]
+
+
+@mistake("can raise ValueError: zero-size", "best = x\\[0\\]")
+def largest_of_nothing(x, n):
+    x[0] = x.max()  # here
+
+
+@mistake("linear algebra", "loops")
+def dot_product(x, n):
+    x[0] = np.dot(x, x)  # here
+
+
+@mistake("never ends", "break|condition")
+def endless(x, n):
+    while True:  # here: any
+        x[0] += 1
+
+
+@mistake("erf", "")
+def unknown_math(x, n):
+    for i in range(n):
+        x[i] = math.erf(x[i])  # here
+
+
+@mistake("linear algebra", "loops")
+def inverse(x, n):
+    np.linalg.inv(x)  # here
+    x[0] = n

@@ -1,0 +1,285 @@
+"""Arrays of a kernel's own: those it allocates, and the constant tables it reads.
+
+They lie in the scratchpad beside the arguments, one word an element. Here what `numba_arrays` left
+in LLVM's IR becomes pointer parameters like those of arguments, so that the stages behind know no
+difference; `as_words` and `in_words` turn accesses of smaller and larger elements into words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from vividc.dfg.cfg import Function, LocalArray
+from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.constant_tables import Table, tables_of, words_of
+from vividc.frontend.interval import Interval
+from vividc.frontend.numba_arrays import ALLOCATE
+from vividc.frontend.pick import expand_picks
+from vividc.frontend.ssa import (
+    Global,
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideFunction,
+    WidePhi,
+    flow_of,
+    map_operands,
+    remove_dead,
+    substitute,
+    uses,
+)
+
+_ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
+_ELEMENTS |= {"int8": "i8", "uint8": "i8", "int16": "i16", "uint16": "i16"}
+_BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "i64": 8, "double": 8}
+_WORD_BYTES = 4
+_SIGN = 0x80000000
+_SIZE_HINT = (
+    "write the size as a number, np.zeros(64, np.float32), and use a part of it, or pass the array "
+    "as a parameter"
+)
+_DTYPE_HINT = "give a type of 32 bits or less: np.zeros(16, np.float32), np.empty(16, np.int32)"
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """An array of the kernel's own and the LLVM type of its elements.
+
+    `signed`: the words of a table of i64 are to be sign-extended.
+    """
+
+    array: LocalArray
+    element: str
+    signed: bool = True
+
+    @property
+    def element_bytes(self) -> int:
+        """Bytes from one element to the next in LLVM's addresses."""
+        return _BYTES[self.element]
+
+
+@dataclass(frozen=True, slots=True)
+class Holding:
+    """A function whose own arrays are pointer parameters called "&" + name."""
+
+    function: WideFunction
+    arrays: dict[str, Held]
+
+
+def hold_arrays(function: WideFunction, text: str) -> Holding:
+    """Find the arrays of the kernel's own.
+
+    Parameters
+    ----------
+    text
+        The module that the function was read from: it has the tables' contents.
+
+    Raises
+    ------
+    KernelError
+        An allocation of variable size, of elements that are no words, or of an array that outlives
+        the iteration that made it; a constant that does not fit a word.
+    """
+    function, tables = expand_picks(function, tables_of(text))
+    function, allocated = _hold_allocations(function)
+    function, constant = _hold_tables(function, tables)
+    arrays = {held.array.name: held for held in (*allocated, *constant)}
+    params = tuple((f"&{name}", "ptr") for name in arrays)
+    return Holding(replace(function, params=(*function.params, *params)), arrays)
+
+
+def _hold_allocations(function: WideFunction) -> tuple[WideFunction, list[Held]]:
+    held: list[Held] = []
+    known: dict[str, Operand] = {}
+    for block in function.blocks:
+        for op in block.ops:
+            if _is_allocation(op):
+                _refuse_kept(function, block.name, op)
+                held.append(_allocated(op, len(held)))
+                known[op.name] = Local(f"&{held[-1].array.name}")
+    if not held:
+        return function, held
+    blocks = tuple(
+        replace(block, ops=tuple(op for op in block.ops if not _is_allocation(op)))
+        for block in function.blocks
+    )
+    return substitute(replace(function, blocks=blocks), known), held
+
+
+def _is_allocation(op: Op) -> bool:
+    return op.op == "call" and op.pred.startswith(ALLOCATE)
+
+
+def _allocated(op: Op, number: int) -> Held:
+    dtype = op.pred.removeprefix(ALLOCATE)
+    count = op.args[0]
+    if dtype not in _ELEMENTS:
+        raise KernelError(f"a local array of {dtype}", loc=op.loc, hint=_DTYPE_HINT)
+    if not isinstance(count, Int):
+        raise KernelError(
+            "an array is made whose size is not a constant", loc=op.loc, hint=_SIZE_HINT
+        )
+    line = "" if op.loc is None else f".line{op.loc.line}"
+    return Held(LocalArray(f"local{number}{line}", max(count.value, 0)), _ELEMENTS[dtype])
+
+
+def _refuse_kept(function: WideFunction, home: str, op: Op) -> None:
+    """Each iteration's array has the same place, so none may be read in the next iteration."""
+    aliases = {op.name}
+    pointers = [d for d in function.definitions.values() if d.type == "ptr"]
+    grown = True
+    while grown:
+        grown = False
+        for definition in pointers:
+            if definition.name not in aliases and aliases & _pointers_of(definition):
+                aliases.add(definition.name)
+                grown = True
+    for header, body in flow_of(function).loops.items():
+        if home in body and any(phi.name in aliases for phi in function.by_name[header].phis):
+            raise KernelError(
+                "an array made in a loop is kept for the next iteration",
+                loc=op.loc,
+                hint="make both arrays before the loop, and copy elements",
+            )
+
+
+def _pointers_of(definition: Op | WidePhi) -> set[str]:
+    operands: tuple[Operand, ...] = (
+        tuple(value for _, value in definition.incoming)
+        if isinstance(definition, WidePhi)
+        else definition.args
+    )
+    return {operand.name for operand in operands if isinstance(operand, Local)}
+
+
+def _hold_tables(
+    function: WideFunction, tables: dict[str, Table]
+) -> tuple[WideFunction, list[Held]]:
+    """Constant tables that the function reads."""
+    function = remove_dead(function)
+    held: dict[str, Held] = {}
+    starts: dict[str, Op] = {}
+
+    def change(operand: Operand) -> Operand:
+        if not isinstance(operand, Global) or operand.name not in held:
+            return operand
+        base = f"&{held[operand.name].array.name}"
+        if not operand.offset:
+            return Local(base)
+        name = f"{base}+{operand.offset}"
+        starts[name] = Op(
+            name, "getelementptr", "ptr", (Local(base), Int(operand.offset)), "", "i8", strides=(1,)
+        )
+        return Local(name)
+
+    for name, loc in _tables_read(function):
+        if name in tables and name not in held:
+            words = words_of(tables[name], loc)
+            array = LocalArray(f"table{len(held)}", len(words), words)
+            signed = all(value < _SIGN for value in tables[name].values)
+            held[name] = Held(array, tables[name].element, signed)
+    blocks = [map_operands(block, change) for block in function.blocks]
+    blocks[0] = replace(blocks[0], ops=(*starts.values(), *blocks[0].ops))
+    return replace(function, blocks=tuple(blocks)), list(held.values())
+
+
+def _tables_read(function: WideFunction) -> Iterator[tuple[str, SourceLoc | None]]:
+    for block in function.blocks:
+        for op in block.ops:
+            yield from ((arg.name, op.loc) for arg in op.args if isinstance(arg, Global))
+        yield from ((use.name, None) for use in uses(block) if isinstance(use, Global))
+
+
+Terms = tuple[tuple[Operand, int], ...]
+
+
+def in_words(
+    function: WideFunction, terms: Terms, offset: int, held: Held, loc: SourceLoc | None
+) -> tuple[Terms, int]:
+    """A byte address within LLVM's array as one within ours, whose elements are words.
+
+    Raises
+    ------
+    KernelError
+        The address may lie inside an element.
+    """
+    size = held.element_bytes
+    if size == _WORD_BYTES:
+        return terms, offset
+    terms = tuple(_unscaled(function, value, stride) for value, stride in terms)
+    if any(number % size for number in (offset, *(stride for _, stride in terms))):
+        raise KernelError(f"the bytes of an array of {held.element}", loc=loc, hint=_DTYPE_HINT)
+    scaled = tuple((value, stride // size * _WORD_BYTES) for value, stride in terms)
+    return scaled, offset // size * _WORD_BYTES
+
+
+def _unscaled(function: WideFunction, value: Operand, stride: int) -> tuple[Operand, int]:
+    """A term whose constant factors are all in its stride: LLVM prefers (i << 3) * 1 to i * 8."""
+    definition = function.definitions.get(value.name) if isinstance(value, Local) else None
+    if isinstance(definition, Op) and definition.op in ("shl", "mul"):
+        factor = definition.args[1]
+        if isinstance(factor, Int):
+            by = 1 << factor.value if definition.op == "shl" else factor.value
+            return _unscaled(function, definition.args[0], stride * by)
+    return value, stride
+
+
+def as_words(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], Op, tuple[Op, ...]]:
+    """What comes before a load or store, the access of a word, and what comes after.
+
+    `number` is the access's own.
+
+    Raises
+    ------
+    KernelError
+        The access is of another size than the array's elements.
+    """
+    if _BYTES.get(op.type) != held.element_bytes:
+        raise KernelError(
+            f"an access of type {op.type} to an array of {held.element}",
+            loc=op.loc,
+            hint="access whole elements",
+        )
+    if held.element_bytes == _WORD_BYTES:
+        return (), op, ()
+    wide = "float" if held.element == "double" else "i32"
+    if op.op == "load":
+        word = Local(f"{op.name}.word")
+        back = Op(op.name, _from_word(held), op.type, (word,), source=wide, loc=op.loc)
+        return (), replace(op, name=word.name, type=wide), (back,)
+    if isinstance(op.args[0], Int):
+        return (), replace(op, type=wide), ()
+    assert isinstance(op.args[0], Local)
+    value = Local(f"{op.args[0].name}.stored{number}")
+    before = Op(value.name, "zext", wide, (op.args[0],), source=op.type, loc=op.loc)
+    return (before,), replace(op, type=wide, args=(value, op.args[1])), ()
+
+
+def _from_word(held: Held) -> str:
+    """The conversion of a table's or local array's word to its element."""
+    if held.element == "double":
+        return "fpext"
+    if held.element != "i64":
+        return "trunc"
+    return "sext" if held.signed else "zext"
+
+
+def bounds_of_loads(function: WideFunction, arrays: dict[str, Held]) -> dict[str, Interval]:
+    """Values that the integers read from constant tables can have, by name of the load."""
+    found: dict[str, Interval] = {}
+    for block in function.blocks:
+        for op in block.ops:
+            held = arrays.get(op.array) if op.op == "load" and op.type == "i32" else None
+            if held is not None and held.array.contents:
+                values = [w - ((w & _SIGN) << 1) for w in held.array.contents]
+                found[op.name] = (min(values), max(values))
+    return found
+
+
+def with_locals(function: Function, arrays: dict[str, Held]) -> Function:
+    """The function with a table of its own arrays, as far as it accesses them."""
+    accessed = {instr.array for block in function.blocks for instr in block.instrs}
+    own = tuple(held.array for name, held in arrays.items() if name in accessed)
+    return replace(function, locals=own)

@@ -1,0 +1,88 @@
+"""Copies between slices: numba asks at run time whether they overlap; here the arrays decide."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils
+
+from vividc.errors import KernelError
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.simplify import fold_by_ranges
+from vividc.frontend.ssa import (
+    Global,
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideFunction,
+    WidePhi,
+    substitute,
+    type_of,
+)
+
+OVERLAP = "vividc.overlap"
+
+
+def ask_later(
+    context: Any, builder: ir.IRBuilder, a_start: Any, a_end: Any, b_start: Any, b_end: Any
+) -> Any:
+    """Numba's `extents_may_overlap`, as a call that `fold_overlaps` answers."""
+    signature = ir.FunctionType(ir.IntType(1), (a_start.type, b_start.type))
+    callee = cgutils.get_or_insert_function(builder.module, signature, OVERLAP)
+    callee.attributes.add("nounwind")
+    callee.attributes.add("readnone")
+    return builder.call(callee, (a_start, b_start))
+
+
+def fold_overlaps(function: WideFunction) -> WideFunction:
+    """Answer the questions whether two slices may overlap: slices of different arrays do not.
+
+    Raises
+    ------
+    KernelError
+        Slices of one array, or of arrays that are not known.
+    """
+    asked = {op.name: op for block in function.blocks for op in block.ops if op.pred == OVERLAP}
+    if not asked:
+        return function
+    for op in asked.values():
+        one, other = (_arrays(function, arg) for arg in op.args)
+        if not one or not other or one & other:
+            raise KernelError(
+                "a part of an array is copied to what may be the same array",
+                loc=op.loc,
+                hint="write a loop that copies element by element",
+            )
+    blocks = tuple(
+        replace(block, ops=tuple(op for op in block.ops if op.name not in asked))
+        for block in function.blocks
+    )
+    function = substitute(replace(function, blocks=blocks), dict.fromkeys(asked, Int(0)))
+    return fold_by_ranges(function, Ranges(function, {}))
+
+
+def _arrays(function: WideFunction, address: Operand) -> set[str]:
+    """Parameters that an address is computed from; {""} stands for what is not known."""
+    found: set[str] = set()
+    seen: set[str] = set()
+    pending = [address]
+    while pending:
+        operand = pending.pop()
+        if isinstance(operand, Global):
+            found.add(operand.name)
+        if not isinstance(operand, Local) or operand.name in seen:
+            continue
+        seen.add(operand.name)
+        definition = function.definitions.get(operand.name)
+        if isinstance(definition, WidePhi):
+            pending.extend(value for _, value in definition.incoming)
+        elif isinstance(definition, Op) and definition.op == "call":
+            found.add(operand.name)  # an array that the kernel makes
+        elif isinstance(definition, Op):
+            pending.extend(definition.args)
+        elif type_of(function, operand) == "ptr":
+            found.add(operand.name)
+    return found
