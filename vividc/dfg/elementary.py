@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from vividc.dfg.elementary_float import FLOAT_SEMANTICS
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.words import (
     CANONICAL_NAN,
@@ -132,4 +133,5 @@ ELEMENTARY_SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.CTTZ: _cttz,
     Opcode.BSWAP: _bswap,
     Opcode.BITREVERSE: _bitreverse,
+    **FLOAT_SEMANTICS,
 }

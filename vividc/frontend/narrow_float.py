@@ -158,21 +158,13 @@ def _copysign(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.OR, (bits, top))
 
 
-def _unsupported(what: str, hint: str) -> Rule:
-    def rule(emitter: Emitter, op: Op) -> None:
-        raise KernelError(f"{what} cannot run on the array yet", loc=op.loc, hint=hint)
-
-    return rule
-
-
-_REMAINDER = _unsupported("a float remainder", "subtract math.floor(a / b) * b")
 RULES: dict[str, Rule] = {
     "fadd": _arithmetic(Opcode.FADD),
     "fsub": _arithmetic(Opcode.FSUB),
     "fmul": _arithmetic(Opcode.FMUL),
     "fneg": _direct(Opcode.FNEG),
     "fdiv": _arithmetic(Opcode.FDIV),
-    "frem": _REMAINDER,
+    "frem": _arithmetic(Opcode.FREM),
     "fcmp": _compare,
     "sitofp": _from_int,
     "uitofp": _from_int,
@@ -187,14 +179,36 @@ CALLS: dict[str, Rule] = {
     "maximumnum": _direct(Opcode.FMAX),
     "fma": _arithmetic(Opcode.FMA),
     "fmuladd": _arithmetic(Opcode.FMA),
-    "exp": _arithmetic(Opcode.EXP),
     "copysign": _copysign,
 }
 _LIBRARY = {
+    "exp": Opcode.EXP,
     "exp2": Opcode.EXP2,
     "sqrt": Opcode.SQRT,
     "floor": Opcode.FLOOR,
     "ceil": Opcode.CEIL,
+    "trunc": Opcode.TRUNC,
+    "rint": Opcode.RINT,
+    "nearbyint": Opcode.RINT,
+    "roundeven": Opcode.RINT,
+    "log": Opcode.LOG,
+    "log2": Opcode.LOG2,
+    "log10": Opcode.LOG10,
+    "log1p": Opcode.LOG1P,
+    "expm1": Opcode.EXPM1,
+    "sin": Opcode.SIN,
+    "cos": Opcode.COS,
+    "tan": Opcode.TAN,
+    "sinh": Opcode.SINH,
+    "cosh": Opcode.COSH,
+    "tanh": Opcode.TANH,
+    "asin": Opcode.ASIN,
+    "acos": Opcode.ACOS,
+    "atan": Opcode.ATAN,
+    "atan2": Opcode.ATAN2,
+    "hypot": Opcode.HYPOT,
+    "pow": Opcode.POW,
+    "fmod": Opcode.FREM,
 }
 for _name, _opcode in _LIBRARY.items():
     # The intrinsic or C's function for doubles, and C's for floats: numba emits either.

@@ -46,6 +46,18 @@ class Builder:
         less = self.op(Opcode.SUB, magnitude, 1)
         return self.op(Opcode.ICMP_ULT, less, FINITE_NONZERO)
 
+    def clamped(self, magnitude: Value, limit: int) -> Value:
+        """The smaller of a magnitude and a limit; a NaN stays, as it does not under `fmin`."""
+        beyond = self.op(Opcode.FCMP_OLT, limit, magnitude)
+        return self.op(Opcode.SELECT, beyond, limit, magnitude)
+
+    def times_sign(self, value: Value, x: Value) -> Value:
+        """`value` with the sign changed where x is negative; a product, so that a NaN becomes the
+        canonical one.
+        """
+        sign = self.op(Opcode.OR, self.op(Opcode.AND, x, SIGN), ONE)
+        return self.op(Opcode.FMUL, value, sign)
+
     def _values(self, operands: Sequence[Value | int]) -> list[Value]:
         return [
             operand if isinstance(operand, Value) else Value(self._rewrite.constant(operand))
