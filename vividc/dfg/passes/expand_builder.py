@@ -34,6 +34,14 @@ class Builder:
             self._rewrite.set_operand(node_id, PRED, pred)
         return Value(node_id)
 
+    def constant(self, word: int) -> Value:
+        """A constant."""
+        return Value(self._rewrite.constant(word))
+
+    def word(self, value: Value) -> int | None:
+        """The word of a constant operand."""
+        return self._rewrite.word(value)
+
     def horner(self, coefficients: Sequence[int], x: Value) -> Value:
         """Polynomial in `x`; coefficients from the highest power (two or more) to the constant."""
         value = self.op(Opcode.FMA, coefficients[0], x, coefficients[1])
@@ -60,7 +68,7 @@ class Builder:
 
     def _values(self, operands: Sequence[Value | int]) -> list[Value]:
         return [
-            operand if isinstance(operand, Value) else Value(self._rewrite.constant(operand))
+            operand if isinstance(operand, Value) else self.constant(operand)
             for operand in operands
         ]
 

@@ -56,7 +56,7 @@ def divide(b: Builder, dividend: Value, divisor: Value) -> Value:
     return b.op(Opcode.SELECT, finite_d, value, special)
 
 
-def quotient(b: Builder, dividend: Value | int, divisor: Value) -> Value:
+def quotient(b: Builder, dividend: Value, divisor: Value) -> Value:
     """dividend / divisor in 9 operations, to 0.501 ulp, where the divisor and its reciprocal are
     normal and no intermediate product overflows or underflows. The sequence is that of `divide`
     with one correction less.

@@ -6,6 +6,7 @@ from typing import Final
 
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import PRED, Opcode
+from vividc.dfg.passes.expand_arc import arccosine, arcsine, arctangent, arctangent2
 from vividc.dfg.passes.expand_builder import Builder, Expansion
 from vividc.dfg.passes.expand_divide import divide
 from vividc.dfg.passes.expand_exp import exponential, power_of_two
@@ -15,13 +16,16 @@ from vividc.dfg.passes.expand_hyperbolic import (
     hyperbolic_sine,
     hyperbolic_tangent,
 )
+from vividc.dfg.passes.expand_hypot import hypotenuse
 from vividc.dfg.passes.expand_log import (
     binary_logarithm,
     decimal_logarithm,
     logarithm_of_successor,
     natural_logarithm,
 )
-from vividc.dfg.passes.expand_round import ceil, floor
+from vividc.dfg.passes.expand_power import power
+from vividc.dfg.passes.expand_remainder import remainder
+from vividc.dfg.passes.expand_round import ceil, floor, round_half_even, truncate
 from vividc.dfg.passes.expand_sqrt import square_root
 from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
@@ -46,6 +50,15 @@ EXPANSIONS: Final[dict[Opcode, Expansion]] = {
     Opcode.SIN: sine,
     Opcode.COS: cosine,
     Opcode.TAN: tangent,
+    Opcode.TRUNC: truncate,
+    Opcode.RINT: round_half_even,
+    Opcode.ASIN: arcsine,
+    Opcode.ACOS: arccosine,
+    Opcode.ATAN: arctangent,
+    Opcode.ATAN2: arctangent2,
+    Opcode.HYPOT: hypotenuse,
+    Opcode.POW: power,
+    Opcode.FREM: remainder,
     Opcode.EXPM1: exponential_minus_one,
     Opcode.SINH: hyperbolic_sine,
     Opcode.COSH: hyperbolic_cosine,
