@@ -35,6 +35,8 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj
 
+from vividc.frontend.numba_real import real_division
+
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
 # Pointers of 32 bits: LLVM then truncates address arithmetic to the machine's words by itself.
@@ -216,11 +218,14 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         """Numba links its runtime here."""
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
-        """As numba's, except for iteration over a range and for integer powers."""
+        """As numba's, except for iteration over a range, integer powers and float remainders."""
         if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
             return functools.partial(_range_iterator, self, sig)
         if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
             return functools.partial(_range_next, self, sig)
+        division = real_division(getattr(fn, "typing_key", None), sig.args)
+        if division is not None:
+            return functools.partial(division, self, sig)
         general = super().get_function(fn, sig, _firstcall)
         if getattr(fn, "typing_key", None) in _POWERS and isinstance(sig.args[1], types.Integer):
             return functools.partial(_integer_power, self, sig, general)

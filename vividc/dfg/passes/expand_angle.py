@@ -31,20 +31,22 @@ HALF_QUADRANT: Final = 0x20000000
 QUADRANT_SHIFT: Final = 30
 
 
-def reduced_angle(b: Builder, magnitude: Value) -> tuple[Value, Value]:
+def reduced_angle(b: Builder, magnitude: Value, *, small: bool) -> tuple[Value, Value]:
     """(r, q) with magnitude = q pi/2 + r and |r| <= pi/4 (and 0.4 % of it), q modulo 4.
 
-    Below 2**17 by Cody and Waite's three words; from there on by a product of integers. Infinities
-    and NaNs give a NaN.
+    Below 2**17 by Cody and Waite's three words; from there on by a product of integers, unless
+    there is no such magnitude (`small`). Infinities and NaNs give a NaN.
     """
-    near, near_quadrant = small_angle(b, magnitude)
+    near, near_quadrant = _small_angle(b, magnitude)
+    if small:
+        return near, near_quadrant
     far, far_quadrant = _large_angle(b, magnitude)
-    small = b.op(Opcode.FCMP_OLT, magnitude, LARGEST_SMALL)
-    r = b.op(Opcode.SELECT, small, near, far)
-    return r, b.op(Opcode.SELECT, small, near_quadrant, far_quadrant)
+    is_small = b.op(Opcode.FCMP_OLT, magnitude, LARGEST_SMALL)
+    r = b.op(Opcode.SELECT, is_small, near, far)
+    return r, b.op(Opcode.SELECT, is_small, near_quadrant, far_quadrant)
 
 
-def small_angle(b: Builder, magnitude: Value) -> tuple[Value, Value]:
+def _small_angle(b: Builder, magnitude: Value) -> tuple[Value, Value]:
     """As `reduced_angle` for magnitudes below 2**17, infinite or NaN."""
     shifted = b.op(Opcode.FMA, magnitude, TWO_OVER_PI, ROUNDING_MAGIC)
     n = b.op(Opcode.FSUB, shifted, ROUNDING_MAGIC)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from vividc.dfg.ir import Node
@@ -21,9 +22,12 @@ FINITE_NONZERO: Final = 0x7F7FFFFF
 class Builder:
     """Adds operations to a graph, all with the line of the node that they replace."""
 
-    def __init__(self, rewrite: Rewrite, node: Node) -> None:
+    def __init__(
+        self, rewrite: Rewrite, node: Node, magnitudes: Mapping[int, float] | None = None
+    ) -> None:
         self._rewrite = rewrite
         self._loc = node.loc
+        self._magnitudes = magnitudes or {}
 
     def op(self, opcode: Opcode, *operands: Value | int, pred: Value | None = None) -> Value:
         """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last
@@ -37,6 +41,12 @@ class Builder:
     def constant(self, word: int) -> Value:
         """A constant."""
         return Value(self._rewrite.constant(word))
+
+    def magnitude(self, value: Value) -> float:
+        """What a finite operand's magnitude cannot exceed."""
+        if value.distance:
+            return math.inf
+        return self._magnitudes.get(value.src, math.inf)
 
     def word(self, value: Value) -> int | None:
         """The word of a constant operand."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
@@ -28,6 +29,7 @@ from vividc.dfg.passes.expand_remainder import remainder
 from vividc.dfg.passes.expand_round import ceil, floor, round_half_even, truncate
 from vividc.dfg.passes.expand_sqrt import square_root
 from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
+from vividc.dfg.passes.magnitudes import magnitudes
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
 
 
@@ -37,7 +39,9 @@ def expand_math(dfg: DFG) -> DFG:
     The expansions (`exponential`, `divide`, `square_root`, ...) state their accuracy. The result
     has no operation of `ELEMENTARY`.
     """
-    return to_fixpoint(dfg, _expand)
+    # Before: an expanded remainder or sine no longer shows its range.
+    known = magnitudes(dfg)
+    return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known))
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {
@@ -70,12 +74,12 @@ EXPANSIONS: Final[dict[Opcode, Expansion]] = {
 }
 
 
-def _expand(rewrite: Rewrite, node: Node) -> bool:
+def _expand(rewrite: Rewrite, node: Node, known: Mapping[int, float]) -> bool:
     expansion = EXPANSIONS.get(node.op)
     if expansion is None:
         return False
     operands = rewrite.operands(node)
-    value = expansion(Builder(rewrite, node), *operands)
+    value = expansion(Builder(rewrite, node, known), *operands)
     pred = rewrite.edge(node.id, PRED)
     if pred is not None:
         guard = Value(pred.src, pred.distance, pred.init)

@@ -28,19 +28,17 @@ LARGEST_EXPONENT: Final = 0x4EFFFFFF
 LARGEST_LOGARITHM: Final = 0x43020000  # 130
 SMALLEST_LOGARITHM: Final = 0xC3200000  # -160
 ROUNDING_MAGIC: Final = 0x4B400000  # 1.5 * 2**23
-LARGEST_PRODUCT: Final = 4  # constant exponents up to this are multiplied out
+MULTIPLIED_OUT: Final = (-2.0, -1.0, 1.0, 2.0, 3.0, 4.0)
 
 
 def power(b: Builder, x: Value, y: Value) -> Value:
     """x**y = 2**(y log2|x|), the logarithm and the product in two words each; C99's special cases.
 
-    A constant exponent that is a whole number up to 4 in magnitude becomes products of x, or of
-    1 / x: at most 1.5 ulp, or 2.5 ulp.
+    A constant exponent of `MULTIPLIED_OUT` becomes products of x, or of 1 / x, to 2 ulp.
     """
     word = b.word(y)
-    exponent = float_of(word) if word is not None else 0.5
-    if exponent.is_integer() and 1 <= abs(exponent) <= LARGEST_PRODUCT:
-        return _product(b, x, int(exponent))
+    if word is not None and float_of(word) in MULTIPLIED_OUT:
+        return _product(b, x, int(float_of(word)))
     magnitude = b.op(Opcode.FABS, x)
     finite = b.is_finite_nonzero(magnitude)
     high, low = _binary_logarithm(b, magnitude)
@@ -76,10 +74,13 @@ def _binary_logarithm(b: Builder, x: Value) -> tuple[Value, Value]:
     tail = b.op(Opcode.FMA, s_low, SLOPE_HIGH, tail)
     tail = b.op(Opcode.FMA, b.op(Opcode.FMUL, near, u), b.horner(CUBIC, u), tail)
     k = b.op(Opcode.FMUL, k, TWO_TO_MINUS_23)
-    high = b.op(Opcode.FSUB, k, minus_head)
-    # The sum's rounding error (Dekker, "A floating-point technique", 1971): k is 0 or larger.
-    error = b.op(Opcode.FSUB, b.op(Opcode.FSUB, k, high), minus_head)
-    return high, b.op(Opcode.FADD, error, tail)
+    # Two sums with their rounding errors (Dekker, "A floating-point technique", 1971): the first
+    # operand is 0 or the larger one.
+    head = b.op(Opcode.FSUB, k, minus_head)
+    error = b.op(Opcode.FSUB, b.op(Opcode.FSUB, k, head), minus_head)
+    tail = b.op(Opcode.FADD, error, tail)
+    high = b.op(Opcode.FADD, head, tail)
+    return high, b.op(Opcode.FADD, b.op(Opcode.FSUB, head, high), tail)
 
 
 def _ratio(b: Builder, m: Value) -> tuple[Value, Value]:
