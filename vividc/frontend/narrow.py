@@ -213,6 +213,6 @@ def _refused(op: Op) -> KernelError:
         reason = f"code that LLVM recognises as `{_stem(callee)}`, which no FU has"
         hint = "loop over the bits, with shifts and masks that carry a value from one to the next"
         return KernelError(reason, loc=op.loc, hint=hint)
-    hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"
+    hint = "supported: abs, min, max, pow and the functions of docs/math.md"
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)

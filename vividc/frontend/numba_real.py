@@ -50,9 +50,7 @@ def _divmod(context: Any, builder: ir.IRBuilder, x: Any, y: Any) -> Any:
 def _differs(builder: ir.IRBuilder, rest: Any, y: Any) -> Any:
     """Whether the remainder is not 0 and of another sign than y."""
     zero = y.type(0.0)
-    signs = builder.xor(
-        builder.fcmp_ordered("<", y, zero), builder.fcmp_ordered("<", rest, zero)
-    )
+    signs = builder.xor(builder.fcmp_ordered("<", y, zero), builder.fcmp_ordered("<", rest, zero))
     return builder.and_(signs, builder.fcmp_unordered("!=", rest, zero))
 
 

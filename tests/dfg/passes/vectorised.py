@@ -61,6 +61,8 @@ def _signed(a: np.ndarray) -> np.ndarray:
 OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.ADD: lambda a, b: a + b,
     _O.SUB: lambda a, b: a - b,
+    _O.MUL: lambda a, b: a * b,
+    _O.MULHU: lambda a, b: (a.astype(np.uint64) * b >> np.uint64(32)).astype(np.uint32),
     _O.AND: lambda a, b: a & b,
     _O.OR: lambda a, b: a | b,
     _O.XOR: lambda a, b: a ^ b,
@@ -70,6 +72,7 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.SMIN: lambda a, b: np.minimum(_signed(a), _signed(b)).view(np.uint32),
     _O.SMAX: lambda a, b: np.maximum(_signed(a), _signed(b)).view(np.uint32),
     _O.ICMP_ULT: lambda a, b: (a < b).astype(np.uint32),
+    _O.ICMP_SLT: lambda a, b: (_signed(a) < _signed(b)).astype(np.uint32),
     _O.SELECT: lambda p, a, b: np.where(p != 0, a, b),
     _O.FADD: _of_floats(np.add),
     _O.FSUB: _of_floats(np.subtract),
@@ -79,9 +82,15 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.FMAX: _of_floats(np.fmax),
     _O.FNEG: lambda a: a ^ np.uint32(0x80000000),
     _O.FABS: lambda a: a & np.uint32(0x7FFFFFFF),
+    _O.FCMP_OEQ: _test_floats(np.equal),
+    _O.FCMP_UNE: _test_floats(np.not_equal),
+    _O.FCMP_ORD: _test_floats(lambda a, b: ~(np.isnan(a) | np.isnan(b))),
+    _O.FCMP_UNO: _test_floats(lambda a, b: np.isnan(a) | np.isnan(b)),
+    _O.FCMP_OLE: _test_floats(np.less_equal),
     _O.FCMP_OLT: _test_floats(np.less),
     _O.FCMP_ULE: _test_floats(lambda a, b: ~(a > b)),
     _O.SITOFP: lambda a: _signed(a).astype(np.float32).view(np.uint32),
+    _O.UITOFP: lambda a: a.astype(np.float32).view(np.uint32),
     _O.FPTOSI: _to_int,
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 from vividc.dfg.opcodes import Opcode
@@ -89,5 +90,5 @@ def _window(b: Builder, magnitude: Value, exponent: Value) -> list[Value]:
     power = b.op(Opcode.SHL, 1, exponent)
     return [
         b.op(Opcode.ADD, b.op(Opcode.SHL, high, exponent), b.op(Opcode.MULHU, low, power))
-        for high, low in zip(words, words[1:], strict=False)
+        for high, low in pairwise(words)
     ]

@@ -66,13 +66,13 @@ def _binary_logarithm(b: Builder, x: Value) -> tuple[Value, Value]:
     """
     k, m = split_positive(b, x)
     s, s_low = _ratio(b, m)
-    near = b.op(Opcode.FADD, s, s_low)
-    u = b.op(Opcode.FMUL, near, near)
+    u = b.op(Opcode.FMUL, s, s)
     minus_head = b.op(Opcode.FMUL, s, SLOPE_HIGH | SIGN)
     tail = b.op(Opcode.FMA, s, SLOPE_HIGH, minus_head)  # the product's rounding error
     tail = b.op(Opcode.FMA, s, SLOPE_LOW, tail)
-    tail = b.op(Opcode.FMA, s_low, SLOPE_HIGH, tail)
-    tail = b.op(Opcode.FMA, b.op(Opcode.FMUL, near, u), b.horner(CUBIC, u), tail)
+    slope = b.op(Opcode.FMA, u, SLOPE_HIGH, SLOPE_HIGH)  # of atanh at s
+    tail = b.op(Opcode.FMA, s_low, slope, tail)
+    tail = b.op(Opcode.FMA, b.op(Opcode.FMUL, s, u), b.horner(CUBIC, u), tail)
     k = b.op(Opcode.FMUL, k, TWO_TO_MINUS_23)
     # Two sums with their rounding errors (Dekker, "A floating-point technique", 1971): the first
     # operand is 0 or the larger one.
@@ -84,7 +84,7 @@ def _binary_logarithm(b: Builder, x: Value) -> tuple[Value, Value]:
 
 
 def _ratio(b: Builder, m: Value) -> tuple[Value, Value]:
-    """(m - 1) / (m + 1) as a sum of two words."""
+    """(m - 1) / (m + 1), and what it is rounded by."""
     numerator = b.op(Opcode.FADD, m, MINUS_ONE)
     d = b.op(Opcode.FADD, m, ONE)
     minus_d_low = b.op(Opcode.FSUB, b.op(Opcode.FADD, d, MINUS_ONE), m)
@@ -93,7 +93,9 @@ def _ratio(b: Builder, m: Value) -> tuple[Value, Value]:
     s = b.op(Opcode.FMUL, numerator, inverse)
     rest = b.op(Opcode.FMA, minus_d, s, numerator)
     rest = b.op(Opcode.FMA, minus_d_low, s, rest)
-    return s, b.op(Opcode.FMUL, rest, inverse)
+    rest = b.op(Opcode.FMUL, rest, inverse)
+    near = b.op(Opcode.FADD, s, rest)
+    return near, b.op(Opcode.FADD, b.op(Opcode.FSUB, s, near), rest)
 
 
 def _two_to_product(b: Builder, y: Value, high: Value, low: Value) -> Value:
