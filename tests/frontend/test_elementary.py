@@ -75,17 +75,17 @@ BINARY: dict[str, Callable[..., object]] = {
     "**": lambda a, b: a**b,
     "** 0.5": lambda a, b: a**0.5,
     "** -1.5": lambda a, b: a**-1.5,
-    "math.pow": lambda a, b: math.pow(a, b),
+    "math.pow": lambda a, b: math.pow(b, a),
     "math.atan2": lambda a, b: math.atan2(a, -b),
-    "math.hypot": lambda a, b: math.hypot(a, b),
+    "math.hypot": lambda a, b: math.hypot(b, a),
     "math.copysign": lambda a, b: math.copysign(a, -b),
-    "np.power": lambda a, b: np.power(a, b),
+    "np.power": lambda a, b: np.power(b, a),
     "np.arctan2": lambda a, b: np.arctan2(a, -b),
-    "np.hypot": lambda a, b: np.hypot(a, b),
+    "np.hypot": lambda a, b: np.hypot(b, a),
     "np.copysign": lambda a, b: np.copysign(a, -b),
-    "np.maximum": lambda a, b: np.maximum(a, b),
-    "np.minimum": lambda a, b: np.minimum(a, b),
-    "np.fmax": lambda a, b: np.fmax(a, b),
+    "np.maximum": lambda a, b: np.maximum(b, a),
+    "np.minimum": lambda a, b: np.minimum(b, a),
+    "np.fmax": lambda a, b: np.fmax(b, a),
     "np.fmod": lambda a, b: np.fmod(-b, a),
     "np.mod": lambda a, b: np.mod(-b, a),
     "np.floor_divide": lambda a, b: np.floor_divide(-b, a),
@@ -137,3 +137,27 @@ def test_in_float64_that_runs_in_float32(name: str) -> None:
 
     kernel = KernelFunction(function, "void(float32[::1])", None)
     assert_as_numba(kernel, 1e-5)
+
+
+@pytest.mark.parametrize("kind", ["ldexp", "exp2 of an integer"])
+def test_scales_are_exact(kind: str) -> None:
+    """LLVM makes a scale of a power of two with a whole exponent, too."""
+
+    def ldexp(x, n):
+        x[0] = math.ldexp(x[0], n)
+
+    def power(x, n):
+        x[0] = np.float32(2.0) ** np.float32(n)
+
+    function = ldexp if kind == "ldexp" else power
+    kernel = KernelFunction(function, "void(float32[::1], int32)", None)
+    lowered = kernel.lower()
+    rng = np.random.default_rng(4)
+    words = rng.integers(0, 1 << 32, 400, dtype=np.uint64).astype(np.uint32)
+    for word in words:
+        n = int(rng.integers(-300, 300))
+        mine = np.array([word]).view(np.float32)
+        theirs = mine.copy()
+        run(lowered, mine, n)
+        kernel(theirs, n)
+        np.testing.assert_array_equal(mine, theirs)

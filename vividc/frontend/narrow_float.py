@@ -33,6 +33,7 @@ _COMPARE: dict[str, tuple[Opcode, bool]] = {
     "uge": (_O.FCMP_ULE, True),
 }
 _SIGN = 0x80000000
+_MASK = 0xFFFFFFFF
 
 
 def _direct(opcode: Opcode) -> Rule:
@@ -158,6 +159,28 @@ def _copysign(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.OR, (bits, top))
 
 
+def _ldexp(emitter: Emitter, op: Op) -> None:
+    """x * 2**n, rounded once: factors of 2**127 and 2**-102 until n is a normal exponent. After the
+    latter a number that lost bits vanishes with the rest of n.
+    """
+    _check_type(op)
+    if op.type == "double":
+        emitter.demote(op)
+    x, n = (emitter.value(arg) for arg in op.args)
+    for step in (-102, -102, 127, 127):
+        bounds = (n, Const(-126 & _MASK)) if step < 0 else (Const(127), n)
+        beyond = emitter.helper(op, Opcode.ICMP_SLT, *bounds, type_=Type.PRED)
+        scale = Const((step + 127) << 23)
+        scaled = emitter.helper(op, Opcode.FMUL, x, scale, type_=Type.F32)
+        x = emitter.helper(op, Opcode.SELECT, beyond, scaled, x, type_=Type.F32)
+        rest = emitter.helper(op, Opcode.ADD, n, Const(-step & _MASK))
+        n = emitter.helper(op, Opcode.SELECT, beyond, rest, n)
+    n = emitter.helper(op, Opcode.SMAX, n, Const(-126 & _MASK))
+    n = emitter.helper(op, Opcode.SMIN, n, Const(127))
+    power = emitter.helper(op, Opcode.SHL, emitter.helper(op, Opcode.ADD, n, Const(127)), Const(23))
+    emitter.emit(op, Opcode.FMUL, (x, power))
+
+
 RULES: dict[str, Rule] = {
     "fadd": _arithmetic(Opcode.FADD),
     "fsub": _arithmetic(Opcode.FSUB),
@@ -180,6 +203,11 @@ CALLS: dict[str, Rule] = {
     "fma": _arithmetic(Opcode.FMA),
     "fmuladd": _arithmetic(Opcode.FMA),
     "copysign": _copysign,
+    "ldexp.f32": _ldexp,  # the intrinsic, with the type of the result
+    "ldexp.f64": _ldexp,
+    "ldexpf": _ldexp,
+    "numba_ldexp": _ldexp,
+    "numba_ldexpf": _ldexp,
 }
 _LIBRARY = {
     "exp": Opcode.EXP,
