@@ -62,6 +62,14 @@ def test_the_shorter_expansion_gives_the_same_bits(op: Opcode) -> None:
     assert np.array_equal(results[0][finite], results[1][finite])
 
 
+def test_a_function_expanded_before_still_bounds_the_angle() -> None:
+    head = "\n".join(GRAPH.splitlines()[:4])
+    after = expand_math(
+        parse(f'{head}\n%3 = atan %2\n%4 = sin %3\n%5 = store "x" %0, %4 shift 2 base %1\n')
+    )
+    assert len(after.operations) == 2 + 29 + 22
+
+
 @pytest.mark.parametrize(
     ("line", "bound"),
     [

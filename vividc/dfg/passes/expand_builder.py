@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 from vividc.dfg.ir import Node
@@ -22,12 +22,11 @@ FINITE_NONZERO: Final = 0x7F7FFFFF
 class Builder:
     """Adds operations to a graph, all with the line of the node that they replace."""
 
-    def __init__(
-        self, rewrite: Rewrite, node: Node, magnitudes: Mapping[int, float] | None = None
-    ) -> None:
+    def __init__(self, rewrite: Rewrite, node: Node, magnitude: float = math.inf) -> None:
         self._rewrite = rewrite
         self._loc = node.loc
-        self._magnitudes = magnitudes or {}
+        self.magnitude = magnitude
+        """What the magnitude of a finite first operand cannot exceed."""
 
     def op(self, opcode: Opcode, *operands: Value | int, pred: Value | None = None) -> Value:
         """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last
@@ -41,12 +40,6 @@ class Builder:
     def constant(self, word: int) -> Value:
         """A constant."""
         return Value(self._rewrite.constant(word))
-
-    def magnitude(self, value: Value) -> float:
-        """What a finite operand's magnitude cannot exceed."""
-        if value.distance:
-            return math.inf
-        return self._magnitudes.get(value.src, math.inf)
 
     def word(self, value: Value) -> int | None:
         """The word of a constant operand."""

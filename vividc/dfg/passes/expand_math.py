@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final
 
@@ -29,7 +30,7 @@ from vividc.dfg.passes.expand_remainder import remainder
 from vividc.dfg.passes.expand_round import ceil, floor, round_half_even, truncate
 from vividc.dfg.passes.expand_sqrt import square_root
 from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
-from vividc.dfg.passes.magnitudes import magnitudes
+from vividc.dfg.passes.magnitudes import argument_magnitudes
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
 
 
@@ -40,7 +41,7 @@ def expand_math(dfg: DFG) -> DFG:
     has no operation of `ELEMENTARY`.
     """
     # Before: an expanded remainder or sine no longer shows its range.
-    known = magnitudes(dfg)
+    known = argument_magnitudes(dfg)
     return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known))
 
 
@@ -79,7 +80,7 @@ def _expand(rewrite: Rewrite, node: Node, known: Mapping[int, float]) -> bool:
     if expansion is None:
         return False
     operands = rewrite.operands(node)
-    value = expansion(Builder(rewrite, node, known), *operands)
+    value = expansion(Builder(rewrite, node, known.get(node.id, math.inf)), *operands)
     pred = rewrite.edge(node.id, PRED)
     if pred is not None:
         guard = Value(pred.src, pred.distance, pred.init)

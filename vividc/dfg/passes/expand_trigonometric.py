@@ -1,7 +1,7 @@
 """sin, cos and tan in operations of the array.
 
 An argument that is seen to stay below 2**17 in magnitude (a minimum and a maximum with constants, a
-remainder, a sine, a product of such: `magnitudes`) needs 48 operations less.
+remainder, a sine, a product of such: `argument_magnitudes`) needs 48 operations less.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def tangent(b: Builder, x: Value) -> Value:
 
 def _parts(b: Builder, x: Value) -> tuple[Value, Value, Value, Value]:
     """sin(r), cos(r), q and whether q is odd."""
-    small = b.magnitude(x) < LARGEST_SMALL_ANGLE
+    small = b.magnitude < LARGEST_SMALL_ANGLE
     r, q = reduced_angle(b, b.op(Opcode.FABS, x), small=small)
     u = b.op(Opcode.FMUL, r, r)
     sin = b.op(Opcode.FMA, b.op(Opcode.FMUL, u, r), b.horner(SINE, u), r)

@@ -38,6 +38,16 @@ def magnitudes(dfg: DFG) -> dict[int, float]:
     return {key: max(-low, high) for key, (low, high) in known.items()}
 
 
+def argument_magnitudes(dfg: DFG) -> dict[int, float]:
+    """For each node: a bound of the magnitude of its first operand, as `magnitudes`."""
+    known = magnitudes(dfg)
+    return {
+        edge.dst: known[edge.src]
+        for edge in dfg.edges
+        if edge.is_data and edge.port == 0 and not edge.distance
+    }
+
+
 def _interval(node: Node, operands: Sequence[Interval]) -> Interval:
     if node.const is not None:
         value = float_of(node.const)
