@@ -122,6 +122,10 @@ def _float_op(function: Callable[..., object]) -> Callable[..., int]:
     return run_op
 
 
+def _of_double(function: Callable[..., object]) -> Callable[..., int]:
+    return _float_op(lambda *values: function(*(np.float64(value) for value in values)))
+
+
 def _float_test(function: Callable[..., object]) -> Callable[..., int]:
     return lambda a, b: int(bool(function(_float(a), _float(b))))
 
@@ -200,4 +204,24 @@ _SEMANTICS: dict[Opcode, Callable[..., int]] = {
     _O.SQRT: _float_op(np.sqrt),
     _O.FLOOR: _float_op(np.floor),
     _O.CEIL: _float_op(np.ceil),
+    _O.TRUNC: _float_op(np.trunc),
+    _O.RINT: _float_op(np.rint),
+    _O.LOG: _of_double(np.log),
+    _O.LOG2: _of_double(np.log2),
+    _O.LOG10: _of_double(np.log10),
+    _O.LOG1P: _of_double(np.log1p),
+    _O.EXPM1: _of_double(np.expm1),
+    _O.SIN: _of_double(np.sin),
+    _O.COS: _of_double(np.cos),
+    _O.TAN: _of_double(np.tan),
+    _O.SINH: _of_double(np.sinh),
+    _O.COSH: _of_double(np.cosh),
+    _O.TANH: _of_double(np.tanh),
+    _O.ASIN: _of_double(np.arcsin),
+    _O.ACOS: _of_double(np.arccos),
+    _O.ATAN: _of_double(np.arctan),
+    _O.ATAN2: _of_double(np.arctan2),
+    _O.HYPOT: _of_double(np.hypot),
+    _O.POW: _of_double(np.power),
+    _O.FREM: _of_double(np.fmod),
 }

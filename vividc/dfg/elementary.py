@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from vividc.dfg.elementary_float import FLOAT_SEMANTICS
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.words import (
     CANONICAL_NAN,
@@ -131,4 +132,5 @@ ELEMENTARY_SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.CTTZ: _cttz,
     Opcode.BSWAP: _bswap,
     Opcode.BITREVERSE: _bitreverse,
+    **FLOAT_SEMANTICS,
 }

@@ -114,6 +114,26 @@ class Opcode(Enum):
     CTTZ = "cttz"
     BSWAP = "bswap"
     BITREVERSE = "bitreverse"
+    TRUNC = "trunc"
+    RINT = "rint"
+    LOG = "log"
+    LOG2 = "log2"
+    LOG10 = "log10"
+    LOG1P = "log1p"
+    EXPM1 = "expm1"
+    SIN = "sin"
+    COS = "cos"
+    TAN = "tan"
+    SINH = "sinh"
+    COSH = "cosh"
+    TANH = "tanh"
+    ASIN = "asin"
+    ACOS = "acos"
+    ATAN = "atan"
+    ATAN2 = "atan2"
+    HYPOT = "hypot"
+    POW = "pow"
+    FREM = "frem"
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,8 +195,12 @@ def _table() -> dict[Opcode, OpInfo]:
     row((o.LOAD,), (i,), x, lat.LOAD)
     row((o.STORE,), (i, x), none, lat.STORE)
     row((o.GENERIC,), (), x, lat.GENERIC)
-    row((o.EXP, o.EXP2, o.SQRT, o.FLOOR, o.CEIL), (f,), f, lat.GENERIC)
-    row((o.FDIV,), (f, f), f, lat.GENERIC)
+    row((o.EXP, o.EXP2, o.SQRT, o.FLOOR, o.CEIL, o.TRUNC, o.RINT), (f,), f, lat.GENERIC)
+    row((o.LOG, o.LOG2, o.LOG10, o.LOG1P, o.EXPM1), (f,), f, lat.GENERIC)
+    row((o.SIN, o.COS, o.TAN, o.SINH, o.COSH, o.TANH), (f,), f, lat.GENERIC)
+    row((o.ASIN, o.ACOS, o.ATAN), (f,), f, lat.GENERIC)
+    row((o.FDIV, o.FREM, o.ATAN2, o.POW), (f, f), f, lat.GENERIC)
+    row((o.HYPOT,), (f, f), f, lat.GENERIC, commutes=True)
     row((o.SDIV, o.UDIV, o.SREM, o.UREM), (i, i), i, lat.GENERIC)
     row((o.CTPOP, o.CTLZ, o.CTTZ, o.BSWAP, o.BITREVERSE), (i,), i, lat.GENERIC)
     return {info.opcode: info for info in rows}

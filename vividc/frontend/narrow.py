@@ -245,6 +245,6 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith(("NRT_", "numba_gil", "Py", "printf", "puts")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
-    hint = "supported: math.exp, exp2, sqrt, floor, ceil, and abs, min, max"
+    hint = "supported: abs, min, max, pow and the functions of docs/math.md"
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)

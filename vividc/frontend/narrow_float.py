@@ -35,6 +35,7 @@ _COMPARE: dict[str, tuple[Opcode, bool]] = {
     "uge": (_O.FCMP_ULE, True),
 }
 _SIGN = 0x80000000
+_MASK = 0xFFFFFFFF
 
 
 def _direct(opcode: Opcode) -> Rule:
@@ -159,21 +160,35 @@ def _copysign(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.OR, (bits, top))
 
 
-def _unsupported(what: str, hint: str) -> Rule:
-    def rule(emitter: Emitter, op: Op) -> None:
-        raise KernelError(f"{what} cannot run on the array yet", loc=op.loc, hint=hint)
+def _ldexp(emitter: Emitter, op: Op) -> None:
+    """x * 2**n, rounded once: factors of 2**127 and 2**-102 until n is a normal exponent. After the
+    latter a number that lost bits vanishes with the rest of n.
+    """
+    _check_type(op)
+    if op.type == "double":
+        emitter.demote(op)
+    x, n = (emitter.value(arg) for arg in op.args)
+    for step in (-102, -102, 127, 127):
+        bounds = (n, Const(-126 & _MASK)) if step < 0 else (Const(127), n)
+        beyond = emitter.helper(op, Opcode.ICMP_SLT, *bounds, type_=Type.PRED)
+        scale = Const((step + 127) << 23)
+        scaled = emitter.helper(op, Opcode.FMUL, x, scale, type_=Type.F32)
+        x = emitter.helper(op, Opcode.SELECT, beyond, scaled, x, type_=Type.F32)
+        rest = emitter.helper(op, Opcode.ADD, n, Const(-step & _MASK))
+        n = emitter.helper(op, Opcode.SELECT, beyond, rest, n)
+    n = emitter.helper(op, Opcode.SMAX, n, Const(-126 & _MASK))
+    n = emitter.helper(op, Opcode.SMIN, n, Const(127))
+    power = emitter.helper(op, Opcode.SHL, emitter.helper(op, Opcode.ADD, n, Const(127)), Const(23))
+    emitter.emit(op, Opcode.FMUL, (x, power))
 
-    return rule
 
-
-_REMAINDER = _unsupported("a float remainder", "subtract math.floor(a / b) * b")
 RULES: dict[str, Rule] = {
     "fadd": _arithmetic(Opcode.FADD),
     "fsub": _arithmetic(Opcode.FSUB),
     "fmul": _arithmetic(Opcode.FMUL),
     "fneg": _direct(Opcode.FNEG),
     "fdiv": _arithmetic(Opcode.FDIV),
-    "frem": _REMAINDER,
+    "frem": _arithmetic(Opcode.FREM),
     "fcmp": _compare,
     "sitofp": _from_int,
     "uitofp": _from_int,
@@ -188,14 +203,41 @@ CALLS: dict[str, Rule] = {
     "maximumnum": _direct(Opcode.FMAX),
     "fma": _arithmetic(Opcode.FMA),
     "fmuladd": _arithmetic(Opcode.FMA),
-    "exp": _arithmetic(Opcode.EXP),
     "copysign": _copysign,
+    "ldexp.f32": _ldexp,  # the intrinsic, with the type of the result
+    "ldexp.f64": _ldexp,
+    "ldexpf": _ldexp,
+    "numba_ldexp": _ldexp,
+    "numba_ldexpf": _ldexp,
 }
 _LIBRARY = {
+    "exp": Opcode.EXP,
     "exp2": Opcode.EXP2,
     "sqrt": Opcode.SQRT,
     "floor": Opcode.FLOOR,
     "ceil": Opcode.CEIL,
+    "trunc": Opcode.TRUNC,
+    "rint": Opcode.RINT,
+    "nearbyint": Opcode.RINT,
+    "roundeven": Opcode.RINT,
+    "log": Opcode.LOG,
+    "log2": Opcode.LOG2,
+    "log10": Opcode.LOG10,
+    "log1p": Opcode.LOG1P,
+    "expm1": Opcode.EXPM1,
+    "sin": Opcode.SIN,
+    "cos": Opcode.COS,
+    "tan": Opcode.TAN,
+    "sinh": Opcode.SINH,
+    "cosh": Opcode.COSH,
+    "tanh": Opcode.TANH,
+    "asin": Opcode.ASIN,
+    "acos": Opcode.ACOS,
+    "atan": Opcode.ATAN,
+    "atan2": Opcode.ATAN2,
+    "hypot": Opcode.HYPOT,
+    "pow": Opcode.POW,
+    "fmod": Opcode.FREM,
 }
 for _name, _opcode in _LIBRARY.items():
     # The intrinsic or C's function for doubles, and C's for floats: numba emits either.

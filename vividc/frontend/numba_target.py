@@ -38,6 +38,7 @@ from numba.np import arrayobj
 
 from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick, reshape
 from vividc.frontend.numba_integer import integer_operator
+from vividc.frontend.numba_real import real_division
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
@@ -249,12 +250,15 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         return constant_array(self, builder, typ, ary)
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
-        """As numba's, except for iteration over a range and for some integer operators."""
+        """As numba's, except for ranges, tuples, integer operators and float remainders."""
         if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
             return functools.partial(_range_iterator, self, sig)
         if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
             return functools.partial(_range_next, self, sig)
         operation = getattr(fn, "typing_key", None)
+        division = real_division(operation, sig.args)
+        if division is not None:
+            return functools.partial(division, self, sig)
         if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
             return functools.partial(_ours, pick, self, sig)
         if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):

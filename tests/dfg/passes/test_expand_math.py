@@ -12,8 +12,8 @@ from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret_region
 from vividc.dfg.ir import DFG
 from vividc.dfg.passes import expand_math
-from vividc.dfg.passes.expand_math import (
-    EXPONENT_SHIFT,
+from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT
+from vividc.dfg.passes.expand_exp import (
     LOG2_E,
     MINUS_LN2_HIGH,
     MINUS_LN2_LOW,

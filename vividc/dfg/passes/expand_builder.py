@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -21,9 +22,11 @@ FINITE_NONZERO: Final = 0x7F7FFFFF
 class Builder:
     """Adds operations to a graph, all with the line of the node that they replace."""
 
-    def __init__(self, rewrite: Rewrite, node: Node) -> None:
+    def __init__(self, rewrite: Rewrite, node: Node, magnitude: float = math.inf) -> None:
         self._rewrite = rewrite
         self._loc = node.loc
+        self.magnitude = magnitude
+        """What the magnitude of a finite first operand cannot exceed."""
 
     def op(self, opcode: Opcode, *operands: Value | int, pred: Value | None = None) -> Value:
         """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last
@@ -33,6 +36,10 @@ class Builder:
         if pred is not None:
             self._rewrite.set_operand(node_id, PRED, pred)
         return Value(node_id)
+
+    def constant(self, word: int) -> Value:
+        """A constant."""
+        return Value(self._rewrite.constant(word))
 
     def word(self, value: Value) -> int | None:
         """The word of a value that is the same constant in every iteration."""
@@ -50,9 +57,21 @@ class Builder:
         less = self.op(Opcode.SUB, magnitude, 1)
         return self.op(Opcode.ICMP_ULT, less, FINITE_NONZERO)
 
+    def clamped(self, magnitude: Value, limit: int) -> Value:
+        """The smaller of a magnitude and a limit; a NaN stays, as it does not under `fmin`."""
+        beyond = self.op(Opcode.FCMP_OLT, limit, magnitude)
+        return self.op(Opcode.SELECT, beyond, limit, magnitude)
+
+    def times_sign(self, value: Value, x: Value) -> Value:
+        """`value` with the sign changed where x is negative; a product, so that a NaN becomes the
+        canonical one.
+        """
+        sign = self.op(Opcode.OR, self.op(Opcode.AND, x, SIGN), ONE)
+        return self.op(Opcode.FMUL, value, sign)
+
     def _values(self, operands: Sequence[Value | int]) -> list[Value]:
         return [
-            operand if isinstance(operand, Value) else Value(self._rewrite.constant(operand))
+            operand if isinstance(operand, Value) else self.constant(operand)
             for operand in operands
         ]
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import PRED, Opcode
+from vividc.dfg.passes.expand_arc import arccosine, arcsine, arctangent, arctangent2
 from vividc.dfg.passes.expand_bits import (
     count_ones,
     leading_zeros,
@@ -13,51 +16,35 @@ from vividc.dfg.passes.expand_bits import (
     swap_bytes,
     trailing_zeros,
 )
-from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, Builder, Expansion
+from vividc.dfg.passes.expand_builder import Builder, Expansion
 from vividc.dfg.passes.expand_divide import divide
+from vividc.dfg.passes.expand_exp import exponential, power_of_two
+from vividc.dfg.passes.expand_hyperbolic import (
+    exponential_minus_one,
+    hyperbolic_cosine,
+    hyperbolic_sine,
+    hyperbolic_tangent,
+)
+from vividc.dfg.passes.expand_hypot import hypotenuse
 from vividc.dfg.passes.expand_integer import (
     signed_quotient,
     signed_remainder,
     unsigned_quotient,
     unsigned_remainder,
 )
-from vividc.dfg.passes.expand_round import ceil, floor
+from vividc.dfg.passes.expand_log import (
+    binary_logarithm,
+    decimal_logarithm,
+    logarithm_of_successor,
+    natural_logarithm,
+)
+from vividc.dfg.passes.expand_power import power
+from vividc.dfg.passes.expand_remainder import remainder
+from vividc.dfg.passes.expand_round import ceil, floor, round_half_even, truncate
 from vividc.dfg.passes.expand_sqrt import square_root
+from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
+from vividc.dfg.passes.magnitudes import argument_magnitudes
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
-
-# All words are binary32 bits.
-LOG2_E: Final = 0x3FB8AA3B
-# 1.5 * 2**23 + 126: added to a float below 2**22 it leaves the rounded integer, 126 higher, in the
-# low bits.
-ROUNDING_MAGIC: Final = 0x4B40007E
-# The magic number + 129: past the largest exponent, so that its scale is infinity.
-ROUNDED_LIMIT: Final = 0x4B4000FF
-# -ln 2 in two words (Cody and Waite, Software Manual for the Elementary Functions, 1980).
-MINUS_LN2_HIGH: Final = 0xBF317218
-MINUS_LN2_LOW: Final = 0x3102E308
-# 2 exp(r) on |r| <= ln(2) / 2, relative error 2**-28.2, from the highest power to the constant.
-POLYNOMIAL: Final = (
-    0x3B35265A,
-    0x3C891CC3,
-    0x3DAAAC58,
-    0x3EAAAA49,
-    0x3F7FFFFE,
-    0x40000000,
-    0x40000000,
-)
-SMALLEST_ARGUMENT: Final = 0xC2AE0000  # -87.0
-# 2 * 2**r on |r| <= 1/2, relative error 2**-28.0 (weighted least squares at 400 Chebyshev points,
-# the coefficients rounded one after the other from the constant on).
-POLYNOMIAL2: Final = (
-    0x399FC836,
-    0x3B2F8533,
-    0x3C9D9858,
-    0x3DE357BC,
-    0x3EF5FDEC,
-    0x3FB17218,
-    0x40000000,
-)
-SMALLEST_POWER: Final = 0xC2FB0000  # -125.5
 
 
 def expand_math(dfg: DFG) -> DFG:
@@ -66,51 +53,9 @@ def expand_math(dfg: DFG) -> DFG:
     The expansions (`exponential`, `divide`, `square_root`, ...) state their accuracy. The result
     has no operation of `ELEMENTARY`.
     """
-    return to_fixpoint(dfg, _expand)
-
-
-def exponential(b: Builder, x: Value) -> Value:
-    """exp(x) in 14 operations.
-
-    With n = round(x / ln 2) and r = x - n ln 2, exp(x) = 2**(n-1) * 2 exp(r). The rounding is the
-    addition of a large number, whose low bits are then the biased exponent of the scale; 2 exp(r)
-    is a polynomial of degree 6 in Horner form (minimax, the coefficients rounded one after the
-    other).
-
-    Over all 2**32 inputs the error is at most 0.892 ulp wherever the result is 2**-125.5 (1.66e-38)
-    or more. Smaller results (x < -86.99) are 0; overflow (x > 88.72) gives infinity; NaN gives the
-    canonical NaN; exp(+-0) is 1.
-    """
-    shifted = _rounded(b, b.op(Opcode.FMA, x, LOG2_E, ROUNDING_MAGIC))
-    n = b.op(Opcode.FSUB, shifted, ROUNDING_MAGIC)
-    r = b.op(Opcode.FMA, n, MINUS_LN2_HIGH, x)
-    r = b.op(Opcode.FMA, n, MINUS_LN2_LOW, r)
-    in_range = b.op(Opcode.FCMP_ULE, SMALLEST_ARGUMENT, x)
-    return _scaled(b, b.horner(POLYNOMIAL, r), shifted, in_range)
-
-
-def power_of_two(b: Builder, x: Value) -> Value:
-    """2**x in 13 operations, as `exponential` but with r = x - n, which is exact.
-
-    The error is at most 0.79 ulp (0.7815 found at every 37th argument) wherever the result is above
-    2**-125.5 (1.66e-38). Smaller results are 0; overflow (x >= 128) gives infinity; NaN gives the
-    canonical NaN; integers are exact.
-    """
-    shifted = _rounded(b, b.op(Opcode.FADD, x, ROUNDING_MAGIC))
-    r = b.op(Opcode.FSUB, x, b.op(Opcode.FSUB, shifted, ROUNDING_MAGIC))
-    in_range = b.op(Opcode.FCMP_ULE, SMALLEST_POWER, x)
-    return _scaled(b, b.horner(POLYNOMIAL2, r), shifted, in_range)
-
-
-def _rounded(b: Builder, shifted: Value) -> Value:
-    """At most the limit. A NaN loses against it, but makes r and so the polynomial NaN."""
-    return b.op(Opcode.FMIN, shifted, ROUNDED_LIMIT)
-
-
-def _scaled(b: Builder, value: Value, shifted: Value, in_range: Value) -> Value:
-    """Far below the range r and n are meaningless: the predicated FMA passes its 0 through."""
-    scale = b.op(Opcode.SHL, shifted, EXPONENT_SHIFT)
-    return b.op(Opcode.FMA, value, scale, 0, pred=in_range)
+    # Before: an expanded remainder or sine no longer shows its range.
+    known = argument_magnitudes(dfg)
+    return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known))
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {
@@ -129,15 +74,35 @@ EXPANSIONS: Final[dict[Opcode, Expansion]] = {
     Opcode.CTTZ: trailing_zeros,
     Opcode.BSWAP: swap_bytes,
     Opcode.BITREVERSE: reverse_bits,
+    Opcode.SIN: sine,
+    Opcode.COS: cosine,
+    Opcode.TAN: tangent,
+    Opcode.TRUNC: truncate,
+    Opcode.RINT: round_half_even,
+    Opcode.ASIN: arcsine,
+    Opcode.ACOS: arccosine,
+    Opcode.ATAN: arctangent,
+    Opcode.ATAN2: arctangent2,
+    Opcode.HYPOT: hypotenuse,
+    Opcode.POW: power,
+    Opcode.FREM: remainder,
+    Opcode.EXPM1: exponential_minus_one,
+    Opcode.SINH: hyperbolic_sine,
+    Opcode.COSH: hyperbolic_cosine,
+    Opcode.TANH: hyperbolic_tangent,
+    Opcode.LOG: natural_logarithm,
+    Opcode.LOG2: binary_logarithm,
+    Opcode.LOG10: decimal_logarithm,
+    Opcode.LOG1P: logarithm_of_successor,
 }
 
 
-def _expand(rewrite: Rewrite, node: Node) -> bool:
+def _expand(rewrite: Rewrite, node: Node, known: Mapping[int, float]) -> bool:
     expansion = EXPANSIONS.get(node.op)
     if expansion is None:
         return False
     operands = rewrite.operands(node)
-    value = expansion(Builder(rewrite, node), *operands)
+    value = expansion(Builder(rewrite, node, known.get(node.id, math.inf)), *operands)
     pred = rewrite.edge(node.id, PRED)
     if pred is not None:
         guard = Value(pred.src, pred.distance, pred.init)

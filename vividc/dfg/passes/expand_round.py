@@ -24,6 +24,19 @@ def ceil(b: Builder, x: Value) -> Value:
     return _finish(b, x, b.op(Opcode.FADD, ONE, near, pred=b.op(Opcode.FCMP_OLT, near, x)))
 
 
+def truncate(b: Builder, x: Value) -> Value:
+    """The integer next to x towards zero, in 9 operations."""
+    return _finish(b, x, _truncated(b, x))
+
+
+def round_half_even(b: Builder, x: Value) -> Value:
+    """The integer nearest to x, of two the even one, in 9 operations: added to 2**23 a smaller
+    number loses its fraction.
+    """
+    shifted = b.op(Opcode.FADD, b.op(Opcode.FABS, x), ALL_INTEGERS)
+    return _finish(b, x, b.op(Opcode.FSUB, shifted, ALL_INTEGERS))
+
+
 def _truncated(b: Builder, x: Value) -> Value:
     return b.op(Opcode.SITOFP, b.op(Opcode.FPTOSI, x))
 

@@ -31,7 +31,7 @@ def square_root(b: Builder, x: Value) -> Value:
     """
     small = b.op(Opcode.FCMP_OLT, x, SMALL)
     near = b.op(Opcode.FMUL, UP, x, pred=small)
-    root = _root(b, near)
+    root = root_of_normal(b, near)
     root = b.op(Opcode.FMUL, DOWN, root, pred=small)
     negative = b.op(Opcode.FCMP_OLT, x, 0)
     # x + x is x where x is a zero, infinite or NaN.
@@ -39,8 +39,10 @@ def square_root(b: Builder, x: Value) -> Value:
     return b.op(Opcode.SELECT, b.is_finite_nonzero(x), root, special)
 
 
-def _root(b: Builder, x: Value) -> Value:
-    """sqrt(x) for 2**-96 <= x. The signs are such that no negation is between the steps."""
+def root_of_normal(b: Builder, x: Value) -> Value:
+    """sqrt(x) in 14 operations for 0 and 2**-96 <= x < infinity, correctly rounded; of other x only
+    a NaN gives what it should. The signs are such that no negation is between the steps.
+    """
     y = b.op(Opcode.SUB, INVERSE_ROOT_MAGIC, b.op(Opcode.LSHR, x, 1))
     g = b.op(Opcode.FMUL, x, y)
     minus_h = b.op(Opcode.FMUL, y, MINUS_HALF)
