@@ -1,0 +1,15 @@
+"""What every loop transformation ends with: the function it leaves has no redundant work."""
+
+from __future__ import annotations
+
+from vividc.dfg.cfg import Function
+from vividc.dfg.normalize import canonical_loops
+from vividc.dfg.transform.hoist import hoist_invariants
+from vividc.dfg.transform.number_values import number_values
+from vividc.dfg.transform.simplify import simplify
+
+
+def tidy(function: Function) -> Function:
+    """Simplified, without common subexpressions, invariants hoisted, loops canonical."""
+    function = canonical_loops(simplify(function))
+    return number_values(hoist_invariants(function))
