@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Block, Const, Function, Phi, Ref, Value
-from vividc.dfg.cfg_edit import incoming
+from vividc.dfg.cfg_edit import defined_types, incoming
 from vividc.dfg.loops import Loop
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.simplify import constant_value
@@ -83,7 +83,7 @@ class _Iteration:
     def __post_init__(self) -> None:
         self.words = dict(self.words)
         self.blocks = [b for b in self.function.blocks if b.name in self.loop.blocks]
-        self.inside = {item.id for b in self.blocks for item in (*b.phis, *b.instrs)}
+        self.inside = {ident for b in self.blocks for ident in defined_types(b)}
         header = block_of(self.function, self.loop.header)
         self.varies |= {phi.id for phi in header.phis if phi.id not in self.words}
         self.reached.add(self.loop.header)

@@ -38,7 +38,9 @@ def hoist_invariants(function: Function) -> Function:
 
 
 def _preheader(graph: nx.DiGraph[str], loop: Loop) -> str | None:
-    outside = [pred for pred in graph.predecessors(loop.header) if pred not in loop.blocks]
+    outside: list[str] = [
+        pred for pred in graph.predecessors(loop.header) if pred not in loop.blocks
+    ]
     if len(outside) != 1 or graph.out_degree(outside[0]) != 1:
         return None
     return outside[0]
