@@ -19,9 +19,10 @@ from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction
-from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
+from vividc.mapper import MapProblem, MapResult, check_time_limit
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
+from vividc.mapper.relaxed import map_relaxed_first
 from vividc.mapper.straight_bounds import straight_lower_bound
 from vividc.mapper.verify import violations
 from vividc.planning.choose import Stage, choose
@@ -33,7 +34,7 @@ from vividc.program import Program, encode
 
 Progress = Callable[[str], None]
 
-_TRANSFORMED_S = 20.0
+_TRANSFORMED_S = 25.0
 """A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
 
 
@@ -238,13 +239,13 @@ def _map_loops(
         result = known.get(region.dfg)
         if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
             share = (deadline - time.monotonic()) / (len(loops) - number)
-            result = map_dfg(
+            result = map_relaxed_first(
                 region.dfg,
                 fabric,
-                mapper=options.mapper,
-                time_limit_s=max(share, 1.0),
-                resident=resident,
-                progress=_prefixed(options.progress, region),
+                options.mapper,
+                max(share, 1.0),
+                resident,
+                _prefixed(options.progress, region),
             )
         _demand(result, region)
         known[region.dfg] = result

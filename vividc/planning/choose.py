@@ -24,6 +24,9 @@ _GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9}
 than full unrolling's, which are known.
 """
 
+_STEP = 0.95
+"""A factor must do so much better than half of it."""
+
 _FACTORS = (2, 4, 8)
 
 
@@ -129,7 +132,9 @@ class _Chooser:
             return  # what an earlier transformation left over
         for factor in _FACTORS:
             found = self._evaluate(base, Candidate(kind, header, factor))
-            if found is None or (best and found.estimate.cycles >= best.estimate.cycles):
+            if found is None:
+                break
+            if best is not None and found.estimate.cycles > _STEP * best.estimate.cycles:
                 break
             best = found
         if best is not None:

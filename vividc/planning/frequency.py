@@ -10,7 +10,7 @@ from vividc.dfg.cfg import Block, Function
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.transform.constant_trips import constant_trips
 
-UNKNOWN_TRIPS = 32.0
+UNKNOWN_TRIPS = 16.0
 """Iterations assumed of a loop whose count is only known when it starts."""
 
 SINGLE_LOOP_TRIPS = 256.0
