@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
-from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
 
 from vividc import arch
@@ -29,7 +28,7 @@ from vividc.planning.choose import Stage, choose
 from vividc.planning.estimate import Estimator, Shape
 from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
-from vividc.planning.options import TransformOptions, transform_options
+from vividc.planning.options import Factors, TransformOptions, transform_options
 from vividc.program import Program, encode
 
 Progress = Callable[[str], None]
@@ -59,8 +58,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     strict_fp: bool = False,
     contract: bool = True,
     transform: str = "auto",
-    unroll: ReadOnly[object, object] | None = None,
-    jam: ReadOnly[object, object] | None = None,
+    unroll: Factors | None = None,
+    jam: Factors | None = None,
     progress: Progress | None = None,
 ) -> Program:
     """Compiles `kernel` for one tile.

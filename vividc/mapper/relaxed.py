@@ -1,4 +1,4 @@
-"""Large loops: first some mapping at an II with room to spare, then smaller IIs in the time left."""
+"""Large loops: first some mapping at an II with room to spare, then smaller IIs for a while."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ LARGE = 64
 _ROOM = 1.12
 _FIRST_SHARE = 0.6
 _WORTH_TRYING_S = 0.5
+_TIGHTER_LEAST_S = 4.0
+_TIGHTER_FACTOR = 3.0
+"""A smaller II may take so much longer than the relaxed one."""
 
 
 def map_relaxed_first(
@@ -57,8 +60,9 @@ def map_relaxed_first(
     best = attempt(relaxed, _FIRST_SHARE * time_limit_s)
     if best.mapping is None:
         return attempt(None, deadline - time.monotonic())
+    patience_s = max(_TIGHTER_LEAST_S, _TIGHTER_FACTOR * best.wall_s)
     for ii in range(relaxed - 1, least - 1, -1):
-        left_s = deadline - time.monotonic()
+        left_s = min(deadline - time.monotonic(), patience_s)
         if left_s < _WORTH_TRYING_S:
             break
         tighter = attempt(ii, left_s)

@@ -80,9 +80,7 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     size = _size(state.function, state.loop(candidate.header)) * factor
     if size > MOST_INSTRUCTIONS:
         return Refusal(f"it would make {size} instructions")
-    rest = expected % factor if expected == int(expected) else (factor - 1) / 2
-    if candidate.header not in state.hints and not _constant(state, candidate.header):
-        rest = (factor - 1) / 2
+    rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
     if candidate.kind == "unrolling":
         done = unroll(state.function, state.loop(candidate.header), factor)
         if isinstance(done, Refusal):

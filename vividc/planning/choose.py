@@ -16,8 +16,11 @@ from vividc.planning.estimate import Estimate, Estimator
 from vividc.planning.frequency import expected_trips
 from vividc.planning.options import TransformOptions
 
-OPERATIONS_PER_PE = 7.5
+OPERATIONS_PER_PE = 8
 """A loop's graph may not have more: larger ones take too long to map."""
+
+_GAIN_WITHOUT_LOOP = 0.8
+"""The same where full unrolling leaves no loop around, for code that runs once."""
 
 _GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9}
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
@@ -65,10 +68,14 @@ class Stage:
 
 @dataclass(frozen=True)
 class Plan:
-    """Stages from the kernel as it was to the most transformed one, and what was decided."""
+    """Stages from the kernel as it was to the most transformed one, and what was decided.
+
+    `asked` is the last stage that the user asks for.
+    """
 
     stages: tuple[Stage, ...]
     decisions: tuple[Decision, ...] = ()
+    asked: int = 0
 
 
 def choose(function: Function, estimator: Estimator, options: TransformOptions) -> Plan:
@@ -79,16 +86,18 @@ def choose(function: Function, estimator: Estimator, options: TransformOptions) 
     KernelError
         A factor is asked for a line without a loop, or of a loop that cannot be transformed so.
     """
-    first = Stage(State(function, {}), estimator.estimate(function, {}))
+    tidied = tidy(function)
+    hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
+    first = Stage(State(function, hints), estimator.estimate(function, hints))
     if options.idle:
         return Plan((first,))
     chooser = _Chooser(estimator, options, [first])
-    tidied = tidy(function)
-    chooser.start(State(tidied, {}))
+    chooser.start(State(tidied, hints))
     chooser.obey()
+    asked = len(chooser.stages) - 1
     if options.mode == "auto":
         chooser.improve()
-    return Plan(tuple(chooser.stages), tuple(chooser.decisions))
+    return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
 
 
 @dataclass
@@ -128,7 +137,7 @@ class _Chooser:
     def _climb(self, kind: Kind, header: str) -> None:
         """The factor up to which the estimate falls."""
         base, best = self.now, None
-        if base.state.hints.get(header, math.inf) < _FACTORS[-1]:
+        if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
             return  # what an earlier transformation left over
         for factor in _FACTORS:
             found = self._evaluate(base, Candidate(kind, header, factor))
@@ -166,8 +175,13 @@ class _Chooser:
         known = max((r.shape.operations for r in base.estimate.regions), default=0)
         largest = max((r.shape.operations for r in estimate.regions if r.kind == "loop"), default=0)
         if largest > max(limit, known):
-            return f"a loop would have {largest} operations, more than {limit:.0f}"
-        if estimate.cycles > base.estimate.cycles * _GAIN[candidate.kind]:
+            return f"a loop would have {largest} operations, more than {limit}"
+        if math.isinf(estimate.cycles):
+            return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
+        share = _GAIN[candidate.kind]
+        if not any(region.kind == "loop" for region in estimate.regions):
+            share = _GAIN_WITHOUT_LOOP
+        if estimate.cycles > base.estimate.cycles * share:
             return "does not pay"
         return ""
 
@@ -182,7 +196,7 @@ class _Chooser:
             candidate.factor,
             base.state.loc(header),
             base.estimate.cycles,
-            None if estimate is None else estimate.cycles,
+            None if estimate is None or math.isinf(estimate.cycles) else estimate.cycles,
             reason,
         )
         self.decisions.append(decision)

@@ -133,7 +133,7 @@ class _Teller:
         for index, stage in enumerate(self.plan.stages):
             if stage.decision is decision:
                 return "" if index <= self.settled.index else self._dropped(index)
-        return "a larger factor is estimated to be faster"
+        return "another factor was chosen"
 
     def _dropped(self, index: int) -> str:
         later = [i for i in sorted(self.settled.dropped) if i >= index]

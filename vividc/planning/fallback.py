@@ -72,7 +72,9 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
             if best is not None:
                 dropped[best.index] = "taken back: slower than without it once mapped"
             best = Settled(outcome, index, dropped)
-        if index and best.outcome.achieved.cycles <= plan.stages[index - 1].estimate.cycles:
+        if index <= plan.asked:  # what the user asks for need not pay
+            break
+        if best.outcome.achieved.cycles <= plan.stages[index - 1].estimate.cycles:
             break
     assert best is not None
     return best

@@ -9,6 +9,9 @@ from typing import Literal
 from vividc.errors import ArgumentError, demand_type
 
 Mode = Literal["auto", "none"]
+Factors = Mapping[int, int] | Mapping[str, int]
+"""Factors by source line; a line may be given as text."""
+
 _MODES = ("auto", "none")
 _LARGEST_FACTOR = 64
 
@@ -34,7 +37,7 @@ class TransformOptions:
 
 
 def transform_options(
-    transform: object, unroll: Mapping[object, object] | None, jam: Mapping[object, object] | None
+    transform: object, unroll: Factors | None, jam: Factors | None
 ) -> TransformOptions:
     """The options as given to `vividc.compile`, checked.
 
@@ -50,7 +53,7 @@ def transform_options(
     return TransformOptions(mode, _factors("unroll", unroll), _factors("jam", jam))
 
 
-def _factors(name: str, given: Mapping[object, object] | None) -> dict[int, int]:
+def _factors(name: str, given: Factors | None) -> dict[int, int]:
     hint = f"write {name}={{12: 4}} for the loop in line 12, by 4"
     if given is None:
         return {}
