@@ -28,8 +28,10 @@ _LEAVES_THAT_HAVE_AN_ORDER: Final = 3
 def balance_reductions(dfg: DFG, *, reassociate: bool = False) -> DFG:
     """Combines operands that are ready early first, and what the last iteration left last of all.
 
-    A sum of an accumulator and n words then has a recurrence of one addition instead of n, and a
-    sum of n words the height of a tree (Kuck 1978). Partial results that others read stay.
+    In a loop only what the last iteration left counts: a lower tree would need its words at once,
+    and start no iteration earlier. A sum of an accumulator and n words then has a recurrence of one
+    addition instead of n, and elsewhere a sum of n words the height of a tree (Kuck 1978). Partial
+    results that others read stay.
 
     Parameters
     ----------
@@ -53,11 +55,15 @@ def pass_for(*, reassociate: bool) -> partial[DFG]:
 def _balance_once(dfg: DFG, operations: frozenset[Opcode]) -> DFG:
     rewrite = Rewrite(dfg)
     levels, component = _levels(dfg), _components(dfg)
+    in_loop = any(edge.distance for edge in dfg.edges) or any(
+        node.op is Opcode.IV for node in dfg.nodes
+    )
     for node in dfg.nodes:
         if node.op in operations and not rewrite.predicated(node.id):
             tree = _Tree(rewrite, node, levels, component)
             tree.collect()
-            tree.balance()
+            if tree.is_recurrent or not in_loop:
+                tree.balance()
     return rewrite.result()
 
 
@@ -77,6 +83,12 @@ class _Tree:
         """Finds leaves with their depths; nothing if the root feeds a larger tree."""
         if not self._is_inner(self.root.id, self.root.op):
             self._descend(self.root.id, 1)
+
+    @property
+    def is_recurrent(self) -> bool:
+        """Whether a leaf needs what the root gave before."""
+        own = self.component[self.root.id]
+        return any(self.component[leaf.src] == own for leaf in self.leaves)
 
     def balance(self) -> None:
         """Rewires the operations if that shortens the way of the latest leaf."""
