@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.transform.constant_trips import constant_trips
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError, SourceLoc
-from vividc.planning.candidates import Candidate, Kind, State, apply
+from vividc.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.planning.estimate import Estimate, Estimator
 from vividc.planning.frequency import expected_trips
 from vividc.planning.options import TransformOptions
@@ -31,6 +32,8 @@ _STEP = 0.95
 """A factor must do so much better than half of it."""
 
 _FACTORS = (2, 4, 8)
+
+_SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +142,9 @@ class _Chooser:
         base, best = self.now, None
         if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
             return  # what an earlier transformation left over
+        if kind == "unrolling" and self._is_short_perhaps(header):
+            self._note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
+            return
         for factor in _FACTORS:
             found = self._evaluate(base, Candidate(kind, header, factor))
             if found is None:
@@ -148,6 +154,14 @@ class _Chooser:
             best = found
         if best is not None:
             self._accept(best)
+
+    def _is_short_perhaps(self, header: str) -> bool:
+        """A loop of unknown length inside another: entered often, it pays for a remainder often."""
+        function = self.now.state.function
+        loops = find_loops(function)
+        nested = any(header in loop.blocks and header != loop.header for loop in loops)
+        loop = self.now.state.loop(header)
+        return nested and constant_trips(function, loop, MOST_ITERATIONS) is None
 
     def _try(self, candidate: Candidate) -> None:
         found = self._evaluate(self.now, candidate)
