@@ -30,15 +30,22 @@ from vividc.dfg.opcodes import Opcode, Type
 
 def normalize(function: Function) -> Function:
     """The same function in the shape above."""
-    function = remove_unreachable_blocks(function)
-    function = _until_stable(function, _add_one_preheader)
-    function = _until_stable(function, _merge_latches_of_one_loop)
+    function = canonical_loops(function)
     for header in [loop.header for loop in pipelined_loops(function)]:
         loop = _loop_at(function, header)
         if loop.exits:
             function = _merge_exits(function, loop)
     function = _remove_trivial_phis(function)
     return merge_chains(split_critical_edges(function))
+
+
+def canonical_loops(function: Function) -> Function:
+    """The same function without unreachable blocks, each loop with one preheader, which only jumps
+    to its header, and one latch.
+    """
+    function = remove_unreachable_blocks(function)
+    function = _until_stable(function, _add_one_preheader)
+    return _until_stable(function, _merge_latches_of_one_loop)
 
 
 def merge_chains(function: Function) -> Function:

@@ -21,12 +21,12 @@ from vividc.dfg.cfg import (
     Param,
 )
 from vividc.dfg.cfg_check import check_function
+from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
 from vividc.frontend.diagnose import construct_at, diagnose
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, truncate_divisions
-from vividc.frontend.hoist import hoist_invariants
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
 from vividc.frontend.llvm_text import read_function

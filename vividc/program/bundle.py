@@ -25,7 +25,15 @@ from pydantic import TypeAdapter, ValidationError
 
 from vividc.dfg.cfg import DType, LocalArray, Param
 from vividc.errors import BundleError
-from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
+from vividc.program.tables import (
+    DebugRow,
+    Home,
+    LaunchRow,
+    LoopReport,
+    Provenance,
+    RegionReport,
+    RegionRow,
+)
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -72,6 +80,7 @@ class Manifest:
     provenance: Provenance
     warnings: tuple[str, ...]
     locals: tuple[LocalArray, ...] = ()
+    loops: tuple[LoopReport, ...] = ()
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

@@ -20,7 +20,15 @@ from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
 from vividc.program.entry import Entry
 from vividc.program.layout import OPCODE_NUMBERS, word_layout
-from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
+from vividc.program.tables import (
+    DebugRow,
+    Home,
+    LaunchRow,
+    LoopReport,
+    Provenance,
+    RegionReport,
+    RegionRow,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +58,8 @@ class Program:
         What the compiler achieved and proved, one report per row of `table`.
     locals
         Arrays of the kernel's own, which lie in the scratchpad behind the arguments.
+    loops
+        What became of the loops of the source, innermost first (`vividc compile --explain`).
     """
 
     name: str
@@ -69,6 +79,7 @@ class Program:
     provenance: Provenance
     warnings: tuple[str, ...] = ()
     locals: tuple[LocalArray, ...] = ()
+    loops: tuple[LoopReport, ...] = ()
 
     @property
     def fabric_name(self) -> str:
@@ -156,6 +167,7 @@ def _manifest(program: Program) -> Manifest:
         provenance=program.provenance,
         warnings=program.warnings,
         locals=program.locals,
+        loops=program.loops,
     )
 
 
@@ -202,6 +214,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         provenance=manifest.provenance,
         warnings=manifest.warnings,
         locals=manifest.locals,
+        loops=manifest.loops,
     )
 
 

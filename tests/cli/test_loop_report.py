@@ -1,0 +1,80 @@
+"""`--explain`, `--unroll`, `--jam`, `--no-transform`: what is done with loops or refused."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from vividc.cli import main
+
+SOURCE = """\
+import vividc
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def double(x, y):
+    for i in range(len(x)):
+        y[i] = 2 * x[i]
+"""
+
+
+def run(*args):
+    return CliRunner().invoke(main, [*map(str, args)])
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "k.py"
+    path.write_text(SOURCE)
+    return path
+
+
+def loops(file, *args):
+    result = run("compile", file, "-o", file.with_suffix(".vivid"), "--json", *args)
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)["loops"]
+
+
+def test_json_says_what_was_done_with_each_loop(file):
+    (loop,) = loops(file)
+    assert loop["loc"].endswith("k.py:6")
+    assert loop["cycles_before"] == 1
+    assert loop["cycles_after"] < 1
+    assert [item["kind"] for item in loop["transforms"] if item["chosen"]] == ["unrolling"]
+
+
+def test_a_loop_is_left_alone_on_request(file):
+    for request in (["--no-transform"], ["--unroll", "6=1"]):
+        (loop,) = loops(file, *request)
+        assert loop["cycles_after"] == 1
+        assert not any(item["chosen"] for item in loop["transforms"])
+
+
+def test_a_factor_is_obeyed(file):
+    (loop,) = loops(file, "--no-transform", "--unroll", "6=4")
+    (item,) = loop["transforms"]
+    assert (item["kind"], item["factor"], item["chosen"]) == ("unrolling", 4, True)
+
+
+def test_tables_for_people(file):
+    result = run("compile", file, "-o", file.with_suffix(".vivid"), "--explain")
+    assert result.exit_code == 0
+    assert "Loops of the source" in result.stdout
+    assert "Transformations" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["--unroll", "six=2"], "LINE=N"),
+        (["--unroll", "6=3"], "power of two"),
+        (["--unroll", "1=2"], "lines with loops: 6"),
+        (["--jam", "6=2"], "contains 0 loops"),
+    ],
+)
+def test_wrong_factors_are_refused(file, args, message):
+    output = file.with_suffix(".vivid")
+    result = run("compile", file, "-o", output, *args)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert not output.exists()

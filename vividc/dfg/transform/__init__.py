@@ -1,0 +1,1 @@
+"""Loop transformations on kernels in SSA form, before regions are cut."""
