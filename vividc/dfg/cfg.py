@@ -52,6 +52,13 @@ class Const:
 
 
 @dataclass(frozen=True, slots=True)
+class Undefined(Const):
+    """A word that nobody reads: any word may stand for it. It is 0 where it has to be something."""
+
+    word: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Input:
     """A word the host supplies at launch.
 
