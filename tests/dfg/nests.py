@@ -37,7 +37,9 @@ def _loop(depth: int) -> st.SearchStrategy[object]:
     variable = st.integers(0, VARIABLES - 1)
     body = _body(depth)
     counted = st.builds(For, variable, st.integers(0, 2), st.integers(-1, 5), body)
-    return st.one_of(counted, counted, st.builds(While, variable, variable, st.integers(1, 5), body))
+    return st.one_of(
+        counted, counted, st.builds(While, variable, variable, st.integers(1, 5), body)
+    )
 
 
 def _body(depth: int) -> st.SearchStrategy[tuple[object, ...]]:

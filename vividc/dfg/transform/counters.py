@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from vividc.dfg.affine import AffineAnalysis, block_of
 from vividc.dfg.cfg import Const, Function, Input, Phi, Ref, Value
+from vividc.dfg.cfg_edit import defined_types
 from vividc.dfg.loops import Loop
 from vividc.dfg.opcodes import Opcode
 
@@ -60,6 +61,15 @@ def counter_of(function: Function, loop: Loop) -> Counter | None:
         if analysis.never_wraps(moving, by_one=abs(step) == 1):
             return Counter(phi, analysis.initial(phi), step, limit)
     return None
+
+
+def defined_in(function: Function, loop: Loop) -> set[int]:
+    """Ids of the values that `loop` defines."""
+    inside: set[int] = set()
+    for block in function.blocks:
+        if block.name in loop.blocks:
+            inside |= defined_types(block).keys()
+    return inside
 
 
 def is_length(value: Value) -> bool:

@@ -19,20 +19,20 @@ from itertools import takewhile
 import networkx as nx
 
 from vividc.dfg.affine import block_of
-from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Undefined
+from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Undefined, Value
 from vividc.dfg.cfg_edit import (
     fresh_name,
     incoming,
     next_id,
     redirect_edge,
     rename_incoming,
-    retarget,
     with_blocks,
 )
-from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
 from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.peel import preheader_of
+from vividc.dfg.transform.rectangle import count_flattened, rectangle
 from vividc.dfg.transform.rotate import rotate
 from vividc.dfg.transform.simplify import simplify
 from vividc.dfg.transform.ssa_repair import repair
@@ -80,6 +80,7 @@ def flatten(function: Function, header: str) -> Function | None:
     nest = nest_at(function, header)
     if nest is None:
         return None
+    function, counted = rectangle(function, nest.outer, nest.inner)
     function = rotate(function, nest.inner, nest.outer)
     nest = nest_at(function, header)
     assert nest is not None
@@ -87,6 +88,8 @@ def flatten(function: Function, header: str) -> Function | None:
     nest = nest_at(function, header)
     assert nest is not None
     function, stays = _merge(function, nest)
+    if counted is not None:
+        function = count_flattened(function, nest.outer, nest.inner, counted)
     function = _guard(function, nest, stays)
     return simplify(function)
 
@@ -105,8 +108,9 @@ def _merge(function: Function, nest: Nest) -> tuple[Function, Ref]:
     back = block_of(function, nest.inner.latches[0])
     before, enters = preheader_of(function, nest.outer), preheader_of(function, nest.inner)
     (latch,) = nest.outer.latches
-    stays = Phi(next_id(function), Type.PRED, ((before, Const(0)), (latch, Const(0))))
-    stays = replace(stays, incoming=(*stays.incoming, (back.name, Const(1))))
+    goes_on = _goes_on(function, nest)
+    ends = ((latch, goes_on or Const(0)), (back.name, goes_on or Const(1)))
+    stays = Phi(next_id(function), Type.PRED, ((before, Const(0)), *ends))
     kept = tuple(
         replace(phi, incoming=(*phi.incoming, (back.name, Ref(phi.id)))) for phi in outer.phis
     )
@@ -122,6 +126,20 @@ def _merge(function: Function, nest: Nest) -> tuple[Function, Ref]:
     inner = replace(inner, phis=(), instrs=(*chosen, *inner.instrs))
     back = replace(back, branch=Branch(outer.name, loc=back.branch.loc))
     return with_blocks(function, (outer, inner, back)), Ref(stays.id)
+
+
+def _goes_on(function: Function, nest: Nest) -> Value | None:
+    """The condition on which every iteration of the outer loop branches to the inner back edge, if
+    there is one.
+    """
+    (latch,) = nest.outer.latches
+    (back,) = nest.inner.latches
+    graph = block_graph(function)
+    (test,) = graph.predecessors(back)
+    branch = block_of(function, test).branch
+    dominating = dominators(graph, function.blocks[0].name)
+    always = test in dominating[latch]
+    return branch.cond if always and branch.target == back else None
 
 
 def _guard(function: Function, nest: Nest, stays: Ref) -> Function:
@@ -176,9 +194,7 @@ def _split(
     once = fresh_name(function, f"{block.name}.once")
     rest = fresh_name(function, f"{block.name}.rest")
     loc = block.branch.loc
-    first = replace(
-        block, instrs=block.instrs[:start], branch=Branch(rest, stays, once, loc=loc)
-    )
+    first = replace(block, instrs=block.instrs[:start], branch=Branch(rest, stays, once, loc=loc))
     middle = Block(once, (), guarded, Branch(rest, loc=loc))
     last = Block(rest, (), block.instrs[start + len(guarded) :], block.branch)
     changed = {first.name: first}

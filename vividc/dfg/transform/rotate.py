@@ -24,7 +24,7 @@ from vividc.dfg.cfg_edit import (
 from vividc.dfg.loops import Loop
 from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.clone import clone_blocks, repair_uses
-from vividc.dfg.transform.counters import Counter, counter_of, moved_limit
+from vividc.dfg.transform.counters import Counter, counter_of, defined_in, moved_limit
 from vividc.dfg.transform.peel import preheader_of
 
 
@@ -194,10 +194,7 @@ class _Counted:
 
     def _place_of(self, limit: Value) -> str:
         """The preheader of the outermost of the two loops that `limit` does not change in."""
-        inside: set[int] = set()
-        for block in self.function.blocks:
-            if block.name in self.outer.blocks:
-                inside |= defined_types(block).keys()
+        inside = defined_in(self.function, self.outer)
         varies = isinstance(limit, Ref) and limit.id in inside
         return preheader_of(self.function, self.loop if varies else self.outer)
 
@@ -274,10 +271,7 @@ def _folded(limit: Const, steps: tuple[tuple[Opcode, int], ...]) -> Const:
 
 def _used_outside(function: Function, loop: Loop) -> bool:
     """Whether a value of the loop is read outside it."""
-    inside: set[int] = set()
-    for block in function.blocks:
-        if block.name in loop.blocks:
-            inside |= defined_types(block).keys()
+    inside = defined_in(function, loop)
     for block in function.blocks:
         if block.name in loop.blocks:
             continue
