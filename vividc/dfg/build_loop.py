@@ -252,6 +252,7 @@ class _LoopEmitter:
                 address.offset,
                 address.stride_bytes if folded else None,
                 block,
+                distinct=not folded and instr.distinct == self.parts.loop.header,
             )
         )
 

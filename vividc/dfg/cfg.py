@@ -79,7 +79,9 @@ class Instr:
     `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
     index, value). The byte address is base + (index << shift) + offset; `array` names the array
     accessed. `exact`: an integer addition or subtraction that is proved not to wrap as a signed
-    word.
+    word. `distinct`: header of a loop in whose run no two accesses with this index, of this or of
+    another access that says so, in two iterations, meet the same address (an iteration may still
+    load and store it).
     """
 
     id: int
@@ -90,6 +92,7 @@ class Instr:
     shift: int = 0
     offset: int = 0
     exact: bool = False
+    distinct: str = ""
     loc: SourceLoc | None = field(default=None, compare=False)
 
 

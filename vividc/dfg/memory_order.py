@@ -14,7 +14,8 @@ class Access:
     construction.
 
     `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
-    the array.
+    the array. `distinct`: two accesses that say so, of equal address parts, meet in one iteration
+    only, or in an earlier one of the first and a later one of the second.
     """
 
     node: Operand
@@ -25,6 +26,7 @@ class Access:
     offset: int
     stride_bytes: int | None
     block: str = ""
+    distinct: bool = False
 
 
 Exclusive = Callable[[str, str], bool]
@@ -65,6 +67,10 @@ def _dependences(
         and first.index == second.index
     )
     gap = second.offset - first.offset
+    if _never_comes_back(first, second):
+        if not same and not apart:
+            yield first, second, 0
+        return
     if affine and first.stride_bytes:
         ahead, remainder = divmod(gap, first.stride_bytes)
         if remainder == 0 and not same and not (ahead == 0 and apart):
@@ -77,3 +83,12 @@ def _dependences(
         yield first, second, int(apart)
     if in_loop:
         yield second, first, 1
+
+
+def _never_comes_back(first: Access, second: Access) -> bool:
+    """Whether nothing that `second` has touched is touched by `first` afterwards."""
+    return (
+        first.distinct
+        and second.distinct
+        and (first.base, first.index, first.offset) == (second.base, second.index, second.offset)
+    )

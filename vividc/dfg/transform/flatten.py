@@ -31,9 +31,11 @@ from vividc.dfg.cfg_edit import (
 from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
 from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.opcodes import Opcode, Type
+from vividc.dfg.transform.distinct import mark_distinct
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.rectangle import count_flattened, rectangle
 from vividc.dfg.transform.rotate import rotate
+from vividc.dfg.transform.share import share
 from vividc.dfg.transform.simplify import simplify
 from vividc.dfg.transform.ssa_repair import repair
 
@@ -76,10 +78,11 @@ def flatten(function: Function, header: str) -> Function | None:
     header
         Header block of the outer loop. The new loop has the same header.
     """
-    function = canonical_loops(function)
+    function = share(canonical_loops(function))
     nest = nest_at(function, header)
     if nest is None:
         return None
+    function = _marked(function, nest)
     function, counted = rectangle(function, nest.outer, nest.inner)
     function = rotate(function, nest.inner, nest.outer)
     nest = nest_at(function, header)
@@ -92,6 +95,27 @@ def flatten(function: Function, header: str) -> Function | None:
         function = count_flattened(function, nest.outer, nest.inner, counted)
     function = _guard(function, nest, stays)
     return simplify(function)
+
+
+def _marked(function: Function, nest: Nest) -> Function:
+    stored = _stored(function, nest)
+    replayed = set(_on_the_way(function, nest))
+
+    def runs_once(name: str, instr: Instr) -> bool:
+        return name not in replayed or _runs_once(instr, stored)
+
+    return mark_distinct(function, nest.outer, nest.inner, runs_once)
+
+
+def _stored(function: Function, nest: Nest) -> set[str]:
+    """Arrays that the nest stores to."""
+    return {
+        instr.array
+        for block in function.blocks
+        if block.name in nest.outer.blocks
+        for instr in block.instrs
+        if instr.op is Opcode.STORE
+    }
 
 
 def _with_back_block(function: Function, inner: Loop) -> Function:
@@ -143,14 +167,8 @@ def _goes_on(function: Function, nest: Nest) -> Value | None:
 
 
 def _guard(function: Function, nest: Nest, stays: Ref) -> Function:
-    """Lets what may not be run again, on the way to the inner loop, run in first iterations only."""
-    stored = {
-        instr.array
-        for block in function.blocks
-        if block.name in nest.outer.blocks
-        for instr in block.instrs
-        if instr.op is Opcode.STORE
-    }
+    """Lets what may not be run again on the way to the inner loop run in first iterations only."""
+    stored = _stored(function, nest)
     before = preheader_of(function, nest.outer)
     for name in _on_the_way(function, nest):
         rest = name
@@ -210,6 +228,7 @@ def _carry(function: Function, once: tuple[Instr, ...], before: str) -> Function
     home = {i.id: block.name for block in function.blocks for i in block.instrs}
     for instr in once:
         if instr.op is Opcode.LOAD:
-            definitions = {home[instr.id]: Ref(instr.id), before: Undefined()}
+            definitions: dict[str, Value] = {home[instr.id]: Ref(instr.id)}
+            definitions[before] = Undefined()
             function = repair(function, instr.id, instr.type, definitions)
     return function
