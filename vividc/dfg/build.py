@@ -151,6 +151,7 @@ class _Cutter:
             dfg,
             next=None if fall is None else self.index[fall],
             branch=self.index[branch.target] if conditional and branch.target else None,
+            header=name,
             loc=_first_loc(block),
         )
 

@@ -27,7 +27,7 @@ class Region:
     next
         Index of the region that runs next; None: the program ends.
     header
-        Loop: its header block in the CFG.
+        The block of the CFG that it was cut from; a loop's header.
     branch
         Straight: index of the region that runs next if the node marked `Control.BRANCH` gives 1.
     """

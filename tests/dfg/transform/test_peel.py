@@ -15,7 +15,7 @@ from vividc.dfg.transform.peel import peel
 from vividc.dfg.transform.simplify import simplify
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=100, deadline=None, derandomize=True)
 @given(programs(), st.integers(0, 3), st.integers(0, 4))
 def test_peeled_programs_mean_the_same(
     program: tuple[object, ...], iterations: int, which: int

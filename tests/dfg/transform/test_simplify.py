@@ -13,7 +13,7 @@ from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.simplify import simplify
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=100, deadline=None, derandomize=True)
 @given(programs())
 def test_simplified_programs_mean_the_same(program: tuple[object, ...]) -> None:
     function = simplify(lower(program))

@@ -74,10 +74,11 @@ def extend_phis(function: Function, clone: Clone) -> Function:
     """`function` with the copies appended, and an input for each edge from a copy in the phis of
     the blocks around.
 
-    The copies must still branch out of the group to the targets of their originals.
+    A copy hands on what its original hands to the same target.
     """
+    original = {new: old for old, new in clone.names.items()}
     sources = {
-        target: [old for old in clone.names if target in _named(function, old).branch.successors]
+        target: [original[b.name] for b in clone.blocks if target in b.branch.successors]
         for target in _targets_outside(clone)
     }
     blocks = tuple(
@@ -164,10 +165,6 @@ def _new_id(values: Mapping[int, Value], ident: int) -> int:
     value = values[ident]
     assert isinstance(value, Ref)
     return value.id
-
-
-def _named(function: Function, name: str) -> Block:
-    return next(block for block in function.blocks if block.name == name)
 
 
 def _targets_outside(clone: Clone) -> tuple[str, ...]:

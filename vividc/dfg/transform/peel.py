@@ -25,7 +25,7 @@ def peel(function: Function, loop: Loop, iterations: int) -> Function:
     clones: list[Clone] = []
     for number in range(iterations):
         clone = clone_blocks(function, loop.blocks, given=entering, stem=f"peel{number}")
-        clone = with_back_edge_to(clone, latch, loop.header)
+        clone = with_back_edge_to(clone, loop, loop.header)
         function = _jump(extend_phis(function, clone), last, loop.header, clone.names[loop.header])
         entering = {phi.id: clone.value(incoming(phi, latch)) for phi in header.phis}
         last = clone.names[latch]
@@ -47,14 +47,15 @@ def preheader_of(function: Function, loop: Loop) -> str:
     )
 
 
-def with_back_edge_to(clone: Clone, latch: str, header: str) -> Clone:
-    """`clone` of a loop, with the copied back edge leading to the original's header."""
-    copied = clone.names[header]
+def with_back_edge_to(clone: Clone, loop: Loop, target: str) -> Clone:
+    """`clone` of `loop`, with the copied back edge leading to the block `target`."""
+    copied = clone.names[loop.header]
+    (latch,) = loop.latches
 
     def changed(block: Block) -> Block:
         if block.name != clone.names[latch]:
             return block
-        return replace(block, branch=retarget(block.branch, copied, header))
+        return replace(block, branch=retarget(block.branch, copied, target))
 
     return replace(clone, blocks=tuple(changed(block) for block in clone.blocks))
 

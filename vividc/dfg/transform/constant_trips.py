@@ -1,0 +1,155 @@
+"""Loops that end after a number of iterations known at compile time.
+
+An iteration is run on constants only (conditional constant propagation, Wegman and Zadeck 1991),
+with what the one before left in the header's phis, until no path leads back to the header. So any
+counter does (steps, shifts, several at once), in any form of loop, with or without `break`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vividc.dfg.affine import block_of
+from vividc.dfg.cfg import Block, Const, Function, Phi, Ref, Value
+from vividc.dfg.cfg_edit import defined_types, incoming
+from vividc.dfg.loops import Loop
+from vividc.dfg.transform.peel import preheader_of
+from vividc.dfg.transform.simplify import constant_value
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantTrips:
+    """Attributes
+    ----------
+    entries
+        How often the header runs at most: the copies that `peel` needs to make the loop go.
+    iterations
+        Passes through the body at most; a last run of the header that only leaves does not count.
+    """
+
+    entries: int
+    iterations: int
+
+
+def constant_trips(function: Function, loop: Loop, limit: int) -> ConstantTrips | None:
+    """The loop's trips, or None if they are not constant or more than `limit`.
+
+    The loop has one preheader and one latch.
+    """
+    header = block_of(function, loop.header)
+    preheader = preheader_of(function, loop)
+    (latch,) = loop.latches
+    words = _constants({phi.id: incoming(phi, preheader) for phi in header.phis}, {})
+    for number in range(1, limit + 2):
+        state = _Iteration(function, loop, words)
+        state.run()
+        if not state.repeats:
+            only_header = state.reached == {loop.header} and len(loop.blocks) > 1
+            iterations = number - 1 if only_header else number
+            return ConstantTrips(number, iterations) if iterations <= limit else None
+        carried = {phi.id: incoming(phi, latch) for phi in header.phis}
+        following = _constants(carried, state.words)
+        if following == words:  # and so forever
+            return None
+        words = following
+    return None
+
+
+def _constants(values: dict[int, Value], words: dict[int, int]) -> dict[int, int]:
+    found = {}
+    for ident, value in values.items():
+        if isinstance(value, Const):
+            found[ident] = value.word
+        elif isinstance(value, Ref) and value.id in words:
+            found[ident] = words[value.id]
+    return found
+
+
+@dataclass
+class _Iteration:
+    """One pass from the header, on the constants `entering` its phis.
+
+    `varies` are the ids known to be no constant; ids in neither map have not been reached.
+    """
+
+    function: Function
+    loop: Loop
+    words: dict[int, int]
+    varies: set[int] = field(default_factory=set)
+    reached: set[str] = field(default_factory=set)
+    taken: set[tuple[str, str]] = field(default_factory=set)
+    repeats: bool = False
+
+    def __post_init__(self) -> None:
+        self.words = dict(self.words)
+        self.blocks = [b for b in self.function.blocks if b.name in self.loop.blocks]
+        self.inside = {ident for b in self.blocks for ident in defined_types(b)}
+        header = block_of(self.function, self.loop.header)
+        self.varies |= {phi.id for phi in header.phis if phi.id not in self.words}
+        self.reached.add(self.loop.header)
+
+    def run(self) -> None:
+        """Visits blocks until nothing new is learnt."""
+        before = None
+        while before != (before := (len(self.words), len(self.varies), len(self.taken))):
+            for block in self.blocks:
+                if block.name in self.reached:
+                    self._visit(block)
+
+    def _visit(self, block: Block) -> None:
+        if block.name != self.loop.header:
+            for phi in block.phis:
+                self._meet(phi, block.name)
+        for instr in block.instrs:
+            if instr.id in self.varies:
+                continue
+            word = constant_value(instr, self.words)
+            if word is not None:
+                self.words[instr.id] = word
+            elif not any(self._unknown_yet(value) for value in instr.operands):
+                self._vary(instr.id)
+        self._follow(block)
+
+    def _meet(self, phi: Phi, name: str) -> None:
+        if phi.id in self.varies:
+            return
+        values = [value for source, value in phi.incoming if (source, name) in self.taken]
+        known = {self._word(value) for value in values if not self._unknown_yet(value)}
+        if None in known or len(known) > 1:
+            self._vary(phi.id)
+        elif known:
+            word = known.pop()
+            assert word is not None
+            if self.words.setdefault(phi.id, word) != word:
+                self._vary(phi.id)
+
+    def _follow(self, block: Block) -> None:
+        branch = block.branch
+        targets = branch.successors
+        if branch.cond is not None:
+            if self._unknown_yet(branch.cond):
+                return
+            word = self._word(branch.cond)
+            if word is not None:
+                targets = targets[:1] if word else targets[1:]
+        for target in targets:
+            self.taken.add((block.name, target))
+            if target == self.loop.header:
+                self.repeats = True
+            elif target in self.loop.blocks:
+                self.reached.add(target)
+
+    def _word(self, value: Value) -> int | None:
+        if isinstance(value, Const):
+            return value.word
+        return self.words.get(value.id) if isinstance(value, Ref) else None
+
+    def _unknown_yet(self, value: Value) -> bool:
+        """Defined inside, but not reached so far."""
+        if not isinstance(value, Ref) or value.id not in self.inside:
+            return False
+        return value.id not in self.words and value.id not in self.varies
+
+    def _vary(self, ident: int) -> None:
+        self.words.pop(ident, None)
+        self.varies.add(ident)

@@ -1,0 +1,156 @@
+"""Cycles that a function would take on a fabric, from bounds instead of mappings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.build import build_kernel
+from vividc.dfg.cfg import Function
+from vividc.dfg.ir import DFG
+from vividc.dfg.loops import find_loops
+from vividc.dfg.normalize import normalize
+from vividc.dfg.pipeline import PassOptions, optimize
+from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.transform.peel import preheader_of
+from vividc.errors import SourceLoc
+from vividc.mapper.bounds import all_bounds, mii, no_ii
+from vividc.mapper.dependences import dependences, earliest_starts
+from vividc.mapper.mapping import Bound
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.straight_bounds import straight_lower_bound
+from vividc.planning.frequency import expected_trips, frequencies
+
+_ROUTING = 1.3
+"""An iteration's span over its longest path: words travel, and operations wait for PEs."""
+
+_NEVER = 1 << 20
+"""Stands for the length of a region that no mapping exists for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A region's time by itself: cycles between iterations, cycles of one, and what binds the II.
+
+    `ii` of a straight region is its length, as is `span`.
+    """
+
+    ii: int
+    span: int
+    operations: int
+    bound: Bound | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RegionCost:
+    """A region's share: `runs` times entered, with `trips` iterations each time."""
+
+    header: str
+    kind: str
+    shape: Shape
+    runs: float
+    trips: float
+    loc: SourceLoc | None = None
+
+    @property
+    def cycles(self) -> float:
+        """Cycles over the whole run, region switches aside."""
+        rest = max(self.trips - 1.0, 0.0) * self.shape.ii
+        return self.runs * (min(self.trips, 1.0) * self.shape.span + rest)
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Cycles of one run of a function, and of its regions."""
+
+    cycles: float
+    regions: tuple[RegionCost, ...]
+
+    def loop(self, header: str) -> RegionCost | None:
+        """The modulo-scheduled loop of this header."""
+        return next((r for r in self.regions if r.header == header and r.kind == "loop"), None)
+
+
+@dataclass
+class Estimator:
+    """Estimates functions on one fabric; regions seen before cost nothing again."""
+
+    fabric: Fabric
+    options: PassOptions
+    _optimized: dict[DFG, DFG] = field(default_factory=dict)
+    _shapes: dict[DFG, Shape] = field(default_factory=dict)
+
+    def estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
+        """The estimate; infinite if a region cannot be mapped or the contexts do not suffice.
+
+        Parameters
+        ----------
+        hints
+            Iterations of loops by header, where the caller knows better.
+        """
+        function = normalize(function)
+        kernel = build_kernel(function)
+        shapes = [self.shape(region) for region in kernel.regions]
+        return self.priced(function, kernel, shapes, hints)
+
+    def priced(
+        self, function: Function, kernel: Kernel, shapes: list[Shape], hints: Mapping[str, float]
+    ) -> Estimate:
+        """The cycles of a normalised function's regions if they have these shapes."""
+        trips = expected_trips(function, hints)
+        runs = frequencies(function, trips)
+        entries = _entries(function, runs)
+        costs = tuple(
+            RegionCost(r.header, r.kind, shape, entries[r.header], trips[r.header], r.loc)
+            if r.kind == "loop"
+            else RegionCost(r.header, r.kind, shape, runs[r.header], 1.0, r.loc)
+            for r, shape in zip(kernel.regions, shapes, strict=True)
+        )
+        switches = sum(cost.runs for cost in costs) * self.fabric.controller.switch_cycles
+        total = sum(cost.cycles for cost in costs) + switches
+        if sum(shape.ii for shape in shapes) > self.fabric.controller.contexts:
+            total = math.inf
+        return Estimate(total, costs)
+
+    def shape(self, region: Region) -> Shape:
+        """The region's shape by its bounds."""
+        dfg = self.optimized(region.dfg)
+        if dfg not in self._shapes:
+            problem = MapProblem(dfg, self.fabric)
+            shape = _loop_shape if region.kind == "loop" else _straight_shape
+            self._shapes[dfg] = shape(problem)
+        return self._shapes[dfg]
+
+    def optimized(self, dfg: DFG) -> DFG:
+        """The region's graph after the passes."""
+        if dfg not in self._optimized:
+            self._optimized[dfg] = optimize(dfg, self.options)
+        return self._optimized[dfg]
+
+
+def _entries(function: Function, runs: Mapping[str, float]) -> dict[str, float]:
+    """How often each loop is entered, by header."""
+    return {loop.header: runs[preheader_of(function, loop)] for loop in find_loops(function)}
+
+
+def _loop_shape(problem: MapProblem) -> Shape:
+    bounds = all_bounds(problem)
+    ii = mii(bounds)
+    operations = len(problem.dfg.operations)
+    if ii >= no_ii(problem):
+        return Shape(_NEVER, _NEVER, operations, bounds[0])
+    nodes = [node.id for node in problem.dfg.placed]
+    starts = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii) or {}
+    ends = (start + problem.fabric.latency(problem.dfg.by_id[n]) for n, start in starts.items())
+    span = math.ceil(max(ends, default=1) * _ROUTING)
+    return Shape(ii, max(span, ii), operations, bounds[0] if bounds else None)
+
+
+def _straight_shape(problem: MapProblem) -> Shape:
+    operations = len(problem.dfg.operations)
+    if not problem.dfg.placed:
+        return Shape(1, 1, operations)
+    bound = straight_lower_bound(problem)
+    return Shape(bound.ii, bound.ii, operations, bound)

@@ -1,0 +1,78 @@
+"""How often each block of a function runs, estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from vividc.dfg.cfg import Block, Function
+from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.transform.constant_trips import constant_trips
+
+UNKNOWN_TRIPS = 32.0
+"""Iterations assumed of a loop whose count is only known when it starts."""
+
+_MOST_EVALUATED = 64
+
+
+def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, float]:
+    """Iterations of each loop, by header: as hinted, as computed if constant, or assumed.
+
+    The loops are canonical (`normalize.canonical_loops`).
+    """
+    found: dict[str, float] = {}
+    for loop in find_loops(function):
+        if loop.header in hints:
+            found[loop.header] = hints[loop.header]
+            continue
+        constant = constant_trips(function, loop, _MOST_EVALUATED)
+        found[loop.header] = UNKNOWN_TRIPS if constant is None else float(constant.iterations)
+    return found
+
+
+def frequencies(function: Function, trips: Mapping[str, float]) -> dict[str, float]:
+    """Runs of each block for one run of the function (Wagner et al. 1994).
+
+    A branch that leaves a loop does so once in as many runs as its loop has iterations; other
+    branches go either way equally often. Blocks are all 1 if no branch ends some loop.
+    """
+    index = {block.name: number for number, block in enumerate(function.blocks)}
+    flow = np.eye(len(index))
+    loops = find_loops(function)
+    for block in function.blocks:
+        for target, probability in _edges(block, loops, trips):
+            flow[index[target], index[block.name]] -= probability
+    entry = np.zeros(len(index))
+    entry[0] = 1.0
+    try:
+        runs = np.linalg.solve(flow, entry)
+    except np.linalg.LinAlgError:
+        runs = np.ones(len(index))
+    return {name: float(runs[number]) for name, number in index.items()}
+
+
+def _edges(
+    block: Block, loops: tuple[Loop, ...], trips: Mapping[str, float]
+) -> Iterator[tuple[str, float]]:
+    targets = tuple(dict.fromkeys(block.branch.successors))
+    if len(targets) == 1:
+        yield targets[0], 1.0
+    elif targets:
+        first = _first_probability(block, targets, loops, trips)
+        yield targets[0], first
+        yield targets[1], 1.0 - first
+
+
+def _first_probability(
+    block: Block, targets: tuple[str, ...], loops: tuple[Loop, ...], trips: Mapping[str, float]
+) -> float:
+    for loop in loops:
+        if block.name not in loop.blocks:
+            continue
+        stays = [target in loop.blocks for target in targets]
+        if stays[0] != stays[1]:
+            runs = trips[loop.header] + (1.0 if block.name == loop.header else 0.0)
+            leave = 1.0 / max(runs, 1.0)
+            return 1.0 - leave if stays[0] else leave
+    return 0.5
