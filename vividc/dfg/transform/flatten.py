@@ -32,12 +32,12 @@ from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
 from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.distinct import mark_distinct
+from vividc.dfg.transform.number_values import number_values
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.rectangle import count_flattened, rectangle
 from vividc.dfg.transform.rotate import rotate
-from vividc.dfg.transform.share import share
-from vividc.dfg.transform.simplify import simplify
 from vividc.dfg.transform.ssa_repair import repair
+from vividc.dfg.transform.tidy import tidy
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ def flatten(function: Function, header: str) -> Function | None:
     header
         Header block of the outer loop. The new loop has the same header.
     """
-    function = share(canonical_loops(function))
+    function = number_values(canonical_loops(function))
     nest = nest_at(function, header)
     if nest is None:
         return None
@@ -94,7 +94,7 @@ def flatten(function: Function, header: str) -> Function | None:
     if counted is not None:
         function = count_flattened(function, nest.outer, nest.inner, counted)
     function = _guard(function, nest, stays)
-    return simplify(function)
+    return tidy(function)
 
 
 def _marked(function: Function, nest: Nest) -> Function:
