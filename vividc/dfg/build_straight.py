@@ -6,7 +6,7 @@ from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
-from vividc.dfg.opcodes import MEMORY, Opcode
+from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 from vividc.dfg.regions import RETURN_VARIABLE
 
 
@@ -64,6 +64,8 @@ def _emit(
     if instr.op not in MEMORY:
         return builder.add(instr.op, operands, instr.loc)
     base, index, *rest = operands
+    values = OPCODES[instr.op].arity - 1
+    pred = rest.pop() if len(rest) > values else None
     node = builder.add_node(
         Node(
             0,
@@ -74,7 +76,8 @@ def _emit(
             loc=instr.loc,
         ),
         [index, *rest],
-        base=base,
+        pred,
+        base,
     )
     fixed = instr.operands[1].word if isinstance(instr.operands[1], Const) else None
     accesses.append(

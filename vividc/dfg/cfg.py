@@ -77,11 +77,11 @@ class Instr:
     """One SSA instruction.
 
     `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
-    index, value). The byte address is base + (index << shift) + offset; `array` names the array
-    accessed. `exact`: an integer addition or subtraction that is proved not to wrap as a signed
-    word. `distinct`: header of a loop in whose run no two accesses with this index, of this or of
-    another access that says so, in two iterations, meet the same address (an iteration may still
-    load and store it).
+    index, value); in straight code a predicate may be the last operand. The byte address is base +
+    (index << shift) + offset; `array` names the array accessed. `exact`: an integer addition or
+    subtraction that is proved not to wrap as a signed word. `distinct`: header of a loop in whose
+    run an address that such an access has touched comes back only at accesses with the same index
+    that follow this one in the program, before the index changes.
     """
 
     id: int
