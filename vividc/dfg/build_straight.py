@@ -66,12 +66,13 @@ def _emit(
     base, index, *rest = operands
     values = OPCODES[instr.op].arity - 1
     pred = rest.pop() if len(rest) > values else None
+    base, index, shift = builder.fixed_base(base, index, instr.shift, instr.loc)
     node = builder.add_node(
         Node(
             0,
             instr.op,
             name=instr.array,
-            shift=instr.shift,
+            shift=shift,
             offset=instr.offset,
             loc=instr.loc,
         ),

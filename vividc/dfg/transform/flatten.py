@@ -32,6 +32,7 @@ from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
 from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.distinct import mark_distinct
+from vividc.dfg.transform.indices import fold_indices, unfold_bases
 from vividc.dfg.transform.number_values import number_values
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.rectangle import count_flattened, rectangle
@@ -80,9 +81,10 @@ def flatten(function: Function, header: str) -> Function | None:
     """
     function = number_values(canonical_loops(function))
     nest = nest_at(function, header)
-    if nest is None:
+    unfolded = None if nest is None else unfold_bases(function, nest.outer)
+    if nest is None or unfolded is None:
         return None
-    function = _marked(function, nest)
+    function = _marked(unfolded, nest)
     function, counted = rectangle(function, nest.outer, nest.inner)
     function = rotate(function, nest.inner, nest.outer)
     nest = nest_at(function, header)
@@ -94,7 +96,8 @@ def flatten(function: Function, header: str) -> Function | None:
     if counted is not None:
         function = count_flattened(function, nest.outer, nest.inner, counted)
     function = _guard(function, nest, stays)
-    return tidy(function)
+    loop = next(loop for loop in find_loops(function) if loop.header == header)
+    return tidy(fold_indices(number_values(function), loop))
 
 
 def _marked(function: Function, nest: Nest) -> Function:
