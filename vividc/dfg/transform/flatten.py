@@ -13,6 +13,7 @@ Literature: loop coalescing (Polychronopoulos 1987) for nests of counted loops, 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import takewhile
 
@@ -36,9 +37,10 @@ from vividc.dfg.transform.indices import fold_indices, unfold_bases
 from vividc.dfg.transform.number_values import number_values
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.rectangle import count_flattened, rectangle
-from vividc.dfg.transform.rotate import rotate
+from vividc.dfg.transform.rotate import can_rotate, rotate
 from vividc.dfg.transform.ssa_repair import repair
 from vividc.dfg.transform.tidy import tidy
+from vividc.errors import InternalError
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +100,30 @@ def flatten(function: Function, header: str) -> Function | None:
     function = _guard(function, nest, stays)
     loop = next(loop for loop in find_loops(function) if loop.header == header)
     return tidy(fold_indices(number_values(function), loop))
+
+
+def flattened_iterations(function: Function, header: str, trips: Mapping[str, float]) -> float:
+    """Iterations of what `flatten` makes of the nest at `header`, per run of the nest.
+
+    A rotated inner loop runs the code around it in its own iterations; else that takes one more.
+
+    Parameters
+    ----------
+    trips
+        Iterations of the outer loop per run, and of the inner one per outer iteration, by header.
+
+    Raises
+    ------
+    InternalError
+        If there is no nest to flatten.
+    """
+    function = canonical_loops(function)
+    nest = nest_at(function, header)
+    if nest is None:
+        raise InternalError(f"there is no nest at {header}")
+    inner = trips[nest.inner.header]
+    own = max(inner, 1.0) if can_rotate(function, nest.inner) else inner + 1.0
+    return trips[nest.outer.header] * own
 
 
 def _marked(function: Function, nest: Nest) -> Function:

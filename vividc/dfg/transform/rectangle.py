@@ -18,6 +18,7 @@ from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.counters import Counter, counter_of, defined_in, is_length
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.polynomial import Polynomial, Polynomials
+from vividc.dfg.transform.rotate import can_rotate
 
 _INT_MAX = 0x7FFFFFFF
 
@@ -142,10 +143,8 @@ def _counters(function: Function, outer: Loop, inner: Loop) -> tuple[Counter, Co
     if first is None or second is None:
         return None
     header = block_of(function, inner.header)
-    if header.branch.target not in inner.blocks or inner.latches == (inner.header,):
+    if header.branch.target not in inner.blocks or not can_rotate(function, inner):
         return None
-    if any(instr.op in MEMORY for instr in header.instrs):
-        return None  # then it is not rotated
     own = defined_in(function, outer)
     varies = [v for v in (second.limit, second.initial) if isinstance(v, Ref) and v.id in own]
     return None if varies else (first, second)

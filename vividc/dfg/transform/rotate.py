@@ -41,16 +41,21 @@ def rotate(function: Function, loop: Loop, outer: Loop) -> Function:
         A loop inside `outer`; both have one preheader and one latch (`normalize.canonical_loops`).
         The moved limit is computed before `outer` if it does not change there.
     """
+    if not can_rotate(function, loop):
+        return function
+    counter = counter_of(function, loop)
+    if counter is not None and [source for source, _ in loop.exits] == [loop.header]:
+        return _Counted(function, loop, counter, outer).run()
+    return _by_copied_test(function, loop)
+
+
+def can_rotate(function: Function, loop: Loop) -> bool:
+    """Whether the header tests whether to leave, without loads and stores, before the body."""
     header = block_of(function, loop.header)
     leaving = [name for name in header.branch.successors if name not in loop.blocks]
     if len(leaving) != 1 or header.branch.cond is None or loop.latches == (header.name,):
-        return function
-    if any(instr.op in MEMORY for instr in header.instrs):
-        return function
-    counter = counter_of(function, loop)
-    if counter is not None and loop.exits == ((header.name, leaving[0]),):
-        return _Counted(function, loop, counter, outer).run()
-    return _by_copied_test(function, loop)
+        return False
+    return not any(instr.op in MEMORY for instr in header.instrs)
 
 
 def _by_copied_test(function: Function, loop: Loop) -> Function:
