@@ -76,8 +76,8 @@ class _Proof:
         return False
 
     def in_rows(self, access: Instr) -> bool:
-        """Whether the index is i * size + j (or j * size + i) with the second counter in 0 ..
-        size - 1.
+        """Whether the index is i * size + j (or j * size + i), and the second counter moves within
+        a window of `size`.
         """
         if self.rows is None or self.columns is None or not self._has_fixed_base(access):
             return False
@@ -111,32 +111,16 @@ class _Proof:
         return not any(value in self.varying for monomial in rest.terms for value in monomial)
 
     def _is_row(self, size: Polynomial, unit: Polynomial, counter: Counter) -> bool:
-        """Whether `size` is a dimension, `unit` is 1, and 0 <= counter < size."""
+        """Whether `size` is a dimension, `unit` is 1, and the counter has at most `size` words."""
         if unit.constant != 1 or len(size.terms) != 1:
             return False
         [(monomial, factor)] = size.terms.items()
         if factor != 1 or len(monomial) != 1 or not _is_dimension(monomial[0]):
             return False
-        first = self.known.of(counter.initial)
-        if counter.step > 0:
-            return _at_least(first, 0) and self._below(counter.limit, size, 0)
-        return _at_least(self.known.of(counter.limit), -1) and self._below(
-            counter.initial, size, -1
-        )
-
-    def _below(self, value: Value, size: Polynomial, most: int) -> bool:
-        """Whether value - size <= most: the counter meets no other word in between."""
-        difference = self.known.of(value).plus(size, -1).constant
-        return difference is not None and -_STEP_LIMIT <= difference <= most
-
-
-def _at_least(value: Polynomial, least: int) -> bool:
-    """Whether a constant, or a dimension, is at least `least`."""
-    if value.constant is not None:
-        return value.constant >= least
-    return len(value.terms) == 1 and all(
-        len(m) == 1 and _is_dimension(m[0]) and f == 1 for m, f in value.terms.items()
-    )
+        ends = [self.known.of(counter.initial), self.known.of(counter.limit)]
+        first, last = ends if counter.step > 0 else ends[::-1]
+        excess = last.plus(first, -1).plus(size, -1).constant
+        return excess is not None and -_STEP_LIMIT <= excess <= 0
 
 
 def _is_nonzero(slope: Polynomial) -> bool:
