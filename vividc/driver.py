@@ -5,25 +5,36 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.delivery import deliver, residents, variable_homes
 from vividc.dfg.build import build_kernel
+from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
+from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction
-from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
+from vividc.mapper import MapProblem, MapResult, check_time_limit
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
+from vividc.mapper.relaxed import map_relaxed_first
 from vividc.mapper.straight_bounds import straight_lower_bound
 from vividc.mapper.verify import violations
+from vividc.planning.choose import Stage, choose
+from vividc.planning.estimate import Estimator, Shape
+from vividc.planning.explain import loop_reports
+from vividc.planning.fallback import Outcome, settle
+from vividc.planning.options import Factors, TransformOptions, transform_options
 from vividc.program import Program, encode
 
 Progress = Callable[[str], None]
+
+_TRANSFORMED_S = 25.0
+"""A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +46,10 @@ class CompileOptions:
     strict_fp: bool = False
     contract: bool = True
     progress: Progress | None = None
+    transform: TransformOptions = field(default_factory=TransformOptions)
 
 
-def compile(
+def compile(  # noqa: PLR0913 - the public contract, plus keywords
     kernel: KernelFunction,
     fabric: str | Fabric = "vivid-tile",
     mapper: str = "auto",
@@ -45,6 +57,9 @@ def compile(
     *,
     strict_fp: bool = False,
     contract: bool = True,
+    transform: str = "auto",
+    unroll: Factors | None = None,
+    jam: Factors | None = None,
     progress: Progress | None = None,
 ) -> Program:
     """Compiles `kernel` for one tile.
@@ -59,55 +74,106 @@ def compile(
         Refuse float64 arithmetic instead of running it in float32 with a warning.
     contract
         Fuse multiplications and additions into FMAs.
+    transform
+        "auto": loops are unrolled and jammed where an estimate says that it pays; "none": not.
+    unroll, jam
+        Factors for loops by source line, as in {12: 4}: unroll the loop in line 12 by 4, or run 4
+        iterations of it together in the loop inside it. 1 leaves a loop as it is.
     progress
         Called with one line for each step.
 
     Raises
     ------
-    KernelError, ArchError, MappingFailed, TimeLimit
+    ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
     demand_type(kernel, KernelFunction, "the kernel", "decorate the function with @vividc.kernel")
     demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     check_time_limit(time_limit_s)
-    options = CompileOptions(mapper, time_limit_s, strict_fp, contract, progress)
+    wanted = transform_options(transform, unroll, jam)
+    options = CompileOptions(mapper, time_limit_s, strict_fp, contract, progress, wanted)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
-        mapped, results = _compile_loops(kernel, machine, options)
+        function = kernel.lower(strict_fp=strict_fp)
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
-    return encode(
-        mapped,
-        machine,
-        {index: _mapping(result) for index, result in results.items()},
-        reports=results,
-        options={"mapper": mapper, "strict_fp": strict_fp, "contract": contract},
-        warnings=[str(w.message) for w in caught if issubclass(w.category, VividcWarning)],
-    )
+    program = _compile_stages(function, machine, options)
+    for text in program.warnings:
+        warnings.warn(text, VividcWarning, stacklevel=2)
+    lines = [str(w.message) for w in caught if issubclass(w.category, VividcWarning)]
+    return replace(program, warnings=(*lines, *program.warnings))
 
 
-def _compile_loops(
-    kernel: KernelFunction, fabric: Fabric, options: CompileOptions
-) -> tuple[Kernel, dict[int, MapResult]]:
-    """Maps the kernel; a loop that cannot be modulo-scheduled (in time) runs block by block."""
-    sequential: frozenset[str] = frozenset()
+def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
+    """The program of the plan's best stage that can be mapped."""
+    estimator = Estimator(fabric, PassOptions(options.contract))
+    deadline = time.monotonic() + options.time_limit_s
+    plan = choose(function, estimator, options.transform)
     known: dict[DFG, MapResult] = {}
+
+    def attempt(stage: Stage, last_resort: bool) -> Outcome:
+        left_s = max(deadline - time.monotonic(), 1.0)
+        if not last_resort:
+            left_s = min(left_s / 2, _TRANSFORMED_S)
+        limited = replace(options, time_limit_s=left_s)
+        return _map_stage(stage, estimator, limited, known, last_resort)
+
+    settled = settle(plan, attempt)
+    notes = [
+        f"{_place(settled.outcome, header)}: the loop {why} and runs block by block"
+        for header, why in settled.outcome.sequential.items()
+    ]
+    loops = loop_reports(plan, settled)
+    return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
+
+
+def _map_stage(
+    stage: Stage,
+    estimator: Estimator,
+    options: CompileOptions,
+    known: dict[DFG, MapResult],
+    last_resort: bool,
+) -> Outcome:
+    """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
+    it is a transformed one.
+    """
+    sequential: dict[str, str] = {}
     while True:
-        lowered = lower(
-            kernel,
-            strict_fp=options.strict_fp,
-            contract=options.contract,
-            sequential=sequential,
-        )
+        function = replace(stage.state.function, sequential=frozenset(sequential))
+        function = normalize(function)
+        kernel = optimize_kernel(build_kernel(function), estimator.options)
         try:
-            return map_kernel(lowered, fabric, options, known)
+            mapped, results = map_kernel(kernel, estimator.fabric, options, known)
+            break
         except (MappingFailed, TimeLimit) as error:
-            if not error.header:
+            if not error.header or (error.header in stage.state.made and not last_resort):
                 raise
-            sequential |= {error.header}
-            why = "has no modulo schedule" if isinstance(error, MappingFailed) else "took too long"
-            text = f"{error.loc}: the loop {why} and runs block by block"
-            warnings.warn(text, VividcWarning, stacklevel=2)
+            timed_out = isinstance(error, TimeLimit)
+            why = "took too long" if timed_out else "has no modulo schedule"
+            sequential[error.header] = why
+    mappings = {index: _mapping(result) for index, result in results.items()}
+    program = encode(
+        mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)
+    )
+    shapes = [
+        Shape(row.ii, row.span, len(region.dfg.operations))
+        for row, region in zip(program.table, mapped.regions, strict=True)
+    ]
+    achieved = estimator.priced(function, mapped, shapes, stage.state.hints)
+    return Outcome(stage, mapped, results, program, achieved, sequential)
+
+
+def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool | None]:
+    return {
+        "mapper": options.mapper,
+        "strict_fp": options.strict_fp,
+        "contract": options.contract,
+        "transform": options.transform.mode,
+    }
+
+
+def _place(outcome: Outcome, header: str) -> str:
+    return str(outcome.stage.state.loc(header))
 
 
 def lower(
@@ -172,13 +238,13 @@ def _map_loops(
         result = known.get(region.dfg)
         if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
             share = (deadline - time.monotonic()) / (len(loops) - number)
-            result = map_dfg(
+            result = map_relaxed_first(
                 region.dfg,
                 fabric,
-                mapper=options.mapper,
-                time_limit_s=max(share, 1.0),
-                resident=resident,
-                progress=_prefixed(options.progress, region),
+                options.mapper,
+                max(share, 1.0),
+                resident,
+                _prefixed(options.progress, region),
             )
         _demand(result, region)
         known[region.dfg] = result

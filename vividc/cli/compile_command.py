@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -10,6 +11,7 @@ import vividc
 from vividc.cli import options
 from vividc.cli.files import check_output
 from vividc.cli.kernels import load_kernel
+from vividc.cli.loop_report import factors, print_loops
 from vividc.cli.program_report import print_regions
 from vividc.cli.report import print_json, progress
 from vividc.program import Program
@@ -32,6 +34,27 @@ SCHEMA = "vividc.compile/1"
     help="Fuse a multiplication and an addition into one operation with one rounding.",
 )
 @click.option(
+    "--transform/--no-transform",
+    default=True,
+    show_default=True,
+    help="Unroll and jam loops where an estimate says that it pays.",
+)
+@click.option(
+    "--unroll",
+    multiple=True,
+    metavar="LINE=N",
+    callback=factors,
+    help="Unroll the loop in this line by N; 1 leaves it as it is.",
+)
+@click.option(
+    "--jam",
+    multiple=True,
+    metavar="LINE=N",
+    callback=factors,
+    help="Run N iterations of the loop in this line together in the loop inside it.",
+)
+@click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
+@click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
 )
 @options.as_json
@@ -42,6 +65,10 @@ def command(
     time_limit_s: float,
     strict_fp: bool,
     contract: bool,
+    transform: bool,
+    unroll: dict[int, int],
+    jam: dict[int, int],
+    explain: bool,
     output: Path | None,
     as_json: bool,
 ) -> None:
@@ -60,6 +87,9 @@ def command(
             time_limit_s=time_limit_s,
             strict_fp=strict_fp,
             contract=contract,
+            transform="auto" if transform else "none",
+            unroll=unroll,
+            jam=jam,
             progress=report,
         )
     program.save(path)
@@ -67,6 +97,8 @@ def command(
         print_json(SCHEMA, _as_object(program, path))
     else:
         print_regions(program)
+        if explain:
+            print_loops(program)
         click.echo(f"written: {path}")
 
 
@@ -93,6 +125,10 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
                 "wall_s": region.wall_s,
             }
             for region in program.regions
+        ],
+        "loops": [
+            {**asdict(loop), "loc": None if loop.loc is None else str(loop.loc)}
+            for loop in program.loops
         ],
         "warnings": [str(warning) for warning in program.warnings],
     }

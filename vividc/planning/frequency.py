@@ -10,8 +10,11 @@ from vividc.dfg.cfg import Block, Function
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.transform.constant_trips import constant_trips
 
-UNKNOWN_TRIPS = 32.0
+UNKNOWN_TRIPS = 16.0
 """Iterations assumed of a loop whose count is only known when it starts."""
+
+SINGLE_LOOP_TRIPS = 256.0
+"""The same, of a loop that neither contains another nor is contained in one."""
 
 _MOST_EVALUATED = 64
 
@@ -22,13 +25,20 @@ def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, 
     The loops are canonical (`normalize.canonical_loops`).
     """
     found: dict[str, float] = {}
-    for loop in find_loops(function):
+    loops = find_loops(function)
+    for loop in loops:
         if loop.header in hints:
             found[loop.header] = hints[loop.header]
             continue
         constant = constant_trips(function, loop, _MOST_EVALUATED)
-        found[loop.header] = UNKNOWN_TRIPS if constant is None else float(constant.iterations)
+        assumed = SINGLE_LOOP_TRIPS if _is_single(loop, loops) else UNKNOWN_TRIPS
+        found[loop.header] = assumed if constant is None else float(constant.iterations)
     return found
+
+
+def _is_single(loop: Loop, loops: tuple[Loop, ...]) -> bool:
+    others = (other for other in loops if other is not loop)
+    return not any(o.header in loop.blocks or loop.header in o.blocks for o in others)
 
 
 def frequencies(function: Function, trips: Mapping[str, float]) -> dict[str, float]:

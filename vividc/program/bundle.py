@@ -25,7 +25,15 @@ from pydantic import TypeAdapter, ValidationError
 
 from vividc.dfg.cfg import DType, Param
 from vividc.errors import BundleError
-from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
+from vividc.program.tables import (
+    DebugRow,
+    Home,
+    LaunchRow,
+    LoopReport,
+    Provenance,
+    RegionReport,
+    RegionRow,
+)
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -70,6 +78,7 @@ class Manifest:
     regions: tuple[RegionReport, ...]
     provenance: Provenance
     warnings: tuple[str, ...]
+    loops: tuple[LoopReport, ...] = ()
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

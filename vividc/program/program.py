@@ -20,7 +20,15 @@ from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
 from vividc.program.entry import Entry
 from vividc.program.layout import OPCODE_NUMBERS, word_layout
-from vividc.program.tables import DebugRow, Home, LaunchRow, Provenance, RegionReport, RegionRow
+from vividc.program.tables import (
+    DebugRow,
+    Home,
+    LaunchRow,
+    LoopReport,
+    Provenance,
+    RegionReport,
+    RegionRow,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +56,8 @@ class Program:
         What each configuration entry was made from.
     regions
         What the compiler achieved and proved, one report per row of `table`.
+    loops
+        What became of the loops of the source, innermost first (`vividc compile --explain`).
     """
 
     name: str
@@ -65,6 +75,7 @@ class Program:
     regions: tuple[RegionReport, ...]
     provenance: Provenance
     warnings: tuple[str, ...] = ()
+    loops: tuple[LoopReport, ...] = ()
 
     @property
     def fabric_name(self) -> str:
@@ -150,6 +161,7 @@ def _manifest(program: Program) -> Manifest:
         regions=program.regions,
         provenance=program.provenance,
         warnings=program.warnings,
+        loops=program.loops,
     )
 
 
@@ -194,6 +206,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         regions=manifest.regions,
         provenance=manifest.provenance,
         warnings=manifest.warnings,
+        loops=manifest.loops,
     )
 
 

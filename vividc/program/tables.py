@@ -170,3 +170,55 @@ class Provenance:
     kernel_file: str
     kernel_sha256: str
     options: tuple[Option, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TransformReport:
+    """A transformation of a loop that was chosen, or tried and why not.
+
+    Attributes
+    ----------
+    before, after
+        Estimated cycles of one run of the kernel, every loop of unknown length at an assumed one;
+        `after` is None if the transformation is not possible.
+    reason
+        Why it was not chosen, or was taken back; empty if the program has it.
+    """
+
+    kind: str
+    factor: int
+    chosen: bool
+    before: float
+    after: float | None
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class LoopReport:
+    """What became of one loop of the source.
+
+    Attributes
+    ----------
+    loc
+        Where it is written.
+    outcome
+        How it runs, in words.
+    cycles_before
+        Cycles an iteration by the bounds of the loop as written; None if it holds other loops.
+    cycles_after
+        Cycles an iteration of the source in the program's hot region of it; None as above.
+    binds
+        What keeps the II from being smaller.
+    notes
+        If-conversion, branching, fallbacks.
+    transforms
+        What was tried.
+    """
+
+    loc: SourceLoc | None
+    outcome: str
+    cycles_before: float | None = None
+    cycles_after: float | None = None
+    binds: str = ""
+    notes: tuple[str, ...] = ()
+    transforms: tuple[TransformReport, ...] = ()

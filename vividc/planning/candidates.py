@@ -1,0 +1,157 @@
+"""The transformations that can be tried on a function, and what each makes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from vividc.dfg.affine import block_of
+from vividc.dfg.cfg import Function
+from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.transform.constant_trips import constant_trips
+from vividc.dfg.transform.jam import jam
+from vividc.dfg.transform.peel import peel
+from vividc.dfg.transform.refusal import Refusal
+from vividc.dfg.transform.tidy import tidy
+from vividc.dfg.transform.unroll import unroll
+from vividc.errors import SourceLoc
+
+Kind = Literal["full unrolling", "unrolling", "unroll-and-jam"]
+
+MOST_ITERATIONS = 64
+"""Loops of more iterations are not unrolled fully."""
+
+MOST_INSTRUCTIONS = 1500
+"""No transformation makes more: estimating it would take too long."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A transformation of the loop at `header`; full unrolling has factor 0."""
+
+    kind: Kind
+    header: str
+    factor: int = 0
+
+
+@dataclass(frozen=True)
+class State:
+    """A function with what is known of its loops.
+
+    Attributes
+    ----------
+    hints
+        Iterations by header, where a transformation knows better than the code says.
+    made
+        Headers of loops that transformations made or rewrote.
+    origin, scale
+        Of loops that transformations made, by header: the loop of the source that they come from,
+        and how many of its iterations one of theirs runs.
+    """
+
+    function: Function
+    hints: Mapping[str, float]
+    made: frozenset[str] = frozenset()
+    origin: Mapping[str, str] = field(default_factory=dict)
+    scale: Mapping[str, int] = field(default_factory=dict)
+
+    def loop(self, header: str) -> Loop:
+        """The loop at `header`."""
+        return next(loop for loop in find_loops(self.function) if loop.header == header)
+
+    def loc(self, header: str) -> SourceLoc | None:
+        """Where the loop is written."""
+        return block_of(self.function, header).branch.loc
+
+
+def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
+    """The state after the transformation.
+
+    Parameters
+    ----------
+    trips
+        Expected iterations of every loop of the state.
+    """
+    if candidate.kind == "full unrolling":
+        return _fully(state, candidate.header)
+    expected = trips[candidate.header]
+    factor = candidate.factor
+    size = _size(state.function, state.loop(candidate.header)) * factor
+    if size > MOST_INSTRUCTIONS:
+        return Refusal(f"it would make {size} instructions")
+    rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
+    if candidate.kind == "unrolling":
+        done = unroll(state.function, state.loop(candidate.header), factor)
+        if isinstance(done, Refusal):
+            return done
+        hints = {done.main: (expected - rest) / factor, done.rest: rest}
+        derived = {done.main: done.rest}
+        return _next(state, tidy(done.function), hints, derived, factor)
+    both = jam(state.function, state.loop(candidate.header), factor)
+    if isinstance(both, Refusal):
+        return both
+    inner = trips[both.rest_inner]
+    hints = {both.main: (expected - rest) / factor, both.rest: rest}
+    hints |= {both.inner: inner, both.rest_inner: inner}
+    derived = {both.main: both.rest, both.inner: both.rest_inner}
+    return _next(state, tidy(both.function), hints, derived, factor)
+
+
+def _next(
+    state: State,
+    function: Function,
+    hints: Mapping[str, float],
+    derived: Mapping[str, str],
+    factor: int,
+) -> State:
+    """The state with new loops; `derived` are their headers and those of the loops they copy."""
+    origin = {new: state.origin.get(old, old) for new, old in derived.items()}
+    scale = {new: state.scale.get(old, 1) * factor for new, old in derived.items()}
+    return State(
+        function,
+        {**state.hints, **hints},
+        state.made | hints.keys(),
+        {**state.origin, **origin},
+        {**state.scale, **scale},
+    )
+
+
+def _fully(state: State, header: str) -> State | Refusal:
+    """Unrolls the loop and those in it, inner ones first, or as soon as their trips are known."""
+    function = state.function
+    inside = {header} | {
+        loop.header for loop in find_loops(function) if loop.header in state.loop(header).blocks
+    }
+    while True:
+        loops = [loop for loop in find_loops(function) if _stem(loop.header) in inside]
+        if not loops:
+            return replace(state, function=function, made=state.made | {_around(state, header)})
+        found = [(loop, constant_trips(function, loop, MOST_ITERATIONS)) for loop in loops]
+        known = [(loop, trips) for loop, trips in found if trips is not None]
+        if not known:
+            return Refusal(f"its trip count is not a constant up to {MOST_ITERATIONS}")
+        loop, trips = known[0]
+        size = _size(function, loop) * trips.entries
+        if size > MOST_INSTRUCTIONS:
+            return Refusal(f"it would make {size} instructions")
+        function = tidy(peel(function, loop, trips.entries))
+
+
+def _stem(header: str) -> str:
+    """The name of the block that `header` is a copy of."""
+    return header.split(".peel", maxsplit=1)[0]
+
+
+def _around(state: State, header: str) -> str:
+    """The loop around, which becomes another one by the unrolling."""
+    around = [loop for loop in find_loops(state.function) if header in loop.blocks]
+    return next((loop.header for loop in around if loop.header != header), header)
+
+
+def _constant(state: State, header: str) -> bool:
+    return constant_trips(state.function, state.loop(header), MOST_ITERATIONS) is not None
+
+
+def _size(function: Function, loop: Loop) -> int:
+    return sum(len(block.instrs) for block in function.blocks if block.name in loop.blocks)

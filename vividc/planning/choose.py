@@ -1,0 +1,256 @@
+"""Chooses the loop transformations that pay, by estimates from bounds, from the inside out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from vividc.dfg.cfg import Function
+from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.transform.refusal import Refusal
+from vividc.dfg.transform.tidy import tidy
+from vividc.errors import KernelError, SourceLoc
+from vividc.planning.candidates import Candidate, Kind, State, apply
+from vividc.planning.estimate import Estimate, Estimator
+from vividc.planning.frequency import expected_trips
+from vividc.planning.options import TransformOptions
+
+OPERATIONS_PER_PE = 8
+"""A loop's graph may not have more: larger ones take too long to map."""
+
+_GAIN_WITHOUT_LOOP = 0.8
+"""The same where full unrolling leaves no loop around, for code that runs once."""
+
+_GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9}
+"""A transformation must bring the cycles below this share: its overheads vary more with the sizes
+than full unrolling's, which are known.
+"""
+
+_STEP = 0.95
+"""A factor must do so much better than half of it."""
+
+_FACTORS = (2, 4, 8)
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One transformation that was tried.
+
+    Attributes
+    ----------
+    header, origin
+        The loop, and the loop of the source that it comes from.
+    before, after
+        Estimated cycles of one run of the kernel; `after` is None if it was refused.
+    reason
+        Why it was refused or does not pay; else empty.
+    """
+
+    kind: Kind
+    header: str
+    origin: str
+    factor: int
+    loc: SourceLoc | None
+    before: float
+    after: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A function to map, its estimate, and the decision that made it of the stage before."""
+
+    state: State
+    estimate: Estimate
+    decision: Decision | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Stages from the kernel as it was to the most transformed one, and what was decided.
+
+    `asked` is the last stage that the user asks for.
+    """
+
+    stages: tuple[Stage, ...]
+    decisions: tuple[Decision, ...] = ()
+    asked: int = 0
+
+
+def choose(function: Function, estimator: Estimator, options: TransformOptions) -> Plan:
+    """The transformations of `function` that pay, or that the user asks for.
+
+    Raises
+    ------
+    KernelError
+        A factor is asked for a line without a loop, or of a loop that cannot be transformed so.
+    """
+    tidied = tidy(function)
+    hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
+    first = Stage(State(function, hints), estimator.estimate(function, hints))
+    if options.idle:
+        return Plan((first,))
+    chooser = _Chooser(estimator, options, [first])
+    chooser.start(State(tidied, hints))
+    chooser.obey()
+    asked = len(chooser.stages) - 1
+    if options.mode == "auto":
+        chooser.improve()
+    return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
+
+
+@dataclass
+class _Chooser:
+    estimator: Estimator
+    options: TransformOptions
+    stages: list[Stage]
+    decisions: list[Decision] = field(default_factory=list)
+    fixed: set[str] = field(default_factory=set)
+
+    def start(self, state: State) -> None:
+        """`state` is what transformations begin with; it is no stage of its own."""
+        self.now = Stage(state, self.estimator.estimate(state.function, state.hints))
+
+    def obey(self) -> None:
+        """Applies what the user asks for."""
+        asked: list[tuple[Kind, int, int]] = [
+            ("unroll-and-jam", line, factor) for line, factor in self.options.jam.items()
+        ]
+        asked += [("unrolling", line, factor) for line, factor in self.options.unroll.items()]
+        for kind, line, factor in asked:
+            for header in self._at_line(line):
+                self.fixed.add(header)
+                if factor > 1:
+                    self._force(kind, header, factor, line)
+
+    def improve(self) -> None:
+        """Applies what pays: full unrolling, then jamming, then unrolling of innermost loops."""
+        tried: set[str] = set()
+        while (loop := self._next_full(tried)) is not None:
+            tried.add(loop.header)
+            self._try(Candidate("full unrolling", loop.header))
+        for kind, select in (("unroll-and-jam", self._outer), ("unrolling", self._innermost)):
+            for header in [loop.header for loop in select()]:
+                self._climb("unroll-and-jam" if kind == "unroll-and-jam" else "unrolling", header)
+
+    def _climb(self, kind: Kind, header: str) -> None:
+        """The factor up to which the estimate falls."""
+        base, best = self.now, None
+        if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
+            return  # what an earlier transformation left over
+        for factor in _FACTORS:
+            found = self._evaluate(base, Candidate(kind, header, factor))
+            if found is None:
+                break
+            if best is not None and found.estimate.cycles > _STEP * best.estimate.cycles:
+                break
+            best = found
+        if best is not None:
+            self._accept(best)
+
+    def _try(self, candidate: Candidate) -> None:
+        found = self._evaluate(self.now, candidate)
+        if found is not None:
+            self._accept(found)
+
+    def _accept(self, stage: Stage) -> None:
+        self.now = stage
+        self.stages.append(stage)
+
+    def _evaluate(self, base: Stage, candidate: Candidate) -> Stage | None:
+        """The stage after the candidate if it pays; the decision is noted."""
+        trips = expected_trips(base.state.function, base.state.hints)
+        state = apply(base.state, candidate, trips)
+        if isinstance(state, Refusal):
+            self._note(base, candidate, None, state.reason)
+            return None
+        estimate = self.estimator.estimate(state.function, state.hints)
+        reason = self._objection(base, candidate, estimate)
+        decision = self._note(base, candidate, estimate, reason)
+        return None if reason else Stage(state, estimate, decision)
+
+    def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
+        limit = OPERATIONS_PER_PE * len(self.estimator.fabric.pes)
+        known = max((r.shape.operations for r in base.estimate.regions), default=0)
+        largest = max((r.shape.operations for r in estimate.regions if r.kind == "loop"), default=0)
+        if largest > max(limit, known):
+            return f"a loop would have {largest} operations, more than {limit}"
+        if math.isinf(estimate.cycles):
+            return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
+        share = _GAIN[candidate.kind]
+        if not any(region.kind == "loop" for region in estimate.regions):
+            share = _GAIN_WITHOUT_LOOP
+        if estimate.cycles > base.estimate.cycles * share:
+            return "does not pay"
+        return ""
+
+    def _note(
+        self, base: Stage, candidate: Candidate, estimate: Estimate | None, reason: str
+    ) -> Decision:
+        header = candidate.header
+        decision = Decision(
+            candidate.kind,
+            header,
+            base.state.origin.get(header, header),
+            candidate.factor,
+            base.state.loc(header),
+            base.estimate.cycles,
+            None if estimate is None or math.isinf(estimate.cycles) else estimate.cycles,
+            reason,
+        )
+        self.decisions.append(decision)
+        return decision
+
+    def _next_full(self, tried: set[str]) -> Loop | None:
+        for loop in find_loops(self.now.state.function):
+            if loop.header not in tried and loop.header not in self.fixed:
+                return loop
+        return None
+
+    def _innermost(self) -> Iterator[Loop]:
+        loops = find_loops(self.now.state.function)
+        for loop in loops:
+            holds = any(o.header in loop.blocks and o.header != loop.header for o in loops)
+            if not holds and loop.header not in self.fixed:
+                yield loop
+
+    def _outer(self) -> Iterator[Loop]:
+        loops = find_loops(self.now.state.function)
+        for loop in loops:
+            inside = [o for o in loops if o.header in loop.blocks and o.header != loop.header]
+            if len(inside) == 1 and loop.header not in self.fixed:
+                yield loop
+
+    def _at_line(self, line: int) -> list[str]:
+        state = self.now.state
+        found = [
+            loop.header
+            for loop in find_loops(state.function)
+            if (loc := state.loc(loop.header)) is not None and loc.line == line
+        ]
+        if not found:
+            locs = (state.loc(loop.header) for loop in find_loops(state.function))
+            lines = sorted({loc.line for loc in locs if loc is not None})
+            hint = f"lines with loops: {', '.join(map(str, lines)) or 'none'}"
+            file = state.function.file
+            raise KernelError("no loop is in this line", loc=SourceLoc(file, line), hint=hint)
+        return found
+
+    def _force(self, kind: Kind, header: str, factor: int, line: int) -> None:
+        base = self.now
+        trips = expected_trips(base.state.function, base.state.hints)
+        candidate = Candidate(kind, header, factor)
+        if kind == "unrolling" and trips[header] <= factor:
+            full = Candidate("full unrolling", header)
+            done = apply(base.state, full, trips)
+            candidate = full if isinstance(done, State) else candidate
+        state = apply(base.state, candidate, trips)
+        if isinstance(state, Refusal):
+            text = f"{kind} by {factor} is not possible here: {state.reason}"
+            hint = "leave the factor out, or see what --explain says of this loop"
+            raise KernelError(text, loc=SourceLoc(base.state.function.file, line), hint=hint)
+        estimate = self.estimator.estimate(state.function, state.hints)
+        decision = self._note(base, candidate, estimate, "")
+        self.fixed |= state.made - base.state.made
+        self._accept(Stage(state, estimate, decision))

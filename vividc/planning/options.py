@@ -1,0 +1,77 @@
+"""What the user says about loop transformations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from vividc.errors import ArgumentError, demand_type
+
+Mode = Literal["auto", "none"]
+Factors = Mapping[int, int] | Mapping[str, int]
+"""Factors by source line; a line may be given as text."""
+
+_MODES = ("auto", "none")
+_LARGEST_FACTOR = 64
+
+
+@dataclass(frozen=True, slots=True)
+class TransformOptions:
+    """Attributes
+    ----------
+    mode
+        "auto": what the estimate says pays; "none": only what `unroll` and `jam` ask for.
+    unroll, jam
+        Factors of loops by source line; 1 leaves the loop as it is.
+    """
+
+    mode: Mode = "auto"
+    unroll: Mapping[int, int] = field(default_factory=dict)
+    jam: Mapping[int, int] = field(default_factory=dict)
+
+    @property
+    def idle(self) -> bool:
+        """Nothing is to be transformed."""
+        return self.mode == "none" and not self.unroll and not self.jam
+
+
+def transform_options(
+    transform: object, unroll: Factors | None, jam: Factors | None
+) -> TransformOptions:
+    """The options as given to `vividc.compile`, checked.
+
+    Raises
+    ------
+    ArgumentError
+        An unknown mode, a line that is no line number, or a factor that is no power of two.
+    """
+    hint = 'give transform="auto" or transform="none"'
+    if transform not in _MODES:
+        raise ArgumentError(f"transform cannot be {transform!r:.60}", hint=hint)
+    mode: Mode = "auto" if transform == "auto" else "none"
+    return TransformOptions(mode, _factors("unroll", unroll), _factors("jam", jam))
+
+
+def _factors(name: str, given: Factors | None) -> dict[int, int]:
+    hint = f"write {name}={{12: 4}} for the loop in line 12, by 4"
+    if given is None:
+        return {}
+    demand_type(given, Mapping, name, hint)
+    found: dict[int, int] = {}
+    for line, factor in given.items():
+        number = int(line) if isinstance(line, str) and line.isdecimal() else line
+        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+            raise ArgumentError(f"{name} cannot take {line!r:.60} for a line", hint=hint)
+        if not _is_factor(factor):
+            text = f"{name} cannot take the factor {factor!r:.60}"
+            powers = f"a power of two up to {_LARGEST_FACTOR}; 1 leaves the loop alone"
+            raise ArgumentError(text, hint=powers)
+        found[number] = int(str(factor))
+    return found
+
+
+def _is_factor(factor: object) -> bool:
+    if isinstance(factor, bool) or not isinstance(factor, int):
+        return False
+    return 1 <= factor <= _LARGEST_FACTOR and factor & (factor - 1) == 0
