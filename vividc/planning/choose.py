@@ -22,7 +22,7 @@ OPERATIONS_PER_PE = 8
 _GAIN_WITHOUT_LOOP = 0.8
 """The same where full unrolling leaves no loop around, for code that runs once."""
 
-_GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9}
+_GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9, "flattening": 0.9}
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
 """
@@ -125,14 +125,29 @@ class _Chooser:
                     self._force(kind, header, factor, line)
 
     def improve(self) -> None:
-        """Applies what pays: full unrolling, then jamming, then unrolling of innermost loops."""
+        """Applies what pays: full unrolling, then jamming, then flattening of what is still a nest,
+        then unrolling of innermost loops.
+        """
         tried: set[str] = set()
         while (loop := self._next_full(tried)) is not None:
             tried.add(loop.header)
             self._try(Candidate("full unrolling", loop.header))
-        for kind, select in (("unroll-and-jam", self._outer), ("unrolling", self._innermost)):
-            for header in [loop.header for loop in select()]:
-                self._climb("unroll-and-jam" if kind == "unroll-and-jam" else "unrolling", header)
+        for header in [loop.header for loop in self._outer()]:
+            self._climb("unroll-and-jam", header)
+        self._flatten()
+        for header in [loop.header for loop in self._innermost()]:
+            self._climb("unrolling", header)
+
+    def _flatten(self) -> None:
+        """Flattens nests of two loops, then what has become one by that."""
+        tried: set[str] = set()
+        while True:
+            pairs = (loop.header for loop in self._outer() if loop.header not in tried)
+            header = next(pairs, None)
+            if header is None:
+                return
+            tried.add(header)
+            self._try(Candidate("flattening", header))
 
     def _climb(self, kind: Kind, header: str) -> None:
         """The factor up to which the estimate falls."""

@@ -16,6 +16,11 @@ UNKNOWN_TRIPS = 16.0
 SINGLE_LOOP_TRIPS = 256.0
 """The same, of a loop that neither contains another nor is contained in one."""
 
+SHORT_TRIPS = 8.0
+"""The same of a loop whose bounds are loaded from memory, like the row of a sparse matrix or the
+edges of a node.
+"""
+
 _MOST_EVALUATED = 64
 
 
