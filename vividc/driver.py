@@ -47,6 +47,7 @@ class CompileOptions:
     contract: bool = True
     progress: Progress | None = None
     transform: TransformOptions = field(default_factory=TransformOptions)
+    reassociate: bool = False
 
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
@@ -57,6 +58,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     *,
     strict_fp: bool = False,
     contract: bool = True,
+    reassociate: bool = False,
     transform: str = "auto",
     unroll: Factors | None = None,
     jam: Factors | None = None,
@@ -75,6 +77,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         Refuse float64 arithmetic instead of running it in float32 with a warning.
     contract
         Fuse multiplications and additions into FMAs.
+    reassociate
+        Balance reductions of floats too, which changes their rounding; integers' always are.
     transform
         "auto": loops are unrolled, jammed and flattened where an estimate says that it pays;
         "none": not.
@@ -95,7 +99,9 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     check_time_limit(time_limit_s)
     wanted = transform_options(transform, unroll, jam, flatten)
-    options = CompileOptions(mapper, time_limit_s, strict_fp, contract, progress, wanted)
+    options = CompileOptions(
+        mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
+    )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
         function = kernel.lower(strict_fp=strict_fp)
@@ -110,7 +116,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
 
 def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    estimator = Estimator(fabric, PassOptions(options.contract))
+    estimator = Estimator(fabric, PassOptions(options.contract, options.reassociate))
     deadline = time.monotonic() + options.time_limit_s
     plan = choose(function, estimator, options.transform)
     known: dict[DFG, MapResult] = {}
@@ -172,6 +178,7 @@ def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool |
         "mapper": options.mapper,
         "strict_fp": options.strict_fp,
         "contract": options.contract,
+        "reassociate": options.reassociate,
         "transform": options.transform.mode,
     }
 

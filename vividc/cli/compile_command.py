@@ -34,6 +34,9 @@ SCHEMA = "vividc.compile/1"
     help="Fuse a multiplication and an addition into one operation with one rounding.",
 )
 @click.option(
+    "--reassociate", is_flag=True, help="Balance sums of floats, which changes their rounding."
+)
+@click.option(
     "--transform/--no-transform",
     default=True,
     show_default=True,
@@ -75,6 +78,7 @@ def command(
     time_limit_s: float,
     strict_fp: bool,
     contract: bool,
+    reassociate: bool,
     transform: bool,
     unroll: dict[int, int],
     jam: dict[int, int],
@@ -99,6 +103,7 @@ def command(
             time_limit_s=time_limit_s,
             strict_fp=strict_fp,
             contract=contract,
+            reassociate=reassociate,
             transform="auto" if transform else "none",
             unroll=unroll,
             jam=jam,

@@ -16,6 +16,7 @@ from vividc.dfg.passes import (
     recognize_min_max,
     remove_dead_nodes,
 )
+from vividc.dfg.passes.balance import pass_for
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 
@@ -25,10 +26,11 @@ Pass = Callable[[DFG], DFG]
 @dataclass(frozen=True, slots=True)
 class PassOptions:
     """Switches of the pipeline. `contract`: fuse multiply and add (changes rounding, as hardware
-    FMAs do).
+    FMAs do). `reassociate`: balance float reductions too (changes rounding).
     """
 
     contract: bool = True
+    reassociate: bool = False
 
 
 def pipeline(options: PassOptions) -> tuple[Pass, ...]:
@@ -39,6 +41,8 @@ def pipeline(options: PassOptions) -> tuple[Pass, ...]:
         recognize_min_max,
         expand_math,
         eliminate_common_subexpressions,
+        # Before contraction, which ties a sum's operands to their products.
+        pass_for(reassociate=options.reassociate),
     ]
     if options.contract:
         passes.append(contract_fma)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.build import build_kernel
@@ -12,7 +12,7 @@ from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import normalize
-from vividc.dfg.pipeline import PassOptions, optimize
+from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.peel import preheader_of
 from vividc.errors import SourceLoc
@@ -124,9 +124,15 @@ class Estimator:
         return self._shapes[dfg]
 
     def optimized(self, dfg: DFG) -> DFG:
-        """The region's graph after the passes."""
+        """The region's graph after the passes, unchecked and nameless: an equal one is found
+        again.
+        """
+        dfg = replace(dfg, name="")
         if dfg not in self._optimized:
-            self._optimized[dfg] = optimize(dfg, self.options)
+            done = dfg
+            for step in pipeline(self.options):
+                done = step(done)
+            self._optimized[dfg] = done
         return self._optimized[dfg]
 
 

@@ -1,5 +1,6 @@
 """Passes from DFG to DFG; each returns the same object when nothing changes."""
 
+from vividc.dfg.passes.balance import balance_reductions
 from vividc.dfg.passes.common_subexpressions import eliminate_common_subexpressions
 from vividc.dfg.passes.contract_fma import contract_fma
 from vividc.dfg.passes.dead_nodes import remove_dead_nodes
@@ -13,6 +14,7 @@ PASSES = (
     recognize_min_max,
     expand_math,
     eliminate_common_subexpressions,
+    balance_reductions,
     contract_fma,
     fold_selects,
     remove_dead_nodes,
@@ -20,6 +22,7 @@ PASSES = (
 
 __all__ = [
     "PASSES",
+    "balance_reductions",
     "contract_fma",
     "eliminate_common_subexpressions",
     "expand_math",

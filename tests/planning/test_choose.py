@@ -1,0 +1,113 @@
+"""What is transformed, what is not, and what the user may ask for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vividc
+from vividc import arch
+from vividc.dfg.pipeline import PassOptions
+from vividc.errors import ArgumentError, KernelError
+from vividc.planning.choose import Plan, choose
+from vividc.planning.estimate import Estimator
+from vividc.planning.options import TransformOptions, transform_options
+
+MACHINE = arch.load("vivid-tile")
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def windows(x, y):
+    """Sums of three neighbours."""
+    for i in range(len(x) - 2):
+        total = np.int32(0)
+        for k in range(3):
+            total += x[i + k]
+        y[i] = total
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1])")
+def product(a, x, y):
+    """y = a @ x."""
+    for i in range(a.shape[0]):
+        total = np.float32(0.0)
+        for j in range(a.shape[1]):
+            total += a[i, j] * x[j]
+        y[i] = total
+
+
+@vividc.kernel("void(float32[::1])")
+def running(x):
+    """Prefix sums: a recurrence that no unrolling shortens."""
+    for i in range(1, len(x)):
+        x[i] += x[i - 1]
+
+
+def plan(kernel: vividc.KernelFunction, **given: object) -> Plan:
+    return choose(kernel.lower(), Estimator(MACHINE, PassOptions()), TransformOptions(**given))
+
+
+def chosen(kernel: vividc.KernelFunction, **given: object) -> list[tuple[str, int]]:
+    decisions = (stage.decision for stage in plan(kernel, **given).stages)
+    return [(item.kind, item.factor) for item in decisions if item is not None]
+
+
+def line_of(kernel: vividc.KernelFunction, text: str) -> int:
+    with open(kernel.file, encoding="utf-8") as source:
+        lines = source.read().splitlines()
+    return next(n for n, line in enumerate(lines, 1) if n > kernel.line and text in line)
+
+
+def test_short_constant_loops_are_unrolled() -> None:
+    found = plan(windows)
+    assert chosen(windows)[0] == ("full unrolling", 0)
+    loops = [r for r in found.stages[1].estimate.regions if r.kind == "loop"]
+    assert [loop.shape.ii for loop in loops] == [1]
+
+
+def test_accumulations_of_rows_run_side_by_side() -> None:
+    (kind, factor), *_ = chosen(product)
+    assert kind == "unroll-and-jam"
+    assert factor >= 4
+
+
+def test_a_recurrence_is_left_alone() -> None:
+    assert chosen(running) == []
+    assert plan(running).stages[0].state.function is running.lower()
+
+
+def test_nothing_is_chosen_without_transformations() -> None:
+    assert chosen(windows, mode="none") == []
+
+
+def test_the_user_decides_before_the_estimate() -> None:
+    line = line_of(running, "for i in")
+    assert chosen(running, mode="none", unroll={line: 4}) == [("unrolling", 4)]
+    inner = line_of(windows, "for k in")
+    assert chosen(windows, mode="none", unroll={inner: 4}) == [("full unrolling", 0)]
+    assert ("full unrolling", 0) not in chosen(windows, unroll={inner: 1})
+
+
+def test_a_line_without_a_loop_is_refused_with_those_that_have_one() -> None:
+    with pytest.raises(KernelError, match="no loop is in this line") as caught:
+        plan(windows, unroll={2: 4})
+    assert str(line_of(windows, "for k in")) in str(caught.value.hint)
+
+
+def test_what_cannot_be_jammed_is_refused_with_the_reason() -> None:
+    line = line_of(running, "for i in")
+    with pytest.raises(KernelError, match="contains 0 loops"):
+        plan(running, jam={line: 2})
+
+
+@pytest.mark.parametrize(
+    ("transform", "unroll"),
+    [("fast", None), ("auto", {"first": 2}), ("auto", {3: 3}), ("auto", {3: True}), ("auto", [3])],
+)
+def test_options_that_make_no_sense_are_refused(transform: str, unroll: object) -> None:
+    with pytest.raises(ArgumentError):
+        transform_options(transform, unroll, None)  # type: ignore[arg-type]
+
+
+def test_lines_may_be_text() -> None:
+    assert transform_options("none", {"12": 4}, None).unroll == {12: 4}
