@@ -28,7 +28,7 @@ from vividc.planning.choose import Stage, choose
 from vividc.planning.estimate import Estimator, Shape
 from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
-from vividc.planning.options import Factors, TransformOptions, transform_options
+from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.program import Program, encode
 
 Progress = Callable[[str], None]
@@ -62,6 +62,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     transform: str = "auto",
     unroll: Factors | None = None,
     jam: Factors | None = None,
+    flatten: Choices | None = None,
     progress: Progress | None = None,
 ) -> Program:
     """Compiles `kernel` for one tile.
@@ -81,10 +82,13 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     reassociate
         Balance reductions of floats too, which changes their rounding; integers' always are.
     transform
-        "auto": loops are unrolled and jammed where an estimate says that it pays; "none": not.
+        "auto": loops are unrolled, jammed and flattened where an estimate says that it pays;
+        "none": not.
     unroll, jam
         Factors for loops by source line, as in {12: 4}: unroll the loop in line 12 by 4, or run 4
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
+    flatten
+        Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
     progress
         Called with one line for each step.
 
@@ -97,7 +101,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     check_time_limit(time_limit_s)
-    wanted = transform_options(transform, unroll, jam)
+    wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(
         mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
     )

@@ -40,7 +40,7 @@ SCHEMA = "vividc.compile/1"
     "--transform/--no-transform",
     default=True,
     show_default=True,
-    help="Unroll and jam loops where an estimate says that it pays.",
+    help="Unroll, jam and flatten loops where an estimate says that it pays.",
 )
 @click.option(
     "--unroll",
@@ -55,6 +55,16 @@ SCHEMA = "vividc.compile/1"
     metavar="LINE=N",
     callback=factors,
     help="Run N iterations of the loop in this line together in the loop inside it.",
+)
+@click.option(
+    "--flatten",
+    multiple=True,
+    type=int,
+    metavar="LINE",
+    help="Make one loop of the loop in this line and the loop inside it.",
+)
+@click.option(
+    "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
 )
 @click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
 @click.option(
@@ -72,6 +82,8 @@ def command(
     transform: bool,
     unroll: dict[int, int],
     jam: dict[int, int],
+    flatten: tuple[int, ...],
+    no_flatten: tuple[int, ...],
     explain: bool,
     output: Path | None,
     as_json: bool,
@@ -96,6 +108,7 @@ def command(
             transform="auto" if transform else "none",
             unroll=unroll,
             jam=jam,
+            flatten=dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False),
             progress=report,
         )
     program.save(path)

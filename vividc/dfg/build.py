@@ -20,6 +20,7 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.loops import Loop, pipelined_loops
 from vividc.dfg.normalize import copy_exit_values, normalize
 from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.transform.diamonds import merge_diamonds
 from vividc.errors import KernelError, SourceLoc
 
 
@@ -45,7 +46,7 @@ def build_kernel(function: Function) -> Kernel:
     KernelError
         If the control flow is irreducible, or a loop can neither end nor return.
     """
-    plan = _plan(copy_exit_values(normalize(function)))
+    plan = _plan(copy_exit_values(merge_diamonds(normalize(function))))
     cutter = _Cutter(plan)
     regions = _drop_empty(cutter.regions())
     return Kernel(

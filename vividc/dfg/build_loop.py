@@ -209,13 +209,15 @@ class _LoopEmitter:
         is_store = instr.op is Opcode.STORE
         address = self._address(instr)
         pred, unless_exit = self._guard(block) if is_store else self._load_guard(block)
-        index = self._index(instr, address)
+        base, index, shift = self.builder.fixed_base(
+            self.value(address.base), self._index(instr, address), address.shift, instr.loc
+        )
         node = self.builder.add_node(
             Node(
                 0,
                 instr.op,
                 name=instr.array,
-                shift=address.shift,
+                shift=shift,
                 offset=address.offset,
                 width=instr.width,
                 signed=instr.signed,
@@ -224,7 +226,7 @@ class _LoopEmitter:
             ),
             [index, *(self.value(item) for item in instr.operands[2:])],
             pred,
-            self.value(address.base),
+            base,
         )
         self._record(block, instr, address, node)
         if is_store:
@@ -255,6 +257,7 @@ class _LoopEmitter:
                 address.stride_bytes if folded else None,
                 block,
                 instr.width,
+                distinct=not folded and instr.distinct == self.parts.loop.header,
             )
         )
 

@@ -6,7 +6,7 @@ from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
-from vividc.dfg.opcodes import MEMORY, Opcode
+from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 
 
@@ -66,19 +66,23 @@ def _emit(
     if instr.op not in MEMORY:
         return builder.add(instr.op, operands, instr.loc)
     base, index, *rest = operands
+    values = OPCODES[instr.op].arity - 1
+    pred = rest.pop() if len(rest) > values else None
+    base, index, shift = builder.fixed_base(base, index, instr.shift, instr.loc)
     node = builder.add_node(
         Node(
             0,
             instr.op,
             name=instr.array,
-            shift=instr.shift,
+            shift=shift,
             offset=instr.offset,
             width=instr.width,
             signed=instr.signed,
             loc=instr.loc,
         ),
         [index, *rest],
-        base=base,
+        pred,
+        base,
     )
     fixed = instr.operands[1].word if isinstance(instr.operands[1], Const) else None
     accesses.append(

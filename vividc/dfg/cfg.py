@@ -103,6 +103,13 @@ class Const:
 
 
 @dataclass(frozen=True, slots=True)
+class Undefined(Const):
+    """A word that nobody reads: any word may stand for it. It is 0 where it has to be something."""
+
+    word: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Input:
     """A word the host supplies at launch.
 
@@ -122,10 +129,12 @@ class Instr:
     """One SSA instruction.
 
     `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
-    index, value). The byte address is base + (index << shift) + offset; `array` names the array
-    accessed, `width` the bytes of the access (1, 2 or 4), and `signed` says that a load of less
-    than a word sign-extends. `exact`: an integer addition or subtraction that is proved not to wrap
-    as a signed word.
+    index, value); in straight code a predicate may be the last operand. The byte address is base +
+    (index << shift) + offset; `array` names the array accessed, `width` the bytes of the access (1,
+    2 or 4), and `signed` says that a load of less than a word sign-extends. `exact`: an integer
+    addition or subtraction that is proved not to wrap as a signed word. `distinct`: header of a
+    loop in whose run an address that such an access has touched comes back only at accesses with
+    the same index that follow this one in the program, before the index changes.
     """
 
     id: int
@@ -138,6 +147,7 @@ class Instr:
     width: int = 4
     signed: bool = False
     exact: bool = False
+    distinct: str = ""
     loc: SourceLoc | None = field(default=None, compare=False)
 
 

@@ -76,7 +76,8 @@ def _operands_of(instr: Instr, block: Block) -> Iterator[str]:
         yield f"{place} is no instruction"
         return
     expected = OPCODES[instr.op].arity + (1 if instr.op in MEMORY else 0)
-    if len(instr.operands) != expected:
+    predicated = 1 if instr.op in MEMORY else 0
+    if not expected <= len(instr.operands) <= expected + predicated:
         yield f"{place} has {len(instr.operands)} operands instead of {expected}"
     if instr.op in MEMORY and not instr.array:
         yield f"{place} names no array"

@@ -77,6 +77,18 @@ class GraphBuilder:
         self._edges.extend(Edge(operand.node, ident, port) for port, operand in ports)
         return Operand(ident)
 
+    def fixed_base(
+        self, base: Operand, index: Operand, shift: int, loc: SourceLoc | None = None
+    ) -> tuple[Operand, Operand, int]:
+        """(base, index, shift) of the same address with a base that is a constant or a live-in: a
+        load/store unit takes no other.
+        """
+        node = self.node(base)
+        if node is not None and node.op in (Opcode.CONST, Opcode.LIVE_IN):
+            return base, index, shift
+        scaled = self.add(Opcode.SHL, [index, self.const(shift)], loc) if shift else index
+        return self.const(0), self.add(Opcode.ADD, [base, scaled], loc), 0
+
     def operation(self, operand: Operand, loc: SourceLoc | None = None) -> Operand:
         """`operand` if an FU computes it, else a `mov` of it."""
         node = self.node(operand)

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import networkx as nx
 
-from vividc.dfg.cfg import Block, Function, Phi, Value
+from vividc.dfg.cfg import Block, Function, Phi, Undefined, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.opcodes import Opcode
 
@@ -156,13 +156,15 @@ def merge_phi(
     """The selects that stand for a phi inside a body.
 
     Inputs with the same value share one select; the default is a loop-carried value if there is one
-    (so that the select can become a predicated operation), else the most frequent value.
+    (so that the select can become a predicated operation), else the most frequent value. An
+    undefined input takes any value, so none of its own.
     """
     body = predicates.body
+    inputs = [item for item in phi.incoming if item[0] in body.names]
+    defined = [item for item in inputs if not isinstance(item[1], Undefined)]
     groups: dict[Operand, list[str]] = {}
-    for source, value in phi.incoming:
-        if source in body.names:
-            groups.setdefault(values[value], []).append(source)
+    for source, value in defined or inputs:
+        groups.setdefault(values[value], []).append(source)
     default = max(groups, key=lambda operand: (operand.is_phi, len(groups[operand])))
     result = default
     root = body.immediate_dominator[block]

@@ -14,7 +14,9 @@ class Access:
     construction.
 
     `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
-    the array. The access covers `width` bytes from its address on.
+    the array. The access covers `width` bytes from its address on. `distinct`: two accesses that
+    say so, of equal address parts, meet in one iteration only, or in an earlier one of the first
+    and a later one of the second.
     """
 
     node: Operand
@@ -26,6 +28,7 @@ class Access:
     stride_bytes: int | None
     block: str = ""
     width: int = 4
+    distinct: bool = False
 
 
 Exclusive = Callable[[str, str], bool]
@@ -59,6 +62,10 @@ def _dependences(
 ) -> Iterator[tuple[Access, Access, int]]:
     """(before, after, distance); accesses `apart` never meet in one iteration."""
     same = first is second
+    if _never_comes_back(first, second):
+        if not same and not apart:
+            yield first, second, 0
+        return
     if _step_alike(first, second):
         if first.stride_bytes:
             yield from _stepping(first, second, meet_now=not (same or apart))
@@ -101,3 +108,13 @@ def _stepping(
     earlier = min(highest, -1)
     if lowest <= earlier and first is not second:
         yield second, first, -earlier
+
+
+def _never_comes_back(first: Access, second: Access) -> bool:
+    """Whether nothing that `second` has touched is touched by `first` afterwards."""
+    return (
+        first.distinct
+        and second.distinct
+        and first.width == second.width
+        and (first.base, first.index, first.offset) == (second.base, second.index, second.offset)
+    )

@@ -9,7 +9,9 @@ from typing import Literal
 from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.transform.constant_trips import constant_trips
+from vividc.dfg.transform.flatten import flatten, flattened_iterations, nest_at
 from vividc.dfg.transform.jam import jam
 from vividc.dfg.transform.peel import peel
 from vividc.dfg.transform.refusal import Refusal
@@ -17,7 +19,7 @@ from vividc.dfg.transform.tidy import tidy
 from vividc.dfg.transform.unroll import unroll
 from vividc.errors import SourceLoc
 
-Kind = Literal["full unrolling", "unrolling", "unroll-and-jam"]
+Kind = Literal["full unrolling", "unrolling", "unroll-and-jam", "flattening"]
 
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""
@@ -28,7 +30,9 @@ MOST_INSTRUCTIONS = 1500
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A transformation of the loop at `header`; full unrolling has factor 0."""
+    """A transformation of the loop at `header`; full unrolling and flattening
+    have factor 0.
+    """
 
     kind: Kind
     header: str
@@ -73,8 +77,11 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     trips
         Expected iterations of every loop of the state.
     """
-    if candidate.kind == "full unrolling":
-        return _fully(state, candidate.header)
+    if not candidate.factor:
+        flat = candidate.kind == "flattening"
+        return (
+            _flattened(state, candidate.header, trips) if flat else _fully(state, candidate.header)
+        )
     expected = trips[candidate.header]
     factor = candidate.factor
     size = _size(state.function, state.loop(candidate.header)) * factor
@@ -96,6 +103,21 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     hints |= {both.inner: inner, both.rest_inner: inner}
     derived = {both.main: both.rest, both.inner: both.rest_inner}
     return _next(state, tidy(both.function), hints, derived, factor)
+
+
+def _flattened(state: State, header: str, trips: Mapping[str, float]) -> State | Refusal:
+    """Makes one loop of the nest at `header`; it runs iterations of the inner loop."""
+    function = flatten(state.function, header)
+    if function is None:
+        return Refusal("it does not hold exactly one loop that it goes on after")
+    nest = nest_at(canonical_loops(state.function), header)
+    assert nest is not None
+    inner = nest.inner.header
+    hints = {header: flattened_iterations(state.function, header, trips)}
+    origin = {**state.origin, header: state.origin.get(inner, inner)}
+    scale = {**state.scale, header: state.scale.get(inner, 1)}
+    made = state.made | {header}
+    return State(function, {**state.hints, **hints}, made, origin, scale)
 
 
 def _next(

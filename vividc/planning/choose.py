@@ -23,7 +23,7 @@ OPERATIONS_PER_PE = 8
 _GAIN_WITHOUT_LOOP = 0.8
 """The same where full unrolling leaves no loop around, for code that runs once."""
 
-_GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9}
+_GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9, "flattening": 0.85}
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
 """
@@ -120,22 +120,45 @@ class _Chooser:
         asked: list[tuple[Kind, int, int]] = [
             ("unroll-and-jam", line, factor) for line, factor in self.options.jam.items()
         ]
+        asked += [
+            ("flattening", line, 0) for line, wanted in self.options.flatten.items() if wanted
+        ]
         asked += [("unrolling", line, factor) for line, factor in self.options.unroll.items()]
         for kind, line, factor in asked:
             for header in self._at_line(line):
                 self.fixed.add(header)
-                if factor > 1:
+                if factor != 1:
                     self._force(kind, header, factor, line)
 
     def improve(self) -> None:
-        """Applies what pays: full unrolling, then jamming, then unrolling of innermost loops."""
+        """Applies what pays: full unrolling, then jamming, then flattening of what is still a nest,
+        then unrolling of innermost loops.
+        """
         tried: set[str] = set()
         while (loop := self._next_full(tried)) is not None:
             tried.add(loop.header)
             self._try(Candidate("full unrolling", loop.header))
-        for kind, select in (("unroll-and-jam", self._outer), ("unrolling", self._innermost)):
-            for header in [loop.header for loop in select()]:
-                self._climb("unroll-and-jam" if kind == "unroll-and-jam" else "unrolling", header)
+        for header in [loop.header for loop in self._outer()]:
+            self._climb("unroll-and-jam", header)
+        self._flatten()
+        for header in [loop.header for loop in self._innermost()]:
+            self._climb("unrolling", header)
+
+    def _flatten(self) -> None:
+        """Flattens nests of two loops, then what has become one by that."""
+        tried: set[str] = set()
+        while True:
+            found = (loop.header for loop in self._outer() if loop.header not in tried)
+            header = next((item for item in found if not self._is_refused(item)), None)
+            if header is None:
+                return
+            tried.add(header)
+            self._try(Candidate("flattening", header))
+
+    def _is_refused(self, header: str) -> bool:
+        """Whether the user wants the nest at `header` left alone."""
+        loc = self.now.state.loc(header)
+        return loc is not None and self.options.flatten.get(loc.line) is False
 
     def _climb(self, kind: Kind, header: str) -> None:
         """The factor up to which the estimate falls."""
@@ -261,7 +284,8 @@ class _Chooser:
             candidate = full if isinstance(done, State) else candidate
         state = apply(base.state, candidate, trips)
         if isinstance(state, Refusal):
-            text = f"{kind} by {factor} is not possible here: {state.reason}"
+            what = f"{kind} by {factor}" if factor else kind
+            text = f"{what} is not possible here: {state.reason}"
             hint = "leave the factor out, or see what --explain says of this loop"
             raise KernelError(text, loc=SourceLoc(base.state.function.file, line), hint=hint)
         estimate = self.estimator.estimate(state.function, state.hints)

@@ -82,12 +82,18 @@ class _Teller:
             for loop in find_loops(self._function)
             if state.origin.get(loop.header, loop.header) == header
         ]
+        if not remaining and self._is_flattened(header):
+            return "flattened: one loop with the loop inside it"
         if not remaining:
             return "unrolled fully: its iterations are part of the code around"
         why = [w for h, w in self.settled.outcome.sequential.items() if h in remaining]
         if why:
             return f"runs block by block: it {why[0]}"
         return "runs block by block around the loops inside it"
+
+    def _is_flattened(self, header: str) -> bool:
+        decisions = (d for d in self.plan.decisions if d.kind == "flattening")
+        return any(d.origin == header and not self._reason(d) for d in decisions)
 
     def _notes(self, header: str, hot: _Hot | None) -> Iterator[str]:
         if hot is None:

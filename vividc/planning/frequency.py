@@ -6,15 +6,22 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from vividc.dfg.cfg import Block, Function
+from vividc.dfg.cfg import Block, Function, Ref
 from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.opcodes import Opcode
 from vividc.dfg.transform.constant_trips import constant_trips
+from vividc.dfg.transform.counters import counter_of
 
 UNKNOWN_TRIPS = 16.0
 """Iterations assumed of a loop whose count is only known when it starts."""
 
 SINGLE_LOOP_TRIPS = 256.0
 """The same, of a loop that neither contains another nor is contained in one."""
+
+SHORT_TRIPS = 8.0
+"""The same of a loop whose bounds are loaded from memory, like the row of a sparse matrix or the
+edges of a node.
+"""
 
 _MOST_EVALUATED = 64
 
@@ -31,9 +38,20 @@ def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, 
             found[loop.header] = hints[loop.header]
             continue
         constant = constant_trips(function, loop, _MOST_EVALUATED)
-        assumed = SINGLE_LOOP_TRIPS if _is_single(loop, loops) else UNKNOWN_TRIPS
+        assumed = SINGLE_LOOP_TRIPS if _is_single(loop, loops) else _assumed(function, loop)
         found[loop.header] = assumed if constant is None else float(constant.iterations)
     return found
+
+
+def _assumed(function: Function, loop: Loop) -> float:
+    """Iterations assumed of a loop of unknown length in a nest."""
+    counter = counter_of(function, loop)
+    if counter is None:
+        return UNKNOWN_TRIPS
+    made = {i.id: i.op for block in function.blocks for i in block.instrs}
+    bounds = [value for value in (counter.initial, counter.limit) if isinstance(value, Ref)]
+    loaded = bool(bounds) and all(made.get(value.id) is Opcode.LOAD for value in bounds)
+    return SHORT_TRIPS if loaded else UNKNOWN_TRIPS
 
 
 def _is_single(loop: Loop, loops: tuple[Loop, ...]) -> bool:

@@ -12,6 +12,9 @@ Mode = Literal["auto", "none"]
 Factors = Mapping[int, int] | Mapping[str, int]
 """Factors by source line; a line may be given as text."""
 
+Choices = Mapping[int, bool] | Mapping[str, bool]
+"""Decisions by source line; a line may be given as text."""
+
 _MODES = ("auto", "none")
 _LARGEST_FACTOR = 64
 
@@ -21,36 +24,64 @@ class TransformOptions:
     """Attributes
     ----------
     mode
-        "auto": what the estimate says pays; "none": only what `unroll` and `jam` ask for.
+        "auto": what the estimate says pays; "none": only what the others ask for.
     unroll, jam
         Factors of loops by source line; 1 leaves the loop as it is.
+    flatten
+        Whether to make one loop of the loop in a line and the loop inside it.
     """
 
     mode: Mode = "auto"
     unroll: Mapping[int, int] = field(default_factory=dict)
     jam: Mapping[int, int] = field(default_factory=dict)
+    flatten: Mapping[int, bool] = field(default_factory=dict)
 
     @property
     def idle(self) -> bool:
         """Nothing is to be transformed."""
-        return self.mode == "none" and not self.unroll and not self.jam
+        return self.mode == "none" and not (self.unroll or self.jam or any(self.flatten.values()))
 
 
 def transform_options(
-    transform: object, unroll: Factors | None, jam: Factors | None
+    transform: object,
+    unroll: Factors | None,
+    jam: Factors | None,
+    flatten: Choices | None = None,
 ) -> TransformOptions:
     """The options as given to `vividc.compile`, checked.
 
     Raises
     ------
     ArgumentError
-        An unknown mode, a line that is no line number, or a factor that is no power of two.
+        An unknown mode, a line that is no line number, a factor that is no power of two, or a
+        choice that is neither True nor False.
     """
     hint = 'give transform="auto" or transform="none"'
     if transform not in _MODES:
         raise ArgumentError(f"transform cannot be {transform!r:.60}", hint=hint)
     mode: Mode = "auto" if transform == "auto" else "none"
-    return TransformOptions(mode, _factors("unroll", unroll), _factors("jam", jam))
+    choices = _choices("flatten", flatten)
+    return TransformOptions(mode, _factors("unroll", unroll), _factors("jam", jam), choices)
+
+
+def _choices(name: str, given: Choices | None) -> dict[int, bool]:
+    hint = f"write {name}={{12: True}} for the loop in line 12, or False to leave it"
+    if given is None:
+        return {}
+    demand_type(given, Mapping, name, hint)
+    found: dict[int, bool] = {}
+    for line, wanted in given.items():
+        if not isinstance(wanted, bool):
+            raise ArgumentError(f"{name} cannot take {wanted!r:.60}", hint=hint)
+        found[_line(name, line, hint)] = wanted
+    return found
+
+
+def _line(name: str, line: object, hint: str) -> int:
+    number = int(line) if isinstance(line, str) and line.isdecimal() else line
+    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+        raise ArgumentError(f"{name} cannot take {line!r:.60} for a line", hint=hint)
+    return number
 
 
 def _factors(name: str, given: Factors | None) -> dict[int, int]:
@@ -60,9 +91,7 @@ def _factors(name: str, given: Factors | None) -> dict[int, int]:
     demand_type(given, Mapping, name, hint)
     found: dict[int, int] = {}
     for line, factor in given.items():
-        number = int(line) if isinstance(line, str) and line.isdecimal() else line
-        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-            raise ArgumentError(f"{name} cannot take {line!r:.60} for a line", hint=hint)
+        number = _line(name, line, hint)
         if not _is_factor(factor):
             text = f"{name} cannot take the factor {factor!r:.60}"
             powers = f"a power of two up to {_LARGEST_FACTOR}; 1 leaves the loop alone"

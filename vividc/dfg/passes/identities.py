@@ -241,7 +241,7 @@ def _copy(rewrite: Rewrite, node: Node) -> bool:
 
 
 def _select_arm(rewrite: Rewrite, node: Node) -> bool:
-    """A select between equal arms, by a constant, or between 1 and 0."""
+    """A select between equal arms, by a constant, between 1 and 0, or between 0 and 1."""
     pred, if_true, if_false = rewrite.operands(node)
     word = rewrite.word(pred)
     if word is not None:
@@ -251,6 +251,9 @@ def _select_arm(rewrite: Rewrite, node: Node) -> bool:
     arms = rewrite.word(if_true), rewrite.word(if_false)
     if arms == (1, 0) and _is_predicate(rewrite, pred):
         return rewrite.forward(node.id, pred)
+    if arms == (0, 1) and _is_predicate(rewrite, pred):
+        change_operation(rewrite, node, Opcode.XOR, [pred, if_false])
+        return True
     if arms[0] is not None and arms[0] == arms[1]:
         return rewrite.forward_constant(node.id, arms[0])
     return False

@@ -1,0 +1,59 @@
+"""When the compiler flattens a nest: where the estimate says so, and where the user does."""
+
+from __future__ import annotations
+
+import inspect
+
+import numpy as np
+import pytest
+
+import vividc
+from benchmarks.general import WORKLOADS
+from tests.e2e import nest_kernels
+
+
+def line_of(kernel: vividc.KernelFunction, text: str) -> int:
+    """The first line of the kernel's source that contains `text`."""
+    lines, start = inspect.getsourcelines(kernel.py_func)
+    return start + next(number for number, line in enumerate(lines) if text in line)
+
+
+def kinds(program: vividc.Program) -> list[str]:
+    """The transformations that the program has."""
+    return [t.kind for loop in program.loops for t in loop.transforms if not t.reason]
+
+
+def test_short_rows_are_flattened() -> None:
+    """A sparse matrix: bounds that are loaded are taken to be near each other."""
+    workload = next(w for w in WORKLOADS if w.name == "spmv_csr")
+    kernel = workload.kernel()
+    program = vividc.compile(kernel)
+    assert kinds(program) == ["flattening"]
+    outcomes = [loop.outcome for loop in program.loops]
+    assert outcomes[1] == "flattened: one loop with the loop inside it"
+    by_array, by_numba = workload.fresh(), workload.fresh()
+    cycles = vividc.simulate(program, *by_array).cycles
+    kernel(*by_numba)
+    for mine, theirs in zip(by_array, by_numba, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-4, atol=1e-5)
+    plain = vividc.compile(kernel, transform="none")
+    assert cycles < vividc.simulate(plain, *workload.fresh()).cycles
+
+
+def test_the_user_decides() -> None:
+    kernel = nest_kernels.stairs
+    line = line_of(kernel, "for i")
+    assert kinds(vividc.compile(kernel, transform="none", flatten={line: True})) == ["flattening"]
+    assert "flattening" not in kinds(vividc.compile(kernel, flatten={line: False}))
+
+
+def test_a_nest_that_is_none_is_refused() -> None:
+    kernel = nest_kernels.stairs
+    with pytest.raises(vividc.VividcError, match="flattening is not possible here: it does not"):
+        vividc.compile(kernel, flatten={line_of(kernel, "for j"): True})
+
+
+@pytest.mark.parametrize("flatten", [{12: 3}, {0: True}, {"x": True}, [12]])
+def test_odd_choices_are_refused(flatten: object) -> None:
+    with pytest.raises(vividc.VividcError, match="flatten"):
+        vividc.compile(nest_kernels.stairs, flatten=flatten)  # type: ignore[arg-type]
