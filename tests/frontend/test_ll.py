@@ -201,7 +201,6 @@ REFUSED = {
         2,
         "arithmetic on addresses",
     ),
-    "bytes": ("  store i8 1, ptr %x\n  ret void", 2, "an array access of type i8"),
     "pointers in memory": (
         "  %p = load ptr, ptr %x\n  store i32 1, ptr %p\n  ret void",
         2,
@@ -231,12 +230,6 @@ REFUSED_TEXT = {
         "declare i32 @llvm.x86.sse42.crc32.32.32(i32, i32)\ndefine i32 @f(i32 %n) {\n"
         "  %r = call i32 @llvm.x86.sse42.crc32.32.32(i32 %n, i32 7)\n  ret i32 %r\n}\n",
         ":3: a call of `x86.sse42.crc32.32`",
-    ),
-    "global array": (
-        "@t = internal constant [3 x i32] [i32 4, i32 5, i32 6]\ndefine i32 @f(i32 %n) {\n"
-        "  %p = getelementptr [3 x i32], ptr @t, i32 0, i32 %n\n"
-        "  %r = load i32, ptr %p\n  ret i32 %r\n}\n",
-        ":4: an access to a global array",
     ),
     "other arrays": (
         "define i1 @f(ptr %x, ptr %y) {\n  %r = icmp ult ptr %x, %y\n  ret i1 %r\n}\n",
