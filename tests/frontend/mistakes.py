@@ -150,12 +150,6 @@ def writes_a_global(x, n):
     x[0] = counter
 
 
-@mistake("a call of `hypot`", "")
-def complex_number(x, n):
-    z = (1 + 2j) * n
-    x[0] = abs(z * z)  # here
-
-
 @mistake("a recursive call", "array as its stack")
 def recurses_in_helper(x, n):
     x[0] = factorial(n)  # here: any

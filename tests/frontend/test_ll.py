@@ -47,7 +47,7 @@ def kernel(folder: Path, body: str, head: str = "void @f(ptr %x, i32 %n)") -> vi
 
 def test_a_rotated_loop_is_a_while_loop_again(tmp_path: Path) -> None:
     loaded = vividc.load_ll(write(tmp_path, LOOP))
-    program = vividc.compile(loaded)
+    program = vividc.compile(loaded, transform="none")
     [loop] = [region for region in program.regions if region.kind == "loop"]
     assert (loop.ii, loop.status) == (1, "optimal")
     for n in (0, 1, 7):
@@ -229,7 +229,7 @@ REFUSED_TEXT = {
     "unknown intrinsic": (
         "declare i32 @llvm.x86.sse42.crc32.32.32(i32, i32)\ndefine i32 @f(i32 %n) {\n"
         "  %r = call i32 @llvm.x86.sse42.crc32.32.32(i32 %n, i32 7)\n  ret i32 %r\n}\n",
-        ":3: a call of `x86.sse42.crc32.32`",
+        ":3: a call of `x86.sse42.crc32`",
     ),
     "other arrays": (
         "define i1 @f(ptr %x, ptr %y) {\n  %r = icmp ult ptr %x, %y\n  ret i1 %r\n}\n",

@@ -1,5 +1,4 @@
-"""Python's integer division in SSA: from numba's calls to operations of their own, and from those
-to LLVM's truncating ones where no word holds the operands.
+"""Python's integer division in SSA: from numba's calls to operations of their own.
 
 The operations are `sfloordiv`, `sfloorrem`, `ufloordiv` and `ufloorrem`: of signed or unsigned
 integers, rounded down, and 0 by zero (as numba's under the error model "numpy").

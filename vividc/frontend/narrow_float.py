@@ -204,8 +204,7 @@ CALLS: dict[str, Rule] = {
     "fma": _arithmetic(Opcode.FMA),
     "fmuladd": _arithmetic(Opcode.FMA),
     "copysign": _copysign,
-    "ldexp.f32": _ldexp,  # the intrinsic, with the type of the result
-    "ldexp.f64": _ldexp,
+    "ldexp": _ldexp,
     "ldexpf": _ldexp,
     "numba_ldexp": _ldexp,
     "numba_ldexpf": _ldexp,
