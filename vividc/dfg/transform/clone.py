@@ -189,7 +189,7 @@ def _used_elsewhere(function: Function, inside: set[str]) -> set[int]:
         if block.name in inside:
             continue
         read = [value for instr in block.instrs for value in instr.operands]
-        read += [v for v in (block.branch.cond, block.branch.value) if v is not None]
+        read += block.branch.read
         used |= {value.id for value in read if isinstance(value, Ref)}
     return used
 

@@ -282,7 +282,7 @@ def _used_outside(function: Function, loop: Loop) -> bool:
             continue
         read = [value for phi in block.phis for _, value in phi.incoming]
         read += [value for instr in block.instrs for value in instr.operands]
-        read += [v for v in (block.branch.cond, block.branch.value) if v is not None]
+        read += block.branch.read
         if any(isinstance(value, Ref) and value.id in inside for value in read):
             return True
     return False

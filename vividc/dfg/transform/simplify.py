@@ -100,7 +100,7 @@ def remove_unused(function: Function) -> Function:
             operands[instr.id] = instr.operands
             if instr.op is Opcode.STORE:
                 work += instr.operands
-        work += [value for value in (block.branch.cond, block.branch.value) if value is not None]
+        work += block.branch.read
     used: set[int] = set()
     while work:
         value = work.pop()

@@ -93,7 +93,7 @@ class _Repair:
 
     def _reads(self, block: Block) -> bool:
         mine = Ref(self.ident)
-        if mine in (block.branch.cond, block.branch.value):
+        if mine in block.branch.read:
             return True
         return any(mine in instr.operands for instr in block.instrs)
 
