@@ -38,7 +38,7 @@ layers: setup
 	$(BIN)/lint-imports
 
 bench: setup
-	$(BIN)/python -m benchmarks -o benchmarks/kernels.md
+	$(BIN)/python -m benchmarks -o benchmarks
 
 # The committed `.ll` files; Debian's clang, version 15 or newer. Users never need it.
 CLANG ?= clang-16

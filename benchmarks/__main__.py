@@ -1,7 +1,8 @@
 """The kernel table: what each kernel maps to, how well that is proved, and how fast it is
 simulated.
 
-`make bench` runs it on `vivid-tile` and `vivid-tile-unit` and writes `benchmarks/kernels.md`.
+`make bench` runs it on `vivid-tile` and `vivid-tile-unit` and writes `benchmarks/kernels.md`,
+`benchmarks/c_kernels.md` and `benchmarks/render.md`.
 """
 
 from __future__ import annotations
@@ -75,27 +76,34 @@ def machine() -> Iterator[str]:
     yield f"- vividc {vividc.__version__}, {versions}"
 
 
+TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
+    "kernels": ("Kernels on one tile", (*WORKLOADS, *general.WORKLOADS)),
+    "c_kernels": ("C kernels on one tile", c_kernels.WORKLOADS),
+}
+
+
 @click.command()
+@click.option("--table", "tables", type=click.Choice([*TABLES]), multiple=True, default=[*TABLES])
 @click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
-@click.option("-o", "--output", type=click.Path(path_type=Path), default=None)
-def main(fabrics: tuple[str, ...], time_limit: float, output: Path | None) -> None:
-    """Print the kernel table, and write it to a Markdown file."""
-    lines = ["# Kernels on one tile", "", "Made by `make bench`.", "", *machine(), ""]
-    for fabric in fabrics:
-        lines += [f"## {fabric}", "", *HEADER.splitlines()]
-        click.echo("\n".join(lines[-3:]))
-        for workload in (*WORKLOADS, *general.WORKLOADS):
-            lines.append(row(workload, fabric, time_limit))
-            click.echo(lines[-1])
-        lines += ["", f"### C kernels on {fabric}", "", *HEADER.splitlines()]
-        click.echo("\n".join(lines[-3:]))
-        for workload in c_kernels.WORKLOADS:
-            lines.append(row(workload, fabric, time_limit))
-            click.echo(lines[-1])
-        lines.append("")
-    if output is not None:
-        output.write_text("\n".join(lines), encoding="utf-8")
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
+def main(
+    tables: tuple[str, ...], fabrics: tuple[str, ...], time_limit: float, output: Path | None
+) -> None:
+    """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
+    for table in tables:
+        title, workloads = TABLES[table]
+        command = f"python -m benchmarks --table {table} --time-limit {time_limit:g}"
+        lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
+        for fabric in fabrics:
+            lines += [f"## {fabric}", "", *HEADER.splitlines()]
+            click.echo("\n".join(lines[-3:]))
+            for workload in workloads:
+                lines.append(row(workload, fabric, time_limit))
+                click.echo(lines[-1])
+            lines.append("")
+        if output is not None:
+            (output / f"{table}.md").write_text("\n".join(lines), encoding="utf-8")
 
 
 if __name__ == "__main__":
