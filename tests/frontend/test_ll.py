@@ -229,7 +229,7 @@ REFUSED_TEXT = {
     "unknown intrinsic": (
         "declare i32 @llvm.x86.sse42.crc32.32.32(i32, i32)\ndefine i32 @f(i32 %n) {\n"
         "  %r = call i32 @llvm.x86.sse42.crc32.32.32(i32 %n, i32 7)\n  ret i32 %r\n}\n",
-        ":3: a call of `x86.sse42.crc32`",
+        ":3: a call of `x86.sse42.crc32",
     ),
     "other arrays": (
         "define i1 @f(ptr %x, ptr %y) {\n  %r = icmp ult ptr %x, %y\n  ret i1 %r\n}\n",

@@ -130,9 +130,16 @@ def _read(
     kernel = read()
     if all(p.words == 1 for p in params):
         return kernel, params
-    words = word_parameters(_simplified(kernel, params)[0])
+    words = counting_parameters(kernel, params)
     params = tuple(replace(p, words=1) if p.name in words else p for p in params)
     return (read() if words else kernel), params
+
+
+def counting_parameters(kernel: Prepared, params: tuple[Param, ...]) -> frozenset[str]:
+    """Names of the 64-bit parameters that only count or index: one word each."""
+    if all(param.words == 1 for param in params):
+        return frozenset()
+    return word_parameters(_simplified(kernel, params)[0])
 
 
 @contextmanager
