@@ -100,9 +100,9 @@ define void @f(ptr %x, i32 %n) {
 
 
 BLOCKS = {
-    "memset": "call void @llvm.memset.p0.i64(ptr %x, i8 {value}, i64 {bytes}, i1 false)",
-    "memcpy": "call void @llvm.memcpy.p0.p0.i64(ptr %y, ptr %x, i64 {bytes}, i1 false)",
-    "memmove": "call void @llvm.memmove.p0.p0.i64(ptr %y, ptr %x, i64 {bytes}, i1 false)",
+    "memset": "call void @llvm.memset.p0.i64(ptr align 4 %x, i8 {value}, i64 {bytes}, i1 false)",
+    "memcpy": "call void @llvm.memcpy.p0.p0.i64(ptr align 4 %y, ptr align 4 %x, i64 {bytes}, i1 false)",
+    "memmove": "call void @llvm.memmove.p0.p0.i64(ptr align 4 %y, ptr align 4 %x, i64 {bytes}, i1 false)",
 }
 DECLARED = """
 declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
@@ -142,9 +142,20 @@ def test_block_operations_are_loops(tmp_path: Path, kind: str, target: str, byte
         np.testing.assert_array_equal(ours, host)
 
 
-def test_a_block_of_bytes_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(KernelError, match=r"k\.ll:7: a memset of a size that is not shown"):
-        block_kernel(tmp_path, BLOCKS["memset"], "", "%wide")
+@pytest.mark.parametrize("kind", BLOCKS)
+@pytest.mark.parametrize("aligned", [True, False])
+def test_blocks_of_bytes(tmp_path: Path, kind: str, *, aligned: bool) -> None:
+    call = BLOCKS[kind] if aligned else BLOCKS[kind].replace(" align 4", "")
+    loaded = block_kernel(tmp_path, call, "%other", "%wide")
+    dtype = loaded.params[0].dtype.value
+    function = loaded.lower()
+    for n in (0, 1, 5, 8, 15):
+        ours = [np.arange(40, dtype=np.uint8).view(dtype), np.zeros(40, np.uint8).view(dtype)]
+        host = [array.copy() for array in ours]
+        loaded_arrays = [array.view(p.dtype.value) for array, p in zip(host, loaded.params[:2])]
+        run(function, *ours, n)
+        loaded(*loaded_arrays, n)
+        np.testing.assert_array_equal(ours, host)
 
 
 @pytest.mark.parametrize(("attribute", "value"), [("signext", -56), ("zeroext", 200)])

@@ -13,7 +13,7 @@ from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend.ll_checks import check_body, reachable, refuse_recursion
 from vividc.frontend.ll_debug import declared
 from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
-from vividc.frontend.ll_library import BELOW, PARTIAL, with_block_operations, with_intrinsics
+from vividc.frontend.ll_library import BELOW, with_block_operations, with_intrinsics
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
 from vividc.frontend.llvm_text import Locations, read_function
@@ -212,14 +212,11 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
 
 
 def _block_operation(op: Op) -> Op:
-    """A call of `ll_library`: as the comparison that it stands for, or refused."""
+    """A call of `ll_library`: as the comparison that it stands for."""
     if op.op != "call":
         return op
     if op.pred == BELOW:
         return replace(op, op="icmp", type="ptr", pred="ult", flags=frozenset({BELOW}))
-    if op.pred.startswith(PARTIAL):
-        reason = f"a {op.pred.removeprefix(PARTIAL)} of a size that is not shown to be whole words"
-        raise KernelError(reason, loc=op.loc, hint="use n * sizeof(int32_t), or a loop")
     return op
 
 
