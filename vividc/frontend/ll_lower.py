@@ -17,8 +17,11 @@ from vividc.frontend.ll_library import BELOW, with_block_operations, with_intrin
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
 from vividc.frontend.llvm_text import Locations, read_function
+from vividc.frontend.llvm_layout import Structs, size_of, structs_of
+from vividc.frontend.local_arrays import RAW
 from vividc.frontend.lower import Prepared, counting_parameters, located, lower_words, prepared
-from vividc.frontend.ssa import Local, Op, WideBlock, WideFunction
+from vividc.frontend.numba_arrays import ALLOCATE
+from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 
 _PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
@@ -204,15 +207,20 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     parts = [module, library] if library else [module]
     optimised = _HINTS.sub("", linked_ir(entry_text(function, counts), parts))
     wide = read_function(optimised, ENTRY, function.loc.file)
+    structs = structs_of(optimised)
     blocks = tuple(
-        replace(block, ops=tuple(_block_operation(op) for op in block.ops)) for block in wide.blocks
+        replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))
+        for block in wide.blocks
     )
-    kernel = prepared(replace(wide, blocks=blocks), optimised)
+    kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
 
 
-def _block_operation(op: Op) -> Op:
-    """A call of `ll_library`: as the comparison that it stands for."""
+def _recognised(op: Op, structs: Structs) -> Op:
+    """A call of `ll_library` as the comparison that it stands for, an array of C's own as one."""
+    size = size_of(op.type, structs) if op.op == "alloca" else None
+    if size is not None:
+        return replace(op, op="call", type="ptr", pred=ALLOCATE + RAW, args=(Int(size),))
     if op.op != "call":
         return op
     if op.pred == BELOW:

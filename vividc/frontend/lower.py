@@ -211,10 +211,11 @@ class Prepared:
     arrays: dict[str, Held]
 
 
-def prepared(wide: WideFunction, text: str) -> Prepared:
+def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared:
     """What was read from LLVM, without dead code, calls that cannot run, and pointers.
 
-    `text`: the module it was read from, whose constant arrays become tables.
+    `text`: the module it was read from, whose constant arrays become tables. `packed`: as of
+    `hold_arrays`.
 
     Raises
     ------
@@ -223,7 +224,7 @@ def prepared(wide: WideFunction, text: str) -> Prepared:
         arrays.
     """
     wide = recover_divisions(remove_dead(remove_unreachable(wide)))
-    holding = hold_arrays(fold_overlaps(wide), text)
+    holding = hold_arrays(fold_overlaps(wide), text, packed=packed)
     wide = remove_dead(holding.function)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):
