@@ -16,8 +16,8 @@ from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
 from vividc.frontend.ll_library import BELOW, with_block_operations, with_intrinsics
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
-from vividc.frontend.llvm_text import Locations, read_function
 from vividc.frontend.llvm_layout import Structs, size_of, structs_of
+from vividc.frontend.llvm_text import Locations, read_function
 from vividc.frontend.local_arrays import RAW
 from vividc.frontend.lower import Prepared, counting_parameters, located, lower_words, prepared
 from vividc.frontend.numba_arrays import ALLOCATE
