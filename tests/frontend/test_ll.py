@@ -99,10 +99,11 @@ define void @f(ptr %x, i32 %n) {
     np.testing.assert_array_equal(x, y)
 
 
+_COPIED = "ptr align 4 %y, ptr align 4 %x, i64 {bytes}, i1 false)"
 BLOCKS = {
     "memset": "call void @llvm.memset.p0.i64(ptr align 4 %x, i8 {value}, i64 {bytes}, i1 false)",
-    "memcpy": "call void @llvm.memcpy.p0.p0.i64(ptr align 4 %y, ptr align 4 %x, i64 {bytes}, i1 false)",
-    "memmove": "call void @llvm.memmove.p0.p0.i64(ptr align 4 %y, ptr align 4 %x, i64 {bytes}, i1 false)",
+    "memcpy": "call void @llvm.memcpy.p0.p0.i64(" + _COPIED,
+    "memmove": "call void @llvm.memmove.p0.p0.i64(" + _COPIED,
 }
 DECLARED = """
 declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
@@ -152,9 +153,9 @@ def test_blocks_of_bytes(tmp_path: Path, kind: str, *, aligned: bool) -> None:
     for n in (0, 1, 5, 8, 15):
         ours = [np.arange(40, dtype=np.uint8).view(dtype), np.zeros(40, np.uint8).view(dtype)]
         host = [array.copy() for array in ours]
-        loaded_arrays = [array.view(p.dtype.value) for array, p in zip(host, loaded.params[:2])]
+        dtypes = [param.dtype.value for param in loaded.params[:2]]
         run(function, *ours, n)
-        loaded(*loaded_arrays, n)
+        loaded(*(array.view(type_) for array, type_ in zip(host, dtypes, strict=True)), n)
         np.testing.assert_array_equal(ours, host)
 
 

@@ -172,6 +172,36 @@ def _narrow_length(text: str) -> str:
     return text.replace(") {\n", ") {\n  %bytes = zext i32 %size to i64\n", 1)
 
 
+_ROUND = """
+declare {type} @llvm.trunc.{suffix}({type})
+declare {type} @llvm.fabs.{suffix}({type})
+declare {type} @llvm.copysign.{suffix}({type}, {type})
+define {type} @vividc.round.{suffix}({type} %x) {{
+  %whole = call {type} @llvm.trunc.{suffix}({type} %x)
+  %part = fsub {type} %x, %whole
+  %size = call {type} @llvm.fabs.{suffix}({type} %part)
+  %away = fcmp oge {type} %size, 5.000000e-01
+  %one = select i1 %away, {type} 1.000000e+00, {type} 0.000000e+00
+  %step = call {type} @llvm.copysign.{suffix}({type} %one, {type} %x)
+  %sum = fadd {type} %whole, %step
+  ret {type} %sum
+}}
+"""
+
+
+def with_rounding(text: str) -> tuple[str, str]:
+    """The module calling functions of ours for C's `round`, halves away from zero, and the module
+    that defines them. `x - trunc(x)` is exact.
+    """
+    library = ""
+    for type_, suffix in (("float", "f32"), ("double", "f64")):
+        callee = f"@llvm.round.{suffix}("
+        if callee in text:
+            text = text.replace(callee, f"@vividc.round.{suffix}(")
+            library += _ROUND.format(type=type_, suffix=suffix)
+    return text, library
+
+
 def with_intrinsics(text: str) -> str:
     """The module with LLVM's functions instead of those of C's `math.h`."""
     defined = re.findall(r"^declare .*@(\w+)\(([^)]*)\)", text, re.MULTILINE)

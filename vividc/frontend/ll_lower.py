@@ -13,7 +13,12 @@ from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend.ll_checks import check_body, reachable, refuse_recursion
 from vividc.frontend.ll_debug import declared
 from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
-from vividc.frontend.ll_library import BELOW, with_block_operations, with_intrinsics
+from vividc.frontend.ll_library import (
+    BELOW,
+    with_block_operations,
+    with_intrinsics,
+    with_rounding,
+)
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
 from vividc.frontend.llvm_layout import Structs, size_of, structs_of
@@ -203,8 +208,9 @@ def _function(text: str, body: Body, file: str) -> CFunction:
 
 def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     """The kernel without pointers; `counts` as of `entry_text`."""
-    module, library = with_block_operations(with_intrinsics(text))
-    parts = [module, library] if library else [module]
+    module, rounding = with_rounding(with_intrinsics(text))
+    module, blocks_library = with_block_operations(module)
+    parts = [part for part in (module, rounding, blocks_library) if part]
     optimised = _HINTS.sub("", linked_ir(entry_text(function, counts), parts))
     wide = read_function(optimised, ENTRY, function.loc.file)
     structs = structs_of(optimised)
