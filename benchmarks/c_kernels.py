@@ -34,6 +34,14 @@ def _words(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return rng.integers(0, 1 << 32, shape, dtype=np.uint32)
 
 
+def _bytes(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return rng.integers(0, 256, shape, dtype=np.uint8)
+
+
+def _halves(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return rng.integers(-(1 << 15), 1 << 15, shape, dtype=np.int16)
+
+
 def _blank(*shape: int) -> np.ndarray:
     return np.zeros(shape, np.float32)
 
@@ -110,11 +118,26 @@ SEARCHING: dict[str, Maker] = {
         *(np.int32(150), _zeros(4)),
     ),
 }
+BYTES: dict[str, Maker] = {
+    "crc32_table": lambda r: (_bytes(r, 60), np.int32(60)),
+    "string_length": lambda r: (np.append(_bytes(r, 90) | 1, np.uint8(0)).view(np.int8),),
+    "find_byte": lambda r: (_bytes(r, 90) | 1, np.int32(90), np.int32(40)),
+    "mix_pcm": lambda r: (
+        *(np.zeros(60, np.int16), _halves(r, 60), _halves(r, 60)),
+        *(np.int32(200), np.int32(150), np.int32(60)),
+    ),
+    "fnv1a": lambda r: (_bytes(r, 40), np.int32(40), np.uint64(0xCBF29CE484222325)),
+    "xorshift64": lambda _: (np.uint64(0x9E3779B97F4A7C15), np.int32(40)),
+    "digits": lambda _: (np.uint32(4000000007), np.uint32(36), np.zeros(32, np.uint8)),
+    "counting_sort": lambda r: (_bytes(r, 60), np.zeros(60, np.uint8), np.int32(60)),
+    "distinct_bytes": lambda r: (_bytes(r, 60), np.int32(60), np.zeros(256, np.bool_)),
+}
 FILES = {
     "linear_algebra": LINEAR_ALGEBRA,
     "signals": SIGNALS,
     "integers": INTEGERS,
     "searching": SEARCHING,
+    "bytes": BYTES,
 }
 WORKLOADS = tuple(
     CWorkload(name, make, file) for file, table in FILES.items() for name, make in table.items()

@@ -33,6 +33,10 @@ def words(*values: int) -> np.ndarray:
     return np.array(values, np.int32)
 
 
+def octets(*values: int) -> np.ndarray:
+    return np.array(values, np.uint8)
+
+
 def floats(*shape: int) -> np.ndarray:
     return np.random.default_rng(3).standard_normal(shape).astype(np.float32)
 
@@ -51,6 +55,14 @@ SMALL: dict[str, tuple[Arguments, ...]] = {
     "binary_search": ((words(1, 3, 5), 3, 5), (words(1, 3, 5), 3, 4), (words(1), 0, 1)),
     "partition": ((words(4), 1), (words(4, 4, 4), 3)),
     "find": ((words(1, 2, 3), 3, words(3, 4), 2), (words(1, 2, 3), 3, words(1), 0)),
+    "crc32_table": ((octets(7), 0), (octets(7), 1), (octets(*range(250, 255)), 5)),
+    "string_length": ((np.zeros(1, np.int8),), (np.array([-1, 0, 1], np.int8),)),
+    "find_byte": ((octets(1, 255), 2, 255), (octets(1, 255), 2, 511), (octets(1), 0, 1)),
+    "mix_pcm": ((*(np.full(2, -32768, np.int16) for _ in range(3)), 300, 300, 2),),
+    "fnv1a": ((octets(0), 0, 2**64 - 1), (octets(255), 1, 2**63), (octets(1), -1, 0)),
+    "xorshift64": ((2**64 - 1, 1), (1, 3), (2**63, 0)),
+    "digits": ((0, 10, octets(0)), (2**32 - 1, 2, octets(*range(32)))),
+    "counting_sort": ((octets(9, 3, 9), octets(0, 0, 0), 3), (octets(1), octets(2), 0)),
     "floyd_warshall": ((1, words(0).reshape(1, 1)), (0, words(7).reshape(1, 1))),
 }
 

@@ -52,10 +52,10 @@ class _Machine:
                     self.inputs[f"{param.name}.high"] = int(value) >> 32 & _MASK
 
         for local in function.locals:
-            self.memory[local.name] = np.zeros(local.words, np.uint32)
+            self.memory[local.name] = np.zeros(4 * local.words, np.uint8)
             self.inputs[f"&{local.name}"] = 0
             if local.contents is not None:
-                self.memory[local.name][:] = local.contents
+                self.memory[local.name].view(np.uint32)[:] = local.contents
 
     def word(self, value: Value) -> int:
         if isinstance(value, Const):

@@ -19,6 +19,8 @@ _UNDEFINED = frozenset({"zeroinitializer", "poison", "undef"})
 _ESCAPE = re.compile(r"\\([0-9A-Fa-f]{2})|([^\\])", re.DOTALL)
 _MASK = 0xFFFFFFFF
 
+PACKED_BYTES = {"i8": 1, "i16": 2}
+
 Number = int | float
 
 
@@ -61,6 +63,15 @@ def words_of(table: Table, loc: SourceLoc | None) -> tuple[int, ...]:
             hint="keep its numbers within int32, or within uint32",
         )
     return tuple(int(value) & _MASK for value in table.values)
+
+
+def packed_words_of(table: Table) -> tuple[int, ...]:
+    """A table of bytes or halves as C's memory has it, four or two in a word."""
+    size = PACKED_BYTES[table.element]
+    mask = (1 << 8 * size) - 1
+    raw = b"".join((int(value) & mask).to_bytes(size, "little") for value in table.values)
+    raw += bytes(-len(raw) % 4)
+    return tuple(int.from_bytes(raw[at : at + 4], "little") for at in range(0, len(raw), 4))
 
 
 def _float_word(value: float, table: Table, loc: SourceLoc | None) -> int:

@@ -52,6 +52,11 @@ _RULES = (
         "an atomic operation",
         "a kernel runs alone: use plain loads and stores",
     ),
+    _rule(
+        r"\balloca\b.*, i(?:32|64)\s*(?:,|$)",
+        "a local array of variable size",
+        "give it a constant size, or pass the array as a parameter",
+    ),
     _rule(r"\bva_arg\b", "variable arguments", "pass an array and its length"),
     _rule(r"\basm\b", "inline assembly", "write the operation in C"),
     _rule(

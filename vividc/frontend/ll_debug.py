@@ -11,8 +11,11 @@ _SCOPE = re.compile(r"!dbg (!\d+)")
 _MAX_DEPTH = 32
 _DTYPES = {
     ("DW_ATE_float", "32"): "float32",
-    ("DW_ATE_signed", "32"): "int32",
-    ("DW_ATE_unsigned", "32"): "uint32",
+    ("DW_ATE_boolean", "8"): "bool",
+    ("DW_ATE_signed_char", "8"): "int8",
+    ("DW_ATE_unsigned_char", "8"): "uint8",
+    **{("DW_ATE_signed", str(bits)): f"int{bits}" for bits in (16, 32, 64)},
+    **{("DW_ATE_unsigned", str(bits)): f"uint{bits}" for bits in (16, 32, 64)},
 }
 
 
@@ -26,7 +29,7 @@ class Declared:
         Of the parameters.
     dtypes
         numpy's name of the type of each parameter, or of the element it points to; "" if it is
-        none of 32 bits.
+        none of the array's.
     returns
         The same of the returned value.
     """

@@ -15,7 +15,8 @@ RETURNS = {"i1": "i1", "i8": "i32", "i16": "i32", "i32": "i32", "i64": "i64"}
 RETURNS |= {"float": "float", "double": "float", "void": "void"}
 """Type that the entry returns for each type of C's."""
 _WORD = {"ptr": "ptr", "i1": "i1", "float": "float", "double": "float"}
-_CONVERSION = {"i8": "trunc", "i16": "trunc", "i64": "sext", "double": "fpext"}
+_CONVERSION = {"i8": "trunc", "i16": "trunc", "double": "fpext"}
+_UNSIGNED = {("i32", DType.U32.value), ("i64", DType.U64.value)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +42,8 @@ class CParameter:
         """Type of a scalar at launch: small integers are passed as int32, double as float32."""
         if self.type in ("float", "double"):
             return DType.F32
-        if self.type == "i32" and self.dtype == DType.U32.value:
-            return DType.U32
+        if (self.type, self.dtype) in _UNSIGNED:
+            return DType(self.dtype)
         return {"i1": DType.BOOL, "i64": DType.I64}.get(self.type, DType.I32)
 
 
@@ -65,16 +66,21 @@ class CFunction:
         return CParameter("", self.returns, self.returns_dtype).scalar
 
 
-def entry_text(function: CFunction) -> str:
-    """A module that declares the function and defines `ENTRY`, which calls it."""
+def entry_text(function: CFunction, counts: frozenset[str] = frozenset()) -> str:
+    """A module that declares the function and defines `ENTRY`, which calls it.
+
+    `counts`: the 64-bit parameters that are launched as one word; others take two.
+    """
     inputs, body, arguments = [], [], []
     for index, param in enumerate(function.params):
-        word = _WORD.get(param.type, "i32")
+        whole = param.type == "i64" and param.name not in counts
+        word = "i64" if whole else _WORD.get(param.type, "i32")
         # Arrays of a launch never overlap.
         name = f'%"&{param.name}"' if word == "ptr" else f'%"{param.name}"'
         inputs.append(f"ptr noalias {name}" if word == "ptr" else f"{word} {name}")
-        if param.type in _CONVERSION:
-            body.append(f"%..{index} = {_CONVERSION[param.type]} {word} {name} to {param.type}")
+        conversion = _conversion(param, word)
+        if conversion:
+            body.append(f"%..{index} = {conversion} {word} {name} to {param.type}")
             name = f"%..{index}"
         arguments.append(f"{param.type} {name}")
     types = ", ".join(param.type for param in function.params)
@@ -100,6 +106,13 @@ spFlags: DISPFlagDefinition)
 !5 = !DILocation(line: {line}, column: 1, scope: !3)
 !6 = !{{i32 2, !"Debug Info Version", i32 3}}
 """
+
+
+def _conversion(param: CParameter, word: str) -> str:
+    """How the launched word becomes the argument; "" if it is the argument."""
+    if param.type == "i64" and word != "i64":
+        return "zext" if param.scalar is DType.U64 else "sext"
+    return _CONVERSION.get(param.type, "")
 
 
 def _returned(function: CFunction) -> list[str]:

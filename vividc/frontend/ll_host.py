@@ -35,6 +35,7 @@ _UNSIGNED: dict[str, Any] = {
     "i8": ctypes.c_uint8,
     "i16": ctypes.c_uint16,
     "i32": ctypes.c_uint32,
+    "i64": ctypes.c_uint64,
 }
 
 

@@ -6,7 +6,6 @@ import functools
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,10 @@ from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type
 from vividc.frontend.ll_host import HostFunction
 from vividc.frontend.ll_lower import CModule, declare, lower_c
 from vividc.frontend.ll_source import bodies, located_module, read_ll
+
+_ELEMENTS = ("float32", "bool", "int8", "uint8", "int16", "uint16", "int32", "uint32")
+_TYPES = {"ptr": _ELEMENTS, "i64": ("int64", "uint64"), "i32": ("int32", "uint32")}
+_TYPES |= {"float": ("float32",), "i1": ("bool",)}
 
 
 class LLKernel:
@@ -91,7 +94,7 @@ class LLKernel:
             self.name,
             [param.type for param in function.params],
             function.returns,
-            unsigned=function.result is DType.U32
+            unsigned=function.result in (DType.U32, DType.U64)
             or (function.returns in ("i8", "i16") and not function.signed),
         )
 
@@ -111,8 +114,8 @@ def load_ll(
     function
         Name of the function; may be left out if the file defines one that others can call.
     types
-        "float32", "int32" or "uint32" by parameter name, for arrays and words whose type neither
-        the debug information (`clang -g`) nor the accesses tell.
+        "float32", "bool", or "int" or "uint" with 8, 16, 32 or (scalars only) 64 bits, by parameter
+        name: for those whose type neither the debug information (`clang -g`) nor the accesses tell.
 
     Returns
     -------
@@ -130,8 +133,12 @@ def load_ll(
     place = Path(path)
     source = read_ll(place)
     name = function or _only(source, place)
-    module = declare(source, located_module(source, place), os.path.abspath(place), name)
-    return LLKernel(module if not types else _with_types(module, types))
+    text, file = located_module(source, place), os.path.abspath(place)
+    module = declare(source, text, file, name)
+    if not types:
+        return LLKernel(module)
+    _check_types(module, types)
+    return LLKernel(declare(source, text, file, name, types))
 
 
 def _only(source: str, path: Path) -> str:
@@ -145,17 +152,14 @@ def _only(source: str, path: Path) -> str:
     raise KernelError(reason, loc=str(path), hint=f"choose one: {path}:{names[0]}")
 
 
-def _with_types(module: CModule, types: Mapping[str, str]) -> CModule:
-    known = {param.name for param in module.params}
+def _check_types(module: CModule, types: Mapping[str, str]) -> None:
+    params = {param.name: param for param in module.function.params}
     for name, dtype in types.items():
-        if name not in known or dtype not in ("float32", "int32", "uint32"):
-            hint = f"give float32, int32 or uint32 for {', '.join(sorted(known)) or 'nothing'}"
+        takes = _TYPES.get(params[name].type, ()) if name in params else ()
+        if dtype not in takes:
+            known = ", ".join(takes or params) or "nothing"
+            hint = f"give {known}" if name in params else f"its parameters: {known}"
             raise KernelError(f"types: {name!r}: {dtype!r}", loc=module.function.loc, hint=hint)
-    params = tuple(
-        replace(param, dtype=DType(types.get(param.name, param.dtype.value)))
-        for param in module.params
-    )
-    return replace(module, params=params)
 
 
 def _check(param: Param, value: object) -> None:

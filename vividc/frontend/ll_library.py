@@ -1,8 +1,5 @@
-"""C's library in LLVM IR: block operations as loops over words (what clang makes of a loop that
-clears or copies an array), and `math.h`.
-
-A call that this cannot run as words stays behind after inlining under a name that says why, and is
-refused with its line.
+"""C's library in LLVM IR: block operations as loops over words or bytes (what clang makes of a loop
+that clears or copies an array), and `math.h`.
 """
 
 from __future__ import annotations
@@ -13,27 +10,46 @@ from vividc.frontend.pointer_math import ANY
 
 BELOW = ANY
 """Calls that ask whether a pointer lies below another, where those to different arrays do not."""
-PARTIAL = "vividc.partial "
-"""Prefix of calls that are left if a block is not shown to consist of whole words."""
-
 _MATH = {
     **{name: name for name in ("exp", "exp2", "log", "log2", "log10", "sqrt", "pow", "fma")},
     **{name: name for name in ("sin", "cos", "tan", "asin", "acos", "atan", "atan2")},
     **{name: name for name in ("sinh", "cosh", "tanh", "floor", "ceil", "trunc", "round")},
-    **{name: name for name in ("rint", "nearbyint", "fabs", "copysign")},
+    **{name: name for name in ("rint", "nearbyint", "roundeven", "fabs", "copysign")},
     "fmin": "minnum",
     "fmax": "maxnum",
 }
 """C's functions and LLVM's, which are those without `errno`."""
-_CALL = re.compile(r"@(llvm\.(memset|memcpy|memmove)(?:\.inline)?\.p0(?:\.p0)?\.i(?:32|64))\(")
+_CALL = re.compile(
+    r"call void @llvm\.(?P<kind>memset|memcpy|memmove)(?:\.inline)?\.p0(?:\.p0)?"
+    r"\.(?P<length>i32|i64)\((?P<args>.*)"
+)
+_DECLARE = re.compile(r"^declare .*@llvm\.(?:memset|memcpy|memmove)\..*$", re.MULTILINE)
+_ALIGNED = re.compile(r"\bptr\b[^,]*?\balign (\d+)")
+_POINTER = re.compile(r"\bptr\b")
 
-_HEAD = """
+_DISPATCH = """
 define void @"{name}"({params}, i64 %bytes, i1 %volatile) {{
   %rest = and i64 %bytes, 3
   %whole = icmp eq i64 %rest, 0
-  br i1 %whole, label %start, label %partial
-partial:
-  call void @"{partial}{kind}"()
+  br i1 %whole, label %words, label %parts
+words:
+  %many = lshr i64 %bytes, 2
+  call void @"{name}.i32"({values}, i64 %many)
+  ret void
+parts:
+  call void @"{name}.i8"({values}, i64 %bytes)
+  ret void
+}}
+"""
+_BYTEWISE = """
+define void @"{name}"({params}, i64 %bytes, i1 %volatile) {{
+  call void @"{name}.i8"({values}, i64 %bytes)
+  ret void
+}}
+"""
+_HEAD = """
+define void @"{name}.{item}"({params}, i64 %many) {{
+  %count = trunc i64 %many to i32
   br label %start
 start:
 """
@@ -41,31 +57,28 @@ _UP = """
   br label %up
 up:
   %i = phi i32 [ 0, %{before} ], [ %i.next, %up.body ]
-  %more = icmp slt i32 %i, %words
+  %more = icmp slt i32 %i, %count
   br i1 %more, label %up.body, label %done
 up.body:
-  %to = getelementptr i32, ptr %target, i32 %i
+  %to = getelementptr {item}, ptr %target, i32 %i
   {value}
-  store i32 %word, ptr %to, align 4
+  store {item} %word, ptr %to
   %i.next = add nuw nsw i32 %i, 1
   br label %up
 """
-_WORDS = """  %many = lshr i64 %bytes, 2
-  %words = trunc i64 %many to i32
-"""
-_LOAD = """%from = getelementptr i32, ptr %source, i32 %i
-  %word = load i32, ptr %from, align 4"""
+_LOAD = """%from = getelementptr {item}, ptr %source, i32 %i
+  %word = load {item}, ptr %from"""
 _DOWN = """
 down:
-  %j = phi i32 [ %words, %start ], [ %j.next, %down.body ]
+  %j = phi i32 [ %count, %start ], [ %j.next, %down.body ]
   %left = icmp sgt i32 %j, 0
   br i1 %left, label %down.body, label %done
 down.body:
   %j.next = add nsw i32 %j, -1
-  %down.to = getelementptr i32, ptr %target, i32 %j.next
-  %down.from = getelementptr i32, ptr %source, i32 %j.next
-  %down.word = load i32, ptr %down.from, align 4
-  store i32 %down.word, ptr %down.to, align 4
+  %down.to = getelementptr {item}, ptr %target, i32 %j.next
+  %down.from = getelementptr {item}, ptr %source, i32 %j.next
+  %down.word = load {item}, ptr %down.from
+  store {item} %down.word, ptr %down.to
   br label %down
 """
 _TAIL = """
@@ -73,39 +86,30 @@ done:
   ret void
 }
 """
-_COPY = "ptr %target, ptr %source"
+_FILLED = {
+    "i8": "%word = add i8 %value, 0",
+    "i32": "%byte = zext i8 %value to i32\n  %word = mul i32 %byte, 16843009",
+}
+_PARAMS = {kind: ("ptr %target", "ptr %source") for kind in ("memcpy", "memmove")}
+_PARAMS["memset"] = ("ptr %target", "i8 %value")
 
 
-def _memset(name: str) -> str:
-    return (
-        _HEAD.format(name=name, params="ptr %target, i8 %value", partial=PARTIAL, kind="memset")
-        + "  %byte = zext i8 %value to i32\n  %filled = mul i32 %byte, 16843009\n"
-        + _WORDS
-        + _UP.format(before="start", value="%word = add i32 %filled, 0")
-        + _TAIL
-    )
+def _memset(item: str) -> str:
+    return _UP.format(before="start", item=item, value=_FILLED[item])
 
 
-def _memcpy(name: str) -> str:
-    return (
-        _HEAD.format(name=name, params=_COPY, partial=PARTIAL, kind="memcpy")
-        + _WORDS
-        + _UP.format(before="start", value=_LOAD)
-        + _TAIL
-    )
+def _memcpy(item: str) -> str:
+    return _UP.format(before="start", item=item, value=_LOAD.format(item=item))
 
 
-def _memmove(name: str) -> str:
+def _memmove(item: str) -> str:
     """From the end down where the target lies above the source."""
     return (
-        _HEAD.format(name=name, params=_COPY, partial=PARTIAL, kind="memmove")
-        + _WORDS
-        + f'  %above = call i1 @"{BELOW}"(ptr %source, ptr %target)\n'
+        f'  %above = call i1 @"{BELOW}"(ptr %source, ptr %target)\n'
         + "  br i1 %above, label %down, label %up.start\n"
         + "up.start:\n"
-        + _UP.format(before="up.start", value=_LOAD)
-        + _DOWN
-        + _TAIL
+        + _UP.format(before="up.start", item=item, value=_LOAD.format(item=item))
+        + _DOWN.format(item=item)
     )
 
 
@@ -115,35 +119,87 @@ _WRITERS = {"memset": _memset, "memcpy": _memcpy, "memmove": _memmove}
 def with_block_operations(text: str) -> tuple[str, str]:
     """The module calling functions of ours, and the module that defines them.
 
+    Blocks whose pointers are known to be aligned to words go by words where their size is a
+    multiple of a word's, all others by bytes.
+
     Parameters
     ----------
     text
         A module as LLVM prints it.
     """
-    used = {match[1]: match[2] for match in _CALL.finditer(text)}
+    used: dict[tuple[str, str, str], str] = {}
+
+    def ours(match: re.Match[str]) -> str:
+        key = (match["kind"], match["length"], "words" if _is_aligned(match) else "bytes")
+        used[key] = "vividc." + ".".join(key)
+        return f"call void @{used[key]}({match['args']}"
+
+    text = _CALL.sub(ours, _DECLARE.sub("", text))
     if not used:
         return text, ""
-    for callee in used:
-        text = re.sub(rf"^declare .*@{re.escape(callee)}\(.*$", "", text, flags=re.MULTILINE)
-        text = text.replace(f"@{callee}(", f"@vividc.{callee.removeprefix('llvm.')}(")
     library = [f'declare i1 @"{BELOW}"(ptr, ptr) memory(none) nounwind willreturn']
-    kinds = sorted(set(used.values()))
-    library += [f'declare void @"{PARTIAL}{kind}"()' for kind in kinds]
-    declares: list[str] = []
-    for callee, kind in used.items():
-        name = f"vividc.{callee.removeprefix('llvm.')}"
-        wide = _WRITERS[kind](name)
-        source = "i8" if kind == "memset" else "ptr"
-        length = callee.rpartition(".")[2]
-        declares.append(f"declare void @{name}(ptr, {source}, {length}, i1)")
-        library.append(wide if length == "i64" else _narrow_length(wide))
+    declares = []
+    for (kind, length, unit), name in used.items():
+        types = ", ".join(param.partition(" ")[0] for param in _PARAMS[kind])
+        declares.append(f"declare void @{name}({types}, {length}, i1)")
+        library += _definitions(kind, name, length, unit)
     return "\n".join([text, *declares]), "\n".join(library)
+
+
+def _is_aligned(call: re.Match[str]) -> bool:
+    """Whether all pointers among the arguments are multiples of a word's size."""
+    aligned = [int(size) % 4 == 0 for size in _ALIGNED.findall(call["args"])]
+    return all(aligned) and len(aligned) == len(_POINTER.findall(call["args"]))
+
+
+def _definitions(kind: str, name: str, length: str, unit: str) -> list[str]:
+    params = _PARAMS[kind]
+    signature = ", ".join(params)
+    whole = (_DISPATCH if unit == "words" else _BYTEWISE).format(
+        name=name, params=signature, values=signature
+    )
+    items = ("i8", "i32") if unit == "words" else ("i8",)
+    loops = [
+        _HEAD.format(name=name, item=item, params=signature) + _WRITERS[kind](item) + _TAIL
+        for item in items
+    ]
+    return [whole if length == "i64" else _narrow_length(whole), *loops]
 
 
 def _narrow_length(text: str) -> str:
     """The same function for a length of 32 bits."""
     text = text.replace("i64 %bytes, i1 %volatile", "i32 %size, i1 %volatile")
-    return text.replace("  %rest = ", "  %bytes = zext i32 %size to i64\n  %rest = ", 1)
+    return text.replace(") {\n", ") {\n  %bytes = zext i32 %size to i64\n", 1)
+
+
+_ROUND = """
+declare {type} @llvm.trunc.{suffix}({type})
+declare {type} @llvm.fabs.{suffix}({type})
+declare {type} @llvm.copysign.{suffix}({type}, {type})
+define {type} @vividc.round.{suffix}({type} %x) {{
+  %whole = call {type} @llvm.trunc.{suffix}({type} %x)
+  %part = fsub {type} %x, %whole
+  %size = call {type} @llvm.fabs.{suffix}({type} %part)
+  %away = fcmp oge {type} %size, 5.000000e-01
+  %one = select i1 %away, {type} 1.000000e+00, {type} 0.000000e+00
+  %step = call {type} @llvm.copysign.{suffix}({type} %one, {type} %x)
+  %sum = fadd {type} %whole, %step
+  ret {type} %sum
+}}
+"""
+
+
+def with_rounding(text: str) -> tuple[str, str]:
+    """The module calling functions of ours for C's `round`, halves away from zero, and the module
+    that defines them. `x - trunc(x)` is exact.
+    """
+    library = ""
+    for type_, suffix in (("float", "f32"), ("double", "f64")):
+        callee = f"@llvm.round.{suffix}("
+        if callee in text:
+            text = text.replace(callee, f"@vividc.round.{suffix}(")
+            library += _ROUND.format(type=type_, suffix=suffix)
+    return text, library
 
 
 def with_intrinsics(text: str) -> str:

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import DType, Function, Param
+from vividc.dfg.cfg import WIDE_DTYPES, DType, Function, Param
 from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend.ll_checks import check_body, reachable, refuse_recursion
 from vividc.frontend.ll_debug import declared
 from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
-from vividc.frontend.ll_library import BELOW, PARTIAL, with_block_operations, with_intrinsics
+from vividc.frontend.ll_library import (
+    BELOW,
+    with_block_operations,
+    with_intrinsics,
+    with_rounding,
+)
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm import ENTRY, linked_ir, parse
+from vividc.frontend.llvm_layout import Structs, size_of, structs_of
 from vividc.frontend.llvm_text import Locations, read_function
-from vividc.frontend.lower import Prepared, located, lower_words, prepared
-from vividc.frontend.ssa import Op, WideBlock, WideFunction
+from vividc.frontend.local_arrays import RAW
+from vividc.frontend.lower import Prepared, counting_parameters, located, lower_words, prepared
+from vividc.frontend.numba_arrays import ALLOCATE
+from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 
 _PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
@@ -31,6 +39,8 @@ _HINTS = re.compile(
 _DEBUG = re.compile(r"^.*(?:llvm\.dbg\.|#dbg_).*$|,? !dbg !\d+", re.MULTILINE)
 _PARAMETERS = frozenset(["ptr", "i1", "i8", "i16", "i32", "i64", "float", "double"])
 _TYPES_HINT = "a kernel takes and returns float, int32_t, uint32_t, int64_t, bool and pointers"
+_SMALL = {"i8": (DType.U8, DType.I8), "i16": (DType.U16, DType.I16)}
+_NO_ELEMENTS = frozenset(dtype.value for dtype in WIDE_DTYPES)
 _IN_C = (
     ("math.exp, exp2, sqrt, floor, ceil, and abs, min, max", "expf, exp2f, sqrtf, floorf, ceilf"),
     (
@@ -70,13 +80,17 @@ class CModule:
     kernel: Prepared
 
 
-def declare(source: str, text: str, file: str, name: str) -> CModule:
+def declare(
+    source: str, text: str, file: str, name: str, types: Mapping[str, str] | None = None
+) -> CModule:
     """Find a function in a module, check it and read it.
 
     Parameters
     ----------
     source, text
         The file's text, and the same with a source line on every instruction.
+    types
+        numpy's names of types by parameter, which go before what the text says.
 
     Raises
     ------
@@ -88,15 +102,25 @@ def declare(source: str, text: str, file: str, name: str) -> CModule:
         known = ", ".join(by_name) or "none"
         raise KernelError(f"has no function `{name}`", loc=file, hint=f"it defines: {known}")
     _parsed(text, file)
-    function = _function(text, by_name[name], file)
+    function = _typed(_function(text, by_name[name], file), types or {})
     locate = Locations(text, function.loc.file)
     used = reachable(by_name[name], by_name)
     for body in used:
         check_body(body, locate)
     refuse_recursion(used, locate)
     with located(function.loc), _in_c_terms():
-        kernel = _read(text, function)
-    return CModule(source, file, function, _params(function, kernel.function), kernel)
+        kernel = _read(text, function, frozenset())
+        params = _params(function, kernel.function)
+        counts = counting_parameters(kernel, params)
+        if counts:
+            kernel = _read(text, function, counts)
+            params = tuple(replace(p, words=1) if p.name in counts else p for p in params)
+    return CModule(source, file, function, params, kernel)
+
+
+def _typed(function: CFunction, types: Mapping[str, str]) -> CFunction:
+    params = tuple(replace(p, dtype=types.get(p.name, p.dtype)) for p in function.params)
+    return replace(function, params=params)
 
 
 def lower_c(module: CModule, *, strict_fp: bool) -> Function:
@@ -182,27 +206,31 @@ def _function(text: str, body: Body, file: str) -> CFunction:
     return CFunction(body.name, params, returns, dtype, signed, loc)
 
 
-def _read(text: str, function: CFunction) -> Prepared:
-    module, library = with_block_operations(with_intrinsics(text))
-    parts = [module, library] if library else [module]
-    optimised = _HINTS.sub("", linked_ir(entry_text(function), parts))
+def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
+    """The kernel without pointers; `counts` as of `entry_text`."""
+    module, rounding = with_rounding(with_intrinsics(text))
+    module, blocks_library = with_block_operations(module)
+    parts = [part for part in (module, rounding, blocks_library) if part]
+    optimised = _HINTS.sub("", linked_ir(entry_text(function, counts), parts))
     wide = read_function(optimised, ENTRY, function.loc.file)
+    structs = structs_of(optimised)
     blocks = tuple(
-        replace(block, ops=tuple(_block_operation(op) for op in block.ops)) for block in wide.blocks
+        replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))
+        for block in wide.blocks
     )
-    kernel = prepared(replace(wide, blocks=blocks), optimised)
+    kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
 
 
-def _block_operation(op: Op) -> Op:
-    """A call of `ll_library`: as the comparison that it stands for, or refused."""
+def _recognised(op: Op, structs: Structs) -> Op:
+    """A call of `ll_library` as the comparison that it stands for, an array of C's own as one."""
+    size = size_of(op.type, structs) if op.op == "alloca" else None
+    if size is not None:
+        return replace(op, op="call", type="ptr", pred=ALLOCATE + RAW, args=(Int(size),))
     if op.op != "call":
         return op
     if op.pred == BELOW:
         return replace(op, op="icmp", type="ptr", pred="ult", flags=frozenset({BELOW}))
-    if op.pred.startswith(PARTIAL):
-        reason = f"a {op.pred.removeprefix(PARTIAL)} of a size that is not shown to be whole words"
-        raise KernelError(reason, loc=op.loc, hint="use n * sizeof(int32_t), or a loop")
     return op
 
 
@@ -211,23 +239,47 @@ def _params(function: CFunction, wide: WideFunction) -> tuple[Param, ...]:
     return tuple(
         Param(param.name, _element(param, accessed.get(param.name, set())), 1, flat=True)
         if param.type == "ptr"
-        else Param(param.name, param.scalar)
+        else Param(param.name, param.scalar, words=2 if param.scalar in WIDE_DTYPES else 1)
         for param in function.params
     )
 
 
 def _accessed(blocks: tuple[WideBlock, ...]) -> dict[str, set[str]]:
-    """LLVM types of the accesses to each array."""
+    """LLVM types of the accesses to each array, and "signed" if all loads are sign-extended."""
+    extended = _extended(blocks)
     found: dict[str, set[str]] = {}
+    unsigned: set[str] = set()
     for block in blocks:
         for op in block.ops:
             if op.array:
                 found.setdefault(op.array, set()).add(op.type)
+            if op.op == "load" and extended.get(op.name, set()) != {"sext"}:
+                unsigned.add(op.array)
+    loaded = {op.array for block in blocks for op in block.ops if op.op == "load"}
+    for array in loaded - unsigned:
+        found[array].add("signed")
+    return found
+
+
+def _extended(blocks: tuple[WideBlock, ...]) -> dict[str, set[str]]:
+    """By which operations each value is used, phis and exits left out."""
+    found: dict[str, set[str]] = {}
+    for block in blocks:
+        for op in block.ops:
+            for arg in op.args:
+                if isinstance(arg, Local):
+                    found.setdefault(arg.name, set()).add(op.op)
     return found
 
 
 def _element(param: CParameter, accesses: set[str]) -> DType:
-    """What the declaration says, else what the accesses do: words that are read as floats are."""
-    if param.dtype:
+    """What the declaration says, else what the accesses do: the largest; words that are read as
+    floats are, bytes and halves are signed if every load is sign-extended.
+    """
+    if param.dtype and param.dtype not in _NO_ELEMENTS:
         return DType(param.dtype)
-    return DType.F32 if "float" in accesses else DType.I32
+    if "float" in accesses:
+        return DType.F32
+    if "i32" in accesses or not accesses & _SMALL.keys():
+        return DType.I32
+    return _SMALL["i16" if "i16" in accesses else "i8"]["signed" in accesses]

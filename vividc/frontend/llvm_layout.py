@@ -43,6 +43,12 @@ def offsets(
     return tuple(index for index, _ in found), tuple(stride for _, stride in found)
 
 
+def size_of(type_: str, structs: Structs) -> int | None:
+    """Bytes of a value; None if its type is not known."""
+    layout = _layout(type_, structs)
+    return None if layout is None else layout[0]
+
+
 def _layout(type_: str, structs: Structs) -> tuple[int, int] | None:
     """Size and alignment in bytes."""
     if type_ in _BYTES:

@@ -1,8 +1,9 @@
 """Arrays of a kernel's own: those it allocates, and the constant tables it reads.
 
-They lie in the scratchpad beside the arguments, one word an element. Here what `numba_arrays` left
-in LLVM's IR becomes pointer parameters like those of arguments, so that the stages behind know no
-difference; `as_words` and `in_words` turn accesses of smaller and larger elements into words.
+They lie in the scratchpad beside the arguments, one word an element (C's as C lays them out). Here
+what `numba_arrays` left in LLVM's IR becomes pointer parameters like those of arguments, so that
+the stages behind know no difference; `as_words` and `in_words` turn accesses of smaller and larger
+elements into words.
 """
 
 from __future__ import annotations
@@ -12,7 +13,13 @@ from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import Function, LocalArray
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.constant_tables import Table, tables_of, words_of
+from vividc.frontend.constant_tables import (
+    PACKED_BYTES,
+    Table,
+    packed_words_of,
+    tables_of,
+    words_of,
+)
 from vividc.frontend.interval import Interval
 from vividc.frontend.numba_arrays import ALLOCATE
 from vividc.frontend.pick import expand_picks
@@ -36,6 +43,8 @@ _ELEMENTS |= {"int8": "i8", "uint8": "i8", "int16": "i16", "uint16": "i16"}
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "i64": 8, "double": 8}
 _WORD_BYTES = 4
 _SIGN = 0x80000000
+RAW = "bytes of C's"
+"""What an allocation of C's holds: its size is in bytes."""
 _SIZE_HINT = (
     "write the size as a number, np.zeros(64, np.float32), and use a part of it, or pass the array "
     "as a parameter"
@@ -47,12 +56,14 @@ _DTYPE_HINT = "give a type of 32 bits or less: np.zeros(16, np.float32), np.empt
 class Held:
     """An array of the kernel's own and the LLVM type of its elements.
 
-    `signed`: the words of a table of i64 are to be sign-extended.
+    `signed`: the words of a table of i64 are to be sign-extended. `packed`: the words hold what C's
+    memory holds, byte for byte, and may be accessed by bytes and halves.
     """
 
     array: LocalArray
     element: str
     signed: bool = True
+    packed: bool = False
 
     @property
     def element_bytes(self) -> int:
@@ -68,13 +79,15 @@ class Holding:
     arrays: dict[str, Held]
 
 
-def hold_arrays(function: WideFunction, text: str) -> Holding:
+def hold_arrays(function: WideFunction, text: str, *, packed: bool = False) -> Holding:
     """Find the arrays of the kernel's own.
 
     Parameters
     ----------
     text
         The module that the function was read from: it has the tables' contents.
+    packed
+        Arrays are C's: allocations count bytes, and bytes and halves lie as in C's memory.
 
     Raises
     ------
@@ -84,7 +97,7 @@ def hold_arrays(function: WideFunction, text: str) -> Holding:
     """
     function, tables = expand_picks(function, tables_of(text))
     function, allocated = _hold_allocations(function)
-    function, constant = _hold_tables(function, tables)
+    function, constant = _hold_tables(function, tables, packed=packed)
     arrays = {held.array.name: held for held in (*allocated, *constant)}
     params = tuple((f"&{name}", "ptr") for name in arrays)
     return Holding(replace(function, params=(*function.params, *params)), arrays)
@@ -115,6 +128,8 @@ def _is_allocation(op: Op) -> bool:
 def _allocated(op: Op, number: int) -> Held:
     dtype = op.pred.removeprefix(ALLOCATE)
     count = op.args[0]
+    if dtype == RAW and isinstance(count, Int):
+        return Held(LocalArray(f"local{number}", -(-count.value // 4)), "i8", packed=True)
     if dtype not in _ELEMENTS:
         raise KernelError(f"a local array of {dtype}", loc=op.loc, hint=_DTYPE_HINT)
     if not isinstance(count, Int):
@@ -155,7 +170,7 @@ def _pointers_of(definition: Op | WidePhi) -> set[str]:
 
 
 def _hold_tables(
-    function: WideFunction, tables: dict[str, Table]
+    function: WideFunction, tables: dict[str, Table], *, packed: bool
 ) -> tuple[WideFunction, list[Held]]:
     """Constant tables that the function reads."""
     function = remove_dead(function)
@@ -176,13 +191,20 @@ def _hold_tables(
 
     for name, loc in _tables_read(function):
         if name in tables and name not in held:
-            words = words_of(tables[name], loc)
-            array = LocalArray(f"table{len(held)}", len(words), words)
-            signed = all(value < _SIGN for value in tables[name].values)
-            held[name] = Held(array, tables[name].element, signed)
+            held[name] = _table(tables[name], f"table{len(held)}", loc, packed=packed)
     blocks = [map_operands(block, change) for block in function.blocks]
     blocks[0] = replace(blocks[0], ops=(*starts.values(), *blocks[0].ops))
     return replace(function, blocks=tuple(blocks)), list(held.values())
+
+
+def _table(table: Table, name: str, loc: SourceLoc | None, *, packed: bool) -> Held:
+    if packed and _BYTES[table.element] <= _WORD_BYTES:
+        small = table.element in PACKED_BYTES
+        words = packed_words_of(table) if small else words_of(table, loc)
+        return Held(LocalArray(name, len(words), words), table.element, packed=True)
+    words = words_of(table, loc)
+    signed = all(value < _SIGN for value in table.values)
+    return Held(LocalArray(name, len(words), words), table.element, signed)
 
 
 def _tables_read(function: WideFunction) -> Iterator[tuple[str, SourceLoc | None]]:
@@ -272,7 +294,7 @@ def bounds_of_loads(function: WideFunction, arrays: dict[str, Held]) -> dict[str
     for block in function.blocks:
         for op in block.ops:
             held = arrays.get(op.array) if op.op == "load" and op.type == "i32" else None
-            if held is not None and held.array.contents:
+            if held is not None and held.array.contents and op.width == _WORD_BYTES:
                 values = [w - ((w & _SIGN) << 1) for w in held.array.contents]
                 found[op.name] = (min(values), max(values))
     return found

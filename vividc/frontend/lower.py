@@ -130,9 +130,16 @@ def _read(
     kernel = read()
     if all(p.words == 1 for p in params):
         return kernel, params
-    words = word_parameters(_simplified(kernel, params)[0])
+    words = counting_parameters(kernel, params)
     params = tuple(replace(p, words=1) if p.name in words else p for p in params)
     return (read() if words else kernel), params
+
+
+def counting_parameters(kernel: Prepared, params: tuple[Param, ...]) -> frozenset[str]:
+    """Names of the 64-bit parameters that only count or index: one word each."""
+    if all(param.words == 1 for param in params):
+        return frozenset()
+    return word_parameters(_simplified(kernel, params)[0])
 
 
 @contextmanager
@@ -204,10 +211,11 @@ class Prepared:
     arrays: dict[str, Held]
 
 
-def prepared(wide: WideFunction, text: str) -> Prepared:
+def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared:
     """What was read from LLVM, without dead code, calls that cannot run, and pointers.
 
-    `text`: the module it was read from, whose constant arrays become tables.
+    `text`: the module it was read from, whose constant arrays become tables. `packed`: as of
+    `hold_arrays`.
 
     Raises
     ------
@@ -216,7 +224,7 @@ def prepared(wide: WideFunction, text: str) -> Prepared:
         arrays.
     """
     wide = recover_divisions(remove_dead(remove_unreachable(wide)))
-    holding = hold_arrays(fold_overlaps(wide), text)
+    holding = hold_arrays(fold_overlaps(wide), text, packed=packed)
     wide = remove_dead(holding.function)
     refuse_calls(wide)
     if all(block.exit.targets for block in wide.blocks):

@@ -134,7 +134,7 @@ class _Resolver:
     def _access(self, op: Op, pointer: Operand) -> Iterator[Op]:
         address = self._address(pointer, op.loc)
         held = self._own.get(address.array)
-        if held is None:
+        if held is None or held.packed:
             yield from self._word_access(op, address)
             return
         terms, offset = in_words(self._function, address.terms, address.offset, held, op.loc)
