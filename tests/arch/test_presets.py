@@ -27,7 +27,7 @@ def test_vivid_tile_has_the_stated_parameters():
         assert (pe.registers, pe.read_ports, pe.write_ports, pe.constants) == (8, 2, 2, 32)
     assert (fabric.scratchpad.size_bytes, fabric.scratchpad.banks) == (32768, 8)
     controller = fabric.controller
-    assert (controller.contexts, controller.control_latency) == (256, 1)
+    assert (controller.contexts, controller.control_latency) == (512, 1)
     assert (controller.switch_cycles, controller.max_stages) == (1, 64)
 
 

@@ -19,7 +19,7 @@ from vividc.mapper.cpsat import (
 )
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
-from vividc.mapper.negotiate import negotiate
+from vividc.mapper.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
@@ -35,6 +35,7 @@ _ROUTE_S = 2.0
 _ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
 _LARGE = 64
+_ROUGH = Effort(moves=500, trials=2)
 _KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
 """(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
@@ -105,7 +106,8 @@ def map_roughly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadli
     start = _schedule(task, ii, request, deadline, 1)
     if start is None:
         return OPEN
-    return _negotiated(task, ii, start, request, deadline, 1)
+    request.tell(f"II {ii}: annealing places, negotiating routes")
+    return Attempt(mapping=negotiate(task, ii, start, 1, deadline, _ROUGH))
 
 
 def _negotiated(

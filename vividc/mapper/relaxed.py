@@ -18,7 +18,7 @@ LARGE = 64
 """Operations from which the least II may take long to map."""
 
 _ROOM = 1.12
-_FIRST_SHARE = 0.6
+_FIRST_SHARE = 0.35
 _WORTH_TRYING_S = 0.5
 _TIGHTER_LEAST_S = 4.0
 _TIGHTER_FACTOR = 3.0
