@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, general
+from benchmarks import c_kernels, general, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -78,6 +78,7 @@ def machine() -> Iterator[str]:
 
 TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
     "kernels": ("Kernels on one tile", (*WORKLOADS, *general.WORKLOADS)),
+    "render": ("Stages of the renderers on one tile", render_kernels.WORKLOADS),
     "c_kernels": ("C kernels on one tile", c_kernels.WORKLOADS),
 }
 
