@@ -94,7 +94,8 @@ def main(
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
     for table in tables:
         title, workloads = TABLES[table]
-        command = f"python -m benchmarks --table {table} --time-limit {time_limit:g}"
+        on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
+        command = f"python -m benchmarks --table {table} {on} --time-limit {time_limit:g}"
         lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
         for fabric in fabrics:
             lines += [f"## {fabric}", "", *HEADER.splitlines()]
