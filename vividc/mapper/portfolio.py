@@ -31,8 +31,9 @@ _FIRST_SHARE = 0.5
 _CLIMB_SHARE = 0.2
 _CLIMB_LEAST_S = 2.0
 _WORTH_TRYING_S = 0.3
-_FOOTHOLDS = (1.35, 1.8, 2.4, 3.2, 4.5, 6.5)
-_FOOTHOLD_SHARE = 0.3
+_SAFE_FOOTHOLDS = (3.2, 4.5, 6.5)
+_NEARER_FOOTHOLDS = (2.4, 1.8, 1.35)
+_FOOTHOLD_SHARE = 0.5
 
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
@@ -150,17 +151,31 @@ def _refute_below(campaign: _Campaign, ii: int) -> None:
 
 
 def _gain_foothold(campaign: _Campaign) -> None:
-    """A mapping of a large graph well above the MII, so that there is one when time runs out."""
-    request, total_s = campaign.request, campaign.request.deadline.remaining_s
-    limit = ii_limit(campaign.problem)
-    for factor in _FOOTHOLDS:
-        ii = min(math.ceil(factor * campaign.lower), limit)
-        share = request.deadline.within(max(_CLIMB_LEAST_S, _FOOTHOLD_SHARE * total_s))
-        attempt = map_roughly(campaign.problem, ii, request, share)
-        if attempt.mapping is not None:
-            request.tell(f"II {ii}: mapped")
-            campaign.best = attempt.mapping
+    """A mapping of a large graph, so that there is one when time runs out: far above the MII first,
+    then nearer until that fails.
+    """
+    for factor in _SAFE_FOOTHOLDS:
+        if _try_foothold(campaign, factor):
+            break
+    else:
+        return
+    for factor in _NEARER_FOOTHOLDS:
+        if not _try_foothold(campaign, factor):
             return
+
+
+def _try_foothold(campaign: _Campaign, factor: float) -> bool:
+    request = campaign.request
+    ii = min(math.ceil(factor * campaign.lower), ii_limit(campaign.problem))
+    if campaign.best is not None and ii >= campaign.best.ii:
+        return True
+    share_s = max(_CLIMB_LEAST_S, _FOOTHOLD_SHARE * request.deadline.remaining_s)
+    mapping = map_roughly(campaign.problem, ii, request, request.deadline.within(share_s)).mapping
+    if mapping is None:
+        return False
+    request.tell(f"II {ii}: mapped")
+    campaign.best = mapping
+    return True
 
 
 def _climb(campaign: _Campaign) -> None:
