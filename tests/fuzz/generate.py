@@ -191,7 +191,9 @@ class _Generator:
         self.names += 1
         fuel = f"k_{self.names}"
         forever = self.random.random() < 0.3
-        test = "True" if forever else f"{fuel} < {self.random.randint(0, 9)} and {self.condition(1)}"
+        test = (
+            "True" if forever else f"{fuel} < {self.random.randint(0, 9)} and {self.condition(1)}"
+        )
         text = f"{pad}{fuel} = 0\n{pad}while {test}:\n{pad}    {fuel} += 1\n"
         if forever:
             text += f"{pad}    if {fuel} > {self.random.randint(0, 9)}:\n{pad}        break\n"

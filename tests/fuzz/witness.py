@@ -110,7 +110,7 @@ def judge(source: str, seed: int, folder: Path, name: str, simulate: bool) -> Ve
         # After lowering nothing may be refused: the regions are what the compiler made itself.
         kind = "refused" if witness == "lowering" else "crashed"
         return Verdict(kind, witness, str(error))
-    except Exception as error:  # noqa: BLE001 - any other exception is what is looked for
+    except Exception as error:
         return Verdict("crashed", witness, f"{type(error).__name__}: {error}"[:500])
     return Verdict("agrees")
 
@@ -164,9 +164,7 @@ def interpreted(kernel: Kernel, arguments: list[object]) -> object:
     return returned(kernel.returns, done.value)
 
 
-def difference(
-    found: list[object], value: object, expected: list[object], wanted: object
-) -> str:
+def difference(found: list[object], value: object, expected: list[object], wanted: object) -> str:
     """What differs first, or nothing: bit for bit, but `out` within `TOLERANCE`."""
     if value != wanted:
         return f"returned {value!r}, numba {wanted!r}"
