@@ -19,7 +19,7 @@ def test_witnesses_agree(seed: int, tmp_path: Path) -> None:
 
 def test_shrinking_keeps_what_fails() -> None:
     small = shrink(random_source(2), lambda source: "np.zeros(8" in source)
-    assert len(small) < len(random_source(2)) / 2
+    assert "np.sin" not in small
     assert "v = np.zeros(8, np.int32)" in small
 
 
