@@ -1,0 +1,1 @@
+"""Random kernels against numba, with shrinking: `python -m tests.fuzz`."""
