@@ -16,7 +16,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, general
+from benchmarks import c_kernels, general, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -24,6 +24,8 @@ HEADER = (
     "| compile s | simulated cycles | as written | gain | transformations | simulated cycles/s |\n"
     "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
 )
+
+SECTIONS = {"Render kernels": render_kernels.WORKLOADS, "C kernels": c_kernels.WORKLOADS}
 
 
 def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
@@ -88,11 +90,12 @@ def main(fabrics: tuple[str, ...], time_limit: float, output: Path | None) -> No
         for workload in (*WORKLOADS, *general.WORKLOADS):
             lines.append(row(workload, fabric, time_limit))
             click.echo(lines[-1])
-        lines += ["", f"### C kernels on {fabric}", "", *HEADER.splitlines()]
-        click.echo("\n".join(lines[-3:]))
-        for workload in c_kernels.WORKLOADS:
-            lines.append(row(workload, fabric, time_limit))
-            click.echo(lines[-1])
+        for title, workloads in SECTIONS.items():
+            lines += ["", f"### {title} on {fabric}", "", *HEADER.splitlines()]
+            click.echo("\n".join(lines[-3:]))
+            for workload in workloads:
+                lines.append(row(workload, fabric, time_limit))
+                click.echo(lines[-1])
         lines.append("")
     if output is not None:
         output.write_text("\n".join(lines), encoding="utf-8")

@@ -37,7 +37,7 @@ def softplus(features, shift, density):
         if x > LARGE:
             density[i] = x
         else:
-            density[i] = math.log(ONE + math.exp(x))
+            density[i] = math.log1p(math.exp(x))
 
 
 @vividc.kernel("void(float32[:, ::1], float32, float32[::1])")
