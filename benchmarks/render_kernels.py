@@ -1,5 +1,5 @@
-"""The kernels of `kernels/render/`: the Gaussian stages on splats of scenes/mic, the others on made-up
-inputs with fixed seeds.
+"""The kernels of `kernels/render/`: the Gaussian stages on splats of scenes/mic, the others on
+made-up inputs with fixed seeds.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from vividc.render import Camera, Gaussians, Projection, load_cameras, project, 
 MIC = Path(__file__).resolve().parents[1] / "scenes" / "mic"
 SPLATS = 64
 FOV_MARGIN = 1.3
+OCCUPIED_SHARE = 0.1
 TILE_PX = 16
 
 
@@ -70,7 +71,9 @@ def covariances(gaussians: Gaussians, index: np.ndarray) -> np.ndarray:
 def screen_covariances(index: np.ndarray) -> np.ndarray:
     """[n, 3] float32 inverses of the conics: xx, xy, yy in pixel^2."""
     splats = mic_projection().splats
-    a, b, c = (v[index].astype(np.float64) for v in (splats.conic_a, splats.conic_b, splats.conic_c))
+    a, b, c = (
+        v[index].astype(np.float64) for v in (splats.conic_a, splats.conic_b, splats.conic_c)
+    )
     determinant = a * c - b * b
     return np.ascontiguousarray(np.stack((c, -b, a), axis=1) / determinant[:, None], np.float32)
 
@@ -163,8 +166,8 @@ def _radix_scatter(rng: np.random.Generator) -> Arguments:
 
 
 def _march_occupancy(rng: np.random.Generator) -> Arguments:
-    """A ray through a grid of 32^3 cells, a tenth of them occupied."""
-    bits = rng.random(32**3) < 0.1
+    """A ray through a grid of 32^3 cells, few of them occupied."""
+    bits = rng.random(32**3) < OCCUPIED_SHARE
     occupied = np.packbits(bits, bitorder="little").view(np.uint32)
     origin = np.array([-2.0, 5.5, 9.25], np.float32)
     direction = np.array([0.8, 0.48, 0.36], np.float32)

@@ -184,7 +184,7 @@ def sh_colour(directions, sh, colour):
 @vividc.kernel("void(float32[:, ::1], float32[::1], int32, int32, int32[:, ::1], int32[::1])")
 def tile_bounds(pixel, radius, columns, rows, bounds, copies):
     """First column and row of screen tiles that a square footprint meets, one past the last, and
-    how many tiles that is.
+    how many tiles that is. The far edge, centre + radius, is not part of the footprint.
     """
     for i in range(pixel.shape[0]):
         reach = np.int32(radius[i])
