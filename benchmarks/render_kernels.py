@@ -1,71 +1,81 @@
-"""The stages of the four renderers in `kernels/render/`, on Gaussians of `mic` or seeded data."""
+"""The kernels of `kernels/render/`: the Gaussian stages on splats of scenes/mic, the others on
+made-up inputs with fixed seeds.
+"""
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
+import math
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
-from benchmarks.workloads import KERNELS, Arguments, Workload
+from benchmarks.general import Maker
+from benchmarks.workloads import Arguments, Workload
 from vividc.render import Camera, Gaussians, Projection, load_cameras, project, read_gaussians
 
-Maker = Callable[[np.random.Generator], Arguments]
-
-COUNT = 48
-PIXELS = 200
-COLUMNS = 13
-
-
-def _floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
-    return rng.standard_normal(shape).astype(np.float32)
+MIC = Path(__file__).resolve().parents[1] / "scenes" / "mic"
+SPLATS = 64
+FOV_MARGIN = 1.3
+OCCUPIED_SHARE = 0.1
+TILE_PX = 16
 
 
-def _unit(rng: np.random.Generator, n: int) -> np.ndarray:
-    directions = _floats(rng, n, 3)
-    return np.asarray(directions / np.linalg.norm(directions, axis=1)[:, None], np.float32)
+@cache
+def mic_camera() -> Camera:
+    """The first held-out view, 200x200."""
+    return load_cameras(MIC / "ref_gs.npz")[0]
 
 
-def _places(rng: np.random.Generator, n: int) -> np.ndarray:
-    return rng.uniform(0, 1, (n, 3)).astype(np.float32)
+@cache
+def mic_gaussians() -> Gaussians:
+    return read_gaussians(MIC / "mic_3dgs_sh3.ply")
 
 
-@functools.cache
-def scene() -> tuple[Gaussians, Camera, Projection]:
-    """`COUNT` Gaussians of `scenes/mic` spread over the file, a camera, and their projection."""
-    folder = KERNELS.parent / "scenes" / "mic"
-    whole = read_gaussians(folder / "mic_3dgs_sh3.ply")
-    rows = np.arange(0, len(whole), len(whole) // COUNT)[:COUNT]
-    chosen = Gaussians(
-        whole.means[rows],
-        whole.scales[rows],
-        whole.rotations[rows],
-        whole.opacity[rows],
-        whole.sh[rows],
+@cache
+def mic_projection() -> Projection:
+    return project(mic_gaussians(), mic_camera())
+
+
+def some(rng: np.random.Generator, count: int = SPLATS) -> np.ndarray:
+    """[count] positions in the projection, ascending."""
+    visible = len(mic_projection().splats)
+    return np.sort(rng.choice(visible, count, replace=False))
+
+
+def view_matrix() -> np.ndarray:
+    """[3, 4] float32 world to camera."""
+    return np.ascontiguousarray(mic_camera().world_to_view)
+
+
+def view_limit(camera: Camera, pixels: int) -> np.float32:
+    """The largest x/z or y/z kept by the projection: 1.3 times the tangent of half the field."""
+    return np.float32(FOV_MARGIN * pixels / (2 * camera.focal))
+
+
+def covariances(gaussians: Gaussians, index: np.ndarray) -> np.ndarray:
+    """[n, 6] float32 world covariances xx, xy, xz, yy, yz, zz."""
+    w, x, y, z = gaussians.rotations[index].astype(np.float64).T
+    rotation = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
     )
-    camera = load_cameras(folder / "ref_gs.npz")[0]
-    return chosen, camera, project(chosen, camera)
+    axes = rotation * gaussians.scales[index].T
+    full = np.einsum("ikn,jkn->nij", axes, axes)
+    return np.ascontiguousarray(full[:, [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]], np.float32)
 
 
-def view_arguments() -> tuple[np.ndarray, np.float32, np.float32, np.float32]:
-    """[3, 4] world to camera, focal length and the two image centres, as `project_means` wants."""
-    _, camera, _ = scene()
-    view = np.ascontiguousarray(camera.world_to_view, np.float32)
-    centres = (np.float32((size - 1) / 2) for size in (camera.width, camera.height))
-    return view, np.float32(camera.focal), *centres
-
-
-def limit() -> np.float32:
-    """Clamp of x/z: 1.3 times the tangent of half the field of view."""
-    _, camera, _ = scene()
-    return np.float32(1.3 * camera.width / (2 * camera.focal))
-
-
-def covariances(rng: np.random.Generator) -> np.ndarray:
-    """[COUNT, 3] positive definite xx, xy, yy in pixel^2."""
-    xx, yy = rng.uniform(0.4, 9, (2, COUNT))
-    xy = rng.uniform(-0.9, 0.9, COUNT) * np.sqrt(xx * yy)
-    return np.stack([xx, xy, yy], axis=1).astype(np.float32)
+def screen_covariances(index: np.ndarray) -> np.ndarray:
+    """[n, 3] float32 inverses of the conics: xx, xy, yy in pixel^2."""
+    splats = mic_projection().splats
+    a, b, c = (
+        v[index].astype(np.float64) for v in (splats.conic_a, splats.conic_b, splats.conic_c)
+    )
+    determinant = a * c - b * b
+    return np.ascontiguousarray(np.stack((c, -b, a), axis=1) / determinant[:, None], np.float32)
 
 
 def _blank(*shape: int) -> np.ndarray:
@@ -76,161 +86,190 @@ def _zeros(*shape: int) -> np.ndarray:
     return np.zeros(shape, np.int32)
 
 
-def _project_means(_: np.random.Generator) -> Arguments:
-    return scene()[0].means.copy(), *view_arguments(), _blank(COUNT, 2), _blank(COUNT)
+def _floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
+    return rng.standard_normal(shape).astype(np.float32)
 
 
-def _covariance_3d(_: np.random.Generator) -> Arguments:
-    return scene()[0].scales.copy(), scene()[0].rotations.copy(), _blank(COUNT, 6)
+def _between(rng: np.random.Generator, low: float, high: float, *shape: int) -> np.ndarray:
+    return rng.uniform(low, high, shape).astype(np.float32)
+
+
+def _directions(rng: np.random.Generator, count: int) -> np.ndarray:
+    vectors = rng.standard_normal((count, 3))
+    lengths = np.sqrt(np.einsum("ni,ni->n", vectors, vectors))
+    return (vectors / lengths[:, None]).astype(np.float32)
+
+
+def _project_means(rng: np.random.Generator) -> Arguments:
+    camera = mic_camera()
+    means = mic_gaussians().means[mic_projection().index[some(rng)]]
+    centre = np.float32((camera.width - 1) / 2), np.float32((camera.height - 1) / 2)
+    focal = np.float32(camera.focal)
+    return means, view_matrix(), focal, *centre, _blank(SPLATS, 2), _blank(SPLATS)
+
+
+def _covariance_3d(rng: np.random.Generator) -> Arguments:
+    gaussians, index = mic_gaussians(), mic_projection().index[some(rng)]
+    return gaussians.scales[index], gaussians.rotations[index], _blank(SPLATS, 6)
 
 
 def _covariance_2d(rng: np.random.Generator) -> Arguments:
-    view, focal, *_ = view_arguments()
-    roots = rng.uniform(-0.1, 0.1, (COUNT, 3, 3))
-    full = np.einsum("nij,nkj->nik", roots, roots)
-    upper = np.ascontiguousarray(full[:, *np.triu_indices(3)], np.float32)
-    return scene()[0].means.copy(), upper, view, focal, limit(), _blank(COUNT, 3)
+    camera, gaussians = mic_camera(), mic_gaussians()
+    index = mic_projection().index[some(rng)]
+    limits = view_limit(camera, camera.width), view_limit(camera, camera.height)
+    return (
+        gaussians.means[index],
+        covariances(gaussians, index),
+        view_matrix(),
+        np.float32(camera.focal),
+        *limits,
+        _blank(SPLATS, 3),
+    )
 
 
 def _sh_colour(rng: np.random.Generator) -> Arguments:
-    return _unit(rng, COUNT), scene()[0].sh.copy(), _blank(COUNT, 3)
-
-
-def pixels_and_radii(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Centres in and around the image, and footprints in whole pixels, some of them empty."""
-    pixel = rng.uniform(-20, PIXELS + 20, (COUNT, 2)).astype(np.float32)
-    return pixel, rng.integers(0, 30, COUNT).astype(np.float32)
+    gaussians, index = mic_gaussians(), mic_projection().index[some(rng)]
+    offset = gaussians.means[index] - mic_camera().position
+    distance = np.sqrt(np.einsum("ni,ni->n", offset, offset))
+    return offset / distance[:, None], np.ascontiguousarray(gaussians.sh[index]), _blank(SPLATS, 3)
 
 
 def _tile_bounds(rng: np.random.Generator) -> Arguments:
-    columns = np.int32(COLUMNS)
-    return *pixels_and_radii(rng), columns, columns, _zeros(COUNT, 4), _zeros(COUNT)
+    projection, index = mic_projection(), some(rng)
+    pixel = np.stack((projection.splats.mean_x, projection.splats.mean_y), axis=1)[index]
+    tiles = [np.int32(-(-size // TILE_PX)) for size in (mic_camera().width, mic_camera().height)]
+    return pixel, projection.radius[index], *tiles, _zeros(SPLATS, 4), _zeros(SPLATS)
 
 
 def _tile_entries(rng: np.random.Generator) -> Arguments:
-    first = rng.integers(0, COLUMNS - 3, (COUNT, 2))
-    bounds = np.concatenate([first, first + rng.integers(0, 3, (COUNT, 2))], 1).astype(np.int32)
-    copies = np.prod(bounds[:, 2:] - bounds[:, :2], axis=1).astype(np.int32)
-    total = int(copies.sum())
-    depths = rng.uniform(2, 6, COUNT).astype(np.float32).view(np.uint32)
-    tables = (np.zeros(total, np.uint32), np.zeros(total, np.uint32), _zeros(total))
-    return bounds, copies, depths, np.int32(COLUMNS), *tables
+    first = rng.integers(0, 11, (SPLATS, 2))
+    last = first + rng.integers(0, 3, (SPLATS, 2))
+    copies = np.prod(last - first, axis=1).astype(np.int32)
+    depth = mic_projection().depth[some(rng)].view(np.uint32)
+    entries = int(copies.sum())
+    keys = np.zeros(entries, np.uint32), np.zeros(entries, np.uint32)
+    bounds = np.concatenate((first, last), axis=1).astype(np.int32)
+    return bounds, copies, depth, np.int32(13), *keys, _zeros(entries)
 
 
-def _keys(rng: np.random.Generator, n: int) -> np.ndarray:
-    return rng.uniform(2, 6, n).astype(np.float32).view(np.uint32)
+def _depth_bits(rng: np.random.Generator) -> np.ndarray:
+    return rng.permutation(mic_projection().depth[some(rng, 200)]).view(np.uint32)
 
 
 def _radix_scatter(rng: np.random.Generator) -> Arguments:
-    keys, shift = _keys(rng, 200), 20
-    counts = np.bincount(keys >> np.uint32(shift) & np.uint32(15), minlength=16)
+    keys, shift = _depth_bits(rng), 16
+    counts = np.bincount((keys >> np.uint32(shift)) & np.uint32(15), minlength=16)
     offsets = (np.cumsum(counts) - counts).astype(np.int32)
-    values = np.arange(200, dtype=np.int32)
-    return keys, values, np.int32(shift), offsets, np.zeros(200, np.uint32), _zeros(200)
-
-
-def _tile_ranges(rng: np.random.Generator) -> Arguments:
-    return np.sort(rng.integers(0, 40, 200)).astype(np.uint32), _zeros(40, 2)
-
-
-def _pixel_rays(_: np.random.Generator) -> Arguments:
-    _, camera, _ = scene()
-    pose = np.ascontiguousarray(camera.c2w[:3, :3], np.float32)
-    centre = np.array([camera.width / 2, camera.height / 2], np.float32)
-    inverse = np.float32(1 / camera.focal)
-    return pose, centre, inverse, np.int32(77), np.int32(60), _blank(60, 3)
-
-
-def _ray_box(rng: np.random.Generator) -> Arguments:
-    box = np.array([[-1.3, -1.0, -0.8], [0.8, 1.1, 1.2]], np.float32)
-    origins = np.asarray(4 * _unit(rng, COUNT), np.float32)
-    aims = rng.uniform(-1, 1, (COUNT, 3)) - origins
-    directions = np.asarray(aims / np.linalg.norm(aims, axis=1)[:, None], np.float32)
-    return origins, directions, box, np.float32(2), np.float32(6), _blank(COUNT, 2)
+    values = np.arange(len(keys), dtype=np.int32)
+    outputs = np.zeros(len(keys), np.uint32), _zeros(len(keys))
+    return keys, values, np.int32(shift), offsets, *outputs
 
 
 def _march_occupancy(rng: np.random.Generator) -> Arguments:
-    shape = np.array([12, 10, 11], np.int32)
-    words = rng.integers(0, 1 << 32, -(-int(shape.prod()) // 32), dtype=np.uint32)
-    origin = np.array([-1.0, 4.0, 5.0], np.float32)
-    direction = np.array([0.9, 0.3, 0.316], np.float32)
-    span = (np.float32(0.5), np.float32(14.0), np.float32(0.11))
-    return origin, direction, *span, words, shape, _blank(100)
+    """A ray through a grid of 32^3 cells, few of them occupied."""
+    bits = rng.random(32**3) < OCCUPIED_SHARE
+    occupied = np.packbits(bits, bitorder="little").view(np.uint32)
+    origin = np.array([-2.0, 5.5, 9.25], np.float32)
+    direction = np.array([0.8, 0.48, 0.36], np.float32)
+    shape = np.array([32, 32, 32], np.int32)
+    span = np.float32(2.5), np.float32(50.0), np.float32(math.sqrt(3) / 8)
+    return origin, direction, *span, occupied, shape, _blank(64)
 
 
-def _volume_blend(rng: np.random.Generator) -> Arguments:
-    density = rng.exponential(20, 100).astype(np.float32)
-    return density, rng.uniform(0, 1, (100, 3)).astype(np.float32), np.float32(0.0124), _blank(4)
-
-
-def _positional_encoding(rng: np.random.Generator) -> Arguments:
-    return rng.uniform(-1, 1, (6, 3)).astype(np.float32), np.int32(10), _blank(6, 63)
-
-
-def _hash_level(rng: np.random.Generator) -> Arguments:
-    scale, mask = np.float32(117.3), np.uint32(1023)
-    return _places(rng, COUNT), scale, mask, _floats(rng, 1024, 2), _blank(COUNT, 2)
-
-
-def _dense_level(rng: np.random.Generator) -> Arguments:
-    scale, resolution = np.float32(9.4), np.int32(11)
-    return _places(rng, COUNT), scale, resolution, _floats(rng, 11**3, 2), _blank(COUNT, 2)
+def _ray_box(rng: np.random.Generator) -> Arguments:
+    box = np.array([[-1, -1, -1], [1, 1, 1]], np.float32)
+    limits = np.float32(0.0), np.float32(100.0)
+    origins = _between(rng, -3, 3, SPLATS, 3)
+    return origins, _directions(rng, SPLATS), box, *limits, _blank(SPLATS, 2)
 
 
 def _vm_density(rng: np.random.Generator) -> Arguments:
-    points = (_places(rng, 24) * np.array([12, 14, 10], np.float32)).astype(np.float32)
-    return points, _floats(rng, 16, 15, 13), _floats(rng, 16, 11), _blank(24)
+    points = _between(rng, 0, 15, 64, 3)
+    points[0] = 15, 15, 15
+    return points, _floats(rng, 16, 16, 16), _floats(rng, 16, 16), _blank(64)
 
 
-def _dense_relu(rng: np.random.Generator) -> Arguments:
-    return _floats(rng, 6, 32), _floats(rng, 16, 32), _floats(rng, 16), _blank(6, 16)
+GAUSSIANS: dict[str, Maker] = {
+    "project_means": _project_means,
+    "covariance_3d": _covariance_3d,
+    "covariance_2d": _covariance_2d,
+    "conic_and_radius": lambda r: (
+        screen_covariances(some(r)),
+        _blank(SPLATS, 3),
+        _blank(SPLATS),
+    ),
+    "sh_colour": _sh_colour,
+    "tile_bounds": _tile_bounds,
+    "tile_entries": _tile_entries,
+    "radix_histogram": lambda r: (_depth_bits(r), np.int32(16), _zeros(16)),
+    "radix_offsets": lambda r: (r.integers(0, 99, 16, dtype=np.int32),),
+    "radix_scatter": _radix_scatter,
+    "tile_ranges": lambda r: (
+        np.sort(r.integers(0, 169, 300)).astype(np.uint32),
+        _zeros(169, 2),
+    ),
+}
 
+RAYS: dict[str, Maker] = {
+    "pixel_rays": lambda _: (
+        mic_camera().c2w[:3, :3].copy(),
+        np.array([100, 100], np.float32),
+        np.float32(1 / mic_camera().focal),
+        np.int32(77),
+        np.int32(64),
+        _blank(64, 3),
+    ),
+    "ray_box": _ray_box,
+    "march_occupancy": _march_occupancy,
+    "volume_blend": lambda r: (
+        _between(r, 0, 8, 128),
+        _between(r, 0, 1, 128, 3),
+        np.float32(0.05),
+        _blank(4),
+    ),
+}
 
-MAKERS: dict[str, dict[str, Maker]] = {
-    "gaussians": {
-        "project_means": _project_means,
-        "covariance_3d": _covariance_3d,
-        "covariance_2d": _covariance_2d,
-        "conic_and_radius": lambda r: (covariances(r), _blank(COUNT, 3), _blank(COUNT)),
-        "sh_colour": _sh_colour,
-        "tile_bounds": _tile_bounds,
-        "tile_entries": _tile_entries,
-        "radix_histogram": lambda r: (_keys(r, 200), np.int32(20), _zeros(16)),
-        "radix_offsets": lambda r: (r.integers(0, 30, 16, dtype=np.int32),),
-        "radix_scatter": _radix_scatter,
-        "tile_ranges": _tile_ranges,
-    },
-    "rays": {
-        "pixel_rays": _pixel_rays,
-        "ray_box": _ray_box,
-        "march_occupancy": _march_occupancy,
-        "volume_blend": _volume_blend,
-    },
-    "encodings": {
-        "positional_encoding": _positional_encoding,
-        "hash_level": _hash_level,
-        "dense_level": _dense_level,
-        "sh_direction": lambda r: (_unit(r, COUNT), _blank(COUNT, 16)),
-        "vm_density": _vm_density,
-    },
-    "networks": {
-        "dense_relu": _dense_relu,
-        "sigmoid": lambda r: (np.asarray(4 * _floats(r, COUNT)),),
-        "softplus": lambda r: (
-            np.asarray(9 * _floats(r, COUNT)),
-            np.float32(-10),
-            _blank(COUNT),
-        ),
-        "exponential_density": lambda r: (
-            np.asarray(6 * _floats(r, COUNT, 4)),
-            np.float32(11),
-            _blank(COUNT),
-        ),
-    },
+ENCODINGS: dict[str, Maker] = {
+    "positional_encoding": lambda r: (_between(r, -1.5, 1.5, 16, 3), np.int32(10), _blank(16, 63)),
+    "hash_level": lambda r: (
+        _between(r, 0, 1, 32, 3),
+        np.float32(63.0),
+        np.uint32(2047),
+        _floats(r, 2048, 2),
+        _blank(32, 2),
+    ),
+    "dense_level": lambda r: (
+        _between(r, 0, 1, 32, 3),
+        np.float32(11.0),
+        np.int32(13),
+        _floats(r, 13**3, 2),
+        _blank(32, 2),
+    ),
+    "sh_direction": lambda r: (_directions(r, 64), _blank(64, 16)),
+    "vm_density": _vm_density,
+}
+
+NETWORKS: dict[str, Maker] = {
+    "dense_relu": lambda r: (
+        _floats(r, 8, 63),
+        _floats(r, 32, 63),
+        _floats(r, 32),
+        _blank(8, 32),
+    ),
+    "sigmoid": lambda r: (_between(r, -12, 12, 128),),
+    "softplus": lambda r: (_between(r, -20, 40, 128), np.float32(-10.0), _blank(128)),
+    "exponential_density": lambda r: (_floats(r, 64, 16), np.float32(15.0), _blank(64)),
+}
+
+FAMILIES = {
+    "gaussians": GAUSSIANS,
+    "rays": RAYS,
+    "encodings": ENCODINGS,
+    "networks": NETWORKS,
 }
 
 WORKLOADS = tuple(
-    Workload(name, maker, f"render/{file}")
-    for file, makers in MAKERS.items()
+    Workload(name, maker, f"render/{family}")
+    for family, makers in FAMILIES.items()
     for name, maker in makers.items()
 )

@@ -10,6 +10,7 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TWO = np.float32(2.0)
+LARGEST_ANGLE = np.float32(65536.0)
 
 PRIME_Y = np.uint32(2654435761)
 PRIME_Z = np.uint32(805459861)
@@ -32,7 +33,11 @@ FIVE = np.float32(5.0)
 
 @vividc.kernel("void(float32[:, ::1], int32, float32[:, ::1])")
 def positional_encoding(points, frequencies, out):
-    """x, sin x, cos x, sin 2x, cos 2x, ... of 3-vectors (Mildenhall et al. 2020), by threes."""
+    """x, sin x, cos x, sin 2x, cos 2x, ... of 3-vectors (Mildenhall et al. 2020), by threes.
+
+    Angles are clamped to 2**16 radians, where a float32 has no phase left worth encoding; a
+    bounded angle needs no long reduction.
+    """
     for i in range(points.shape[0]):
         for axis in range(3):
             out[i, axis] = points[i, axis]
@@ -40,6 +45,7 @@ def positional_encoding(points, frequencies, out):
         for level in range(frequencies):
             for axis in range(3):
                 angle = scale * points[i, axis]
+                angle = min(max(angle, -LARGEST_ANGLE), LARGEST_ANGLE)
                 out[i, 3 + 6 * level + axis] = math.sin(angle)
                 out[i, 6 + 6 * level + axis] = math.cos(angle)
             scale *= TWO

@@ -21,7 +21,7 @@ NEAR_DEPTH = np.float32(0.2)
 LOW_PASS = np.float32(0.3)
 MIN_SPREAD = np.float32(0.1)
 TILE_SHIFT = 4
-TILE = 16
+LAST_IN_TILE = 15
 
 # Real spherical harmonics (Sloan 2008, appendix A2).
 Y0 = np.float32(0.28209479177387814)
@@ -86,10 +86,11 @@ def covariance_3d(scales, rotations, covariance):
 
 
 @vividc.kernel(
-    "void(float32[:, ::1], float32[:, ::1], float32[:, ::1], float32, float32, float32[:, ::1])"
+    "void(float32[:, ::1], float32[:, ::1], float32[:, ::1], float32, float32, float32,"
+    " float32[:, ::1])"
 )
-def covariance_2d(means, covariance, view, focal, limit, out):
-    """J W Sigma W^T J^T with the low-pass, as xx, xy, yy in pixel^2; `limit` clamps x/z and y/z."""
+def covariance_2d(means, covariance, view, focal, limit_x, limit_y, out):
+    """J W Sigma W^T J^T with the low-pass, as xx, xy, yy in pixel^2; the limits clamp x/z, y/z."""
     for i in range(means.shape[0]):
         x = means[i, 0]
         y = means[i, 1]
@@ -98,8 +99,8 @@ def covariance_2d(means, covariance, view, focal, limit, out):
         inverse = ONE / max(view_z, NEAR_DEPTH)
         slope_x = (view[0, 0] * x + view[0, 1] * y + view[0, 2] * z + view[0, 3]) * inverse
         slope_y = (view[1, 0] * x + view[1, 1] * y + view[1, 2] * z + view[1, 3]) * inverse
-        slope_x = min(max(slope_x, -limit), limit)
-        slope_y = min(max(slope_y, -limit), limit)
+        slope_x = min(max(slope_x, -limit_x), limit_x)
+        slope_y = min(max(slope_y, -limit_y), limit_y)
         scale = focal * inverse
         # The rows of J W.
         u0 = scale * (view[0, 0] - slope_x * view[2, 0])
@@ -183,7 +184,7 @@ def sh_colour(directions, sh, colour):
 @vividc.kernel("void(float32[:, ::1], float32[::1], int32, int32, int32[:, ::1], int32[::1])")
 def tile_bounds(pixel, radius, columns, rows, bounds, copies):
     """First column and row of screen tiles that a square footprint meets, one past the last, and
-    how many tiles that is.
+    how many tiles that is. The far edge, centre + radius, is not part of the footprint.
     """
     for i in range(pixel.shape[0]):
         reach = np.int32(radius[i])
@@ -191,8 +192,8 @@ def tile_bounds(pixel, radius, columns, rows, bounds, copies):
         y = np.int32(np.floor(pixel[i, 1]))
         first_x = min(max((x - reach) >> TILE_SHIFT, 0), columns)
         first_y = min(max((y - reach) >> TILE_SHIFT, 0), rows)
-        last_x = min(max((x + reach + TILE) >> TILE_SHIFT, 0), columns)
-        last_y = min(max((y + reach + TILE) >> TILE_SHIFT, 0), rows)
+        last_x = min(max((x + reach + LAST_IN_TILE) >> TILE_SHIFT, 0), columns)
+        last_y = min(max((y + reach + LAST_IN_TILE) >> TILE_SHIFT, 0), rows)
         bounds[i, 0] = first_x
         bounds[i, 1] = first_y
         bounds[i, 2] = last_x
