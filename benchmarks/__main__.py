@@ -103,9 +103,10 @@ def main(
             for workload in workloads:
                 lines.append(row(workload, fabric, time_limit))
                 click.echo(lines[-1])
+                if output is not None:  # after each row: an interrupted run keeps what it has
+                    text = "\n".join([*lines, ""])
+                    (output / f"{table}.md").write_text(text, encoding="utf-8")
             lines.append("")
-        if output is not None:
-            (output / f"{table}.md").write_text("\n".join(lines), encoding="utf-8")
 
 
 if __name__ == "__main__":
