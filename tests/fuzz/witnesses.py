@@ -150,7 +150,12 @@ def compare(what: str, found: list[object], expected: list[object]) -> None:
     """Demands equality, bit for bit but for what a NaN holds."""
     for number, (one, other) in enumerate(zip(found, expected, strict=True)):
         first, second = np.asarray(one), np.asarray(other)
-        if not np.array_equal(first, second, equal_nan=second.dtype.kind == "f"):
+        is_float = second.dtype.kind == "f"
+        same = np.array_equal(first, second, equal_nan=is_float)
+        if is_float and same:
+            number_at = ~np.isnan(second)  # 0.0 == -0.0, but they differ in their sign
+            same = bool((np.signbit(first) == np.signbit(second))[number_at].all())
+        if not same:
             raise Difference(f"{what}: value {number} is {first.tolist()}, not {second.tolist()}")
 
 
