@@ -34,8 +34,8 @@ def fold_values(function: Function) -> Function:
     expanded later do not fold, since an expansion need not give the same bits.
     """
     known: dict[int, Value] = {}
-    every = [item for block in function.blocks for item in (*block.phis, *block.instrs)]
-    flags = {item.id for item in every if item.type is Type.PRED}
+    flags = {phi.id for block in function.blocks for phi in block.phis if phi.type is Type.PRED}
+    flags |= {i.id for block in function.blocks for i in block.instrs if i.type is Type.PRED}
     changed = True
     while changed:
         changed = False
