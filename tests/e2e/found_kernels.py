@@ -192,3 +192,10 @@ def extrema_of_sums(a, b, out):
         out[i] += (a[i] - b[i]) >> 1
         if min(a[i] + 7, b[i]) > max(b[i] - 9, a[i]):
             out[i] += 1
+
+
+@vividc.kernel("void(uint32[::1], int32[::1])")
+def product_with_lowest_bit(u, x):
+    s = 1
+    for i in range(0, 14, 3):
+        u[15 - i] = (s & x[1]) * x[1]

@@ -136,3 +136,10 @@ def test_extrema_and_shifts_of_sums_take_two_words() -> None:
     a = np.repeat(np.array(ends, np.int32), len(ends))
     b = np.tile(np.array(ends, np.int32), len(ends))
     assert_agrees(k.extrema_of_sums, "vivid-tile", a, b, words(len(a)))
+
+
+@pytest.mark.parametrize("value", [6, 7, 0, -8])
+def test_the_lowest_bit_of_a_word_is_no_neutral_and(value: int) -> None:
+    """Simplification after unrolling took `and` of a word with 1 for one of a predicate."""
+    u, x = np.arange(16, dtype=np.uint32), np.full(2, value, np.int32)
+    assert_agrees(k.product_with_lowest_bit, "vivid-tile", u, x)

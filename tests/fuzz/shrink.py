@@ -1,120 +1,150 @@
-"""Makes a kernel smaller while it still fails: fewer statements, simpler expressions."""
+"""Makes a failing kernel small: deletes statements and replaces expressions by parts of them."""
 
 from __future__ import annotations
 
 import ast
-import copy
-import time
 from collections.abc import Callable, Iterator
+from copy import deepcopy
+from time import monotonic
 
-FUEL = "k_"
+Fails = Callable[[str], bool]
 
 
-def shrink(source: str, fails: Callable[[str], bool], limit_s: float = 60.0) -> str:
-    """The smallest module found whose `program` still fails.
+def shrink(source: str, fails: Fails, budget_s: float = 120.0) -> str:
+    """A smaller module whose kernel `program` still fails.
+
+    Only what keeps a kernel terminating and within its arrays is tried: indices, shift amounts,
+    divisors and the counters of while loops stay, or become constants.
 
     Parameters
     ----------
     fails
-        Whether a candidate shows the same find; False for what is no kernel.
-    limit_s
-        Seconds after which the smallest so far is returned.
+        Whether a module still shows the failure.
+    budget_s
+        Seconds after which the smallest one so far is returned.
     """
-    deadline = time.monotonic() + limit_s
-    best = ast.unparse(ast.parse(source))
-    smaller = True
-    while smaller:
-        smaller = False
-        for candidate in _smaller(best):
-            if time.monotonic() > deadline:
-                return best
-            if len(candidate) < len(best) and fails(candidate):
-                best, smaller = candidate, True
+    deadline = monotonic() + budget_s
+    smallest = source
+    again = True
+    while again:
+        again = False
+        for candidate in _candidates(smallest):
+            if monotonic() > deadline:
+                return smallest
+            if len(candidate) < len(smallest) and fails(candidate):
+                smallest, again = candidate, True
                 break
-    return best
+    return smallest
 
 
-def _smaller(source: str) -> Iterator[str]:
+def _candidates(source: str) -> Iterator[str]:
+    """Every module one step smaller, the larger steps first."""
     tree = ast.parse(source)
-    count = sum(1 for _ in ast.walk(_program(tree)))
-    for edits in (_statement_edits, _expression_edits):
-        for number in range(count):
-            for choice in range(4):
-                changed = copy.deepcopy(tree)
-                node = list(ast.walk(_program(changed)))[number]
-                if edits(node, _program(changed), choice):
-                    yield ast.unparse(ast.fix_missing_locations(changed))
+    places = [*_deletions(tree), *_replacements(tree)]
+    for path, replacement in places:
+        yield ast.unparse(_with(tree, path, replacement))
 
 
-def _program(tree: ast.Module) -> ast.FunctionDef:
-    return next(n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == "program")
+Path = tuple[tuple[str, int | None], ...]
+Place = tuple[Path, list[ast.stmt] | ast.expr]
 
 
-def _statement_edits(node: ast.AST, program: ast.FunctionDef, choice: int) -> bool:
-    """Deletes the statement, or replaces it by its body; fuel stays."""
-    if not isinstance(node, ast.stmt) or node is program or choice > 1 or _is_fuel(node):
-        return False
-    body = getattr(node, "body", None)
-    if choice and (not body or not isinstance(node, ast.If)):
-        return False
-    for owner in ast.walk(program):
-        for field in ("body", "orelse"):
-            block = getattr(owner, field, None)
-            if isinstance(block, list) and node in block:
-                place = block.index(node)
-                block[place : place + 1] = body if choice else []
-                if not block and field == "body":
-                    block.append(ast.Pass())
-                return True
-    return False
+def _program(tree: ast.Module) -> tuple[int, ast.FunctionDef]:
+    for number, node in enumerate(tree.body):
+        if isinstance(node, ast.FunctionDef) and node.name == "program":
+            return number, node
+    raise ValueError("the module has no function `program`")
 
 
-def _is_fuel(node: ast.stmt) -> bool:
-    """The statement counts or tests fuel, on which a loop's end depends."""
-    heads = [node.test] if isinstance(node, ast.If) else [node]
-    if isinstance(node, ast.While):
-        return False
-    return any(
-        isinstance(n, ast.Name) and n.id.startswith(FUEL) for h in heads for n in ast.walk(h)
-    )
-
-
-def _expression_edits(node: ast.AST, _program: ast.FunctionDef, choice: int) -> bool:
-    """Replaces an operand by one of its own operands; masks, divisors and places stay."""
-    if isinstance(node, ast.Subscript | ast.While):
-        return False
-    for field in ("value", "left", "test", "args", "body", "orelse", "operand", "right"):
-        part = getattr(node, field, None)
-        if field == "right" and isinstance(node, ast.BinOp) and _guarded(node.op):
+def _deletions(tree: ast.Module) -> Iterator[Place]:
+    number, function = _program(tree)
+    for path, node in _statements(function, (("body", number),)):
+        if isinstance(node, ast.Return) and len(path) == 2:
             continue
-        parts = part if isinstance(part, list) else [part]
-        for place, old in enumerate(parts):
-            for new in _operands(old) if isinstance(old, ast.expr) else ():
-                if choice == 0:
-                    _put(node, field, place, new)
-                    return True
-                choice -= 1
-    return False
+        if not _counts(node):
+            yield path, []
+        if isinstance(node, (ast.If, ast.For)):
+            yield path, [*node.body]
+        if isinstance(node, ast.If) and node.orelse:
+            yield path, [*node.orelse]
 
 
-def _guarded(op: ast.operator) -> bool:
-    return isinstance(op, ast.FloorDiv | ast.Mod | ast.Div | ast.LShift | ast.RShift)
+def _counts(node: ast.stmt) -> bool:
+    """Whether it moves the counter of a while loop."""
+    target = node.target if isinstance(node, ast.AugAssign) else None
+    return isinstance(target, ast.Name) and target.id.startswith("w")
 
 
-def _operands(node: ast.expr) -> list[ast.expr]:
-    """What may stand for `node`: not the value of a mask or of a subscript."""
-    if isinstance(node, ast.BinOp):
-        return [node.left, node.right]
-    if isinstance(node, ast.IfExp):
-        return [node.body, node.orelse]
-    if isinstance(node, ast.UnaryOp):
-        return [node.operand]
-    return list(node.args) if isinstance(node, ast.Call) else []
+def _statements(node: ast.AST, path: Path) -> Iterator[tuple[Path, ast.stmt]]:
+    for field in ("body", "orelse"):
+        inner = getattr(node, field, None)
+        for number, child in enumerate(inner if isinstance(inner, list) else []):
+            here = (*path, (field, number))
+            yield here, child
+            yield from _statements(child, here)
 
 
-def _put(node: ast.AST, field: str, place: int, new: ast.expr) -> None:
-    part = getattr(node, field)
-    if isinstance(part, list):
-        part[place] = new
+def _replacements(tree: ast.Module) -> Iterator[Place]:
+    number, function = _program(tree)
+    for path, node in _statements(function, (("body", number),)):
+        for field in ("value", "test", "iter"):
+            child = getattr(node, field, None)
+            is_while = isinstance(node, ast.While)
+            if isinstance(child, ast.expr) and not is_while:
+                yield from _parts(child, (*path, (field, None)), field == "iter")
+
+
+def _parts(node: ast.expr, path: Path, fixed: bool = False) -> Iterator[Place]:
+    """Smaller expressions for `node` and what is in it; `fixed`: constants only."""
+    if isinstance(node, ast.Constant):
+        return
+    if not fixed:
+        yield from ((path, child) for child in _operands(node))
+        yield from ((path, ast.Constant(value)) for value in (0, 1))
+    elif not isinstance(node, ast.Call):
+        yield path, ast.Constant(1)
+    for field, value in ast.iter_fields(node):
+        inner = fixed or _is_guarded(node, field)
+        if isinstance(value, ast.expr) and field != "func":
+            yield from _parts(value, (*path, (field, None)), inner)
+        for number, child in enumerate(value if isinstance(value, list) else []):
+            if isinstance(child, ast.expr):
+                yield from _parts(child, (*path, (field, number)), inner)
+
+
+def _operands(node: ast.expr) -> Iterator[ast.expr]:
+    for field, value in ast.iter_fields(node):
+        if field in ("func", "slice") or _is_guarded(node, field):
+            continue
+        yield from (c for c in (value if isinstance(value, list) else [value]) if _is_value(c))
+
+
+def _is_value(node: object) -> bool:
+    return isinstance(node, ast.expr)
+
+
+def _is_guarded(node: ast.expr, field: str) -> bool:
+    """Whether a bound, a divisor or a shift amount depends on it."""
+    if isinstance(node, ast.Subscript):
+        return True
+    guarded = (ast.FloorDiv, ast.Mod, ast.LShift, ast.RShift)
+    return isinstance(node, ast.BinOp) and isinstance(node.op, guarded) and field == "right"
+
+
+def _with(tree: ast.Module, path: Path, replacement: list[ast.stmt] | ast.expr) -> ast.Module:
+    copy = deepcopy(tree)
+    parent: object = copy
+    for field, number in path[:-1]:
+        value = getattr(parent, field)
+        parent = value if number is None else value[number]
+    field, number = path[-1]
+    if number is None:
+        setattr(parent, field, replacement)
+    elif isinstance(replacement, list):
+        statements = getattr(parent, field)
+        statements[number : number + 1] = replacement
+        if not statements and field == "body":
+            statements.append(ast.Pass())
     else:
-        setattr(node, field, new)
+        getattr(parent, field)[number] = replacement
+    return ast.fix_missing_locations(copy)

@@ -6,7 +6,7 @@ results that nobody reads go, and straight chains of blocks become one block.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
@@ -34,6 +34,8 @@ def fold_values(function: Function) -> Function:
     expanded later do not fold, since an expansion need not give the same bits.
     """
     known: dict[int, Value] = {}
+    flags = {phi.id for block in function.blocks for phi in block.phis if phi.type is Type.PRED}
+    flags |= {i.id for block in function.blocks for i in block.instrs if i.type is Type.PRED}
     changed = True
     while changed:
         changed = False
@@ -42,7 +44,10 @@ def fold_values(function: Function) -> Function:
             for item in items:
                 if item.id in known:
                     continue
-                value = _phi_value(item, known) if isinstance(item, Phi) else _value(item, known)
+                if isinstance(item, Phi):
+                    value = _phi_value(item, known)
+                else:
+                    value = _value(item, known, flags)
                 if value is not None:
                     known[item.id] = value
                     changed = True
@@ -159,7 +164,7 @@ def _phi_value(phi: Phi, known: Mapping[int, Value]) -> Value | None:
     return values.pop() if len(values) == 1 else None
 
 
-def _value(instr: Instr, known: Mapping[int, Value]) -> Value | None:
+def _value(instr: Instr, known: Mapping[int, Value], flags: Set[int]) -> Value | None:
     operands = tuple(_resolve(value, known) for value in instr.operands)
     if instr.op is Opcode.MOV:
         return operands[0]
@@ -168,7 +173,7 @@ def _value(instr: Instr, known: Mapping[int, Value]) -> Value | None:
     word = constant_value(replace(instr, operands=operands), {})
     if word is not None:
         return Const(word)
-    return _neutral(instr, operands)
+    return _neutral(instr, operands, flags)
 
 
 def _selected(operands: tuple[Value, ...]) -> Value | None:
@@ -180,12 +185,15 @@ def _selected(operands: tuple[Value, ...]) -> Value | None:
     return None
 
 
-def _neutral(instr: Instr, operands: tuple[Value, ...]) -> Value | None:
-    """x where the operation is x + 0, x - 0, x | 0, x ^ 0, x << 0, x * 1 or x & all ones."""
+def _neutral(instr: Instr, operands: tuple[Value, ...], flags: Set[int]) -> Value | None:
+    """x where the operation is x + 0, x - 0, x | 0, x ^ 0, x << 0, x * 1 or x & all ones.
+
+    `flags`: ids of predicates. The lowest bit of a word is a predicate, too, made by `and` with 1.
+    """
     word = _NEUTRAL.get(instr.op)
     if word is None:
         return None
-    if instr.op is Opcode.AND and instr.type is Type.PRED:
+    if instr.op is Opcode.AND and any(isinstance(v, Ref) and v.id in flags for v in operands):
         word = 1
     left, right = operands
     if right == Const(word):
