@@ -85,30 +85,6 @@ def test_the_error_names_the_line(
     assert caught.value.loc.line == function.__code__.co_firstlineno + offset
 
 
-def integer_division(x, n):
-    for i in range(n):
-        x[i] = x[i] * x[i] // 3
-
-
-def integer_remainder(x, n):
-    for i in range(n):
-        x[i] = x[i] % (x[i] * n)
-
-
-INT_KERNELS: list[tuple[Callable[..., object], int, str]] = []
-
-
-@pytest.mark.parametrize(("function", "offset", "reason"), INT_KERNELS, ids=lambda v: str(v)[:30])
-def test_what_words_cannot_hold_is_refused(
-    function: Callable[..., object], offset: int, reason: str
-) -> None:
-    kernel = KernelFunction(function, "void(int32[::1], int32)", None)
-    with pytest.raises(KernelError, match=reason) as caught:
-        kernel.lower()
-    assert caught.value.hint
-    assert caught.value.loc == SourceLoc(__file__, function.__code__.co_firstlineno + offset)
-
-
 def test_a_float64_result_is_refused() -> None:
     def half(x):
         return x * 0.5
