@@ -6,7 +6,7 @@ import itertools
 
 import pytest
 
-from vividc.frontend.floor_division import FLOOR_DIVISIONS, recover_divisions, truncate_divisions
+from vividc.frontend.floor_division import FLOOR_DIVISIONS, recover_divisions, sign_quotients
 from vividc.frontend.numba_integer import FLOOR_PREFIX
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Exit, Int, Local, Op, Operand, WideBlock, WideFunction
@@ -72,7 +72,7 @@ def test_what_fits_no_word_stays_for_the_rules_of_two_words(kind: str) -> None:
     wide = recover_divisions(function(kind, Local("a"), Local("b")))
     [op] = wide.blocks[0].ops
     assert op.op == f"{kind[0]}floor{kind[1:]}"
-    assert truncate_divisions(wide, Ranges(wide, {})) is wide
+    assert sign_quotients(wide, Ranges(wide, {})) is wide
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -81,7 +81,7 @@ def test_divisors_that_are_constant(kind: str, divisor: int) -> None:
     wide = recover_divisions(function(kind, Local("a"), Int(divisor)))
     if divisor in (2, 8, 2**31, 2**32, 2**62):
         assert {op.op for op in wide.blocks[0].ops} <= {"ashr", "lshr", "and"}
-    changed = truncate_divisions(wide, Ranges(wide, {}))
+    changed = sign_quotients(wide, Ranges(wide, {}))
     for a in VALUES:
         assert evaluate(changed, a, 0) == divided(kind, a, divisor), a
 
@@ -96,4 +96,4 @@ def test_constants_fold(kind: str) -> None:
 def test_what_fits_words_stays() -> None:
     wide = recover_divisions(function("srem", Local("a"), Local("b")))
     bounds = {"a": (-5, 2**31 - 1), "b": (-(2**31), 9)}
-    assert truncate_divisions(wide, Ranges(wide, bounds)) is wide
+    assert sign_quotients(wide, Ranges(wide, bounds)) is wide

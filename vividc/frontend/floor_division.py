@@ -37,7 +37,7 @@ def recover_divisions(function: WideFunction) -> WideFunction:
     return remove_dead(_map_ops(function, lambda op, _: (_by_constant(op),)))
 
 
-def truncate_divisions(function: WideFunction, ranges: Ranges) -> WideFunction:
+def sign_quotients(function: WideFunction, ranges: Ranges) -> WideFunction:
     """Write the one quotient of words that is none, 2**31, by its operands' signs; the same object
     if there is none.
     """

@@ -26,7 +26,7 @@ from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
 from vividc.frontend.diagnose import construct_at, diagnose
 from vividc.frontend.flags import load_flags
-from vividc.frontend.floor_division import recover_divisions, truncate_divisions
+from vividc.frontend.floor_division import recover_divisions, sign_quotients
 from vividc.frontend.interval import Interval
 from vividc.frontend.llvm import ENTRY, optimised_ir
 from vividc.frontend.llvm_text import read_function
@@ -249,7 +249,7 @@ def _simplified(kernel: Prepared, params: tuple[Param, ...]) -> tuple[WideFuncti
     bounds = _bounds(params) | bounds_of_loads(wide, kernel.arrays)
     bounds |= bounds_of_sizes(wide, MAX_ELEMENTS)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    wide = truncate_divisions(wide, Ranges(wide, bounds))
+    wide = sign_quotients(wide, Ranges(wide, bounds))
     return wide, Ranges(wide, bounds)
 
 
