@@ -16,6 +16,7 @@ from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import MapResult, map_dfg, mapping_to_json
+from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
 
@@ -29,6 +30,12 @@ SCHEMA = "vividc.map/1"
 @click.option(
     "-o", "--output", type=options.FILE, metavar="MAPPING.json", help="Write the mapping."
 )
+@click.option(
+    "--plot",
+    type=options.FILE,
+    metavar="PICTURE",
+    help="Draw the mapping: the array slot by slot (.svg or .png).",
+)
 @options.as_json
 def command(
     graph: Path,
@@ -37,6 +44,7 @@ def command(
     ii: int | None,
     time_limit_s: float,
     output: Path | None,
+    plot: Path | None,
     as_json: bool,
 ) -> None:
     """Map a dataflow graph (.json, .dot or .dfg) and say what was proved.
@@ -45,6 +53,9 @@ def command(
     """
     if output is not None:
         check_output(output, "--output")
+    if plot is not None:
+        check_picture_path(plot, "--plot")
+        check_output(plot, "--plot")
     the_dfg = dfg.load(graph)
     the_fabric = arch.load(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
@@ -53,6 +64,9 @@ def command(
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
         write_whole(output, lambda file: file.write(text.encode()))
+    if result.mapping is not None and plot is not None:
+        picture = encode(result.mapping.plot(), plot)
+        write_whole(plot, lambda file: file.write(picture))
     if as_json:
         print_json(SCHEMA, _as_object(result, the_dfg, the_fabric, document, output))
     else:
