@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import get_args
 
 import click
 
@@ -26,6 +27,13 @@ SCHEMA = "vividc.map/1"
 @options.fabric
 @options.mapper
 @click.option("--ii", type=click.IntRange(min=1), metavar="N", help="Try this II only.")
+@click.option(
+    "--unknown-ops",
+    type=click.Choice(get_args(dfg.UnknownOps)),
+    default="generic",
+    show_default=True,
+    help="An operation name that is not in the table: run it on any PE, with a warning, or refuse.",
+)
 @options.time_limit
 @click.option(
     "-o", "--output", type=options.FILE, metavar="MAPPING.json", help="Write the mapping."
@@ -42,12 +50,13 @@ def command(
     fabric: str,
     mapper: str,
     ii: int | None,
+    unknown_ops: dfg.UnknownOps,
     time_limit_s: float,
     output: Path | None,
     plot: Path | None,
     as_json: bool,
 ) -> None:
-    """Map a dataflow graph (.json, .dot or .dfg) and say what was proved.
+    """Map a dataflow graph (JSON, DOT, Morpher XML or text form) and say what was proved.
 
     Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit.
     """
@@ -56,7 +65,7 @@ def command(
     if plot is not None:
         check_picture_path(plot, "--plot")
         check_output(plot, "--plot")
-    the_dfg = dfg.load(graph)
+    the_dfg = dfg.load(graph, unknown_ops=unknown_ops)
     the_fabric = arch.load(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
         result = map_dfg(the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report)
