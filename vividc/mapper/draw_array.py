@@ -74,7 +74,9 @@ class ArrayPanel:
         """Room around the PEs: for the stubs of long links where there are any."""
         pes = self.scene.fabric.pes
         spans = (_span(pes[link.src], pes[link.dst]) for link in self.scene.fabric.links)
-        return self.detail.gap if max(spans, default=0) > 1 else max(12.0, 0.4 * self.detail.gap)
+        return (
+            self.detail.gap + 6 if max(spans, default=0) > 1 else max(12.0, 0.4 * self.detail.gap)
+        )
 
     def shapes(self, slot: int) -> Iterator[Shape]:
         """The shapes of one slot: wires lowest, then PEs, then labels on wires."""
