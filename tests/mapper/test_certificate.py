@@ -149,7 +149,11 @@ def test_a_result_is_read_back_with_graph_and_fabric() -> None:
     ("key", "value", "message"),
     [
         ("graph", None, "graph: not a JSON object"),
-        ("graph", {"schema": "vividc.dfg/1", "name": "x", "nodes": [{}], "edges": []}, "id is missing"),
+        (
+            "graph",
+            {"schema": "vividc.dfg/1", "name": "x", "nodes": [{}], "edges": []},
+            "id is missing",
+        ),
         ("fabric_yaml", "", "not made from YAML"),
         ("fabric_yaml", "rows: [", "mesh-2x2"),
         ("fabric_yaml", 3, "not of type str"),
@@ -193,3 +197,14 @@ def test_explain_names_the_routing_bottleneck() -> None:
     assert "what binds: places and routes; II 1 passes every bound" in text
     assert "II 2 neither mapped nor refuted" in text
     assert "fullest in this mapping: PE" in text
+
+
+def test_explain_blames_no_bound_of_1() -> None:
+    """An II of 1 needs no reason; neither does a search that ended without a mapping."""
+    assert "what binds" not in map_dfg(chain(3), FABRIC, workers=1).explain()
+    assert (
+        "what binds"
+        not in replace(
+            RESULT, status="timeout", ii=None, mapping=None, lower_bound=1, bounds=()
+        ).explain()
+    )

@@ -45,7 +45,7 @@ def _headline(result: MapResult) -> str:
 def _binding(result: MapResult) -> Iterator[str]:
     sharpest = result.bounds[0] if result.bounds else None
     ii, lower = result.ii, result.lower_bound
-    if sharpest is not None and sharpest.ii >= lower and (lower > 1 or ii is None):
+    if sharpest is not None and sharpest.ii >= lower > 1:
         yield f"what binds: {_kind(sharpest)} ({sharpest.name})"
     elif result.refuted and lower > 1:
         yield _refuted(result)
