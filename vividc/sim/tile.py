@@ -19,8 +19,8 @@ AUTO = "auto"
 class Tile:
     """One tile with a program in its configuration memory.
 
-    Decoding, and compiling to native code, happen once; launches differ in memory and inputs. A tile
-    may be launched from several threads at once: launches share nothing that changes.
+    Decoding, and compiling to native code, happen once; launches differ in memory and inputs. A
+    tile may be launched from several threads at once: launches share nothing that changes.
 
     Parameters
     ----------
