@@ -5,12 +5,16 @@ from __future__ import annotations
 from vividc.errors import ArgumentError
 from vividc.program import Program
 from vividc.sim.engine import Engine, EngineFactory, Launch, Run
+from vividc.sim.native import NativeEngine
 from vividc.sim.reference import ReferenceEngine
 
 TileResult = Run
 """What a launch on a tile gives: memory, cycles, activity; `engine` names what ran it."""
 
-ENGINES: dict[str, EngineFactory] = {"reference": ReferenceEngine}
+ENGINES: dict[str, EngineFactory] = {
+    "native": NativeEngine,
+    "reference": ReferenceEngine,
+}
 """Engines by name; all give the same `Run` for the same launch."""
 
 AUTO = "auto"

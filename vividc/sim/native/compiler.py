@@ -1,0 +1,81 @@
+"""LLVM IR to machine code for this computer, and into this process: the module that talks to llvmlite."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import sys
+from collections.abc import Callable
+from threading import Lock
+from typing import Final
+
+from llvmlite import binding
+
+from vividc.sim.native.module import ENTRY
+
+Native = Callable[[int, int, int], int]
+"""`run` of `native.module`, with addresses for pointers; it holds no lock of Python's."""
+
+_LOCK: Final = Lock()
+
+
+def host() -> str:
+    """What machine code depends on: LLVM, processor, features, byte order."""
+    version = ".".join(map(str, binding.llvm_version_info))
+    features = binding.get_host_cpu_features().flatten()
+    return "|".join(
+        (version, binding.get_process_triple(), binding.get_host_cpu_name(), features, sys.byteorder)
+    )
+
+
+def object_code(text: str) -> bytes:
+    """Machine code of a module, as an object file."""
+    with _LOCK:
+        machine = _target_machine()
+        module = binding.parse_assembly(text)
+        module.triple = binding.get_process_triple()
+        module.data_layout = str(machine.target_data)
+        module.verify()
+        options = binding.create_pipeline_tuning_options(speed_level=1)
+        options.loop_unrolling = False
+        options.loop_vectorization = False
+        options.slp_vectorization = False
+        passes = binding.create_pass_builder(machine, options)
+        passes.getModulePassManager().run(module, passes)
+        code: bytes = machine.emit_object(module)
+        return code
+
+
+def loaded(code: bytes, name: str) -> Native:
+    """The function `run` of an object file; `name` is used once in a process."""
+    with _LOCK:
+        library = binding.JITLibraryBuilder()
+        library.add_object_img(code).add_current_process().export_symbol(ENTRY)
+        tracker = library.link(_jit(), name)
+    prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 3)
+    function = prototype(tracker[ENTRY])
+
+    def run(context: int, constants: int, memory: int) -> int:
+        assert tracker is not None  # the code lives as long as its tracker
+        status: int = function(context, constants, memory)
+        return status
+
+    return run
+
+
+@functools.cache
+def _target_machine() -> binding.TargetMachine:
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    target = binding.Target.from_default_triple()
+    return target.create_target_machine(
+        cpu=binding.get_host_cpu_name(),
+        features=binding.get_host_cpu_features().flatten(),
+        opt=2,
+        jit=True,
+    )
+
+
+@functools.cache
+def _jit() -> binding.LLJIT:
+    return binding.create_lljit_compiler()
