@@ -36,14 +36,22 @@ def object_code(text: str) -> bytes:
         module.triple = binding.get_process_triple()
         module.data_layout = str(machine.target_data)
         module.verify()
-        options = binding.create_pipeline_tuning_options(speed_level=1)
-        options.loop_unrolling = False
-        options.loop_vectorization = False
-        options.slp_vectorization = False
-        passes = binding.create_pass_builder(machine, options)
-        passes.getModulePassManager().run(module, passes)
+        _simplify(module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options()))
         code: bytes = machine.emit_object(module)
         return code
+
+
+def _simplify(module: binding.ModuleRef, builder: binding.PassBuilder) -> None:
+    """The text is in SSA and has little redundancy: a full pipeline takes three times as long, and
+    makes code that is no faster.
+    """
+    passes = binding.create_new_function_pass_manager()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    passes.add_dead_code_elimination_pass()
+    for function in module.functions:
+        if not function.is_declaration:
+            passes.run(function, builder)
 
 
 def loaded(code: bytes, name: str) -> Native:
