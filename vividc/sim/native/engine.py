@@ -69,6 +69,8 @@ class _Running:
         snapshot = self._state.copy()
         while True:
             status = self._call(self._state, CYCLES_A_CALL, _ENTRIES_A_CALL)
+            if self._launch.progress is not None and status is not Status.FAULT:
+                self._launch.progress(self._state.now)
             if status is Status.DONE:
                 return self._result()
             if status is Status.LIMIT:
@@ -80,8 +82,6 @@ class _Running:
                 self._fallback.run_region(self._launch, self._state, self._totals[region])
             if not self._state.context[Place.RESUME]:
                 snapshot = self._state.copy()
-            if self._launch.progress is not None:
-                self._launch.progress(self._state.now)
 
     def _call(self, state: MachineState, cycles: int, entries: int) -> Status:
         context = state.context
