@@ -1,4 +1,4 @@
-"""The engine that is done first: the reference engine for what is short, native code for the rest."""
+"""The engine that is done first: the reference engine for what is short, else native code."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """One body of a region as LLVM IR: II cycles of whatever is live.
 
-Three kinds of body exist. A *straight* region runs one, in which all is live. A loop has a *general*
-one, which asks for each stage whether its iteration is live, and a *steady* one for when all stages
-are. Operations without effects are computed in any case: nothing live reads a dead result.
+Three kinds of body exist. A *straight* region runs one, in which all is live. A loop has a
+*general* one, which asks for each stage whether its iteration is live, and a *steady* one for when
+all are. Operations without effects are computed in any case: nothing live reads a dead result.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from vividc.dfg.opcodes import MEMORY, Opcode
+from vividc.dfg.opcodes import Opcode
 from vividc.program import Use
 from vividc.sim.native.layout import BOUND_OF_WIDTH, Layout
 from vividc.sim.native.operations import lower
@@ -45,8 +45,6 @@ class Surroundings:
         Constant-store entries that the region reads and does not write.
     extents
         First byte, and the three bounds, of each array.
-    limit_check
-        Called where contexts begin anew, in the middle of a body: (stalls, fault).
     """
 
     constants: Mapping[Constant, str]
@@ -279,9 +277,7 @@ class Body:
             counts = code.value(f"icmp sle i64 {self._iteration(stage + 1)}, {self.resolved}")
         self.fault = code.either(self.fault, code.both(missed, counts))
         key: Key = ("open", "unless_exit" if op.issue.unless_exit else "always")
-        earliest = code.value(
-            f"call i64 @llvm.smin.i64(i64 {iteration}, i64 {self.values[key]})"
-        )
+        earliest = code.value(f"call i64 @llvm.smin.i64(i64 {iteration}, i64 {self.values[key]})")
         self.values[key] = code.choose(missed, "i64", earliest, self.values[key])
 
     def _store(self, op: FlowOp) -> Access:

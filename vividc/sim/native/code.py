@@ -38,8 +38,8 @@ class Compiled:
 def compiled(program: Program) -> Compiled:
     """Compile a program, or find its machine code.
 
-    The code is known by a hash of the text it is compiled from and of what it is compiled for: equal
-    keys cannot mean different code.
+    The code is known by a hash of the text it is compiled from and of what it is compiled for:
+    equal keys cannot mean different code.
     """
     planned = plan(program)
     text = module_text(program, planned)

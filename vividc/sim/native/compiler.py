@@ -1,4 +1,7 @@
-"""LLVM IR to machine code for this computer, and into this process: the module that talks to llvmlite."""
+"""LLVM IR to machine code, and into this process.
+
+The only module that talks to llvmlite for writing code.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,13 @@ def host() -> str:
     version = ".".join(map(str, binding.llvm_version_info))
     features = binding.get_host_cpu_features().flatten()
     return "|".join(
-        (version, binding.get_process_triple(), binding.get_host_cpu_name(), features, sys.byteorder)
+        (
+            version,
+            binding.get_process_triple(),
+            binding.get_host_cpu_name(),
+            features,
+            sys.byteorder,
+        )
     )
 
 
@@ -36,7 +45,9 @@ def object_code(text: str) -> bytes:
         module.triple = binding.get_process_triple()
         module.data_layout = str(machine.target_data)
         module.verify()
-        _simplify(module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options()))
+        _simplify(
+            module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options())
+        )
         code: bytes = machine.emit_object(module)
         return code
 

@@ -113,9 +113,7 @@ def _tail(flow: RegionFlow, move: Move) -> Tail | None:
     return None if last >= most else Tail(most, last)
 
 
-def _words(
-    flow: RegionFlow, move: Move, of_class: dict[CountClass, int], iterations: int
-) -> int:
+def _words(flow: RegionFlow, move: Move, of_class: dict[CountClass, int], iterations: int) -> int:
     tail = _tail(flow, move)
     if tail is not None:
         return of_class.get(tail, 0)

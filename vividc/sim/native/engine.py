@@ -1,5 +1,5 @@
-"""The native engine: runs a program's machine code in pieces, and leaves to the reference engine what
-the code cannot do.
+"""The native engine: runs a program's machine code in pieces, and leaves to the reference engine
+what the code cannot do.
 
 Regions of an irregular form, and every region in which something went wrong, run on the reference
 engine, from their first cycle: errors are the same because they come from there.

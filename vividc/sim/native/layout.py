@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
-
 from vividc.program import Program
 from vividc.sim.native.trace import Constant
 
@@ -120,5 +119,3 @@ BOUND_OF_WIDTH: Final = {1: 1, 2: 2, 4: 3}
 
 def _array_names(program: Program) -> list[str]:
     return ["", *(row.name for row in program.debug if row.op in ("load", "store"))]
-
-

@@ -2,7 +2,8 @@
 
     i32 run(ptr context, ptr constants, ptr memory) -> Status
 
-runs regions from the context's NEXT on, until the program ends, or something is for the caller to do.
+runs regions from the context's NEXT on, until the program ends or there is something for the caller
+to do.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from vividc.sim.native.body import Machine
 from vividc.sim.native.counts import CountClass, count_classes
 from vividc.sim.native.layout import Layout, Place, Status, layout
 from vividc.sim.native.operations import DECLARATIONS
-from vividc.sim.native.region import region_function
+from vividc.sim.native.region import ARGUMENTS, region_function
 from vividc.sim.native.schedule import schedule
 from vividc.sim.native.text import Code
 from vividc.sim.native.trace import RegionFlow, trace
@@ -84,8 +85,7 @@ def _dispatch(regions: int) -> str:
     cycle = code.load("i64", "%context", Place.CYCLE)
     code.store("i64", cycle, "%context", Place.NOW)
     code.do(f"ret i32 {Status.SUSPENDED:d}")
-    arguments = "ptr noalias %context, ptr noalias %constants, ptr noalias %memory"
-    return "\n".join([f"define i32 @{ENTRY}({arguments}) {{", *code.lines, "}", ""])
+    return "\n".join([f"define i32 @{ENTRY}({ARGUMENTS}) {{", *code.lines, "}", ""])
 
 
 def _call(code: Code, index: int) -> None:

@@ -1,8 +1,8 @@
 """A region's operations in the order in which native code does them, body by body.
 
-The code of a loop repeats a body of II cycles. A loop with an exit node begins its bodies at the slot
-in which the exit decision acts, so that the iterations that are live change only between bodies:
-every time is shifted by `offset`, less than II.
+The code of a loop repeats a body of II cycles. A loop with an exit node begins its bodies at the
+slot in which the exit decision acts, so that the iterations that are live change only between
+bodies: every time is shifted by `offset`, less than II.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def schedule(flow: RegionFlow) -> Schedule:
         ops=tuple(tuple(sorted(indices, key=lambda i: _order(flow.ops[i]))) for indices in ops),
         captures=tuple(tuple(items) for items in captures),
         depth=tuple(depth),
-        stages=max((bare.stage(part.time) for part in (*flow.ops, *flow.captures)), default=0),
+        stages=max((bare.stage(time) for time in flow.times), default=0),
         exit_stage=exit_stage,
         exit_lag=exit_lag,
     )

@@ -46,7 +46,7 @@ class Code:
         """Conjunction of two i1."""
         if FALSE in (a, b):
             return FALSE
-        if a == TRUE or b == TRUE:
+        if TRUE in (a, b):
             return b if a == TRUE else a
         return self.value(f"and i1 {a}, {b}")
 
@@ -54,7 +54,7 @@ class Code:
         """Disjunction of two i1."""
         if TRUE in (a, b):
             return TRUE
-        if a == FALSE or b == FALSE:
+        if FALSE in (a, b):
             return b if a == FALSE else a
         return self.value(f"or i1 {a}, {b}")
 

@@ -1,13 +1,13 @@
 """Where each word comes from: moves through links, registers and output registers, resolved once.
 
-A region repeats its contexts, so the word that a multiplexer selects in a slot always stems from the
-same operation, issued the same number of cycles before. Whether there is a word at all depends only
-on the iterations that are live. The configuration words thus determine a static dataflow, and a
-native engine needs neither links nor registers, but can still count what moved over them.
+A region repeats its contexts, so the word that a multiplexer selects in a slot always stems from
+the same operation, issued the same number of cycles before. Whether there is a word at all depends
+only on the iterations that are live. The configuration words thus determine a static dataflow, and
+a native engine needs neither links nor registers, but can still count what moved over them.
 
 A region that could break a rule of the machine by other than an address (a read of nothing, two
-completions in a PE and cycle), or that no mapping has the form of, has no `RegionFlow`: the reference
-engine runs it.
+completions in a PE and cycle), or that no mapping has the form of, has no `RegionFlow`: the
+reference engine runs it.
 """
 
 from __future__ import annotations
@@ -133,6 +133,11 @@ class RegionFlow:
     exit: int | None
     exit_delay: int
 
+    @property
+    def times(self) -> tuple[int, ...]:
+        """Of all operations and live-outs."""
+        return (*(op.time for op in self.ops), *(capture.time for capture in self.captures))
+
 
 class _Irregular(Exception):
     """The region is left to the reference engine."""
@@ -171,15 +176,15 @@ class _Tracer:
         ops = tuple(self._op(slot, pe, issue) for slot, pe, issue in self._issues)
         captures = tuple(self._captures())
         exit_index, exit_delay = self._exit(ops)
-        _demand(all(part.time < row.span for part in (*ops, *captures)))
+        moves = tuple(self._moves())
+        flow = RegionFlow(row, ops, captures, moves, exit_index, exit_delay)
+        _demand(all(time < row.span for time in flow.times))
         if row.kind == "straight":
             _demand(row.ii == row.span and not row.has_exit)
-            _demand(all(part.time < row.ii for part in (*ops, *captures)))
-            _demand(all(op.issue.use is not Use.EXIT for op in ops))
         else:
             _demand(all(op.issue.use in _LOOP_USES for op in ops))
             _demand(row.counted or row.has_exit)
-        return RegionFlow(row, ops, captures, tuple(self._moves()), exit_index, exit_delay)
+        return flow
 
     def _delay(self, issue: Issue) -> int:
         return self._fabric.latencies[OPCODES[issue.op].latency_class] - 1
