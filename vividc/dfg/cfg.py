@@ -134,7 +134,8 @@ class Instr:
     2 or 4), and `signed` says that a load of less than a word sign-extends. `exact`: an integer
     addition or subtraction that is proved not to wrap as a signed word. `distinct`: header of a
     loop in whose run an address that such an access has touched comes back only at accesses with
-    the same index that follow this one in the program, before the index changes.
+    the same index that follow this one in the program, before the index changes. `subscript`: of an
+    element of a parameter, the constants among its subscripts, None for others; () if unknown.
     """
 
     id: int
@@ -148,6 +149,7 @@ class Instr:
     signed: bool = False
     exact: bool = False
     distinct: str = ""
+    subscript: tuple[int | None, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
 
 
