@@ -105,7 +105,7 @@ class LocalArray:
 
 Formula = tuple[str | int, ...]
 """A number that the launch decides, in postfix form: integers, input keys behind "s:" (signed) or
-"u:" (unsigned), and the operators "+", "*", "max" and "min"."""
+"u:" (unsigned), and the operators "+", "*", "//", "max" and "min"."""
 
 
 def evaluate_formula(formula: Formula, inputs: Mapping[str, int]) -> int:
@@ -138,6 +138,7 @@ def _input_value(key: str, inputs: Mapping[str, int], *, signed: bool) -> int:
 _FORMULA_OPERATORS: dict[str, Callable[[int, int], int]] = {
     "+": operator.add,
     "*": operator.mul,
+    "//": operator.floordiv,
     "max": max,
     "min": min,
 }

@@ -13,6 +13,8 @@ from vividc.frontend.ssa import Int, Local, Op, Operand, WideFunction, WidePhi
 
 _LARGEST = 1 << 31
 _ALIASES = frozenset({"zext", "trunc", "freeze"})
+_FEW = 1 << 10
+"""A constant bound is taken where there is no other up to here."""
 _DEPTH = 24
 _LONGEST = 200
 
@@ -34,6 +36,13 @@ class LaunchSizes:
         return None if formula is None or len(formula) > _LONGEST else formula
 
     def _bound(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+        formula = self._formula(operand, block, signed, depth)
+        if formula is None and depth:
+            high = self._ranges.at(operand, block)[1]
+            return (high,) if high <= _FEW else None
+        return formula
+
+    def _formula(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
         if isinstance(operand, Int):
             return (operand.value,)
         if not isinstance(operand, Local) or not depth or operand.name in self._counters:
@@ -50,6 +59,8 @@ class LaunchSizes:
         return None
 
     def _of(self, op: Op, block: str, depth: int) -> Formula | None:
+        if op.source == "i1":
+            return (0,) if op.op == "sext" else (1,)
         if op.op == "sext":
             return self._bound(op.args[0], block, True, depth - 1)
         if op.op in _ALIASES:

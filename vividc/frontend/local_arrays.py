@@ -150,18 +150,19 @@ def _allocated(function: WideFunction, op: Op, formula: Formula | None, number: 
     element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
     if element is None:
         raise KernelError(f"a local array of {dtype}", loc=op.loc, hint=_DTYPE_HINT)
-    # The size of a copy is in bytes: as many words hold it, whatever its elements.
-    per_element = 2 if element == "i64" and dtype != COPY else 1
+    words = 2 if element == "i64" else 1
     line = "" if op.loc is None else f".line{op.loc.line}"
     name = f"local{number}{line}"
     if isinstance(count, Int):
-        return Held(LocalArray(name, max(count.value, 0) * per_element), element)
+        size = max(count.value, 0) // (_BYTES[element] if dtype == COPY else 1)
+        return Held(LocalArray(name, size * words), element)
     if formula is None:
         raise KernelError(
             "an array is made whose size is not known at launch", loc=op.loc, hint=_SIZE_HINT
         )
-    size = formula if per_element == 1 else (*formula, per_element, "*")
-    return Held(LocalArray(name, 0, size=size), element)
+    if dtype == COPY:
+        formula = (*formula, _BYTES[element], "//")
+    return Held(LocalArray(name, 0, size=(*formula, words, "*")), element)
 
 
 def _copied_element(function: WideFunction, copy: Op) -> str | None:

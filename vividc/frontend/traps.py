@@ -13,7 +13,7 @@ from dataclasses import replace
 from vividc.dfg.cfg import TRAP, LocalArray
 from vividc.frontend.local_arrays import Held
 from vividc.frontend.numba_target import RAISE_PREFIX
-from vividc.frontend.ssa import Int, Op, WideFunction
+from vividc.frontend.ssa import Exit, Float, Int, Op, Operand, WideFunction
 
 _TRAPPED = (
     "zero-size",
@@ -28,6 +28,7 @@ _TRAPPED = (
 """What exceptions of numba's functions say, of conditions that only the launch decides."""
 _FAR = 0x7FFFFFFC
 """No array has a byte here."""
+_NOTHING: dict[str, Operand | None] = {"void": None, "float": Float(0.0), "double": Float(0.0)}
 _PATH = re.compile(r"File '.*")
 _NAMELESS = re.compile(r"\W+")
 
@@ -37,22 +38,22 @@ def trap_raises(function: WideFunction) -> tuple[WideFunction, dict[str, Held]]:
     held: dict[str, Held] = {}
     blocks = []
     for block in function.blocks:
-        ops = []
-        for op in block.ops:
-            if op.op == "call" and is_trapped(op.pred):
-                name = _name(op.pred)
-                held[name] = Held(LocalArray(name, 0), "i32")
-                op = _store(op, name)
-            ops.append(op)
-        blocks.append(replace(block, ops=tuple(ops)))
+        names = {op.pred: _name(op.pred) for op in block.ops if _is_trap(op)}
+        held |= {name: Held(LocalArray(name, 0), "i32") for name in names.values()}
+        ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.ops)
+        leave = Exit(value=_NOTHING.get(function.returns, Int(0)), loc=block.exit.loc)
+        blocks.append(replace(block, ops=ops, exit=leave if names else block.exit))
     if not held:
         return function, held
     return replace(function, blocks=tuple(blocks)), held
 
 
-def is_trapped(callee: str) -> bool:
-    """Whether the callee stands for a raise that the simulator reports."""
-    return callee.startswith(RAISE_PREFIX) and any(text in callee for text in _TRAPPED)
+def _is_trap(op: Op) -> bool:
+    return (
+        op.op == "call"
+        and op.pred.startswith(RAISE_PREFIX)
+        and any(text in op.pred for text in _TRAPPED)
+    )
 
 
 def _name(callee: str) -> str:
