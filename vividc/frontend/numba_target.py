@@ -36,6 +36,7 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj
 
+import vividc.frontend.numpy_linalg  # noqa: F401 - registers its functions with numba
 from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick, reshape
 from vividc.frontend.numba_integer import integer_operator
 from vividc.frontend.numba_real import real_division
@@ -159,7 +160,7 @@ class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
             builder.module, ir.FunctionType(ir.VoidType(), ()), symbol
         )
         builder.call(callee, ())
-        self._return_errcode_raw(builder, callconv.RETCODE_OK)
+        builder.unreachable()
 
     def return_user_exc(
         self, builder: Any, exc: Any, exc_args: Any = None, loc: Any = None, func_name: Any = None
