@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import DFG
+from vividc.errors import VividcError
+from vividc.plot import Picture, encode
 
 Status = Literal["optimal", "feasible", "infeasible", "timeout"]
 
@@ -32,6 +38,14 @@ class Step:
     time: int
 
 
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What was mapped onto what: kept beside a result so that it can be explained and drawn."""
+
+    dfg: DFG
+    fabric: Fabric
+
+
 @dataclass(frozen=True)
 class Mapping:
     """A modulo schedule with routes.
@@ -47,11 +61,48 @@ class Mapping:
         start[src] + latency(src) to the cycle in which the consumer reads it,
         start[dst] + II * distance. Empty: the consumer, on the same PE, reads the FU's output
         register in the very cycle in which the result appears.
+    subject
+        The graph and the fabric, where known: `map_dfg` and the JSON reader fill it in.
     """
 
     ii: int
     places: ReadOnly[int, Place]
     routes: ReadOnly[int, tuple[Step, ...]]
+    subject: Subject | None = field(default=None, compare=False, repr=False)
+
+    def plot(self, path: str | Path | None = None, subject: Subject | None = None) -> Picture:
+        """Draw the array slot by slot and the modulo reservation table.
+
+        Parameters
+        ----------
+        path
+            Where to write the picture: `.svg` or `.png`. None: only return it.
+        subject
+            Graph and fabric, if the mapping does not know them.
+
+        Raises
+        ------
+        VividcError
+            The graph is not known or another one, the ending names no format, or the file cannot
+            be written.
+        """
+        from vividc.mapper.draw import draw  # drawing needs this module  # noqa: PLC0415
+
+        about = subject or self.subject
+        if about is None:
+            raise VividcError(
+                "the mapping does not know its graph and fabric",
+                loc="plot",
+                hint="pass subject=Subject(dfg, fabric)",
+            )
+        picture = draw(about.dfg, about.fabric, self)
+        if path is not None:
+            data = encode(picture, Path(path))
+            try:
+                Path(path).write_bytes(data)
+            except OSError as error:
+                raise VividcError(f"cannot be written: {error.strerror}", loc=str(path)) from error
+        return picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +150,7 @@ class MapResult:
     wall_s: float
     refuted: tuple[Refutation, ...] = ()
     stats: ReadOnly[str, float] = field(default_factory=dict)
+    subject: Subject | None = field(default=None, compare=False, repr=False)
 
     def explain(self) -> str:
         """What was proved and what binds, in a few lines for a person."""
