@@ -12,6 +12,7 @@ from random import Random
 from time import monotonic
 
 import click
+import numba
 from numba.core.errors import NumbaError
 from rich.console import Console
 from rich.progress import Progress
@@ -22,7 +23,8 @@ from tests.fuzz.witnesses import Simulated, Verdict, judge, stays_inside
 
 console = Console()
 
-_COLLECT = 20
+_COLLECT = 100
+"""Programs from one collection and one count to the next."""
 
 
 def _small(source: str, seed: int, verdict: Verdict, folder: Path, simulate: Simulated) -> str:
@@ -74,14 +76,15 @@ class _Tally:
         rate = sum(self.counts[k] for k in ("agrees", "refused", "differs", "crashes")) / seconds
         console.print(f"{dict(self.counts)}; the last {self.since} without a find; {rate:.2f}/s")
         for reason, number in self.reasons.most_common():
-            example = self.examples[reason]
-            console.print(f"{number:5} refused, first by seed {example}: {reason}", markup=False)
+            text = f"{number:5} refused, first by seed {self.examples[reason]}: {reason}"
+            console.print(text, markup=False, soft_wrap=True)
 
 
 def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Path) -> _Tally:
     tally = _Tally()
     deadline = monotonic() + seconds
-    gc.disable()  # numba's garbage is collected faster in bulk
+    numba.config.OPT = 0  # its compilation takes most of the time
+    gc.disable()  # its garbage is collected faster in bulk
     try:
         with Progress(console=console) as progress:
             task = progress.add_task("fuzzing", total=len(seeds))
@@ -95,8 +98,9 @@ def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Pat
                 if verdict.is_find:
                     small = _small(source, seed, verdict, folder, simulate)
                     _report(seed, verdict, small, simulate)
-                if number % _COLLECT == 0:
+                if number % _COLLECT == _COLLECT - 1:
                     gc.collect()
+                    tally.show()
                 shown = ", ".join(f"{n} {kind}" for kind, n in sorted(tally.counts.items()))
                 progress.update(task, advance=1, description=f"seed {seed}: {shown}")
     except KeyboardInterrupt:

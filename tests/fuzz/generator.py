@@ -43,18 +43,18 @@ from vividc.frontend import kernel
 
 """
 TABLES = {
-    "TABLE": "np.array([3, -1, 4, 200, -5, 9, 2, 6, 2**31 - 1, 3, 5, -8, 9, 7, 9, -2**31], np.int32)",
+    "TABLE": "np.array([3, -1, 200, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
     "SMALL": "(7, -3, 12, 5)",
 }
 HELPERS = {
-    "mix": '''
+    "mix": """
 @kernel("int32(int32, int32)")
 def mix(v, w):
     if v > w:
         return np.int32(v - w)
     return np.int32((v ^ w) + 1)
-''',
-    "blend": '''
+""",
+    "blend": """
 @kernel("float32(float32, float32)")
 def blend(v, w):
     k = v
@@ -63,7 +63,7 @@ def blend(v, w):
             break
         k = k + w
     return k
-''',
+""",
 }
 STARTS = {
     "s": "s = np.int32(1)",

@@ -164,7 +164,9 @@ def _shift(at: Context, a: Value, b: Value) -> Value:
         return Value(f"({a.text} >> ({b.text} & 31))", min(a.low, 0), max(a.high, 0))
     if kind < 0.9:
         a = narrowed(a)
-        return Value(f"({a.text} << ({b.text} & 15))", a.low << 15 if a.low < 0 else 0, a.size << 15)
+        return Value(
+            f"({a.text} << ({b.text} & 15))", a.low << 15 if a.low < 0 else 0, a.size << 15
+        )
     return Value(f"({a.text} >> ({b.text} & 63))", min(a.low, 0), max(a.high, 0))
 
 

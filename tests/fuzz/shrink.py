@@ -70,7 +70,7 @@ def _deletions(tree: ast.Module) -> Iterator[Place]:
 
 
 def _counts(node: ast.stmt) -> bool:
-    """Whether a while loop ends by it: it moves the counter, or leaves when that is at its limit."""
+    """Whether a while loop ends by it: it moves the counter, or leaves at its limit."""
     if isinstance(node, ast.If):
         return isinstance(node.body[0], ast.Break) and _is_counter(getattr(node.test, "left", None))
     targets = [node.target] if isinstance(node, ast.AugAssign) else getattr(node, "targets", [])

@@ -41,7 +41,9 @@ class Program:
         if depth and kind < 0.18:
             return self._branch(depth, indent)
         if depth and kind < 0.36 and len(counters) < 3:
-            loop = self.random.choice([self._loop, self._loop, self._loop, self._while, self._halve])
+            loop = self.random.choice(
+                [self._loop, self._loop, self._loop, self._while, self._halve]
+            )
             return loop(depth, indent)
         if counters and kind < 0.42:
             return self._jump(indent)
@@ -91,7 +93,10 @@ class Program:
         dims = [d for d in self.places_dims() if self.places.trips() * MOST[d] <= MOST_TRIPS]
         if dims and self.random.random() < 0.6:
             dim = self.random.choice(dims)
-            limit, counter = self.places.length(dim), Counter(name, dim, 1, -1, MOST[dim], MOST[dim])
+            limit, counter = (
+                self.places.length(dim),
+                Counter(name, dim, 1, -1, MOST[dim], MOST[dim]),
+            )
         else:
             limit, counter = self.random.choice(["5", "n & 7"]), Counter(name, "", 0, 0, 8, 8)
         if self.places.trips() * counter.trips > MOST_TRIPS:
@@ -228,20 +233,21 @@ class Program:
     def condition(self, depth: int) -> str:
         """A boolean expression."""
         kind = self.random.random()
-        if depth and kind < 0.15:
-            word = self.random.choice(["and", "or"])
-            return f"({self.condition(0)} {word} {self.condition(0)})"
         if depth and kind < 0.2:
-            return f"(not {self.condition(0)})"
+            word = self.random.choice(["and", "or", "and", "or", "and not"])
+            return f"({self.condition(0)} {word} {self.condition(0)})"
         if kind < 0.3:
             return f"({real(self, 0)} {self.random.choice(TESTS)} {real(self, 0)})"
         if kind < 0.36:
             flag = self.element(("boolean",), False)
             return "o" if flag is None else flag[0]
-        if depth and self.is_wide and kind < 0.42:
-            test = self.random.choice(TESTS)
+        return self._comparison(depth)
+
+    def _comparison(self, depth: int) -> str:
+        kind, test = self.random.random(), self.random.choice(TESTS)
+        if depth and self.is_wide and kind < 0.1:
             return f"({unsigned(self, depth - 1)} {test} {unsigned(self, 0)})"
         a, b = integer(self, depth).text, integer(self, 0).text
-        if kind < 0.5:
+        if kind < 0.2:
             return f"({integer(self, 0).text} <= {a} {self.random.choice(['<', '<=', '!='])} {b})"
-        return f"({a} {self.random.choice(TESTS)} {b})"
+        return f"({a} {test} {b})"

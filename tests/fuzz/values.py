@@ -18,7 +18,7 @@ class Value:
     @property
     def fits(self) -> bool:
         """Whether no value overflows 64 bits."""
-        return LEAST <= self.low and self.high <= MOST
+        return self.low >= LEAST and self.high <= MOST
 
     @property
     def size(self) -> int:

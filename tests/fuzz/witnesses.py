@@ -23,11 +23,10 @@ from vividc.dfg.cfg import DType, Function
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import normalize
-from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.driver import CompileOptions, map_kernel
-from vividc.errors import InternalError, KernelError, MappingFailed, TimeLimit
-from vividc.errors import VividcError, VividcWarning
+from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.program import Program, encode
 
@@ -203,6 +202,6 @@ def judge(source: str, seed: int, folder: Path, *, simulate: Simulated = "") -> 
         return Verdict("refused", f"mapper: {type(error).__name__}: {error.reason}")
     except KernelError as error:
         return Verdict("refused", error.reason)
-    except (VividcError, Exception) as error:  # whatever it is: a crash is what is looked for
+    except Exception as error:  # whatever it is: a crash is what is looked for
         return Verdict("crashes", f"{type(error).__name__}: {error}")
     return Verdict("agrees")
