@@ -103,7 +103,7 @@ def map_decoupled(
 
 def map_roughly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
     """One schedule, placed and routed by negotiation only: some mapping of a large graph, soon."""
-    start = _schedule(task, ii, request, deadline, 1)
+    start = _schedule(task, ii, request, deadline, 1) if task.fabric.is_plain else None
     if start is None:
         return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
@@ -118,7 +118,7 @@ def _negotiated(
     deadline: Deadline,
     seed: int,
 ) -> Attempt:
-    if not is_large(task):
+    if not is_large(task) or not task.fabric.is_plain:
         return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
     return Attempt(mapping=negotiate(task, ii, start, seed, deadline))
