@@ -30,6 +30,7 @@ from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.program import Program, encode
+from vividc.program.programmable import demand_programmable
 
 Progress = Callable[[str], None]
 
@@ -100,6 +101,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
     demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    demand_programmable(machine)
     check_time_limit(time_limit_s)
     wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(
