@@ -32,6 +32,7 @@ from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.program import Program, encode
+from vividc.program.programmable import demand_programmable
 
 Progress = Callable[[str], None]
 
@@ -126,6 +127,7 @@ def _checked(kernel: object, fabric: str | Fabric, time_limit_s: float) -> Fabri
     demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
     demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    demand_programmable(machine)
     check_time_limit(time_limit_s)
     return machine
 

@@ -110,6 +110,8 @@ def map_negotiated(
     effort: Effort | None = None,
 ) -> Attempt:
     """Annealed places and negotiated routes, without a solver: for large graphs."""
+    if not task.fabric.is_plain:
+        return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
     return Attempt(mapping=negotiate(task, ii, seed, deadline, effort))
 
