@@ -29,10 +29,15 @@ class Step:
 
     kind "link": it was driven onto link `index` in the cycle before and is readable at the link's
     destination PE in cycle `time`. kind "reg": it is in register `index` of PE `pe`, readable in
-    cycle `time`. For links, `pe` is the destination PE.
+    cycle `time`; of a rotating file, `index` is the register's name at the start of the producer's
+    iteration. kind "out": it is in the output register of PE `pe` (`index` 0) in cycle `time`. For
+    links, `pe` is the destination PE.
+
+    A word that enters an output register other than as its operation's result is moved there by the
+    FU of that PE, in the cycle before; so is one that enters registers which only the FU writes.
     """
 
-    kind: Literal["link", "reg"]
+    kind: Literal["link", "reg", "out"]
     pe: int
     index: int
     time: int
@@ -57,7 +62,8 @@ class Mapping:
     places
         Place of every placed node (operations and live-outs), by node id.
     routes
-        For each index of a routed edge in `dfg.edges`: the steps of the word, one a cycle, from
+        For each index of a routed edge in `dfg.edges`: the steps of the word, one a cycle (several
+        where the fabric lets a word pass several links in a cycle, in their order), from
         start[src] + latency(src) to the cycle in which the consumer reads it,
         start[dst] + II * distance. Empty: the consumer, on the same PE, reads the FU's output
         register in the very cycle in which the result appears.
