@@ -74,6 +74,24 @@ def test_bounds_of_kernels_hold() -> None:
     assert wrong(checked(result)) == ""
 
 
+def test_the_bounds_of_an_fu_that_is_kept_busy_hold() -> None:
+    node = ring(1).placed[0]
+    slow = replace(FABRIC, occupancies={node.latency_class: 3})
+    result = map_dfg(chain(5), slow, workers=1)
+    assert {bound.name for bound in result.bounds} >= {"ResMII", "FU occupancy"}
+    assert wrong(checked(result)) == ""
+    kept = next(bound for bound in result.bounds if bound.name == "FU occupancy")
+    assert "FU occupancy 4" in wrong(checked(result, bounds=(replace(kept, ii=4),)))
+
+
+@pytest.mark.parametrize("name", ["openedge-3x3", "hycube-3x3", "torus-3x3"])
+def test_certificates_hold_on_published_arrays(name: str) -> None:
+    result = map_dfg(ring(3), arch.load(name), workers=1)
+    read = MapResult.from_json(json.loads(json.dumps(result.to_json())))
+    assert read == result
+    assert wrong(checked(read)) == ""
+
+
 def test_an_infeasible_result_holds() -> None:
     alone = map_dfg(ring(3), FABRIC, ii=2)
     assert wrong(checked(alone)) == ""

@@ -127,7 +127,14 @@ def _users(bound: Bound, subject: Subject) -> list[Node]:
 
 def _issue(bound: Bound, subject: Subject) -> bool:
     users = [node for node in _users(bound, subject) if node.uses_fu]
-    return len(users) > (bound.ii - 1) * len(_pes_of(users, subject))
+    cycles = sum(subject.fabric.occupancy(node) for node in users)
+    return cycles > (bound.ii - 1) * len(_pes_of(users, subject))
+
+
+def _occupancy(bound: Bound, subject: Subject) -> bool:
+    """An operation follows itself no sooner than it leaves its FU."""
+    kept = [subject.fabric.occupancy(node) for node in _users(bound, subject) if node.uses_fu]
+    return max(kept, default=1) >= bound.ii
 
 
 def _live_outs(bound: Bound, subject: Subject) -> bool:
@@ -167,7 +174,8 @@ def _stages(bound: Bound, subject: Subject) -> bool:
 def _lifetime(bound: Bound, subject: Subject) -> bool:
     """More instances of one word are alive than there are places for words."""
     fabric = subject.fabric
-    places = len(fabric.links) + sum(pe.registers + 1 for pe in fabric.pes)
+    links = len(fabric.links) if fabric.routing.hops else 0
+    places = links + sum(pe.registers + 1 for pe in fabric.pes)
     ends = [edge for edge in subject.dfg.edges if (edge.src, edge.dst) == bound.nodes]
     alive = [
         edge.distance - fabric.controller.max_stages - _separation(edge, subject)
@@ -180,6 +188,7 @@ def _lifetime(bound: Bound, subject: Subject) -> bool:
 _CHECKS: Final[dict[str, Callable[[Bound, Subject], bool]]] = {
     "RecMII": _recurrence,
     "ResMII": _issue,
+    "FU occupancy": _occupancy,
     "live-out writes": _live_outs,
     "control port": _control,
     "banks": _banks,

@@ -14,6 +14,7 @@ K = TypeVar("K")
 _KINDS: Final = {
     "RecMII": "the recurrence",
     "ResMII": "the issue slots of FUs",
+    "FU occupancy": "an operation that keeps its FU",
     "live-out writes": "the write ports of constant stores",
     "control port": "the tile controller's input",
     "banks": "the scratchpad's banks",
