@@ -21,7 +21,7 @@ from vividc.sim.reference import ReferenceEngine
 
 CYCLES_A_CALL: Final = 4_000_000
 """Cycles between two looks at interrupts and progress: at most some tenths of a second."""
-_ENTRIES_A_CALL: Final = 1_000_000
+ENTRIES_A_CALL: Final = 1_000_000
 _NEVER: Final = (1 << 62) - 1
 _WORD: Final = 1 << 32
 
@@ -33,6 +33,12 @@ class NativeEngine:
         self._program = program
         self._compiled = compiled(program)
         self._fallback = Fallback(program, self._compiled.plan.layout)
+
+    @property
+    def irregular_regions(self) -> tuple[int, ...]:
+        """Regions whose words have no form to compile: the reference engine runs them."""
+        flows = self._compiled.plan.flows
+        return tuple(index for index, flow in enumerate(flows) if flow is None)
 
     def run(self, launch: Launch) -> Run:
         """Run the program once (see `Engine.run`)."""
@@ -68,7 +74,7 @@ class _Running:
         """Run to the end."""
         snapshot = self._state.copy()
         while True:
-            status = self._call(self._state, CYCLES_A_CALL, _ENTRIES_A_CALL)
+            status = self._call(self._state, CYCLES_A_CALL, ENTRIES_A_CALL)
             if self._launch.progress is not None and status is not Status.FAULT:
                 self._launch.progress(self._state.now)
             if status is Status.DONE:
