@@ -45,3 +45,9 @@ def assert_engines_agree(program: Program, *launches: Launch) -> None:
     reference, native = ReferenceEngine(program), NativeEngine(program)
     for given in launches:
         same(outcome(reference, given), outcome(native, given))
+
+
+def agreed_run(program: Program, given: Launch) -> Run:
+    """The run that both engines give."""
+    assert_engines_agree(program, given)
+    return NativeEngine(program).run(given)
