@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +14,8 @@ from tests.program.hand_kernels import dot, fabric, saxpy
 from tests.sim.native.agreement import launch
 from vividc.sim import NativeEngine
 from vividc.sim.native import cache, code
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture
@@ -47,6 +52,29 @@ def test_code_of_another_process_is_loaded(
     run = NativeEngine(program).run(launch(program, x, y, 8))
     assert len(compilations) == 1
     assert run.memory.view(np.float32)[:16].max() == 3
+
+
+def test_a_process_that_compiles_nothing_runs_code_of_another(tmp_path: Path) -> None:
+    """LLVM has to be set up for loading, too."""
+    program = saxpy(fabric())
+    program.save(tmp_path / "saxpy.vivid")
+    script = (
+        "import sys, numpy as np, vividc\n"
+        "y = np.ones(8, np.float32)\n"
+        "program = vividc.load(sys.argv[1])\n"
+        "if len(sys.argv) > 2:\n"
+        "    from vividc.sim.native import code\n"
+        "    code.object_code = None\n"
+        "result = vividc.simulate(program, y.copy(), y, 8, engine='native')\n"
+        "print(result.stats['engine'], y.max())\n"
+    )
+    environment = {**os.environ, cache.VARIABLE: str(tmp_path)}
+    for more in ([], ["compile nothing"]):
+        command = [sys.executable, "-c", script, str(tmp_path / "saxpy.vivid"), *more]
+        done = subprocess.run(
+            command, env=environment, cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        assert done.stdout == "native 3.0\n"
 
 
 def test_another_machine_means_other_code(
