@@ -73,6 +73,17 @@ def test_damaged_files_are_not_loaded(place: Path, damage: bytes) -> None:
     assert cache.read(KEY) == b"code"
 
 
+def test_what_was_not_used_for_long_goes(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cache, "KEPT", 4)
+    keys = [f"{k:064}" for k in range(5)]
+    for age, key in enumerate(keys[:4]):
+        cache.write(key, b"code")
+        os.utime(place / f"{key}.o", (1000 + age, 1000 + age))
+    assert cache.read(keys[0]) == b"code"  # it was used just now
+    cache.write(keys[4], b"code")
+    assert [key for key in keys if cache.read(key)] == [keys[0], keys[3], keys[4]]
+
+
 def test_a_folder_that_cannot_be_made_is_done_without(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
