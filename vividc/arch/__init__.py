@@ -1,7 +1,7 @@
 """The fabric a program runs on: data read from YAML, with the shipped fabrics as presets."""
 
-from vividc.arch.fabric import PE, Controller, Fabric, Link, Scratchpad
-from vividc.arch.layers import preset_names
+from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
+from vividc.arch.layers import family_names, preset_names
 from vividc.arch.load import load, load_text
 
 __all__ = [
@@ -9,7 +9,9 @@ __all__ = [
     "Controller",
     "Fabric",
     "Link",
+    "Routing",
     "Scratchpad",
+    "family_names",
     "load",
     "load_text",
     "preset_names",

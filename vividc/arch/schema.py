@@ -15,7 +15,9 @@ from vividc.dfg.opcodes import LatencyClass
 
 MAX_SIDE: Final = 32
 
-Topology = Literal["mesh", "torus", "king", "none"]
+Topology = Literal["mesh", "torus", "king", "mesh_plus", "none"]
+
+WrittenBy = Literal["crossbar", "fu"]
 
 
 Compute = Literal["int", "imul", "compare", "select", "fadd", "fmul", "fma", "convert", "generic"]
@@ -114,6 +116,8 @@ class RegisterFileLayer(_Model):
     registers: _Registers | None = None
     read_ports: _Ports | None = None
     write_ports: _Ports | None = None
+    rotating: bool | None = None
+    written_by: WrittenBy | None = None
 
 
 class PELayer(_Model):
@@ -123,6 +127,31 @@ class PELayer(_Model):
     executes: _Executes | None = None
     register_file: RegisterFileLayer | None = None
     constants: _Constants | None = None
+
+
+class RoutingLayer(_Model):
+    """How words travel, as far as one layer sets it."""
+
+    hops: Annotated[int, Field(ge=0, le=16)] | None = None
+    output: Literal["pulse", "hold"] | None = None
+    output_readers: Literal["own", "neighbours"] | None = None
+    moves: bool | None = None
+
+
+class OccupancyLayer(_Model):
+    """Cycles for which an operation of a class keeps its FU."""
+
+    int_: _Latency | None = Field(None, alias="int")
+    imul: _Latency | None = None
+    compare: _Latency | None = None
+    select: _Latency | None = None
+    fadd: _Latency | None = None
+    fmul: _Latency | None = None
+    fma: _Latency | None = None
+    convert: _Latency | None = None
+    load: _Latency | None = None
+    store: _Latency | None = None
+    generic: _Latency | None = None
 
 
 class At(_Model):
@@ -185,6 +214,8 @@ class Layer(_Model):
     overrides: list[Override] | None = None
     absent: list[_Absent] | None = None
     latencies: LatenciesLayer | None = None
+    routing: RoutingLayer | None = None
+    occupancy: OccupancyLayer | None = None
     scratchpad: ScratchpadLayer | None = None
     controller: ControllerLayer | None = None
     clock_ghz: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = None
@@ -196,6 +227,8 @@ class RegisterFileSpec(_Model):
     registers: _Registers
     read_ports: _Ports
     write_ports: _Ports
+    rotating: bool | None = None
+    written_by: WrittenBy | None = None
 
 
 class PESpec(_Model):
@@ -251,6 +284,8 @@ class Spec(_Model):
     overrides: list[Override] = []
     absent: list[_Absent] = []
     latencies: LatenciesSpec
+    routing: RoutingLayer | None = None
+    occupancy: OccupancyLayer | None = None
     scratchpad: ScratchpadSpec
     controller: ControllerSpec
     clock_ghz: float

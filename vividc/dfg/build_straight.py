@@ -95,6 +95,7 @@ def _emit(
             instr.offset + (0 if fixed is None else fixed << instr.shift),
             stride_bytes=0,
             width=instr.width,
+            subscript=instr.subscript,
         )
     )
     return node

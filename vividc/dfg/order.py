@@ -36,6 +36,22 @@ def cyclic_nodes(dfg: DFG) -> tuple[int, ...]:
     return tuple(node.id for node in dfg.nodes if node.id not in ordered)
 
 
+def zero_cycle(dfg: DFG) -> tuple[int, ...]:
+    """Node ids along one cycle of distance 0, each feeding the next; empty if there is none."""
+    stuck = set(cyclic_nodes(dfg))
+    feeder = {dst: src for src, dst in _precedences(dfg) if src in stuck and dst in stuck}
+    if not stuck:
+        return ()
+    # Every node that cannot be ordered waits for another such node: backwards lies a cycle.
+    node = next(node.id for node in dfg.nodes if node.id in stuck)
+    for _ in range(len(stuck)):
+        node = feeder[node]
+    cycle = [node]
+    while feeder[cycle[-1]] != node:
+        cycle.append(feeder[cycle[-1]])
+    return tuple(reversed(cycle))
+
+
 def _partial_order(dfg: DFG) -> list[int]:
     position = {node.id: index for index, node in enumerate(dfg.nodes)}
     waits = {node.id: 0 for node in dfg.nodes}

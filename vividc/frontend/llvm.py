@@ -189,7 +189,7 @@ def _scalar_argument(
 def _array_argument(param: Param, inputs: list[str], body: list[str], arguments: list[str]) -> None:
     """A C-contiguous array: its data pointer and shape come from the host, the rest is computed."""
     x = param.name
-    inputs.append(f'ptr %"&{x}"')
+    inputs.append(f'ptr noalias %"&{x}"')  # a launch with arrays that overlap is refused
     shapes: list[str] = []
     strides: list[str] = []
     item = param.dtype.size_bytes

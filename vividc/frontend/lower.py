@@ -40,6 +40,7 @@ from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
+from vividc.frontend.traps import trap_raises
 from vividc.frontend.subword import extend_loads, store_low_bits
 from vividc.frontend.value_numbering import merge_equal
 
@@ -230,8 +231,9 @@ def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
-    wide = resolve_memory(wide, holding.arrays)
-    return Prepared(straighten_single_trips(recover_extensions(wide)), holding.arrays)
+    wide, traps = trap_raises(resolve_memory(wide, holding.arrays))
+    wide = straighten_single_trips(recover_extensions(wide))
+    return Prepared(wide, holding.arrays | traps)
 
 
 def _narrowed(

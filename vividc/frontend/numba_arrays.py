@@ -19,12 +19,14 @@ import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, lowering, types
 from numba.core.runtime.context import NRTContext
-from numba.cpython import tupleobj
+from numba.cpython import slicing, tupleobj
 from numba.np import arraymath, arrayobj
 
 from vividc.frontend.overlap import ask_later
 
 ALLOCATE = "vividc.allocate "
+COPY = "a temporary copy"
+"""Stands for the element type of an allocation in bytes, whose accesses tell the type."""
 TABLE = "vividc.table "
 PICK = "vividc.pick "
 
@@ -46,7 +48,7 @@ class NoRuntime(NRTContext):  # type: ignore[misc]
         """Numba's temporary copy of a slice that may overlap another."""
         pointer = ir.IntType(8).as_pointer()
         callee = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(pointer, (size.type,)), f"{ALLOCATE}a temporary copy"
+            builder.module, ir.FunctionType(pointer, (size.type,)), f"{ALLOCATE}{COPY}"
         )
         return builder.call(callee, (size,))
 
@@ -65,6 +67,7 @@ def arrays_are_ours() -> Iterator[None]:
         (cgutils, "raw_memcpy", _copy),
         (arrayobj, "extents_may_overlap", ask_later),
         (arrayobj, "array_reshape", reshape),
+        (slicing, "fix_slice", _fix_slice),
         (lowering, "get_func_body_first_lineno", _first_line),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
@@ -139,6 +142,21 @@ def _memset(builder: ir.IRBuilder, pointer: Any, size: Any, value: int) -> None:
 
 
 _cgutils_memset = cgutils.memset
+
+
+def _fix_slice(builder: ir.IRBuilder, slice_: Any, size: Any) -> None:
+    """Numba's `fix_slice` without branches: bounds count from the end if negative, then are cut."""
+    is_down = cgutils.is_neg_int(builder, slice_.step)
+    last = builder.add(size, size.type(-1), flags=["nsw"])
+    lowest = builder.select(is_down, size.type(-1), size.type(0))
+    highest = builder.select(is_down, last, size)
+    for name in ("start", "stop"):
+        bound = getattr(slice_, name)
+        from_end = builder.add(bound, size)
+        bound = builder.select(builder.icmp_signed("<", bound, size.type(0)), from_end, bound)
+        bound = builder.select(builder.icmp_signed("<", bound, lowest), lowest, bound)
+        bound = builder.select(builder.icmp_signed(">", bound, highest), highest, bound)
+        setattr(slice_, name, bound)
 
 
 def _copy(

@@ -61,7 +61,7 @@ def _split_loads_of_block(
             continue
         incoming: list[tuple[str, Operand]] = []
         for index, (pred, source) in enumerate(pointers[pointer.name].incoming):
-            load = replace(op, name=f"{op.name}.{index}", args=(source,))
+            load = replace(op, name=f"{op.name}.{index}", args=(source,), subscript=())
             blocks[pred] = replace(blocks[pred], ops=(*blocks[pred].ops, load))
             incoming.append((pred, Local(load.name)))
         new_phis.append(WidePhi(op.name, op.type, tuple(incoming), op.loc))
@@ -153,7 +153,7 @@ def _side(
     for number, gep in enumerate(reversed(chain)):
         ops.append(replace(gep, name=f"{name}.{number}", args=(pointer, *gep.args[1:])))
         pointer = Local(ops[-1].name)
-    ops.append(replace(load, name=f"{name}.load", args=(pointer,)))
+    ops.append(replace(load, name=f"{name}.load", args=(pointer,), subscript=()))
     return WideBlock(name, (), tuple(ops), Exit((end,), loc=load.loc))
 
 

@@ -5,7 +5,16 @@ of it.
 from vividc.mapper.api import check_time_limit, map_dfg
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Status, Step
+from vividc.mapper.mapping import (
+    Bound,
+    Mapping,
+    MapResult,
+    Place,
+    Refutation,
+    Status,
+    Step,
+    Subject,
+)
 from vividc.mapper.mapping_json import mapping_from_json, mapping_to_json
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
@@ -27,6 +36,7 @@ __all__ = [
     "Refutation",
     "Status",
     "Step",
+    "Subject",
     "Violation",
     "all_bounds",
     "check_time_limit",

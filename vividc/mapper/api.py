@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
+from dataclasses import replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError, demand_type
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import MapResult
+from vividc.mapper.mapping import MapResult, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import find_mapper
 from vividc.mapper.request import MapRequest, Progress
@@ -71,7 +72,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
     result = run(problem, MapRequest(ii, Deadline.after(time_limit_s), workers, progress))
     _confirm(problem, result)
-    return result
+    return _about(result, Subject(dfg, fabric))
 
 
 def check_time_limit(time_limit_s: float) -> None:
@@ -91,6 +92,12 @@ def _check(ii: int | None, time_limit_s: float, workers: int) -> None:
     check_time_limit(time_limit_s)
     if workers < 1:
         raise VividcError(f"at least 1 worker is needed, not {workers}", loc="workers")
+
+
+def _about(result: MapResult, subject: Subject) -> MapResult:
+    mapping = result.mapping
+    known = None if mapping is None else replace(mapping, subject=subject)
+    return replace(result, mapping=known, subject=subject)
 
 
 def _confirm(problem: MapProblem, result: MapResult) -> None:

@@ -41,6 +41,7 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     found = [
         *recurrence_bounds(problem),
         *issue_bounds(problem),
+        *occupancy_bounds(problem),
         *live_out_bounds(problem),
         *control_bounds(problem),
         *bank_bounds(problem),
@@ -86,7 +87,8 @@ def lifetime_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     d - max_stages of its instances are on their way at once, each in a place of its own.
     """
     fabric = problem.fabric
-    places = len(fabric.links) + sum(pe.registers + 1 for pe in fabric.pes)
+    links = len(fabric.links) if fabric.routing.hops else 0
+    places = links + sum(pe.registers + 1 for pe in fabric.pes)
     found = []
     for _, edge in problem.dfg.routed_edges():
         latency = fabric.latency(problem.dfg.by_id[edge.src])
@@ -127,6 +129,16 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 def issue_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     """ResMII of each set of PEs that is all some operations can use; memory PEs form one."""
     return _hall_bounds(problem, "ResMII", problem.dfg.operations)
+
+
+def occupancy_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """An operation that keeps its FU for n cycles is followed by itself n cycles later at best."""
+    longest = max(problem.dfg.operations, key=problem.fabric.occupancy, default=None)
+    if longest is None or problem.fabric.occupancy(longest) == 1:
+        return ()
+    cycles = problem.fabric.occupancy(longest)
+    reason = f"{_name(longest)} keeps its FU for {cycles} cycles"
+    return (Bound("FU occupancy", cycles, reason, (longest.id,)),)
 
 
 def live_out_bounds(problem: MapProblem) -> tuple[Bound, ...]:
@@ -199,8 +211,10 @@ def _hall_bounds(problem: MapProblem, name: str, nodes: Sequence[Node]) -> tuple
     found = []
     for pes in hall_sets(candidates.values()) if nodes else ():
         users = [node for node in nodes if candidates[node.id] <= pes]
-        ii = -(-len(users) // len(pes))
-        reason = f"{len(users)} on {_pes_text(problem, pes)}: {_names(users)}"
+        cycles = sum(problem.fabric.occupancy(node) for node in users)
+        ii = -(-cycles // len(pes))
+        kept = "" if cycles == len(users) else f", {cycles} cycles of an FU,"
+        reason = f"{len(users)}{kept} on {_pes_text(problem, pes)}: {_names(users)}"
         found.append(Bound(name, ii, reason, tuple(node.id for node in users)))
     best = max((bound.ii for bound in found), default=0)
     return tuple(bound for bound in found if bound.ii == best)[:1]

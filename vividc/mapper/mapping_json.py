@@ -121,7 +121,9 @@ def _step(item: dict[str, Any]) -> Step:
         return Step("link", pe, index, time)
     if kind == "reg":
         return Step("reg", pe, index, time)
-    raise _fault("kind", f"{kind!r} is neither 'link' nor 'reg'")
+    if kind == "out":
+        return Step("out", pe, index, time)
+    raise _fault("kind", f"{kind!r} is none of 'link', 'reg' and 'out'")
 
 
 def _bound(item: dict[str, Any]) -> Bound:

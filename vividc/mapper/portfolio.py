@@ -13,7 +13,7 @@ from vividc.mapper.attempt import (
     is_large,
     map_decoupled,
     map_jointly,
-    map_roughly,
+    map_negotiated,
     refute_by_folding,
     refute_cheaply,
 )
@@ -170,7 +170,9 @@ def _try_foothold(campaign: _Campaign, factor: float) -> bool:
     if campaign.best is not None and ii >= campaign.best.ii:
         return True
     share_s = max(_CLIMB_LEAST_S, _FOOTHOLD_SHARE * request.deadline.remaining_s)
-    mapping = map_roughly(campaign.problem, ii, request, request.deadline.within(share_s)).mapping
+    mapping = map_negotiated(
+        campaign.problem, ii, request, request.deadline.within(share_s), 1
+    ).mapping
     if mapping is None:
         return False
     request.tell(f"II {ii}: mapped")
