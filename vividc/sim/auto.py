@@ -12,9 +12,9 @@ from vividc.sim.engine import Engine, Launch, Run
 from vividc.sim.native import NativeEngine
 from vividc.sim.reference import ReferenceEngine
 
-TRIAL_CYCLES: Final = 5_000
-"""What the reference engine runs in about the time that compiling an ordinary kernel takes (0.1 to
-0.2 s): whichever turns out the better, at most twice its time is spent.
+TRIAL_CYCLES: Final = 2_500
+"""What the reference engine runs in about the time that compiling an ordinary kernel takes (0.04 to
+0.13 s): whichever turns out the better, at most twice its time is spent.
 """
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -56,7 +57,9 @@ class ReferenceEngine:
             cycles=tile.cycle,
             switch_cycles=switches,
             memory=np.array(tile.memory, np.uint32),
-            value=returned(self._program, self._cells, tile.state),
+            value=returned(
+                self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]
+            ),
             regions=tuple(total.region_run() for total in totals),
             activity=_activity(tile, totals),
         )
@@ -80,8 +83,13 @@ class ReferenceEngine:
         return state
 
 
-def returned(program: Program, cells: StateMap, state: State) -> int | None:
+def returned(program: Program, word_at: Callable[[Home], int | None]) -> int | None:
     """The word of the returned scalar, of two words joined; None if nothing is returned.
+
+    Parameters
+    ----------
+    word_at
+        The word of a constant-store entry at the end; None: nothing was written there.
 
     Raises
     ------
@@ -90,15 +98,12 @@ def returned(program: Program, cells: StateMap, state: State) -> int | None:
     """
     if program.return_home is None:
         return None
-    low = _word(program, cells, state, program.return_home)
+    low = _written(program, word_at(program.return_home))
     high = program.return_high
-    return joined(
-        program.returns, low, None if high is None else _word(program, cells, state, high)
-    )
+    return joined(program.returns, low, None if high is None else _written(program, word_at(high)))
 
 
-def _word(program: Program, cells: StateMap, state: State, home: Home) -> int:
-    word = state[cells.constant(home.pe, home.entry)]
+def _written(program: Program, word: int | None) -> int:
     if word is None:
         raise SimulationError(
             f"{program.name} ended without writing its return value",

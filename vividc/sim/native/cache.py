@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Final
 
 VARIABLE: Final = "VIVIDC_CACHE_DIR"
+KEPT: Final = 4_000
+"""Files kept, of some ten KB each; the ones used longest ago go first."""
 _HASH_BYTES: Final = 32
 
 
@@ -46,7 +48,11 @@ def read(key: str) -> bytes | None:
             return None
         content = opened.read()
     code = content[_HASH_BYTES:]
-    return code if sha256(code).digest() == content[:_HASH_BYTES] else None
+    if sha256(code).digest() != content[:_HASH_BYTES]:
+        return None
+    with suppress(OSError):
+        os.utime(file)
+    return code
 
 
 def write(key: str, code: bytes) -> None:
@@ -67,6 +73,15 @@ def write(key: str, code: bytes) -> None:
         except OSError:
             os.unlink(name)
             raise
+        _trim(place)
+
+
+def _trim(place: Path) -> None:
+    files = [file for file in place.iterdir() if file.suffix == ".o"]
+    if len(files) > KEPT:
+        files.sort(key=lambda file: file.stat().st_mtime)
+        for file in files[: len(files) - KEPT * 3 // 4]:
+            file.unlink(missing_ok=True)
 
 
 def _is_private(path: Path, kind: object) -> bool:

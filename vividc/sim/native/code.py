@@ -9,10 +9,14 @@ from itertools import count
 from threading import Lock
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vividc.program import Program
 from vividc.sim.native import cache
 from vividc.sim.native.compiler import Native, host, loaded, object_code
 from vividc.sim.native.module import Plan, module_text, plan, spill_words
+from vividc.sim.native.state import image
 
 _KEPT: Final = 256
 _LOCK: Final = Lock()
@@ -26,12 +30,12 @@ class Compiled:
 
     Attributes
     ----------
-    context_words
-        Words of the context (see `layout`).
+    blank
+        Words of the context (see `layout`), and the image of the constant stores.
     """
 
     plan: Plan
-    context_words: int
+    blank: tuple[int, NDArray[np.uint32]]
     native: Native
 
 
@@ -45,7 +49,7 @@ def compiled(program: Program) -> Compiled:
     text = module_text(program, planned)
     key = sha256(f"{host()}\n{text}".encode()).hexdigest()
     words = planned.layout.spill + spill_words(planned)
-    return Compiled(planned, words, _native(key, text))
+    return Compiled(planned, (words, image(program)), _native(key, text))
 
 
 def _native(key: str, text: str) -> Native:

@@ -83,9 +83,14 @@ def loaded(code: bytes, name: str) -> Native:
 
 
 @functools.cache
-def _target_machine() -> binding.TargetMachine:
+def _initialize() -> None:
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
+
+
+@functools.cache
+def _target_machine() -> binding.TargetMachine:
+    _initialize()
     target = binding.Target.from_default_triple()
     return target.create_target_machine(
         cpu=binding.get_host_cpu_name(),
@@ -97,4 +102,5 @@ def _target_machine() -> binding.TargetMachine:
 
 @functools.cache
 def _jit() -> binding.LLJIT:
+    _initialize()
     return binding.create_lljit_compiler()

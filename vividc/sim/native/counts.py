@@ -11,11 +11,15 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vividc.dfg.opcodes import MEMORY
 from vividc.sim.engine import Activity
 from vividc.sim.native.layout import Sum
-from vividc.sim.native.trace import Constant, FlowOp, Move, Read, RegionFlow, Result
+from vividc.sim.native.trace import Constant, FlowOp, Move, RegionFlow, Result
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +38,19 @@ class Tail:
 
 
 CountClass = Speculation | Tail
+Vector = NDArray[np.int64]
+
+_ISSUED: Final = "issued "
+_DIRECT: Final = {
+    "entries": Sum.ENTRIES,
+    "iterations": Sum.ITERATIONS,
+    "cycles": Sum.CYCLES,
+    "stalls": Sum.STALLS,
+    "constant_writes": Sum.CONSTANT_WRITES,
+    "register_reads": Sum.CAPTURE_READS,
+    "scratchpad_reads": Sum.READS,
+    "scratchpad_writes": Sum.WRITES,
+}
 
 
 @dataclass
@@ -54,6 +71,34 @@ class Totals:
     scratchpad_writes: int = 0
 
 
+@dataclass(frozen=True, slots=True)
+class RegionCounts:
+    """Counts of a region as linear functions of its sums.
+
+    Attributes
+    ----------
+    classes
+        Sums beside the fixed ones.
+    names
+        Fields of `Totals`, and issues by opcode.
+    matrix
+        int64 [names, sums].
+    """
+
+    classes: tuple[CountClass, ...]
+    names: tuple[str, ...]
+    matrix: NDArray[np.int64]
+
+    def add_to(self, totals: Totals, sums: Vector) -> None:
+        """Add what the code of the region counted; `sums` begins with the region's."""
+        values = (self.matrix @ sums[: self.matrix.shape[1]]).tolist()
+        for name, value in zip(self.names, values, strict=True):
+            if not name.startswith(_ISSUED):
+                setattr(totals, name, getattr(totals, name) + value)
+            elif value:
+                totals.issued[name.removeprefix(_ISSUED)] += value
+
+
 def count_classes(flow: RegionFlow) -> tuple[CountClass, ...]:
     """The sums that a region's code keeps beside the fixed ones."""
     found: dict[CountClass, None] = {}
@@ -67,29 +112,72 @@ def count_classes(flow: RegionFlow) -> tuple[CountClass, ...]:
     return tuple(found)
 
 
-def add_counts(
-    totals: Totals, flow: RegionFlow, classes: Sequence[CountClass], sums: Sequence[int]
-) -> None:
-    """Add what the code of a region counted: its words from `Layout.sums` on."""
-    of_class = dict(zip(classes, sums[len(Sum) :], strict=True))
-    totals.entries += sums[Sum.ENTRIES]
-    totals.iterations += sums[Sum.ITERATIONS]
-    totals.cycles += sums[Sum.CYCLES]
-    totals.stalls += sums[Sum.STALLS]
-    totals.constant_writes += sums[Sum.CONSTANT_WRITES]
-    totals.register_reads += sums[Sum.CAPTURE_READS]
-    totals.scratchpad_reads += sums[Sum.READS]
-    totals.scratchpad_writes += sums[Sum.WRITES]
-    nonempty, iterations = sums[Sum.NONEMPTY], sums[Sum.ITERATIONS]
-    if not nonempty:
-        return
-    for op in flow.ops:
-        most = _most(flow, op)
-        issues = iterations + (of_class[Speculation(most)] if most else 0)
-        totals.issued[op.issue.op.value] += issues
-        _add_reads(totals, op, nonempty, issues - nonempty)
-    for move in flow.moves:
-        _add_words(totals, move, _words(flow, move, of_class, iterations))
+def region_counts(flow: RegionFlow) -> RegionCounts:
+    """What the sums of a region tell."""
+    classes = count_classes(flow)
+    unit = np.identity(len(Sum) + len(classes), np.int64)
+    found: dict[str, Vector] = {name: unit[place] for name, place in _DIRECT.items()}
+    of_class = dict(zip(classes, unit[len(Sum) :], strict=True))
+    _Counter(flow, unit, of_class, found).count()
+    return RegionCounts(classes, tuple(found), np.array([*found.values()]))
+
+
+class _Counter:
+    """Every count as a vector of coefficients of the sums."""
+
+    def __init__(
+        self,
+        flow: RegionFlow,
+        unit: NDArray[np.int64],
+        of_class: dict[CountClass, Vector],
+        found: dict[str, Vector],
+    ) -> None:
+        self._flow = flow
+        self._nothing: Vector = 0 * unit[0]
+        self._runs, self._iterations = unit[Sum.NONEMPTY], unit[Sum.ITERATIONS]
+        self._of_class = of_class
+        self._found = found
+
+    def count(self) -> None:
+        """Count operations and moves."""
+        for op in self._flow.ops:
+            issues = self._issues(op)
+            self._add(_ISSUED + op.issue.op.value, issues)
+            self._add_reads(op, issues - self._runs)
+        for move in self._flow.moves:
+            words = self._words(move)
+            self._add("link_words" if move.is_link else "register_writes", words)
+            if move.from_register:
+                self._add("register_reads", words)
+
+    def _add(self, name: str, times: Vector) -> None:
+        self._found[name] = np.add(self._found.get(name, self._nothing), times)
+
+    def _issues(self, op: FlowOp) -> Vector:
+        most = _most(self._flow, op)
+        extra = self._of_class[Speculation(most)] if most else self._nothing
+        issues: Vector = self._iterations + extra
+        return issues
+
+    def _words(self, move: Move) -> Vector:
+        tail = _tail(self._flow, move)
+        if tail is None:
+            return self._issues(self._flow.ops[move.op])
+        return self._of_class.get(tail, self._nothing)
+
+    def _add_reads(self, op: FlowOp, later: Vector) -> None:
+        issues = later + self._runs
+        if op.issue.op in MEMORY:
+            self._add("constant_reads", issues)
+        for read in (*op.reads, *(() if op.predicate is None else (op.predicate,))):
+            times = issues
+            if read.first is not None:
+                self._add("constant_reads", self._runs)
+                times = later
+            if isinstance(read.source, Constant):
+                self._add("constant_reads", times)
+            elif isinstance(read.source, Result) and read.from_register:
+                self._add("register_reads", times)
 
 
 def activity(totals: Sequence[Totals]) -> Activity:
@@ -111,38 +199,3 @@ def _tail(flow: RegionFlow, move: Move) -> Tail | None:
     most = _most(flow, op)
     last = -((op.time + move.age - flow.row.span) // flow.row.ii) - 1
     return None if last >= most else Tail(most, last)
-
-
-def _words(flow: RegionFlow, move: Move, of_class: dict[CountClass, int], iterations: int) -> int:
-    tail = _tail(flow, move)
-    if tail is not None:
-        return of_class.get(tail, 0)
-    most = _most(flow, flow.ops[move.op])
-    return iterations + (of_class[Speculation(most)] if most else 0)
-
-
-def _add_words(totals: Totals, move: Move, words: int) -> None:
-    if move.is_link:
-        totals.link_words += words
-    else:
-        totals.register_writes += words
-    if move.from_register:
-        totals.register_reads += words
-
-
-def _add_reads(totals: Totals, op: FlowOp, firsts: int, later: int) -> None:
-    base = 1 if op.issue.op in MEMORY else 0
-    totals.constant_reads += base * (firsts + later)
-    for read in (*op.reads, *(() if op.predicate is None else (op.predicate,))):
-        if read.first is not None:
-            totals.constant_reads += firsts
-            _add_read(totals, read, later)
-        else:
-            _add_read(totals, read, firsts + later)
-
-
-def _add_read(totals: Totals, read: Read, times: int) -> None:
-    if isinstance(read.source, Constant):
-        totals.constant_reads += times
-    elif isinstance(read.source, Result) and read.from_register:
-        totals.register_reads += times

@@ -8,20 +8,21 @@ engine, from their first cycle: errors are the same because they come from there
 from __future__ import annotations
 
 import sys
+from functools import partial
 from typing import Final
 
 from vividc.program import Program
 from vividc.sim.engine import Launch, RegionRun, Run
 from vividc.sim.native.code import Compiled, compiled
-from vividc.sim.native.counts import Totals, activity, add_counts
+from vividc.sim.native.counts import Totals, activity
 from vividc.sim.native.fallback import Fallback
-from vividc.sim.native.layout import Place, Status, Sum
+from vividc.sim.native.layout import Place, Status
 from vividc.sim.native.state import MachineState, initial_state
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.reference import ReferenceEngine, returned
 
 CYCLES_A_CALL: Final = 4_000_000
 """Cycles between two looks at interrupts and progress: at most some tenths of a second."""
-_ENTRIES_A_CALL: Final = 1_000_000
+ENTRIES_A_CALL: Final = 1_000_000
 _NEVER: Final = (1 << 62) - 1
 _WORD: Final = 1 << 32
 
@@ -33,6 +34,12 @@ class NativeEngine:
         self._program = program
         self._compiled = compiled(program)
         self._fallback = Fallback(program, self._compiled.plan.layout)
+
+    @property
+    def irregular_regions(self) -> tuple[int, ...]:
+        """Regions whose words have no form to compile: the reference engine runs them."""
+        flows = self._compiled.plan.flows
+        return tuple(index for index, flow in enumerate(flows) if flow is None)
 
     def run(self, launch: Launch) -> Run:
         """Run the program once (see `Engine.run`)."""
@@ -61,14 +68,13 @@ class _Running:
         self._fallback = fallback
         self._launch = launch
         self._totals = [Totals() for _ in program.table]
-        layout = code.plan.layout
-        self._state = initial_state(program, layout, code.context_words, launch)
+        self._state = initial_state(program, code.plan.layout, code.blank, launch)
 
     def run(self) -> Run:
         """Run to the end."""
         snapshot = self._state.copy()
         while True:
-            status = self._call(self._state, CYCLES_A_CALL, _ENTRIES_A_CALL)
+            status = self._call(self._state, CYCLES_A_CALL, ENTRIES_A_CALL)
             if self._launch.progress is not None and status is not Status.FAULT:
                 self._launch.progress(self._state.now)
             if status is Status.DONE:
@@ -99,17 +105,14 @@ class _Running:
 
     def _result(self) -> Run:
         state, plan = self._state, self._code.plan
-        for region, flow in enumerate(plan.flows):
-            if flow is not None:
-                classes = plan.classes[region]
-                first = plan.layout.sums[region]
-                sums = state.context[first : first + len(Sum) + len(classes)].tolist()
-                add_counts(self._totals[region], flow, classes, sums)
+        for counts, first, totals in zip(plan.counts, plan.layout.sums, self._totals, strict=True):
+            if counts is not None:
+                counts.add_to(totals, state.context[first:])
         return Run(
             cycles=int(state.context[Place.CYCLE]),
             switch_cycles=int(state.context[Place.SWITCH_CYCLES]),
             memory=state.scratchpad.copy(),
-            value=self._fallback.returned(state),
+            value=returned(self._program, partial(state.word_at, plan.layout)),
             regions=tuple(_region_run(totals) for totals in self._totals),
             activity=activity(self._totals),
             engine="native",

@@ -10,7 +10,7 @@ from vividc.sim.native.counts import Totals
 from vividc.sim.native.layout import BITS, Layout, Place
 from vividc.sim.native.state import MachineState
 from vividc.sim.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.reference import iterations, returned
+from vividc.sim.reference import iterations
 from vividc.sim.region_run import RegionState, Tile
 
 
@@ -55,10 +55,6 @@ class Fallback:
         tile.cycle = launch.cycle_limit + 1
         tile.check_limit(int(machine.context[Place.NEXT]))
 
-    def returned(self, machine: MachineState) -> int | None:
-        """The word of the returned scalar."""
-        return returned(self._program, self._cells, self._words(machine))
-
     def _tile(self, launch: Launch, machine: MachineState) -> Tile:
         return Tile(
             program=self._program,
@@ -77,8 +73,7 @@ class Fallback:
         cells = self._cells
         state: State = [None] * cells.volatile + machine.constants.tolist() + [1]
         for constant, bit in self._layout.bits.items():
-            word = int(machine.context[self._layout.valid_word(bit)])
-            if not word >> bit % BITS & 1:
+            if not machine.is_set(self._layout, bit):
                 state[cells.constant(constant.pe, constant.entry)] = None
         return state
 

@@ -13,7 +13,7 @@ from typing import Final
 
 from vividc.program import Program
 from vividc.sim.native.body import Machine
-from vividc.sim.native.counts import CountClass, count_classes
+from vividc.sim.native.counts import RegionCounts, region_counts
 from vividc.sim.native.layout import Layout, Place, Status, layout
 from vividc.sim.native.operations import DECLARATIONS
 from vividc.sim.native.region import ARGUMENTS, region_function
@@ -35,20 +35,21 @@ class Plan:
     ----------
     flows
         Of each region; None: the reference engine runs it.
-    classes
-        Classes of counts of each region.
+    counts
+        What the sums of each region tell.
     """
 
     flows: tuple[RegionFlow | None, ...]
-    classes: tuple[tuple[CountClass, ...], ...]
+    counts: tuple[RegionCounts | None, ...]
     layout: Layout
 
 
 def plan(program: Program) -> Plan:
     """Analyse the words of a program."""
     flows = tuple(trace(program, index) for index in range(len(program.table)))
-    classes = tuple(() if flow is None else count_classes(flow) for flow in flows)
-    return Plan(flows, classes, layout(program, [len(items) for items in classes]))
+    counts = tuple(None if flow is None else region_counts(flow) for flow in flows)
+    sizes = [0 if one is None else len(one.classes) for one in counts]
+    return Plan(flows, counts, layout(program, sizes))
 
 
 def module_text(program: Program, planned: Plan) -> str:
@@ -57,8 +58,10 @@ def module_text(program: Program, planned: Plan) -> str:
     machine = Machine(planned.layout, scratchpad.size_bytes, scratchpad.banks)
     switch_cycles = program.fabric.controller.switch_cycles
     regions = [
-        region_function(index, flow, classes, machine, switch_cycles)
-        for index, (flow, classes) in enumerate(zip(planned.flows, planned.classes, strict=True))
+        region_function(
+            index, flow, () if counts is None else counts.classes, machine, switch_cycles
+        )
+        for index, (flow, counts) in enumerate(zip(planned.flows, planned.counts, strict=True))
     ]
     return "\n".join([_DECLARATIONS, *regions, _dispatch(len(regions))])
 
