@@ -199,17 +199,3 @@ def product_with_lowest_bit(u, x):
     s = 1
     for i in range(0, 14, 3):
         u[15 - i] = (s & x[1]) * x[1]
-
-
-@vividc.kernel("int32(int32[::1], int32[::1], int32[::1], int32)")
-def load_of_three(a, b, c, n):
-    """LLVM makes one load of the three, one of whose pointers comes straight from a branch."""
-    acc = 0
-    for i in range(n):
-        if a[0] > b[i]:
-            acc ^= a[i + 1]
-        elif c[i] > n:
-            acc ^= b[i + 1]
-        else:
-            acc ^= c[i]
-    return acc

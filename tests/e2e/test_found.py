@@ -143,8 +143,3 @@ def test_the_lowest_bit_of_a_word_is_no_neutral_and(value: int) -> None:
     """Simplification after unrolling took `and` of a word with 1 for one of a predicate."""
     u, x = np.arange(16, dtype=np.uint32), np.full(2, value, np.int32)
     assert_agrees(k.product_with_lowest_bit, "vivid-tile", u, x)
-
-
-@pytest.mark.parametrize("n", [0, 6])
-def test_a_load_from_one_of_three_arrays(n: int) -> None:
-    assert_agrees(k.load_of_three, "vivid-tile", words(7), words(7), words(7) % 20, n)

@@ -57,12 +57,12 @@ def test_columns_and_planes() -> None:
     check(k.others, a, np.arange(9, dtype=np.int32), 1)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, 1])
 def test_random_programs(load: Load, seed: int) -> None:  # noqa: F811 - the fixture
     check(load(k.random_program(seed), "program"), *k.arguments(seed))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3, 200))
+@pytest.mark.parametrize("seed", range(2, 200))
 def test_many_random_programs(load: Load, seed: int) -> None:  # noqa: F811 - the fixture
     check(load(k.random_program(seed), "program"), *k.arguments(seed))
