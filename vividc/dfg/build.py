@@ -16,6 +16,7 @@ from vividc.dfg.build_straight import build_straight
 from vividc.dfg.cfg import Block, Function, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, incoming, uses
 from vividc.dfg.counted import Trip, count_loop
+from vividc.dfg.hoist_loads import hoist_loads
 from vividc.dfg.ir import DFG
 from vividc.dfg.loops import Loop, pipelined_loops
 from vividc.dfg.normalize import copy_exit_values, normalize
@@ -46,7 +47,7 @@ def build_kernel(function: Function) -> Kernel:
     KernelError
         If the control flow is irreducible, or a loop can neither end nor return.
     """
-    plan = _plan(copy_exit_values(merge_diamonds(normalize(function))))
+    plan = _plan(copy_exit_values(merge_diamonds(hoist_loads(normalize(function)))))
     cutter = _Cutter(plan)
     regions = _drop_empty(cutter.regions())
     return Kernel(
