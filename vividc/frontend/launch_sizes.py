@@ -25,7 +25,7 @@ class LaunchSizes:
     def __init__(self, function: WideFunction) -> None:
         self._definitions = function.definitions
         self._params = dict(function.params)
-        bounds = {name: (0, MAX_DIMENSION) for name in self._params if ".shape" in name}
+        bounds = {name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name}
         self._ranges = Ranges(function, bounds)
         headers = self._ranges.flow.loops
         self._counters = {phi.name for name in headers for phi in function.by_name[name].phis}
@@ -73,6 +73,8 @@ class LaunchSizes:
             low = self._ranges.at(op.args[1], block)[0]
             left = self._bound(op.args[0], block, False, depth - 1)
             return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
+        if op.op == "udiv":
+            return self._bound(op.args[0], block, False, depth - 1)
         if op.op == "select":
             return self._all("max", op.args[1:], block, depth)
         return self._call(op, block, depth) if op.op == "call" else None

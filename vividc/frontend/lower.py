@@ -13,7 +13,6 @@ from typing import Any
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.dfg.cfg import (
-    MAX_DIMENSION,
     MAX_ELEMENTS,
     WIDE_DTYPES,
     DType,
@@ -264,7 +263,7 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
-            bounds[f"{param.name}.shape{axis}"] = (0, MAX_DIMENSION)
+            bounds[f"{param.name}.shape{axis}"] = (0, param.max_dimension)
     return bounds
 
 

@@ -213,6 +213,27 @@ def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
 _array_reshape: Callable[..., Any] = arrayobj.array_reshape
 
 
+def broadcast_onto(builder: ir.IRBuilder, args: Any) -> Any:
+    """Numba's `_broadcast_onto` without its loop: the shape of one operand joins the result's.
+
+    The numbers of dimensions are constants. The result is less than 1 if the shapes do not fit.
+    """
+    count, shape, result_count, result = args
+    ones = ir.Constant(_I64, 1)
+    wrong: Any = ir.Constant(ir.IntType(1), 0)
+    first = result_count.constant - count.constant
+    for axis in range(count.constant):
+        place = cgutils.gep_inbounds(builder, result, first + axis)
+        size = builder.load(cgutils.gep_inbounds(builder, shape, axis))
+        before = builder.load(place)
+        is_open = builder.icmp_signed("==", before, ones)
+        differs = builder.icmp_signed("!=", size, before)
+        differs = builder.and_(differs, builder.icmp_signed("!=", size, ones))
+        wrong = builder.or_(wrong, builder.and_(builder.not_(is_open), differs))
+        builder.store(builder.select(is_open, size, before), place)
+    return builder.select(wrong, _I64(-1), result_count)
+
+
 def _product(builder: ir.IRBuilder, values: list[Any]) -> Any:
     result: Any = _I64(1)
     for value in values:
