@@ -8,9 +8,9 @@ elements into words.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-import math
 
 import numpy as np
 

@@ -39,8 +39,8 @@ from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
-from vividc.frontend.traps import trap_raises
 from vividc.frontend.subword import extend_loads, store_low_bits
+from vividc.frontend.traps import trap_raises
 from vividc.frontend.value_numbering import merge_equal
 
 # What numba raises for functions that it did not foresee.

@@ -20,7 +20,7 @@ from llvmlite import ir
 from numba.core import cgutils, lowering, types
 from numba.core.runtime.context import NRTContext
 from numba.cpython import slicing, tupleobj
-from numba.np import arraymath, arrayobj
+from numba.np import arraymath, arrayobj, npyimpl
 
 from vividc.frontend.overlap import ask_later
 
@@ -68,6 +68,7 @@ def arrays_are_ours() -> Iterator[None]:
         (arrayobj, "extents_may_overlap", ask_later),
         (arrayobj, "array_reshape", reshape),
         (slicing, "fix_slice", _fix_slice),
+        (npyimpl._ArrayIndexingHelper, "update_indices", _update_indices),
         (lowering, "get_func_body_first_lineno", _first_line),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
@@ -157,6 +158,16 @@ def _fix_slice(builder: ir.IRBuilder, slice_: Any, size: Any) -> None:
         bound = builder.select(builder.icmp_signed("<", bound, lowest), lowest, bound)
         bound = builder.select(builder.icmp_signed(">", bound, highest), highest, bound)
         setattr(slice_, name, bound)
+
+
+def _update_indices(helper: Any, loop_indices: Any, _: str) -> None:
+    """Numba's method without branches: along a dimension of one element the index stays 0."""
+    array = helper.array
+    builder = array.builder
+    first = len(loop_indices) - len(helper.indices)
+    for index, source, size in zip(loop_indices[first:], helper.indices, array.shape, strict=True):
+        is_many = builder.icmp_unsigned(">", size, size.type(1))
+        builder.store(builder.select(is_many, index, index.type(0)), source)
 
 
 def _copy(
