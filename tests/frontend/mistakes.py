@@ -273,10 +273,10 @@ def endless(x, n):
         x[0] += 1
 
 
-@mistake("erf", "")
+@mistake("lgamma", "")
 def unknown_math(x, n):
     for i in range(n):
-        x[i] = math.erf(x[i])  # here
+        x[i] = math.lgamma(x[i])  # here
 
 
 @mistake("linear algebra", "loops")
