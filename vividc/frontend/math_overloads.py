@@ -20,6 +20,7 @@ from vividc.frontend.lang import bitcast_f32, bitcast_i32, fma
 _overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = functools.partial(
     overload, target="vividc"
 )
+_fma: Callable[..., Any] = fma
 _F: Any = np.float32
 _ONE, _TWO, _HALF = _F(1), _F(2), _F(0.5)
 _LOG_2 = _F(math.log(2))
@@ -103,13 +104,13 @@ def _overload_erfc(x: Any) -> Any:
 def _near_zero(z: Any) -> Any:
     """erf(x) / x for z = x * x up to 1."""
     result = _ERF[7]
-    result = fma(result, z, _ERF[6])
-    result = fma(result, z, _ERF[5])
-    result = fma(result, z, _ERF[4])
-    result = fma(result, z, _ERF[3])
-    result = fma(result, z, _ERF[2])
-    result = fma(result, z, _ERF[1])
-    return fma(result, z, _ERF[0])
+    result = _fma(result, z, _ERF[6])
+    result = _fma(result, z, _ERF[5])
+    result = _fma(result, z, _ERF[4])
+    result = _fma(result, z, _ERF[3])
+    result = _fma(result, z, _ERF[2])
+    result = _fma(result, z, _ERF[1])
+    return _fma(result, z, _ERF[0])
 
 
 @register_jitable
@@ -118,19 +119,19 @@ def _upper(a: Any) -> Any:
     x = _VANISHED if a > _VANISHED else a
     t = (x - _CENTRE) / (x + _CENTRE)
     result = _ERFC[11]
-    result = fma(result, t, _ERFC[10])
-    result = fma(result, t, _ERFC[9])
-    result = fma(result, t, _ERFC[8])
-    result = fma(result, t, _ERFC[7])
-    result = fma(result, t, _ERFC[6])
-    result = fma(result, t, _ERFC[5])
-    result = fma(result, t, _ERFC[4])
-    result = fma(result, t, _ERFC[3])
-    result = fma(result, t, _ERFC[2])
-    result = fma(result, t, _ERFC[1])
-    result = fma(result, t, _ERFC[0])
+    result = _fma(result, t, _ERFC[10])
+    result = _fma(result, t, _ERFC[9])
+    result = _fma(result, t, _ERFC[8])
+    result = _fma(result, t, _ERFC[7])
+    result = _fma(result, t, _ERFC[6])
+    result = _fma(result, t, _ERFC[5])
+    result = _fma(result, t, _ERFC[4])
+    result = _fma(result, t, _ERFC[3])
+    result = _fma(result, t, _ERFC[2])
+    result = _fma(result, t, _ERFC[1])
+    result = _fma(result, t, _ERFC[0])
     square = x * x
-    rest = fma(x, x, -square)
+    rest = _fma(x, x, -square)
     return result / (_ONE + _TWO * x) * (math.exp(-square) * (_ONE - rest))
 
 
