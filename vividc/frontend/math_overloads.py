@@ -20,6 +20,7 @@ from vividc.frontend.lang import bitcast_f32, bitcast_i32, fma
 _overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = functools.partial(
     overload, target="vividc"
 )
+_helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
 _fma: Callable[..., Any] = fma
 _F: Any = np.float32
 _ONE, _TWO, _HALF = _F(1), _F(2), _F(0.5)
@@ -100,7 +101,7 @@ def _overload_erfc(x: Any) -> Any:
     return erfc if _is_float32(x) else None
 
 
-@register_jitable
+@_helper
 def _near_zero(z: Any) -> Any:
     """erf(x) / x for z = x * x up to 1."""
     result = _ERF[7]
@@ -113,7 +114,7 @@ def _near_zero(z: Any) -> Any:
     return _fma(result, z, _ERF[0])
 
 
-@register_jitable
+@_helper
 def _upper(a: Any) -> Any:
     """erfc of a number that is not negative; NaN of NaN."""
     x = _VANISHED if a > _VANISHED else a
