@@ -22,7 +22,7 @@ from vividc.dfg.loops import Loop, pipelined_loops
 from vividc.dfg.normalize import copy_exit_values, normalize
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.diamonds import merge_diamonds
-from vividc.errors import KernelError, SourceLoc
+from vividc.errors import SourceLoc
 
 
 @dataclass(frozen=True)
@@ -65,11 +65,6 @@ def _plan(function: Function) -> _Plan:
     trips: dict[str, Trip | None] = {}
     addresses: dict[str, dict[int, Address]] = {}
     for header, loop in loops.items():
-        if not loop.exits:
-            block = next(b for b in function.blocks if b.name == header)
-            raise KernelError(
-                "this loop never ends", loc=block.branch.loc, hint="leave it with `break`"
-            )
         preheader = _preheader(function, loop)
         function, trips[header] = count_loop(function, loop, preheader)
         function, addresses[header] = fold_addresses(function, loop, preheader)

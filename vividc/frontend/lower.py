@@ -13,7 +13,6 @@ from typing import Any
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.dfg.cfg import (
-    MAX_DIMENSION,
     MAX_ELEMENTS,
     WIDE_DTYPES,
     DType,
@@ -40,8 +39,8 @@ from vividc.frontend.simplify import fold_by_ranges, recover_extensions
 from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
-from vividc.frontend.traps import trap_raises
 from vividc.frontend.subword import extend_loads, store_low_bits
+from vividc.frontend.traps import trap_raises
 from vividc.frontend.value_numbering import merge_equal
 
 # What numba raises for functions that it did not foresee.
@@ -264,7 +263,7 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
-            bounds[f"{param.name}.shape{axis}"] = (0, MAX_DIMENSION)
+            bounds[f"{param.name}.shape{axis}"] = (0, param.max_dimension)
     return bounds
 
 
