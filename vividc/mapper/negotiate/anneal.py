@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from vividc.mapper.negotiate.arrays import FU, Array, Edges, Floats, Longs, Task
+from vividc.mapper.mrrg import Ints
+from vividc.mapper.negotiate.arrays import FU, Array, Edges, Floats, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess, window
 
@@ -23,7 +24,7 @@ class Heat(NamedTuple):
 
     value: Floats
     cooling: float
-    scratch: Longs
+    scratch: Ints
 
 
 @compiled
@@ -37,7 +38,7 @@ def anneal(task: Task, places: Places, heat: Heat, moves: int) -> None:
 
 
 @compiled
-def _step(task: Task, places: Places, heat: float, node: int, scratch: Longs) -> None:
+def _step(task: Task, places: Places, heat: float, node: int, scratch: Ints) -> None:
     nodes, edges, array = task
     old_pe, old_time = places.pe[node], places.time[node]
     pe, time = propose(task, places, node, scratch)
@@ -81,7 +82,7 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
 
 
 @compiled
-def propose(task: Task, places: Places, node: int, scratch: Longs) -> tuple[int, int]:
+def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
     """A PE (any, or one near a neighbour in the graph) and a time for `node`."""
     nodes, edges, array = task
     random = places.random

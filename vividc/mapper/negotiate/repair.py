@@ -53,11 +53,11 @@ def new_undo(task: Task, traffic: Traffic) -> Undo:
     most = 2 * (1 + int(np.diff(task.edges.fed_begin).max(initial=0)))
 
     def like(array: Ints) -> Ints:
-        return np.zeros((most, *array.shape[1:]), dtype=np.int32)
+        return np.zeros((most, *array.shape[1:]), dtype=np.int64)
 
     return Undo(
-        np.zeros(most + 1, dtype=np.int32),
-        np.zeros(len(task.nodes.latency) + 1, dtype=np.int32),
+        np.zeros(most + 1, dtype=np.int64),
+        np.zeros(len(task.nodes.latency) + 1, dtype=np.int64),
         like(traffic.size),
         like(traffic.cell),
         like(traffic.claim),

@@ -51,11 +51,11 @@ class Traffic(NamedTuple):
     use, capacity, price, history
         By MRRG node. `base` by resource.
     size
-        By producer: (cells of its tree, claims, cuts), int32 (producers, 3).
+        By producer: (cells of its tree, claims, cuts), int64 (producers, 3).
     cell
-        (cycles since the result, location, location before or -1), int32 (producers, room, 3).
+        (cycles since the result, location, location before or -1), int64 (producers, room, 3).
     claim
-        MRRG nodes used, int32 (producers, 4 * room).
+        MRRG nodes used, int64 (producers, 4 * room).
     cut
         (cycles since the result, location) from which on a word that stays is in another register.
     end
@@ -100,20 +100,20 @@ def new_traffic(mrrg: MRRG, task: Task, room: int) -> Traffic:
     """No word has a way; `room`: cells of a tree, at most."""
     ii, producers = task.array.ii, len(task.nodes.latency)
     base = np.array([_BASE[resource.kind] for resource in mrrg.resources])
-    capacity = np.array([resource.capacity for resource in mrrg.resources], dtype=np.int32)
+    capacity = np.array([resource.capacity for resource in mrrg.resources], dtype=np.int64)
     nodes = len(base) * ii
     return Traffic(
-        use=np.zeros(nodes, dtype=np.int32),
+        use=np.zeros(nodes, dtype=np.int64),
         capacity=np.repeat(capacity, ii),
         price=np.repeat(base, ii),
         history=np.ones(nodes),
         base=base,
         totals=np.array([_FIRST_PRESSURE, 0.0, 0.0]),
-        size=np.zeros((producers, 3), dtype=np.int32),
-        cell=np.zeros((producers, room, 3), dtype=np.int32),
-        claim=np.zeros((producers, 4 * room), dtype=np.int32),
-        cut=np.zeros((producers, room, 2), dtype=np.int32),
-        end=np.full(len(task.edges.src), LOST, dtype=np.int32),
+        size=np.zeros((producers, 3), dtype=np.int64),
+        cell=np.zeros((producers, room, 3), dtype=np.int64),
+        claim=np.zeros((producers, 4 * room), dtype=np.int64),
+        cut=np.zeros((producers, room, 2), dtype=np.int64),
+        end=np.full(len(task.edges.src), LOST, dtype=np.int64),
     )
 
 
@@ -121,7 +121,7 @@ def new_scratch(mrrg: MRRG, cycles: int) -> Scratch:
     """For words that live `cycles` at most."""
     shape = (cycles + 1, mrrg.locations)
     return Scratch(
-        np.zeros(shape), np.zeros(shape, dtype=np.int32), np.zeros(shape, dtype=np.uint8)
+        np.zeros(shape), np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.uint8)
     )
 
 
