@@ -1,4 +1,4 @@
-"""Large graphs: some mapping soon, then ever smaller IIs by negotiation, then proofs for what is left.
+"""Large graphs: some mapping soon, then smaller IIs by negotiation, then proofs for what is left.
 
 Each step has a fixed effort and a fixed seed, and a deadline only cuts the sequence off: a longer
 time limit goes the same way farther. The limit does not count the one compilation of the annealer.

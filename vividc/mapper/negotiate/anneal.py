@@ -16,7 +16,8 @@ from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess, window
 
 _BROKEN, _LATE, _HOP, _CYCLE, _TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
-_NEAR = 0.5
+_MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
+"""Of 100 moves, which change the PE and which the time."""
 
 
 class Heat(NamedTuple):
@@ -39,7 +40,7 @@ def anneal(task: Task, places: Places, heat: Heat, moves: int) -> None:
 
 @compiled
 def _step(task: Task, places: Places, heat: float, node: int, scratch: Ints) -> None:
-    nodes, edges, array = task
+    nodes, array = task.nodes, task.array
     old_pe, old_time = places.pe[node], places.time[node]
     pe, time = propose(task, places, node, scratch)
     if pe == old_pe and time == old_time:
@@ -88,7 +89,7 @@ def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, 
     random = places.random
     pe, time = places.pe[node], places.time[node]
     kind = draw(random, 100)
-    if kind < 65:
+    if kind < _MOVE_PE_BELOW:
         begin, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
         pe = nodes.pe_items[begin + draw(random, end - begin)]
         count = edges.of_begin[node + 1] - edges.of_begin[node]
@@ -101,7 +102,7 @@ def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, 
             ]
             if nodes.can[node, near]:
                 pe = near
-    if kind >= 45:
+    if kind >= _MOVE_TIME_FROM:
         window(edges, array, places, node, scratch)
         first, last = scratch[0], scratch[1]
         if first <= last:
@@ -134,9 +135,9 @@ def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
     hops = array.hop[places.pe[src], places.pe[dst]]
     cost = _HOP * hops
     if late > 0:
-        return cost + _LATE * late
+        return float(cost + _LATE * late)
     life = places.time[dst] - places.time[src] - edges.ready[edge]
-    return cost + _TIGHT * max(0, hops + edges.spare[edge] - life)
+    return float(cost + _TIGHT * max(0, hops - life))
 
 
 @compiled

@@ -33,7 +33,7 @@ class Nodes(NamedTuple):
 
 class Edges(NamedTuple):
     """Dependences: start[dst] - start[src] >= `shift`; a routed word lives start[dst] - start[src]
-    - `ready` cycles beyond its result. `spare`: cycles that it wants on top.
+    - `ready` cycles beyond its result.
 
     `of`: edges at each node but self loops; `sink`: routed edges out of a node; `fed`: producers of
     what a node reads, itself not counted. `ahead` = II * distance.
@@ -45,7 +45,6 @@ class Edges(NamedTuple):
     ready: Ints
     ahead: Ints
     routed: NDArray[np.uint8]
-    spare: Ints
     of_begin: Ints
     of_items: Ints
     sink_begin: Ints
@@ -140,7 +139,6 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
         ints(e.latency - ii * e.distance for e in found),
         ints(ii * e.distance for e in found),
         np.array([e.routed for e in found], dtype=np.uint8),
-        np.zeros(len(found), dtype=np.int64),
         *(part for rows in packed for part in (rows.begin, rows.items)),
     )
 

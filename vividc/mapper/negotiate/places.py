@@ -104,7 +104,7 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
             over += places.counts[3 * grid + ii + done] - 1
     else:
         over += places.counts[2 * grid + row + slot] - 1
-    return over
+    return int(over)
 
 
 @compiled
