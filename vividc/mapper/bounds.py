@@ -22,6 +22,7 @@ from vividc.mapper.dependences import (
     positive_cycle,
 )
 from vividc.mapper.mapping import Bound
+from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem
 
 _MAX_HALL_SETS = 256
@@ -54,6 +55,7 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         *bank_bounds(problem),
     ]
     found += stage_bounds(problem, mii(found))
+    found += pressure_bounds(problem, mii(found), no_ii(problem))
     return tuple(sorted(found, key=lambda bound: -bound.ii))
 
 
