@@ -53,7 +53,7 @@ from vividc.frontend import kernel
 
 """
 TABLES = {
-    "TABLE": "np.array([3, -1, 4, 200, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 7, -2**31], np.int32)",
+    "TABLE": "np.array([3, -1, 4, 9, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
     "SMALL": "(7, -3, 12, 5)",
 }
 HELPERS = {
@@ -118,7 +118,7 @@ def _body(program: Program) -> str:
     random, text = program.random, ""
     if random.random() < 0.2:
         text += program.statement(1, 1)
-    depth = random.choice([1, 2, 2, 2, 3])
+    depth = random.choice([1, 1, 2, 2, 2, 3])
     text += program.loop_over(depth, 1)
     for _ in range(random.choice([0, 0, 1, 2])):
         text += program.statement(random.choice([0, 2]), 1)

@@ -32,7 +32,7 @@ class Program:
 
     def block(self, depth: int, indent: int, most: int = 3) -> str:
         """Some statements."""
-        count = self.random.randint(1, most)
+        count = self.random.choice([1, 1, 2, most])
         return "".join(self.statement(depth, indent) for _ in range(count))
 
     def statement(self, depth: int, indent: int) -> str:
