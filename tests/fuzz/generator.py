@@ -53,7 +53,7 @@ from vividc.frontend import kernel
 
 """
 TABLES = {
-    "TABLE": "np.array([3, -1, 4, 9, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
+    "TABLE": "np.array([3, -1, 4, 4, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
     "SMALL": "(7, -3, 12, 5)",
 }
 HELPERS = {
