@@ -27,3 +27,23 @@ def program(a, m):
 """
     verdict = judge(source, 20174, tmp_path, simulate="blocks")
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_row_may_be_skipped_on_a_choice_from_a_tuple(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SMALL = (7, 0, 12, 5)
+SHAPES = {'c': ('L', 'M')}
+FIXED = True
+
+@kernel('int16(uint16[:, ::1], int32)')
+def program(c, n):
+    for i2, e1 in enumerate(c):
+        if SMALL[(n + i2) & 3]:
+            continue
+        e1[2] ^= np.uint16(1)
+    return np.int16(0)
+"""
+    verdict = judge(source, 20034, tmp_path)
+    assert verdict.kind == "agrees", verdict.text
