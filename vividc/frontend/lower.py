@@ -32,6 +32,7 @@ from vividc.frontend.llvm_text import read_function
 from vividc.frontend.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
 from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
+from vividc.frontend.null_choices import drop_null_choices
 from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.overlap import fold_overlaps
 from vividc.frontend.ranges import Ranges
@@ -230,7 +231,7 @@ def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
-    wide, traps = trap_raises(resolve_memory(wide, holding.arrays))
+    wide, traps = trap_raises(resolve_memory(drop_null_choices(wide), holding.arrays))
     wide = straighten_single_trips(recover_extensions(wide))
     return Prepared(wide, holding.arrays | traps)
 
