@@ -170,10 +170,17 @@ def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
     """A signed operation on a type of less than a word."""
     bits = width(op.type)
     key = _name(op)
-    low, high = _RULES[key](op, *(as_signed(operand, bits) for operand in operands))
-    if not contains((-(2 ** (bits - 1)), 2 ** (bits - 1)), (low, high)) or low < 0 <= high:
-        return full(op.type)
-    return (low + 2**bits, high + 2**bits) if low < 0 else (low, high)
+    result = _RULES[key](op, *(as_signed(operand, bits) for operand in operands))
+    within = contains((-(2 ** (bits - 1)), 2 ** (bits - 1)), result)
+    return _as_kept(result, op.type) if within else full(op.type)
+
+
+def _as_kept(interval: Interval, type_: str) -> Interval:
+    """Signed values that fit an integer type, as they are kept: without sign in less than a word."""
+    low, high = interval
+    if width(type_) >= _WORD or low >= 0:
+        return interval
+    return full(type_) if high >= 0 else (low + 2 ** width(type_), high + 2 ** width(type_))
 
 
 def _convert(op: Op, a: Interval) -> Interval:
@@ -181,7 +188,7 @@ def _convert(op: Op, a: Interval) -> Interval:
         return a if contains(full(op.type), a) else full(op.type)
     half = 2 ** (width(op.source) - 1)
     if op.op == "sext" and a[1] >= half:  # only types of less than a word have such values
-        return (-half, half - 1) if half > 1 else (-a[1], -a[0])
+        return _as_kept(as_signed(a, width(op.source)), op.type)
     if op.op == "sext" or a[0] >= 0:
         return a
     modulus = 2 ** width(op.source)
