@@ -176,7 +176,7 @@ def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
 
 
 def _as_kept(interval: Interval, type_: str) -> Interval:
-    """Signed values that fit an integer type, as they are kept: without sign in less than a word."""
+    """Signed values that fit an integer type, as they are kept: less than a word without sign."""
     low, high = interval
     if width(type_) >= _WORD or low >= 0:
         return interval
