@@ -1,4 +1,4 @@
-"""Random kernels: numba, the interpreter (as written and transformed) and the simulator agree."""
+"""Random kernels: numba, the interpreter (as written and transformed) and both engines agree."""
 
 from __future__ import annotations
 
