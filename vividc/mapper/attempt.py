@@ -34,7 +34,7 @@ _SCHEDULE_S_PER_NODE = 0.02
 _ROUTE_S = 2.0
 _ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
-_LARGE = 64
+_LARGE = 40
 _KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
 """(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
