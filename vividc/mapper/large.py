@@ -47,7 +47,7 @@ def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False
 
 def _negotiate(campaign: Campaign, ii: int, seed: int, effort: Effort) -> Attempt:
     request = campaign.request
-    found = map_negotiated(campaign.problem, ii, request, _limit(campaign), seed, effort)
+    found = map_negotiated(campaign.problem, ii, request, limit_of(campaign), seed, effort)
     campaign.note(ii, found)
     return found
 
@@ -101,14 +101,14 @@ def _insist(campaign: Campaign) -> None:
             turn = 0
             continue
         budget_s = _PROOF_S * 2**turn
-        campaign.try_ii(campaign.open_iis()[0], _limit(campaign).within(budget_s))
+        campaign.try_ii(campaign.open_iis()[0], limit_of(campaign).within(budget_s))
 
 
 def _is_enough(campaign: Campaign) -> bool:
-    return _limit(campaign).passed
+    return limit_of(campaign).passed
 
 
-def _limit(campaign: Campaign) -> Deadline:
+def limit_of(campaign: Campaign) -> Deadline:
     """The deadline, which a thrifty request brings forward when the gap is small."""
     request, best = campaign.request, campaign.best
     if not request.thrifty or best is None or best.ii - campaign.lower > _NEAR:

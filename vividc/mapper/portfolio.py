@@ -67,9 +67,10 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     if request.ii is not None:
         impossible = _only(campaign, request.ii)
         return _result(campaign, bounds, name, began, infeasible=impossible)
+    jointly = strategy is _try_jointly
     if is_large(problem):
-        search_large(campaign, ii_limit(problem), only_footholds=strategy is _try_jointly)
-    if campaign.open_iis() or campaign.best is None:
+        search_large(campaign, ii_limit(problem), only_footholds=jointly)
+    if campaign.best is None or jointly or not is_large(problem):
         _climb(campaign)
         _descend(campaign)
     exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
