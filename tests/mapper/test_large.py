@@ -7,7 +7,7 @@ import pytest
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.mapper import map_dfg
-from vividc.mapper.attempt import OPEN, Attempt
+from vividc.mapper.attempt import OPEN, Attempt, map_decoupled
 from vividc.mapper.campaign import Campaign
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.large import limit_of
@@ -52,3 +52,18 @@ def test_what_is_found_is_told_with_ever_smaller_iis() -> None:
     mapped = [int(line.split()[1][:-1]) for line in lines if line.endswith("mapped")]
     assert mapped == sorted(mapped, reverse=True)
     assert mapped[-1] == result.ii
+
+
+def test_many_tries_of_an_ii_do_not_overflow_the_budget() -> None:
+    problem = MapProblem(random_loop(1, 4), TILE)
+    request = MapRequest(None, Deadline.after(20.0), 1)
+    attempt = map_decoupled(problem, 4, request, request.deadline, first_seed=9000)
+    assert attempt.mapping is not None
+
+
+def test_one_ii_of_a_large_graph() -> None:
+    dfg = random_loop(21, 60, (8, 2, 1))
+    result = map_dfg(dfg, TILE, ii=9, time_limit_s=60, workers=1)
+    assert result.ii == 9
+    assert result.mapping is not None
+    assert verify(dfg, TILE, result.mapping) == []
