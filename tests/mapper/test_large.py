@@ -63,7 +63,7 @@ def test_many_tries_of_an_ii_do_not_overflow_the_budget() -> None:
 
 def test_one_ii_of_a_large_graph() -> None:
     dfg = random_loop(21, 60, (8, 2, 1))
-    result = map_dfg(dfg, TILE, ii=9, time_limit_s=60, workers=1)
-    assert result.ii == 9
+    result = map_dfg(dfg, TILE, ii=30, time_limit_s=60, workers=1)
+    assert result.ii == 30
     assert result.mapping is not None
     assert verify(dfg, TILE, result.mapping) == []
