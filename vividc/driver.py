@@ -18,12 +18,13 @@ from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.mapper import MapProblem, MapResult, check_time_limit
+from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
+from vividc.mapper.deadline import Deadline
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
-from vividc.mapper.relaxed import map_relaxed_first
 from vividc.mapper.straight_bounds import straight_lower_bound
 from vividc.mapper.verify import violations
+from vividc.planning.budget import Budget
 from vividc.planning.choose import Stage, choose
 from vividc.planning.estimate import Estimator, Shape
 from vividc.planning.explain import loop_reports
@@ -34,13 +35,31 @@ from vividc.program.programmable import demand_programmable
 
 Progress = Callable[[str], None]
 
-_TRANSFORMED_S = 25.0
-"""A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
+_LEAST_S = 1.0
+"""Mapping the kernel as written is given so long in any case."""
 
 
 @dataclass(frozen=True, slots=True)
 class CompileOptions:
-    """How a kernel is compiled. `time_limit_s` is for all its regions together."""
+    """How a kernel is compiled.
+
+    Attributes
+    ----------
+    mapper
+        "auto", or another mapper's name.
+    time_limit_s
+        Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
+    strict_fp
+        Refuse float64 arithmetic instead of running it in float32 with a warning.
+    contract
+        Fuse multiplications and additions into FMAs.
+    progress
+        Called with one line for each step.
+    transform
+        What is done to loops.
+    reassociate
+        Balance reductions of floats too, which changes their rounding; integers' always are.
+    """
 
     mapper: str = "auto"
     time_limit_s: float = 60.0
@@ -74,14 +93,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         A Python function decorated with `kernel`, or a C function from `load_ll`.
     fabric
         A fabric, a preset's name, or a YAML file.
-    time_limit_s
-        Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
-    strict_fp
-        Refuse float64 arithmetic instead of running it in float32 with a warning.
-    contract
-        Fuse multiplications and additions into FMAs.
-    reassociate
-        Balance reductions of floats too, which changes their rounding; integers' always are.
+    mapper, time_limit_s, strict_fp, contract, reassociate, progress
+        See `CompileOptions`.
     transform
         "auto": loops are unrolled, jammed and flattened where an estimate says that it pays;
         "none": not.
@@ -90,48 +103,57 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
     flatten
         Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
-    progress
-        Called with one line for each step.
 
     Raises
     ------
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
+    machine = _checked(kernel, fabric, time_limit_s)
+    wanted = transform_options(transform, unroll, jam, flatten)
+    options = CompileOptions(
+        mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
+    )
+    function, told = _lowered(kernel, strict_fp)
+    program = _compile_stages(function, machine, options)
+    for text in program.warnings:
+        warnings.warn(text, VividcWarning, stacklevel=2)
+    return replace(program, warnings=(*told, *program.warnings))
+
+
+def _checked(kernel: object, fabric: str | Fabric, time_limit_s: float) -> Fabric:
+    """The fabric to compile for; arguments that make no sense are refused."""
     hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
     demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
     demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     demand_programmable(machine)
     check_time_limit(time_limit_s)
-    wanted = transform_options(transform, unroll, jam, flatten)
-    options = CompileOptions(
-        mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
-    )
+    return machine
+
+
+def _lowered(
+    kernel: KernelFunction | LLKernel, strict_fp: bool
+) -> tuple[Function, tuple[str, ...]]:
+    """The kernel in SSA form, and the frontend's warnings, which are given too."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
         function = kernel.lower(strict_fp=strict_fp)
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
-    program = _compile_stages(function, machine, options)
-    for text in program.warnings:
-        warnings.warn(text, VividcWarning, stacklevel=2)
-    lines = [str(w.message) for w in caught if issubclass(w.category, VividcWarning)]
-    return replace(program, warnings=(*lines, *program.warnings))
+    told = (str(w.message) for w in caught if issubclass(w.category, VividcWarning))
+    return function, tuple(told)
 
 
 def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
     """The program of the plan's best stage that can be mapped."""
     estimator = Estimator(fabric, PassOptions(options.contract, options.reassociate))
-    deadline = time.monotonic() + options.time_limit_s
+    budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform)
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
-        left_s = max(deadline - time.monotonic(), 1.0)
-        if not last_resort:
-            left_s = min(left_s / 2, _TRANSFORMED_S)
-        limited = replace(options, time_limit_s=left_s)
-        return _map_stage(stage, estimator, limited, known, last_resort)
+        deadline = budget.share(last_resort)
+        return _map_stage(stage, estimator, options, known, deadline, last_resort)
 
     settled = settle(plan, attempt)
     notes = [
@@ -147,6 +169,7 @@ def _map_stage(
     estimator: Estimator,
     options: CompileOptions,
     known: dict[DFG, MapResult],
+    deadline: Deadline,
     last_resort: bool,
 ) -> Outcome:
     """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
@@ -158,7 +181,8 @@ def _map_stage(
         function = normalize(function)
         kernel = optimize_kernel(build_kernel(function), estimator.options)
         try:
-            mapped, results = map_kernel(kernel, estimator.fabric, options, known)
+            limited = replace(options, time_limit_s=max(deadline.remaining_s, _LEAST_S))
+            mapped, results = map_kernel(kernel, estimator.fabric, limited, known)
             break
         except (MappingFailed, TimeLimit) as error:
             if not error.header or (error.header in stage.state.made and not last_resort):
@@ -254,13 +278,14 @@ def _map_loops(
         result = known.get(region.dfg)
         if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
             share = (deadline - time.monotonic()) / (len(loops) - number)
-            result = map_relaxed_first(
+            result = map_dfg(
                 region.dfg,
                 fabric,
                 options.mapper,
-                max(share, 1.0),
-                resident,
-                _prefixed(options.progress, region),
+                time_limit_s=max(share, 1.0),
+                resident=resident,
+                progress=_prefixed(options.progress, region),
+                thrifty=True,
             )
         _demand(result, region)
         known[region.dfg] = result

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from vividc.errors import ArgumentError
 from vividc.program import (
     HIGH_SUFFIX,
-    MAX_DIMENSION,
     WORD_BYTES,
     DType,
     LocalArray,
@@ -110,16 +109,17 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
                 inputs[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
     _refuse_overlap(arrays)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
-    sizes += [(local.name, local.words) for local in program.locals]
+    locals_ = tuple(local.at_launch(inputs) for local in program.locals)
+    sizes += [(local.name, local.words) for local in locals_]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
         raw = _bytes(name, array)
         memory.view(np.uint8)[addresses[name] : addresses[name] + raw.size] = raw
         inputs[f"&{name}"] = addresses[name]
-    for local in program.locals:
+    for local in locals_:
         _place_local(local, addresses[local.name], memory, inputs)
-    return Bound(memory, inputs, arrays, addresses, program.locals)
+    return Bound(memory, inputs, arrays, addresses, locals_)
 
 
 def _place_local(
@@ -186,9 +186,9 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
-    if not param.flat and max(value.shape) > MAX_DIMENSION:
+    if not param.flat and max(value.shape) > param.max_dimension:
         raise ArgumentError(
-            f"a dimension of {value.shape} is larger than {MAX_DIMENSION}",
+            f"a dimension of {value.shape} is larger than {param.max_dimension}",
             loc=where,
             hint="run the kernel on pieces of the array",
         )
