@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vividc.mapper.cpsat import (
     Prepared,
@@ -20,6 +20,7 @@ from vividc.mapper.cpsat import (
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort, negotiate
+from vividc.mapper.plain_core import named_anew, plain_core
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
@@ -108,10 +109,12 @@ def map_negotiated(
     effort: Effort | None = None,
 ) -> Attempt:
     """Annealed places and negotiated routes, without a solver: for large graphs."""
-    if not task.fabric.is_plain:
+    core = plain_core(task.fabric)
+    if core is None:
         return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
-    return Attempt(mapping=negotiate(task, ii, seed, deadline, effort))
+    mapping = negotiate(replace(task, fabric=core), ii, seed, deadline, effort)
+    return OPEN if mapping is None else Attempt(mapping=named_anew(task, mapping))
 
 
 def is_large(task: MapProblem) -> bool:
