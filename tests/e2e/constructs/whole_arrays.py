@@ -302,18 +302,10 @@ def sums_along_an_axis_that_outgrow_a_word(m, high, low):
     low[:] = np.sum(m, axis=-1)
 
 
-CUBE = floats(3, 4, 5)
-
-
-@construct(
-    "void(float32[:, :, ::1], float32[:, ::1], float32[:, ::1], float32[:, ::1])",
-    CUBE, floats(4, 5), floats(3, 5), floats(3, 4),
-)  # fmt: skip
-def sums_of_a_cube(x, first, second, third):
-    first[:] = x.sum(axis=0)
-    second[:] = x.sum(axis=1)
-    third[:] = np.sum(x, axis=2)
-    first[0] += x.sum(axis=(0, 1))
+@construct("float32(float32[:, :, ::1])", floats(3, 4, 5))
+def sums_of_a_cube(x):
+    middle = x.sum(axis=1)
+    return middle[2, 4] - middle[0, 1] + x.sum(axis=(0, 1))[3]
 
 
 @construct("int32(bool[:, ::1])", floats(5, 7) > 0)
