@@ -19,11 +19,9 @@ from numba.np.arraymath import check_axis_bounds
 from numba.np.numpy_support import as_dtype
 
 _TARGET = "vividc" if importlib.util.find_spec("scipy") is not None else "cpu"
-_overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = functools.partial(
-    overload, target=_TARGET
-)
-_overload_here: Callable[[Any], Callable[[Callable[..., Any]], Callable[..., Any]]]
-_overload_here = functools.partial(overload, target="vividc")
+_Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+_overload: Callable[..., _Decorator] = functools.partial(overload, target=_TARGET)
+_overload_here: Callable[..., _Decorator] = functools.partial(overload, target="vividc")
 _SIZES = "incompatible array sizes for a product"
 
 
