@@ -125,21 +125,17 @@ def test_comparisons_decide_and_refine_soundly(data: st.DataObject, type_: str, 
         assert low <= a <= high
 
 
-INTEGERS = ("i1", "i8", "i16", "i32", "i64")
-PAIRS = [(narrow, wide) for n, narrow in enumerate(INTEGERS) for wide in INTEGERS[n + 1 :]]
+WIDTHS = [("i8", "i16"), ("i8", "i32"), ("i16", "i64"), ("i32", "i64"), ("i1", "i8"), ("i1", "i64")]
 
 
-def kept(value: int, type_: str) -> int:
-    return unsigned(value, type_) if width(type_) < 32 else wrapped(value, type_)
-
-
-@given(st.data(), st.sampled_from(["sext", "zext", "trunc"]), st.sampled_from(PAIRS))
+@given(st.data(), st.sampled_from(["sext", "zext", "trunc"]), st.sampled_from(WIDTHS))
 def test_conversions_keep_the_value(data: st.DataObject, name: str, types: tuple[str, str]) -> None:
     source, target = reversed(types) if name == "trunc" else types
     interval, value = data.draw(interval_and_value(source))
     result = unsigned(value, source) if name == "zext" else wrapped(value, source)
+    result = unsigned(result, target) if width(target) < 32 else wrapped(result, target)
     low, high = evaluate(Op("r", name, target, (), source=source), (interval,))
-    assert low <= kept(result, target) <= high
+    assert low <= result <= high
 
 
 @given(st.data(), TYPES)

@@ -68,18 +68,18 @@ def program(a, b, c, d, n):
     assert verdict.kind == "agrees", verdict.text
 
 
-def test_a_byte_made_a_half_may_be_negative(tmp_path: Path) -> None:
-    """Its range was taken for that of a word, so it was not extended where it was compared."""
+def test_a_byte_extended_to_half_a_word_is_compared_with_its_sign(tmp_path: Path) -> None:
     source = """
 import numpy as np
 from vividc.frontend import kernel
+SHAPES = {}
+FIXED = True
 
-@kernel('void(int16[::1], int8, int16)')
-def program(d, q, s):
-    d[0] = min(np.int16(q), s)
-    d[1] = max(np.int16(q), s)
-    d[2] = np.int16(q) < s
+@kernel('int32(uint16, int8)')
+def program(m16, q):
+    if np.int32(m16) >> 7 <= q:
+        return np.int32(1)
+    return np.int32(0)
 """
-    for seed in range(3):
-        verdict = judge(source, seed, tmp_path)
-        assert verdict.kind == "agrees", verdict.text
+    verdict = judge(source, 50601, tmp_path)
+    assert verdict.kind == "agrees", verdict.text
