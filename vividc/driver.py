@@ -18,11 +18,10 @@ from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.mapper import MapProblem, MapResult, check_time_limit
+from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
-from vividc.mapper.relaxed import map_relaxed_first
 from vividc.mapper.straight_bounds import straight_lower_bound
 from vividc.mapper.verify import violations
 from vividc.planning.budget import Budget
@@ -279,13 +278,14 @@ def _map_loops(
         result = known.get(region.dfg)
         if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
             share = (deadline - time.monotonic()) / (len(loops) - number)
-            result = map_relaxed_first(
+            result = map_dfg(
                 region.dfg,
                 fabric,
                 options.mapper,
-                max(share, 1.0),
-                resident,
-                _prefixed(options.progress, region),
+                time_limit_s=max(share, 1.0),
+                resident=resident,
+                progress=_prefixed(options.progress, region),
+                thrifty=True,
             )
         _demand(result, region)
         known[region.dfg] = result

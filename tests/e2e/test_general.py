@@ -111,7 +111,7 @@ SMALL: dict[str, tuple[Arguments, ...]] = {
     "montgomery": (
         (unsigned(2**31 - 2, 0, 1), np.uint32(2**31 - 1), np.uint32(2**31 + 1), unsigned(9, 9, 9)),
     ),
-    "power_modulo": ((-5, 3), (2**63 - 1, 0), (-(2**63), 1)),
+    "power_modulo_wide": ((-5, 3), (2**63 - 1, 0), (-(2**63), 1)),
     "gcd64": ((2**62, 2**32), (1, 2**63 - 1)),
     "integer_root": ((0,), (np.int32(99),)),
     "insertion_sort": ((words(),), (words(4),), (words(4, -4),)),

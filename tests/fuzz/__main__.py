@@ -12,7 +12,6 @@ from random import Random
 from time import monotonic
 
 import click
-import numba
 from numba.core.errors import NumbaError
 from rich.console import Console
 from rich.progress import Progress
@@ -83,8 +82,7 @@ class _Tally:
 def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Path) -> _Tally:
     tally = _Tally()
     deadline = monotonic() + seconds
-    numba.config.OPT = 0  # its compilation takes most of the time
-    gc.disable()  # its garbage is collected faster in bulk
+    gc.disable()  # numba's garbage is collected faster in bulk
     try:
         with Progress(console=console) as progress:
             task = progress.add_task("fuzzing", total=len(seeds))

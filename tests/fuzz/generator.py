@@ -23,9 +23,22 @@ DTYPES = (
 )
 SHAPES = (("L",), ("L",), ("L",), ("L", "M"), ("M", "L"), ("L", "L"), ("M", "K"), ("L", "M", "K"))
 SMALL_SHAPES = (("M",), ("M",), ("M", "M"), ("M", "K"), ("K", "M"), ("M", "K", "M"))
+OWN = (
+    Array("own", "int32", ("OWN",)),
+    Array("own", "int32", ("OWN",)),
+    Array("tiny", "uint8", ("FOUR", "FOUR")),
+    Array("half", "int16", ("FOUR",)),
+    Array("flag", "boolean", ("OWN",)),
+    Array("sums", "float32", ("FOUR", "OWN")),
+)
+"""Arrays that kernels allocate."""
+
 SCALARS = {
     "n": "int32",
     "m": "uint32",
+    "m8": "uint8",
+    "m16": "uint16",
+    "n16": "int16",
     "p": "int64",
     "q": "int8",
     "r": "uint64",
@@ -43,7 +56,7 @@ from vividc.frontend import kernel
 
 """
 TABLES = {
-    "TABLE": "np.array([3, -1, 200, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
+    "TABLE": "np.array([3, -1, 4, 4, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
     "SMALL": "(7, -3, 12, 5)",
 }
 HELPERS = {
@@ -70,7 +83,14 @@ STARTS = {
     "t": "t = np.int64(p)",
     "h": "h = np.uint64(r)",
     "z": "z = np.float32(0.5)",
+    "k": "k = 0",
+    "y": "y = np.uint8(200)",
+    "f": "f = False",
     "own": "own = np.zeros(16, np.int32)",
+    "tiny": "tiny = np.zeros((4, 4), np.uint8)",
+    "half": "half = np.full(4, -3, np.int16)",
+    "flag": "flag = np.zeros(16, np.bool_)",
+    "sums": "sums = np.ones((4, 16), np.float32)",
 }
 
 
@@ -85,7 +105,7 @@ def random_source(seed: int) -> str:
     params = [Array(name, random.choice(DTYPES), random.choice(shapes)) for name in names]
     if random.random() < 0.3:
         params.append(Array("g", "float32", random.choice(shapes)))
-    own = [Array("own", "int32", ("OWN",))] if random.random() < 0.25 else []
+    own = [random.choice(OWN)] if random.random() < 0.3 else []
     program = Program(
         random,
         [*params, *own],
@@ -101,7 +121,7 @@ def _body(program: Program) -> str:
     random, text = program.random, ""
     if random.random() < 0.2:
         text += program.statement(1, 1)
-    depth = random.choice([1, 2, 2, 2, 3])
+    depth = random.choice([1, 1, 2, 2, 2, 3])
     text += program.loop_over(depth, 1)
     for _ in range(random.choice([0, 0, 1, 2])):
         text += program.statement(random.choice([0, 2]), 1)

@@ -32,7 +32,12 @@ VARIABLES = {
     "n": (-(2**31), 2**31 - 1),
     "p": (-(2**62), 2**62),
     "q": (-128, 127),
+    "k": (-(2**50), 2**50),
+    "y": (0, 255),
 }
+SCALARS = (("m", "uint32"), ("m8", "uint8"), ("m16", "uint16"), ("n16", "int16"))
+"""Parameters of types that have no other."""
+
 UNSIGNED = (
     "({a} + {b})",
     "({a} - {b})",
@@ -58,6 +63,7 @@ class Context(Protocol):
     random: Random
     places: Places
     is_wide: bool
+    items: list[tuple[str, str]]
 
     def condition(self, depth: int) -> str:
         """A boolean expression."""
@@ -93,11 +99,11 @@ def leaf(at: Context) -> Value:
     """A variable, a parameter, a counter, an element or a constant."""
     kind = at.random.random()
     if kind < 0.2:
-        names = "stnpq" if at.is_wide else "snq"
-        name = at.random.choice(names)
-        return Value(name, *VARIABLES[name])
+        name = at.random.choice("stnpqky" if at.is_wide else "snqky")
+        low, high = VARIABLES[name]
+        return Value(f"np.int64({name})" if name == "y" else name, low, high)
     if kind < 0.25:
-        return typed("m", "uint32")
+        return typed(*at.random.choice([*SCALARS, *at.items]))
     if kind < 0.45 and at.places.counters:
         counter = at.random.choice(at.places.counters)
         return Value(counter.name, -4, counter.most)
@@ -210,6 +216,15 @@ def _table(at: Context, a: Value, b: Value) -> Value:
     return Value(f"SMALL[({a.text}) & 3]", -3, 12)
 
 
+def _power(at: Context, a: Value, b: Value) -> Value:
+    if at.random.random() < 0.5:
+        return Value(f"(({a.text} & 15) ** 3)", 0, 15**3)
+    a, b = narrowed(a), odd(narrowed(b))
+    number = at.random.choice([0, 1])
+    size = b.size if number else a.size
+    return Value(f"divmod({a.text}, {b.text})[{number}]", -size, size)
+
+
 def _of_real(at: Context, a: Value, b: Value) -> Value:
     x = at.real(1)
     change = at.random.choice(["np.int32({x})", "np.int32(math.floor({x}))", "np.int64({x})"])
@@ -242,6 +257,7 @@ FORMS = (
     _select,
     _call,
     _table,
+    _power,
     _of_real,
     _truth,
 )

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from random import Random
 
-MOST = {"L": 17, "M": 8, "K": 4, "OWN": 16}
-"""Dimensions and their greatest lengths; `OWN` is the one of the array of a kernel's own."""
+MOST = {"L": 17, "M": 8, "K": 4, "OWN": 16, "FOUR": 4}
+"""Dimensions and their greatest lengths; `OWN` and `FOUR` are those of a kernel's own arrays."""
+
+CONSTANT = {"OWN": 16, "FOUR": 4}
+"""Lengths of what the kernel allocates."""
 
 FIXED = {"L": 16, "M": 8, "K": 4}
 """Lengths where a program relies on them: powers of two for masks."""
@@ -26,6 +29,9 @@ OVER = (
     ("{d} - 1, 0, -1", 1, 0),
     ("{d} - 2, 0, -2", 1, 1),
     ("{d} - 1, -1, -3", 0, 0),
+    ("0, {d}, 1 + (n & 3)", 0, 0),
+    ("1, {d}, 1 + (q & 1)", 1, 0),
+    ("{d} - 1, -1, -1 - (n & 1)", 0, 0),
 )
 """Ranges over a dimension; how far one may look below and above their counters."""
 
@@ -63,8 +69,8 @@ class Places:
 
     def length(self, dim: str) -> str:
         """The length of a dimension, in one of many ways."""
-        if dim == "OWN":
-            return "16"
+        if dim in CONSTANT:
+            return str(CONSTANT[dim])
         ways = [f"n{dim}"]
         for array in self.arrays:
             ways += [f"{array.name}.shape[{k}]" for k, d in enumerate(array.dims) if d == dim]
@@ -75,9 +81,7 @@ class Places:
 
     def known(self, dim: str) -> int:
         """The length of a dimension if the program may rely on it, else 0."""
-        if dim == "OWN":
-            return 16
-        return FIXED[dim] if self.is_fixed else 0
+        return CONSTANT.get(dim) or (FIXED[dim] if self.is_fixed else 0)
 
     def trips(self) -> int:
         """At most so many iterations of the loops around."""

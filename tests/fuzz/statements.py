@@ -28,10 +28,11 @@ class Program:
     is_wide: bool
     number: int = 0
     inexact: set[str] = field(default_factory=set)
+    items: list[tuple[str, str]] = field(default_factory=list)
 
     def block(self, depth: int, indent: int, most: int = 3) -> str:
         """Some statements."""
-        count = self.random.randint(1, most)
+        count = self.random.choice([1, 1, 2, most])
         return "".join(self.statement(depth, indent) for _ in range(count))
 
     def statement(self, depth: int, indent: int) -> str:
@@ -54,8 +55,29 @@ class Program:
         dims = [d for d in self.places_dims() if self.places.trips() * MOST[d] <= MOST_TRIPS]
         if not dims:
             return self._short(depth, indent)
+        if self.random.random() < 0.15:
+            return self._over_items(depth, indent)
         bounds, counter = self.places.over(self._name("i"), self.random.choice(dims))
         return self._with(counter, f"for {counter.name} in range({bounds}):", depth, indent)
+
+    def _over_items(self, depth: int, indent: int) -> str:
+        """A loop over the elements of an array, or over its rows."""
+        array = self.random.choice([a for a in self.arrays if a.name not in self.inexact])
+        trips, item = MOST[array.dims[0]], self._name("e")
+        if self.places.trips() * trips > MOST_TRIPS or array.dtype in ("boolean", "float32"):
+            return self._short(depth, indent)
+        counter = Counter(self._name("i"), array.dims[0], 0, 0, trips, trips)
+        head = f"for {counter.name}, {item} in enumerate({array.name}):"
+        if len(array.dims) > 1:
+            row = Array(item, array.dtype, array.dims[1:])
+            self.arrays.append(row)
+            text = self._with(counter, head, depth, indent)
+            self.arrays.remove(row)
+            return text
+        self.items.append((item, array.dtype))
+        text = self._with(counter, head, depth, indent)
+        self.items.pop()
+        return text
 
     def places_dims(self) -> list[str]:
         """The dimensions of the arrays."""
@@ -85,7 +107,10 @@ class Program:
         self.places.nonempty.pop()
         self.places.counters.pop()
         lines = "".join(f"{pad}    {line}\n" for line in first.splitlines())
-        return f"{pad}{head}\n{lines}{inner}"
+        text = f"{pad}{head}\n{lines}{inner}"
+        if "break\n" in inner and self.random.random() < 0.3:
+            text += f"{pad}else:\n{self.block(0, indent + 1, 1)}"
+        return text
 
     def _while(self, depth: int, indent: int) -> str:
         """A loop whose counter moves first, so that `continue` does no harm."""
@@ -155,14 +180,30 @@ class Program:
             return f"s = np.int32({integer(self, 2).text})"
         if kind < 0.3 and self.is_wide:
             return self._wide()
-        if kind < 0.37:
-            return f"z = {real(self, 2)}"
-        if kind < 0.42:
-            first, other = narrowed_text(integer(self, 1)), real(self, 1)
-            return f"s, z = {first}, {other}"
-        if kind < 0.47:
+        if kind < 0.48:
+            return self._variable()
+        if kind < 0.52:
             return self._swap()
         return self._store()
+
+    def _variable(self) -> str:
+        """An assignment to an accumulator, a byte or a flag."""
+        value = narrowed_text(integer(self, 1))
+        forms = (
+            f"z = {real(self, 2)}",
+            f"z = {real(self, 2)}",
+            f"s, z = {value}, {real(self, 1)}",
+            f"k += {value}",
+            f"k = k + {value}",
+            f"k = max(k, {value})",
+            f"k -= {self.random.choice(['1', 'np.int64(y)'])}",
+            f"y = np.uint8({value})",
+            f"y = np.uint8(y + np.uint8({value}))",
+            f"f = {self.condition(1)}",
+            f"f = f or {self.condition(0)}",
+            f"f = f and {self.condition(0)}",
+        )
+        return self.random.choice(forms)
 
     def _wide(self) -> str:
         if self.random.random() < 0.4:
@@ -174,8 +215,11 @@ class Program:
 
     def _swap(self) -> str:
         array = self._target()
-        if array is None or array.dtype == "boolean":
-            return "s += np.int32(1)"
+        if array is None or array.dtype == "boolean" or array.name in self.inexact:
+            return f"s = np.int32(s + {integer(self, 1).text})"
+        if self.random.random() < 0.15 and array.dtype != "float32":
+            whole = f"s ^= np.int32({array.name}.sum())"
+            return self.random.choice([f"{array.name}[:] = {self.random.randint(0, 9)}", whole])
         one, other = self._at(array), self._at(array)
         return f"{one}, {other} = {other}, {one}"
 
@@ -240,7 +284,7 @@ class Program:
             return f"({real(self, 0)} {self.random.choice(TESTS)} {real(self, 0)})"
         if kind < 0.36:
             flag = self.element(("boolean",), False)
-            return "o" if flag is None else flag[0]
+            return self.random.choice("of") if flag is None else flag[0]
         return self._comparison(depth)
 
     def _comparison(self, depth: int) -> str:

@@ -12,10 +12,12 @@ from graphs import accumulator, chain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vividc.arch import load
 from vividc.arch.fabric import Link
 from vividc.errors import VividcError
 from vividc.mapper import Mapping, Place, Step, Subject, map_dfg
 from vividc.mapper.draw import draw
+from vividc.mapper.draw_scene import pale
 from vividc.plot import Line, Rect, Text, text_width, to_svg
 
 FABRIC = grid(2, 2)
@@ -56,6 +58,29 @@ def test_a_word_in_a_register_is_a_chip() -> None:
     places = {first: Place(0, 0), second: Place(0, 2)}
     mapping = Mapping(4, places, {index: steps}, Subject(dfg, FABRIC))
     assert texts(mapping).count(f"r3:{first}") == 2
+
+
+def test_moves_and_outputs_are_shown() -> None:
+    fabric = load("openedge-2x2")
+    dfg = chain(2)
+    index, _ = next(dfg.routed_edges())
+    first, second = (node.id for node in dfg.placed[:2])
+    steps = (Step("out", 0, 0, 1), Step("out", 1, 0, 2), Step("out", 1, 0, 3))
+    places = {first: Place(0, 0), second: Place(1, 3)}
+    shown = texts(Mapping(4, places, {index: steps}, Subject(dfg, fabric)))
+    assert shown.count(f"mov {first}") == 2  # in slot 1 of PE 1, and in the table
+    assert shown.count(f"o:{first}") == 3
+    assert "word moved by an FU" in shown
+    assert any(text.startswith("3 of 16 FU slots") for text in shown)
+
+
+def test_an_fu_that_is_kept_busy_is_tinted() -> None:
+    dfg = chain(1)
+    node = dfg.placed[0]
+    slow = replace(FABRIC, occupancies={node.latency_class: 3})
+    picture = draw(dfg, slow, Mapping(4, {node.id: Place(0, 3)}, {}))
+    tinted = [s for s in picture.shapes if isinstance(s, Rect) and s.fill == pale(node)]
+    assert len(tinted) == 4  # slots 0 and 1, in the array and in the table
 
 
 def test_a_link_that_wraps_around_is_two_stubs() -> None:

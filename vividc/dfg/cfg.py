@@ -18,7 +18,8 @@ from vividc.dfg.words import SIGN_BIT, WORD_MASK
 from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
-"""No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+"""No dimension of words may be larger: ranges of indices are proved with `Param.max_dimension`, a
+launch checks it."""
 MAX_ELEMENTS = 1 << 29
 """No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 
@@ -77,6 +78,13 @@ class Param:
     ndim: int = 0
     flat: bool = False
     words: int = 1
+
+    @property
+    def max_dimension(self) -> int:
+        """The most elements along a dimension: of bytes in one dimension as many as of words fill
+        the same memory.
+        """
+        return MAX_DIMENSION * (4 // self.dtype.size_bytes if self.ndim == 1 else 1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,7 +66,7 @@ class Node:
         Effects (store, live_out): suppressed in the iteration whose exit node is 1. Loads: the
         exiting iteration may not come so far, so there the address may lie outside the memory.
     label
-        What the file that the node comes from calls it, for messages.
+        What the file that the node comes from calls it, for messages; not in the text form.
     """
 
     id: int

@@ -21,7 +21,7 @@ def evaluation_order(dfg: DFG) -> tuple[int, ...]:
     DFGError
         The edges of distance 0 form a cycle.
     """
-    order = _partial_order(dfg)
+    order = partial_order(dfg)
     if len(order) < len(dfg.nodes):
         cycle = cyclic_nodes(dfg)
         raise DFGError(
@@ -32,7 +32,7 @@ def evaluation_order(dfg: DFG) -> tuple[int, ...]:
 
 def cyclic_nodes(dfg: DFG) -> tuple[int, ...]:
     """Nodes on cycles of distance 0 or behind one; empty if there is no such cycle."""
-    ordered = set(_partial_order(dfg))
+    ordered = set(partial_order(dfg))
     return tuple(node.id for node in dfg.nodes if node.id not in ordered)
 
 
@@ -52,7 +52,8 @@ def zero_cycle(dfg: DFG) -> tuple[int, ...]:
     return tuple(reversed(cycle))
 
 
-def _partial_order(dfg: DFG) -> list[int]:
+def partial_order(dfg: DFG) -> list[int]:
+    """As `evaluation_order`, without the nodes on cycles of distance 0 and those behind them."""
     position = {node.id: index for index, node in enumerate(dfg.nodes)}
     waits = {node.id: 0 for node in dfg.nodes}
     followers: dict[int, list[int]] = {node.id: [] for node in dfg.nodes}

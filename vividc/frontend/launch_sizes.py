@@ -12,7 +12,8 @@ from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Int, Local, Op, Operand, WideFunction, WidePhi
 
 _LARGEST = 1 << 31
-_ALIASES = frozenset({"zext", "trunc", "freeze"})
+_ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv"})
+"""What gives its operand, or less of one that is not negative."""
 _FEW = 1 << 10
 """A constant bound is taken where there is no other up to here."""
 _DEPTH = 24
@@ -25,7 +26,7 @@ class LaunchSizes:
     def __init__(self, function: WideFunction) -> None:
         self._definitions = function.definitions
         self._params = dict(function.params)
-        bounds = {name: (0, MAX_DIMENSION) for name in self._params if ".shape" in name}
+        bounds = {name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name}
         self._ranges = Ranges(function, bounds)
         headers = self._ranges.flow.loops
         self._counters = {phi.name for name in headers for phi in function.by_name[name].phis}
@@ -61,21 +62,27 @@ class LaunchSizes:
     def _of(self, op: Op, block: str, depth: int) -> Formula | None:
         if op.source == "i1":
             return (0,) if op.op == "sext" else (1,)
-        if op.op == "sext":
-            return self._bound(op.args[0], block, True, depth - 1)
         if op.op in _ALIASES:
-            return self._bound(op.args[0], block, False, depth - 1)
-        if op.op == "add":
-            return self._all("+", op.args, block, depth)
-        if op.op in ("mul", "shl"):
-            return self._product(op, block, depth)
-        if op.op == "sub":
-            low = self._ranges.at(op.args[1], block)[0]
-            left = self._bound(op.args[0], block, False, depth - 1)
-            return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
-        if op.op == "select":
-            return self._all("max", op.args[1:], block, depth)
-        return self._call(op, block, depth) if op.op == "call" else None
+            return self._bound(op.args[0], block, op.op == "sext", depth - 1)
+        rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
+        rules |= {"add": self._sum, "or": self._sum, "select": self._choice, "call": self._call}
+        rule = rules.get(op.op)
+        return None if rule is None else rule(op, block, depth)
+
+    def _sum(self, op: Op, block: str, depth: int) -> Formula | None:
+        """A sum; of a disjunction with a constant the sum is a bound."""
+        right = op.args[1]
+        if op.op == "or" and not (isinstance(right, Int) and right.value >= 0):
+            return None
+        return self._all("+", op.args, block, depth)
+
+    def _difference(self, op: Op, block: str, depth: int) -> Formula | None:
+        low = self._ranges.at(op.args[1], block)[0]
+        left = self._bound(op.args[0], block, False, depth - 1)
+        return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
+
+    def _choice(self, op: Op, block: str, depth: int) -> Formula | None:
+        return self._all("max", op.args[1:], block, depth)
 
     def _call(self, op: Op, block: str, depth: int) -> Formula | None:
         if op.pred.startswith(("llvm.smax", "llvm.umax")):
@@ -94,9 +101,14 @@ class LaunchSizes:
             if not isinstance(right, Int):
                 return None
             right = Int(1 << right.value)
-        if any(self._ranges.at(arg, block)[0] < 0 for arg in (left, right)):
+        one, other = (self._bound(arg, block, False, depth - 1) for arg in (left, right))
+        if one is None or other is None:
             return None
-        return self._all("*", (left, right), block, depth)
+        scaled = isinstance(right, Int) and right.value > 0
+        exact = all(len(factor) == 1 and isinstance(factor[0], str) for factor in (one, other))
+        if scaled or exact or all(self._ranges.at(arg, block)[0] >= 0 for arg in (left, right)):
+            return (*one, *other, "*")
+        return None
 
     def _all(
         self, operator: str, operands: list[Operand] | tuple[Operand, ...], block: str, depth: int

@@ -8,9 +8,9 @@ elements into words.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-import math
 
 import numpy as np
 
@@ -47,6 +47,7 @@ _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}
 _ELEMENTS |= {"int8": "i8", "uint8": "i8", "int16": "i16", "uint16": "i16"}
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "i64": 8, "double": 8}
+_SPACED = frozenset({"i64", "double"})
 _WORD_BYTES = 4
 _SIGN = 0x80000000
 RAW = "bytes of C's"
@@ -72,9 +73,14 @@ class Held:
     packed: bool = False
 
     @property
+    def is_spaced(self) -> bool:
+        """Whether an element takes two words: one of 64 bits that the kernel writes."""
+        return self.element in _SPACED and self.array.contents is None and not self.packed
+
+    @property
     def is_wide(self) -> bool:
-        """Whether an element is two words: an integer of 64 bits that the kernel writes."""
-        return self.element == "i64" and self.array.contents is None and not self.packed
+        """Whether both words of an element count; a float64 is one float32 and a gap."""
+        return self.is_spaced and self.element == "i64"
 
     @property
     def element_bytes(self) -> int:
@@ -150,7 +156,7 @@ def _allocated(function: WideFunction, op: Op, formula: Formula | None, number: 
     element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
     if element is None:
         raise KernelError(f"a local array of {dtype}", loc=op.loc, hint=_DTYPE_HINT)
-    words = 2 if element == "i64" else 1
+    words = 2 if element in _SPACED else 1
     line = "" if op.loc is None else f".line{op.loc.line}"
     name = f"local{number}{line}"
     if isinstance(count, Int):
@@ -262,7 +268,7 @@ def in_words(
         The address may lie inside an element.
     """
     size = held.element_bytes
-    if size == _WORD_BYTES or held.is_wide:
+    if size == _WORD_BYTES or held.is_spaced:
         return terms, offset
     terms = tuple(_unscaled(function, value, stride) for value, stride in terms)
     if any(number % size for number in (offset, *(stride for _, stride in terms))):

@@ -34,10 +34,18 @@ from numba.core.target_extension import (
     target_override,
     target_registry,
 )
-from numba.np import arrayobj
+from numba.np import arrayobj, npyimpl
 
-import vividc.frontend.numpy_linalg  # noqa: F401 - registers its functions with numba
-from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick, reshape
+import vividc.frontend.math_overloads
+import vividc.frontend.numpy_linalg  # noqa: F401 - both register functions with numba
+from vividc.frontend.numba_arrays import (
+    NoRuntime,
+    arrays_are_ours,
+    broadcast_onto,
+    constant_array,
+    pick,
+    reshape,
+)
 from vividc.frontend.numba_integer import integer_operator
 from vividc.frontend.numba_real import real_division
 from vividc.frontend.subscripts import marked_subscripts
@@ -246,6 +254,14 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
 
     def post_lowering(self, mod: Any, library: Any) -> None:
         """Numba links its runtime here."""
+
+    def compile_internal(
+        self, builder: Any, impl: Any, sig: Any, args: Any, locals: Any = None
+    ) -> Any:
+        """As numba's; the shape that arrays are broadcast to is straight code."""
+        if impl is npyimpl._broadcast_onto:
+            return broadcast_onto(builder, args)
+        return super().compile_internal(builder, impl, sig, args, locals or {})
 
     def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
         """Constant arrays are typed globals; numba's are bytes."""

@@ -5,6 +5,7 @@ For the host ours stand in where numba's cannot work, without scipy.
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import operator
 from collections.abc import Callable
@@ -15,6 +16,9 @@ from numba.core import types
 from numba.extending import overload
 
 _TARGET = "vividc" if importlib.util.find_spec("scipy") is not None else "cpu"
+_overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = functools.partial(
+    overload, target=_TARGET
+)
 _SIZES = "incompatible array sizes for a product"
 
 
@@ -75,23 +79,23 @@ def _matrices(a: Any, b: Any) -> Any:
     return out
 
 
-@overload(np.dot, target=_TARGET)
+@_overload(np.dot)
 def _overload_dot(a: Any, b: Any) -> Any:
     return _product(a, b)
 
 
-@overload(operator.matmul, target=_TARGET)
+@_overload(operator.matmul)
 def _overload_matmul(a: Any, b: Any) -> Any:
     return _product(a, b)
 
 
-@overload(np.vdot, target=_TARGET)
+@_overload(np.vdot)
 def _overload_vdot(a: Any, b: Any) -> Any:
     both = isinstance(a, types.Array) and isinstance(b, types.Array) and a.ndim == b.ndim == 1
     return _product(a, b) if both else None
 
 
-@overload(np.dot, target=_TARGET)
+@_overload(np.dot)
 def _overload_dot_into(a: Any, b: Any, out: Any) -> Any:
     product = _product(a, b)
     if product is None or not isinstance(out, types.Array) or out.dtype != a.dtype:

@@ -29,6 +29,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     resident: ReadOnly[int, frozenset[ConstantKey]] | None = None,
     workers: int = 2,
     progress: Progress | None = None,
+    thrifty: bool = False,
 ) -> MapResult:
     """Map a loop's DFG onto a fabric with the least II that can be found, and say what was proved
     about it.
@@ -51,6 +52,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         Threads the solver may use. With 1 and no limit reached a run can be repeated exactly.
     progress
         Called with one line at each step.
+    thrifty
+        Do not use the whole limit on a large graph when its II is within 1 of the bound and nothing
+        better has been found for a while.
 
     Returns
     -------
@@ -70,7 +74,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check(ii, time_limit_s, workers)
     run = find_mapper(mapper)
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
-    result = run(problem, MapRequest(ii, Deadline.after(time_limit_s), workers, progress))
+    request = MapRequest(ii, Deadline.after(time_limit_s), workers, progress, thrifty)
+    result = run(problem, request)
     _confirm(problem, result)
     return _about(result, Subject(dfg, fabric))
 

@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import networkx as nx
+
 from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import Opcode
+from vividc.dfg.order import partial_order
 from vividc.mapper.dependences import (
     Dependence,
     dependences,
@@ -19,7 +22,9 @@ from vividc.mapper.dependences import (
     positive_cycle,
 )
 from vividc.mapper.mapping import Bound
+from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.reach_bounds import island_bounds, unreachable_bounds
 
 _MAX_HALL_SETS = 256
 _SHOWN = 6
@@ -38,7 +43,16 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     never = placement_bounds(problem) + lifetime_bounds(problem)
     if never:
         return never
+    candidates = {node.id: frozenset(usable_pes(problem, node)) for node in problem.dfg.placed}
+    never = unreachable_bounds(problem, candidates, no_ii(problem))
+    if never:
+        return never
+    if len(problem.dfg.operations) >= no_ii(problem):
+        crowded = tuple(bound for bound in issue_bounds(problem) if bound.ii >= no_ii(problem))
+        if crowded:  # no need to look at the paths of a graph that is far too large
+            return crowded
     found = [
+        *island_bounds(problem, candidates),
         *recurrence_bounds(problem),
         *issue_bounds(problem),
         *occupancy_bounds(problem),
@@ -47,6 +61,7 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         *bank_bounds(problem),
     ]
     found += stage_bounds(problem, mii(found))
+    found += pressure_bounds(problem, mii(found), no_ii(problem))
     return tuple(sorted(found, key=lambda bound: -bound.ii))
 
 
@@ -107,8 +122,8 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 
     Binary search on the II; a cycle with a positive weight at II - 1 is one of ratio above II - 1.
     """
-    nodes = tuple(node.id for node in problem.dfg.placed)
-    edges = dependences(problem.dfg, problem.fabric)
+    edges = _on_cycles(dependences(problem.dfg, problem.fabric))
+    nodes = tuple(dict.fromkeys(edge.src for edge in edges))
     impossible = sum(max(edge.separation, 0) for edge in edges) + 1
     low, high = 0, impossible
     while low < high:
@@ -169,7 +184,7 @@ def bank_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 def stage_bounds(problem: MapProblem, least: int) -> tuple[Bound, ...]:
     """The longest dependence path must fit `max_stages` stages of II cycles; monotone in the II."""
     nodes = tuple(node.id for node in problem.dfg.placed)
-    edges = dependences(problem.dfg, problem.fabric)
+    edges = _forward(problem)
     stages = problem.fabric.controller.max_stages
     for ii in range(max(least, 1), no_ii(problem)):
         starts = earliest_starts(nodes, edges, ii)
@@ -220,6 +235,21 @@ def _hall_bounds(problem: MapProblem, name: str, nodes: Sequence[Node]) -> tuple
     return tuple(bound for bound in found if bound.ii == best)[:1]
 
 
+def _on_cycles(edges: Sequence[Dependence]) -> tuple[Dependence, ...]:
+    """The dependences inside strongly connected components: no other lies on a cycle."""
+    graph = nx.DiGraph((edge.src, edge.dst) for edge in edges)
+    parts = enumerate(nx.strongly_connected_components(graph))
+    part_of = {node: number for number, part in parts for node in part}
+    return tuple(edge for edge in edges if part_of[edge.src] == part_of[edge.dst])
+
+
+def _forward(problem: MapProblem) -> tuple[Dependence, ...]:
+    """The dependences such that one pass over them finds most of a longest path."""
+    position = {node: number for number, node in enumerate(partial_order(problem.dfg))}
+    edges = dependences(problem.dfg, problem.fabric)
+    return tuple(sorted(edges, key=lambda edge: position.get(edge.src, len(position))))
+
+
 def _recurrence_bound(problem: MapProblem, ii: int, cycle: Sequence[Dependence]) -> Bound:
     latency = sum(edge.separation for edge in cycle)
     distance = sum(edge.distance for edge in cycle)
@@ -244,5 +274,8 @@ def _names(nodes: Sequence[Node]) -> str:
 
 
 def _name(node: Node) -> str:
-    label = f"{node.op.value} {node.name}".strip()
-    return f"{label} #{node.id}" if node.loc is None else f"{label} #{node.id} ({node.loc})"
+    kind = "" if node.op is Opcode.GENERIC else node.op.value
+    label = " ".join(
+        filter(None, (kind, node.name, f"#{node.id}", node.label and f"({node.label})"))
+    )
+    return label if node.loc is None else f"{label} ({node.loc})"

@@ -8,7 +8,7 @@ from typing import Final
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.mapper.draw_array import CHIP, FRAME, WIRE, ArrayPanel, detail_of
-from vividc.mapper.draw_scene import Scene, groups_of, scene_of
+from vividc.mapper.draw_scene import MOVE, Scene, groups_of, scene_of
 from vividc.mapper.draw_table import ReservationTable
 from vividc.mapper.mapping import Mapping
 from vividc.plot import Line, Picture, Rect, Shape, Text, text_width, translated
@@ -40,7 +40,7 @@ def draw(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Picture:
     room = max(a_row * panel.width, _WIDTH / 2)
     table = ReservationTable(scene, room)
     top = _TITLE + _LEGEND
-    shapes: list[Shape] = [*_title(scene), *_moved(_legend(scene, room), _MARGIN, _TITLE)]
+    shapes: list[Shape] = [*_title(scene), *_moved(_legend(scene), _MARGIN, _TITLE)]
     for slot in range(mapping.ii):
         x = _MARGIN + slot % a_row * panel.width
         y = top + slot // a_row * (panel.height + _SPACE)
@@ -73,24 +73,35 @@ def _title_width(scene: Scene) -> float:
 
 def _entries(scene: Scene) -> list[tuple[float, str]]:
     x, entries = 0.0, []
-    signs = _SIGNS if scene.fabric_has_plain_pes else _SIGNS[:-1]
-    for name in [*(name for name, _ in groups_of(scene.dfg)), *signs]:
+    for name in [*(name for name, _ in groups_of(scene.dfg)), *_signs(scene)]:
         entries.append((x, name))
         x += 22 + text_width(name, 9) + 14
     return entries
 
 
-_SIGNS: Final = ("word on a link, by producer", "word in a register", "PE with load/store unit")
+_LINK: Final = "word on a link, by producer"
+_HELD: Final = "word in a register (r) or output (o)"
+_MOVED: Final = "word moved by an FU"
+_MEMORY: Final = "PE with load/store unit"
 
 
-def _legend(scene: Scene, room: float) -> Iterator[Shape]:
-    colours = dict(groups_of(scene.dfg))
+def _signs(scene: Scene) -> list[str]:
+    """What the picture shows besides operations."""
+    signs = (
+        (_LINK, scene.driven),
+        (_HELD, scene.held),
+        (_MOVED, scene.moved),
+        (_MEMORY, scene.fabric_has_plain_pes),
+    )
+    return [name for name, shown in signs if shown]
+
+
+def _legend(scene: Scene) -> Iterator[Shape]:
+    colours = dict(groups_of(scene.dfg)) | {_HELD: CHIP, _MOVED: MOVE}
     for x, name in _entries(scene):
-        if name == _SIGNS[0]:
+        if name == _LINK:
             yield Line(((x, 6), (x + 16, 6)), WIRE, 1.3, arrow=True)
-        elif name == _SIGNS[1]:
-            yield Rect(x, 1, 16, 10, CHIP, FRAME, 0.5, 2)
-        elif name == _SIGNS[2]:
+        elif name == _MEMORY:
             yield Rect(x, 1, 16, 10, None, FRAME, 1.8, 2)
         else:
             yield Rect(x, 1, 16, 10, colours[name], FRAME, 0.5, 2)

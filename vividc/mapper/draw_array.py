@@ -9,7 +9,15 @@ from typing import Final
 
 from vividc.arch.fabric import PE, Link
 from vividc.dfg.ir import Node
-from vividc.mapper.draw_scene import IDLE, Scene, colour_of, describe, operation_name
+from vividc.mapper.draw_scene import (
+    IDLE,
+    MOVE,
+    Scene,
+    colour_of,
+    describe,
+    operation_name,
+    pale,
+)
 from vividc.plot import OKABE_ITO, PAPER, Line, Rect, Shape, Text, readable_on, text_width, tint
 
 WIRE: Final = OKABE_ITO["blue"]
@@ -74,7 +82,9 @@ class ArrayPanel:
         """Room around the PEs: for the stubs of long links where there are any."""
         pes = self.scene.fabric.pes
         spans = (_span(pes[link.src], pes[link.dst]) for link in self.scene.fabric.links)
-        return self.detail.gap if max(spans, default=0) > 1 else max(12.0, 0.4 * self.detail.gap)
+        return (
+            self.detail.gap + 6 if max(spans, default=0) > 1 else max(12.0, 0.4 * self.detail.gap)
+        )
 
     def shapes(self, slot: int) -> Iterator[Shape]:
         """The shapes of one slot: wires lowest, then PEs, then labels on wires."""
@@ -109,11 +119,14 @@ class ArrayPanel:
         x, y = self._corner(pe)
         here = self.scene.issues.get((pe.id, slot), ())
         issued = next(((node, place) for node, place in here if node.uses_fu), None)
-        fill = IDLE if issued is None else colour_of(issued[0])
+        kept = self.scene.kept.get((pe.id, slot))
+        fill = IDLE if kept is None else pale(kept)
+        fill = fill if issued is None else colour_of(issued[0])
         tip = "; ".join(describe(each, place, self.scene.fabric) for each, place in here)
+        tip = tip or ("idle" if kept is None else f"kept by #{kept.id}")
         stroke = FRAME if here else FAINT
         pen = 1.8 if self.scene.marked(pe) else 0.9
-        yield Rect(x, y, d.width, d.height, fill, stroke, pen, 3, f"PE {pe.id}: {tip or 'idle'}")
+        yield Rect(x, y, d.width, d.height, fill, stroke, pen, 3, f"PE {pe.id}: {tip}")
         if d.names:
             yield Text(x + 4, y + 0.65 * d.font, str(pe.id), 0.7 * d.font, fill="#666666")
         if issued is not None:
@@ -142,7 +155,11 @@ class ArrayPanel:
     def _words(self, pe: PE, slot: int) -> list[tuple[str, str]]:
         """(text, fill) of each word that the PE holds, or delivers to its constant store."""
         held = self.scene.held.get((pe.id, slot), ())
-        words = [(f"{kind[0]}{index}:{value}", CHIP) for kind, index, value in held]
+        words = [
+            (f"{'o' if kind == 'out' else f'{kind[0]}{index}'}:{value}", CHIP)
+            for kind, index, value in held
+        ]
+        words += [(f"mov {value}", MOVE) for value in self.scene.moved.get((pe.id, slot), ())]
         for node, _ in self.scene.issues.get((pe.id, slot), ()):
             if not node.uses_fu:
                 words.append((f"out {node.id}", colour_of(node)))

@@ -10,9 +10,17 @@ from typing import Final
 from vividc.arch.fabric import PE
 from vividc.dfg.ir import Node
 from vividc.mapper.draw_array import FAINT, FRAME, fitted
-from vividc.mapper.draw_scene import IDLE, Scene, colour_of, describe, operation_name
+from vividc.mapper.draw_scene import (
+    IDLE,
+    MOVE,
+    Scene,
+    colour_of,
+    describe,
+    operation_name,
+    pale,
+)
 from vividc.mapper.mapping import Place
-from vividc.plot import Rect, Shape, Text, readable_on
+from vividc.plot import Rect, Shape, Text, readable_on, text_width
 
 _HEADER: Final = 36.0
 _ROW: Final = 15.0
@@ -23,6 +31,7 @@ _WIDE_UP_TO: Final = 12
 _ROWS_A_BLOCK: Final = 32
 _GAP: Final = 18.0
 _FONT: Final = 8.5
+_TITLE_FONT: Final = 11.0
 
 
 @dataclass(frozen=True)
@@ -58,13 +67,22 @@ class ReservationTable:
         pes = self.scene.fabric.pes
         if len(pes) <= _ROWS_A_BLOCK:
             return pes
-        busy = {pe for pe, _ in self.scene.issues}
+        busy = {pe for pe, _ in [*self.scene.issues, *self.scene.moved, *self.scene.kept]}
         return tuple(pe for pe in pes if pe.id in busy)
 
     @property
     def width(self) -> float:
         """Width of all blocks."""
-        return min(self.blocks, self.blocks_a_row) * self.block_width
+        title = 1.05 * text_width(self.title, _TITLE_FONT)
+        return max(title, min(self.blocks, self.blocks_a_row) * self.block_width)
+
+    @property
+    def title(self) -> str:
+        """What the table is, and what it leaves out."""
+        shown = "operation, its id and stage" if self.cell == _WIDE else "ids of operations"
+        left_out = len(self.scene.fabric.pes) - len(self.pes)
+        rest = f"; {left_out} idle PEs are left out" if left_out else ""
+        return f"Modulo reservation table ({shown}){rest}"
 
     @property
     def height(self) -> float:
@@ -74,12 +92,7 @@ class ReservationTable:
 
     def shapes(self) -> Iterator[Shape]:
         """All shapes; the origin is the top left corner."""
-        shown = "operation, its id and stage" if self.cell == _WIDE else "ids of operations"
-        title = f"Modulo reservation table ({shown})"
-        left_out = len(self.scene.fabric.pes) - len(self.pes)
-        if left_out:
-            title += f"; {left_out} idle PEs are left out"
-        yield Text(0, 9, title, 11, bold=True)
+        yield Text(0, 9, self.title, _TITLE_FONT, bold=True)
         for block in range(self.blocks):
             x = block % self.blocks_a_row * self.block_width
             y = _HEADER + block // self.blocks_a_row * self._block_height()
@@ -99,12 +112,18 @@ class ReservationTable:
             label = f"PE {pe.id}" + (" M" if self.scene.marked(pe) else "")
             yield Text(x + _LABEL - 5, top + _ROW / 2, label, _FONT, "end")
             for slot in range(ii):
-                here = self.scene.issues.get((pe.id, slot), ())
-                yield from self._cell(here, x + _LABEL + slot * self.cell, top)
+                yield from self._cell((pe.id, slot), x + _LABEL + slot * self.cell, top)
 
-    def _cell(self, here: tuple[tuple[Node, Place], ...], x: float, y: float) -> Iterator[Shape]:
+    def _cell(self, at: tuple[int, int], x: float, y: float) -> Iterator[Shape]:
+        here = self.scene.issues.get(at, ())
+        moved, kept = self.scene.moved.get(at, ()), self.scene.kept.get(at)
         if not here:
-            yield Rect(x, y, self.cell, _ROW, IDLE, FAINT, 0.5)
+            text = f"mov {moved[0]}" if moved else ""
+            fill = MOVE if moved else IDLE if kept is None else pale(kept)
+            yield Rect(x, y, self.cell, _ROW, fill, FRAME if moved or kept else FAINT, 0.5)
+            yield Text(
+                x + self.cell / 2, y + _ROW / 2, fitted(text, _FONT, self.cell - 2), _FONT, "middle"
+            )
             return
         tip = "; ".join(describe(node, place, self.scene.fabric) for node, place in here)
         share = self.cell / len(here)

@@ -159,12 +159,41 @@ class MapResult:
     subject: Subject | None = field(default=None, compare=False, repr=False)
 
     def explain(self) -> str:
-        """What was proved and what binds, in a few lines for a person."""
-        found = "proved impossible" if self.status == "infeasible" else "nothing found"
-        what = found if self.ii is None else f"II {self.ii}, proved lower bound {self.lower_bound}"
-        if self.status == "timeout":
-            what += f", proved lower bound {self.lower_bound}"
-        lines = [f"{self.status}: {what}"]
-        lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in self.bounds]
-        lines += [f"  II {item.ii} refuted by {item.by}" for item in self.refuted]
-        return "\n".join(lines)
+        """What was proved and what binds, in a few lines for a person: the recurrence with its
+        source lines, the resource with its users, or what is fullest where routing binds.
+        """
+        from vividc.mapper.explain import explain  # it needs this module  # noqa: PLC0415
+
+        return explain(self)
+
+    def to_json(self, subject: Subject | None = None) -> dict[str, object]:
+        """A JSON-ready object with the whole certificate, graph and fabric (`mapping_json`).
+
+        Raises
+        ------
+        VividcError
+            The result does not know its graph and fabric, and none are given.
+        """
+        from vividc.mapper.mapping_json import mapping_to_json  # as above  # noqa: PLC0415
+
+        about = subject or self.subject
+        if about is None:
+            raise VividcError(
+                "the result does not know its graph and fabric",
+                loc="to_json",
+                hint="pass subject=Subject(dfg, fabric)",
+            )
+        return mapping_to_json(self, about.dfg, about.fabric)
+
+    @staticmethod
+    def from_json(data: object) -> MapResult:
+        """The result that `to_json` wrote, with the graph and the fabric in it as `subject`.
+
+        Raises
+        ------
+        VividcError
+            `data` is no such object, or of another version.
+        """
+        from vividc.mapper.mapping_json import read_result  # as above  # noqa: PLC0415
+
+        return read_result(data)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 
-Ints = NDArray[np.int32]
+Ints = NDArray[np.int64]
 
 NONE: Final = -1
 """No resource."""
@@ -39,7 +39,7 @@ class Resource:
 
 @dataclass(frozen=True, slots=True)
 class Rows:
-    """A list of int32 for each of n things: row i is items[begin[i] : begin[i + 1]]."""
+    """A list of int64 for each of n things: row i is items[begin[i] : begin[i + 1]]."""
 
     begin: Ints
     items: Ints
@@ -48,9 +48,9 @@ class Rows:
     def of(rows: Iterable[Iterable[int]]) -> Rows:
         """Pack rows of numbers."""
         packed = [list(row) for row in rows]
-        begin = np.zeros(len(packed) + 1, dtype=np.int32)
+        begin = np.zeros(len(packed) + 1, dtype=np.int64)
         begin[1:] = np.cumsum([len(row) for row in packed])
-        return Rows(begin, np.array([i for row in packed for i in row], dtype=np.int32))
+        return Rows(begin, np.array([i for row in packed for i in row], dtype=np.int64))
 
     def __getitem__(self, row: int) -> list[int]:
         """One row."""
@@ -68,7 +68,7 @@ class MRRG:
     links
         Locations below this number are links, by link id; the others are register files.
     owner
-        PE whose registers a location is, or at which its link ends, int32 (locations,).
+        PE whose registers a location is, or at which its link ends, int64 (locations,).
     occupies
         Resource that a word takes in every cycle in which it is at the location.
     entering
@@ -138,12 +138,12 @@ def build_mrrg(fabric: Fabric) -> MRRG:
 
 
 def reach(graph: MRRG, pes: int) -> Ints:
-    """Least cycles from being ready on one PE to being readable on another, int32 (pes, pes).
+    """Least cycles from being ready on one PE to being readable on another, int64 (pes, pes).
 
     0 on the PE itself and wherever an entry is readable; `1 << 20`: never.
     """
     far = 1 << 20
-    found = np.full((pes, pes), far, dtype=np.int32)
+    found = np.full((pes, pes), far, dtype=np.int64)
     for pe in range(pes):
         frontier = graph.entries[pe]
         seen = set(frontier)
@@ -167,4 +167,4 @@ def _onward(fabric: Fabric, pe: int, file_of: dict[int, int]) -> list[int]:
 
 
 def _ints(values: Sequence[int]) -> Ints:
-    return np.array(values, dtype=np.int32)
+    return np.array(values, dtype=np.int64)

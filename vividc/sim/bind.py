@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from vividc.errors import ArgumentError
 from vividc.program import (
     HIGH_SUFFIX,
-    MAX_DIMENSION,
     WORD_BYTES,
     DType,
     LocalArray,
@@ -187,9 +186,9 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
-    if not param.flat and max(value.shape) > MAX_DIMENSION:
+    if not param.flat and max(value.shape) > param.max_dimension:
         raise ArgumentError(
-            f"a dimension of {value.shape} is larger than {MAX_DIMENSION}",
+            f"a dimension of {value.shape} is larger than {param.max_dimension}",
             loc=where,
             hint="run the kernel on pieces of the array",
         )

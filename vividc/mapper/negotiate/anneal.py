@@ -10,12 +10,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from vividc.mapper.negotiate.arrays import FU, Array, Edges, Floats, Longs, Task
+from vividc.mapper.mrrg import Ints
+from vividc.mapper.negotiate.arrays import FU, Array, Edges, Floats, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess, window
 
 _BROKEN, _LATE, _HOP, _CYCLE, _TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
-_NEAR = 0.5
+_MOVE_KNOT_BELOW = 15
+_MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
+"""Of 100 moves, which change the PE and which the time."""
 
 
 class Heat(NamedTuple):
@@ -23,7 +26,7 @@ class Heat(NamedTuple):
 
     value: Floats
     cooling: float
-    scratch: Longs
+    scratch: Ints
 
 
 @compiled
@@ -37,8 +40,12 @@ def anneal(task: Task, places: Places, heat: Heat, moves: int) -> None:
 
 
 @compiled
-def _step(task: Task, places: Places, heat: float, node: int, scratch: Longs) -> None:
+def _step(task: Task, places: Places, heat: float, node: int, scratch: Ints) -> None:
     nodes, edges, array = task
+    knot = edges.knot_begin[node + 1] - edges.knot_begin[node]
+    if knot > 1 and draw(places.random, 100) < _MOVE_KNOT_BELOW:
+        _shift_knot(task, places, heat, node)
+        return
     old_pe, old_time = places.pe[node], places.time[node]
     pe, time = propose(task, places, node, scratch)
     if pe == old_pe and time == old_time:
@@ -72,6 +79,42 @@ def _step(task: Task, places: Places, heat: float, node: int, scratch: Longs) ->
 
 
 @compiled
+def _shift_knot(task: Task, places: Places, heat: float, node: int) -> None:
+    """Move all nodes of a recurrence in time: where it has no slack, none can move alone."""
+    ii = task.array.ii
+    by = 1 + draw(places.random, max(1, ii // 2))
+    if draw(places.random, 2) == 0:
+        by = -by
+    begin, end = task.edges.knot_begin[node], task.edges.knot_begin[node + 1]
+    for at in range(begin, end):
+        time = places.time[task.edges.knot_items[at]] + by
+        if time < 0 or time > task.array.latest:
+            return
+    before = _knot_cost(task, places, begin, end)
+    _delay(task, places, begin, end, by)
+    change = _knot_cost(task, places, begin, end) - before
+    if change > 0 and draw(places.random, 1 << 24) >= math.exp(-change / heat) * (1 << 24):
+        _delay(task, places, begin, end, -by)
+
+
+@compiled
+def _knot_cost(task: Task, places: Places, begin: int, end: int) -> float:
+    total = 0.0
+    for at in range(begin, end):
+        total += _cost(task, places, task.edges.knot_items[at])
+    return total
+
+
+@compiled
+def _delay(task: Task, places: Places, begin: int, end: int, by: int) -> None:
+    for at in range(begin, end):
+        node = task.edges.knot_items[at]
+        enter(task.nodes, task.array, places, node, -1)
+        places.time[node] += by
+        enter(task.nodes, task.array, places, node, 1)
+
+
+@compiled
 def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
     """Another node that issues on the FU that `node` would use, or -1."""
     if not task.nodes.kind[node] & FU:
@@ -81,13 +124,13 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
 
 
 @compiled
-def propose(task: Task, places: Places, node: int, scratch: Longs) -> tuple[int, int]:
+def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
     """A PE (any, or one near a neighbour in the graph) and a time for `node`."""
     nodes, edges, array = task
     random = places.random
     pe, time = places.pe[node], places.time[node]
     kind = draw(random, 100)
-    if kind < 65:
+    if kind < _MOVE_PE_BELOW:
         begin, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
         pe = nodes.pe_items[begin + draw(random, end - begin)]
         count = edges.of_begin[node + 1] - edges.of_begin[node]
@@ -100,7 +143,7 @@ def propose(task: Task, places: Places, node: int, scratch: Longs) -> tuple[int,
             ]
             if nodes.can[node, near]:
                 pe = near
-    if kind >= 45:
+    if kind >= _MOVE_TIME_FROM:
         window(edges, array, places, node, scratch)
         first, last = scratch[0], scratch[1]
         if first <= last:
@@ -133,9 +176,9 @@ def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
     hops = array.hop[places.pe[src], places.pe[dst]]
     cost = _HOP * hops
     if late > 0:
-        return cost + _LATE * late
+        return float(cost + _LATE * late)
     life = places.time[dst] - places.time[src] - edges.ready[edge]
-    return cost + _TIGHT * max(0, hops + edges.spare[edge] - life)
+    return float(cost + _TIGHT * max(0, hops - life))
 
 
 @compiled

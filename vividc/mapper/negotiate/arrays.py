@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +14,6 @@ from vividc.mapper.mrrg import MRRG, Ints, Rows, reach
 from vividc.mapper.problem import ConstantKey, MapProblem
 
 Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
 
 
 class Nodes(NamedTuple):
@@ -34,10 +34,11 @@ class Nodes(NamedTuple):
 
 class Edges(NamedTuple):
     """Dependences: start[dst] - start[src] >= `shift`; a routed word lives start[dst] - start[src]
-    - `ready` cycles beyond its result. `spare`: cycles that it wants on top.
+    - `ready` cycles beyond its result.
 
     `of`: edges at each node but self loops; `sink`: routed edges out of a node; `fed`: producers of
-    what a node reads, itself not counted. `ahead` = II * distance.
+    what a node reads, itself not counted; `knot`: all nodes of a node's recurrences, itself among
+    them. `ahead` = II * distance.
     """
 
     src: Ints
@@ -46,13 +47,14 @@ class Edges(NamedTuple):
     ready: Ints
     ahead: Ints
     routed: NDArray[np.uint8]
-    spare: Ints
     of_begin: Ints
     of_items: Ints
     sink_begin: Ints
     sink_items: Ints
     fed_begin: Ints
     fed_items: Ints
+    knot_begin: Ints
+    knot_items: Ints
 
 
 class Array(NamedTuple):
@@ -133,7 +135,7 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
             sinks[src].append(index)
             if src != dst:
                 fed[dst][src] = None
-    packed = [Rows.of(rows) for rows in (of, sinks, fed)]
+    packed = [Rows.of(rows) for rows in (of, sinks, fed, _knots(ends, len(number)))]
     return Edges(
         ints(src for src, _ in ends),
         ints(dst for _, dst in ends),
@@ -141,9 +143,18 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
         ints(e.latency - ii * e.distance for e in found),
         ints(ii * e.distance for e in found),
         np.array([e.routed for e in found], dtype=np.uint8),
-        np.zeros(len(found), dtype=np.int32),
         *(part for rows in packed for part in (rows.begin, rows.items)),
     )
+
+
+def _knots(ends: Sequence[tuple[int, int]], nodes: int) -> list[list[int]]:
+    """By node: the strongly connected component that it is in."""
+    graph = nx.DiGraph(ends)
+    knots = [[node] for node in range(nodes)]
+    for component in nx.strongly_connected_components(graph):
+        for node in component:
+            knots[node] = sorted(component)
+    return knots
 
 
 def _array(
@@ -154,7 +165,7 @@ def _array(
     cycles = reach(graph, pes)
     near = Rows.of([pe, *(k.dst for k in fabric.links_from[pe])] for pe in range(pes))
     resident = [problem.resident.get(pe, frozenset()) for pe in range(pes)]
-    held = np.zeros((pes, max(len(keys), 1)), dtype=np.int32)
+    held = np.zeros((pes, max(len(keys), 1)), dtype=np.int64)
     for pe, entries in enumerate(resident):
         for key in entries & keys.keys():
             held[pe, keys[key]] = 1
@@ -165,7 +176,7 @@ def _array(
         banks=fabric.scratchpad.banks,
         keys=held.shape[1],
         reach=cycles,
-        hop=(cycles + (1 - np.eye(pes, dtype=np.int32))).astype(np.int32),
+        hop=(cycles + (1 - np.eye(pes, dtype=np.int64))).astype(np.int64),
         near_begin=near.begin,
         near_items=near.items,
         room=ints(
@@ -177,5 +188,5 @@ def _array(
 
 
 def ints(values: Iterable[int]) -> Ints:
-    """An int32 array."""
-    return np.fromiter(values, dtype=np.int32)
+    """An int64 array."""
+    return np.fromiter(values, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""From a modulo schedule to a mapping: anneal places and times, negotiate routes, name registers."""
+"""From a graph to a mapping: anneal places and times, negotiate routes, name registers."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ from vividc.mapper.negotiate.traffic import (
     new_traffic,
     raise_prices,
     reprice_all,
-    route_round,
 )
+from vividc.mapper.negotiate.ways import Router, route_round
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registers import Stay, allocate
 from vividc.mapper.verify import violations
 
 _MOVES_PER_NODE: Final = 8000
 _ROUNDS: Final = 30
-_REPAIRS_PER_NODE: Final = 500
+_REPAIRS_PER_NODE: Final = 150
 _TRIALS: Final = 2
 _NAMING_ROUNDS: Final = 12
 _HOT, _COLD = 30.0, 0.2
@@ -176,9 +176,10 @@ class _Attempt:
         """Route and name registers; where a file's words fit but have no allocation, again with
         one register less there.
         """
-        self.graph = new_graph(self.mrrg)
         self.traffic = new_traffic(self.mrrg, self.task, self.room)
-        self.scratch = new_scratch(self.mrrg, self.cycles)
+        scratch = new_scratch(self.mrrg, self.cycles)
+        graph = new_graph(self.mrrg)
+        self.router = Router(graph, self.task, self.places, self.traffic, scratch)
         for turn in range(_NAMING_ROUNDS):
             free = self._negotiate(effort.rounds, deadline, fresh=turn == 0)
             if not free and not self._repair(effort.repairs * len(self.ids), deadline):
@@ -194,10 +195,7 @@ class _Attempt:
         """Rounds of rip-up and re-route; True when nothing is crowded."""
         traffic = self.traffic
         for turn in range(rounds):
-            everything = fresh and turn == 0
-            lost = route_round(
-                self.graph, self.task, self.places, traffic, self.scratch, everything
-            )
+            lost = route_round(self.router, fresh and turn == 0)
             if lost or deadline.passed:
                 return False
             if traffic.totals[OVER] == 0:
@@ -206,18 +204,17 @@ class _Attempt:
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> bool:
-        """Route everything afresh, then move nodes with their routes; True when nothing is crowded."""
+        """Route all afresh, then move nodes with their routes; True when nothing is crowded."""
         traffic = self.traffic
         traffic.history[:] = 1.0
         traffic.totals[PRESSURE] = _REPAIR_PRESSURE
         reprice_all(traffic, self.ii)
-        state = (self.graph, self.task, self.places, traffic, self.scratch)
-        if route_round(*state, True):
+        if route_round(self.router, True):
             return False
         undo = new_undo(self.task, traffic)
         heat = _heat(_WARM, _COOL, moves)
         for done in range(0, moves, _REPAIR_SLICE):
-            repair(*state, undo, heat, min(_REPAIR_SLICE, moves - done))
+            repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
             if deadline.passed or traffic.totals[OVER] == 0:
                 break
         return bool(traffic.totals[OVER] == 0)

@@ -13,7 +13,6 @@ from vividc.mapper.negotiate.arrays import (
     MEMORY,
     Array,
     Edges,
-    Longs,
     Nodes,
     Task,
 )
@@ -32,7 +31,7 @@ class Places(NamedTuple):
     at: Ints
     held: Ints
     stored: Ints
-    random: Longs
+    random: Ints
 
 
 def new_places(task: Task, seed: int) -> Places:
@@ -40,10 +39,10 @@ def new_places(task: Task, seed: int) -> Places:
     count, array = len(task.nodes.latency), task.array
     grid = array.pes * array.ii
     return Places(
-        np.full(count, -1, dtype=np.int32),
-        np.zeros(count, dtype=np.int32),
-        np.zeros(3 * grid + 2 * array.ii, dtype=np.int32),
-        np.full(grid, -1, dtype=np.int32),
+        np.full(count, -1, dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
+        np.zeros(3 * grid + 2 * array.ii, dtype=np.int64),
+        np.full(grid, -1, dtype=np.int64),
         array.held.copy(),
         array.stored.copy(),
         np.array([seed * 2_654_435_769 + 1], dtype=np.int64),
@@ -51,10 +50,10 @@ def new_places(task: Task, seed: int) -> Places:
 
 
 @compiled
-def draw(random: Longs, below: int) -> int:
+def draw(random: Ints, below: int) -> int:
     """The next number of a 64-bit linear congruential generator (Knuth), in 0 .. below - 1."""
     random[0] = random[0] * 6364136223846793005 + 1442695040888963407
-    return ((random[0] >> 33) & 0x3FFFFFFF) % below
+    return int((random[0] >> 33) & 0x3FFFFFFF) % below
 
 
 @compiled
@@ -105,7 +104,7 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
             over += places.counts[3 * grid + ii + done] - 1
     else:
         over += places.counts[2 * grid + row + slot] - 1
-    return over
+    return int(over)
 
 
 @compiled
@@ -126,12 +125,12 @@ def early(edges: Edges, array: Array, places: Places, edge: int) -> int:
     src, dst = edges.src[edge], edges.dst[edge]
     gap = places.time[dst] - places.time[src]
     if edges.routed[edge]:
-        return max(0, edges.ready[edge] + array.reach[places.pe[src], places.pe[dst]] - gap)
-    return max(0, edges.shift[edge] - gap)
+        return int(max(0, edges.ready[edge] + array.reach[places.pe[src], places.pe[dst]] - gap))
+    return int(max(0, edges.shift[edge] - gap))
 
 
 @compiled
-def window(edges: Edges, array: Array, places: Places, node: int, result: Longs) -> None:
+def window(edges: Edges, array: Array, places: Places, node: int, result: Ints) -> None:
     """First and last time that keep all dependences as the other nodes lie, into `result`.
 
     Without a limit on one side, II times are enough: they are all the slots.

@@ -1,6 +1,6 @@
 """Annealing with routes: nodes move, the words they make and read are ripped up and routed again.
 
-A move costs thousands of times what it does without routes, but sees the true crowding (as in DRESC,
+A move costs a hundred times what it does without routes, but sees the true crowding (as in DRESC,
 Mei et al. 2002); so it starts from places that are nearly right and moves mostly nodes at the ends
 of words that crowd others.
 """
@@ -20,14 +20,12 @@ from vividc.mapper.negotiate.places import Places, draw, early, enter, excess
 from vividc.mapper.negotiate.traffic import (
     OVER,
     WIRE,
-    Graph,
-    Scratch,
     Traffic,
     count_claims,
     crowds,
     rip_up,
-    route,
 )
+from vividc.mapper.negotiate.ways import Router, route
 
 _CROWDED = 3.0
 _AT_CROWDED_PERCENT = 80
@@ -53,11 +51,11 @@ def new_undo(task: Task, traffic: Traffic) -> Undo:
     most = 2 * (1 + int(np.diff(task.edges.fed_begin).max(initial=0)))
 
     def like(array: Ints) -> Ints:
-        return np.zeros((most, *array.shape[1:]), dtype=np.int32)
+        return np.zeros((most, *array.shape[1:]), dtype=np.int64)
 
     return Undo(
-        np.zeros(most + 1, dtype=np.int32),
-        np.zeros(len(task.nodes.latency) + 1, dtype=np.int32),
+        np.zeros(most + 1, dtype=np.int64),
+        np.zeros(len(task.nodes.latency) + 1, dtype=np.int64),
         like(traffic.size),
         like(traffic.cell),
         like(traffic.claim),
@@ -67,24 +65,16 @@ def new_undo(task: Task, traffic: Traffic) -> Undo:
 
 
 @compiled
-def repair(
-    graph: Graph,
-    task: Task,
-    places: Places,
-    traffic: Traffic,
-    scratch: Scratch,
-    undo: Undo,
-    heat: Heat,
-    moves: int,
-) -> int:
+def repair(router: Router, undo: Undo, heat: Heat, moves: int) -> int:
     """Make up to `moves` moves; returns how many were left when nothing was crowded any more."""
+    task, places, traffic = router.task, router.places, router.traffic
     for move in range(moves):
         if traffic.totals[OVER] == 0:
             return moves - move
         if move % _REFRESH == 0:
             _list_crowded(traffic, undo)
         node = _pick(task, places, undo)
-        _try_move(graph, task, places, traffic, scratch, undo, node, heat)
+        _try_move(router, undo, node, heat)
         heat.value[0] *= heat.cooling
     return 0
 
@@ -108,20 +98,12 @@ def _pick(task: Task, places: Places, undo: Undo) -> int:
     word = undo.crowded[1 + draw(random, undo.crowded[0])]
     first = edges.sink_begin[word]
     which = draw(random, edges.sink_begin[word + 1] - first + 1)
-    return word if which == 0 else edges.dst[edges.sink_items[first + which - 1]]
+    return int(word if which == 0 else edges.dst[edges.sink_items[first + which - 1]])
 
 
 @compiled
-def _try_move(
-    graph: Graph,
-    task: Task,
-    places: Places,
-    traffic: Traffic,
-    scratch: Scratch,
-    undo: Undo,
-    node: int,
-    heat: Heat,
-) -> None:
+def _try_move(router: Router, undo: Undo, node: int, heat: Heat) -> None:
+    task, places, traffic = router.task, router.places, router.traffic
     nodes = task.nodes
     old_pe, old_time = places.pe[node], places.time[node]
     pe, time = propose(task, places, node, heat.scratch)
@@ -143,7 +125,7 @@ def _try_move(
     found = True
     for at in range(1, undo.words[0] + 1):
         if found:
-            found = route(graph, task, places, traffic, scratch, undo.words[at])
+            found = route(router, undo.words[at])
     change = traffic.totals[WIRE] + _CROWDED * traffic.totals[OVER] - before
     if found and (
         change <= 0 or draw(places.random, 1 << 24) < math.exp(-change / heat.value[0]) * (1 << 24)
