@@ -36,7 +36,6 @@ def test_compile_refuses_with_the_options_named() -> None:
     [
         ("routing: {hops: 0}", "`routing.hops: 0`"),
         ("pe: {register_file: {rotating: true}}", "`register_file.rotating: true`"),
-        ("occupancy: {fmul: 4}", "`occupancy.fmul: 4`"),
     ],
 )
 def test_each_option_is_named(yaml: str, option: str) -> None:
@@ -52,5 +51,6 @@ def test_defaults_said_aloud_are_accepted() -> None:
     demand_programmable(load("king-4x4"))
 
 
-def test_several_links_a_cycle_are_accepted() -> None:
+def test_several_links_a_cycle_and_busy_fus_are_accepted() -> None:
     demand_programmable(load("hycube-4x4"))
+    demand_programmable(load_text("extends: vivid-tile\noccupancy: {fmul: 4}\n"))

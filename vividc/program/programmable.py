@@ -42,6 +42,3 @@ def _beyond_words(fabric: Fabric) -> Iterator[str]:
         yield "`register_file.rotating: true`"
     if any(pe.written_by_fu for pe in fabric.pes):
         yield "`register_file.written_by: fu`"
-    for latency_class, cycles in fabric.occupancies.items():
-        if cycles > 1:
-            yield f"`occupancy.{latency_class.value}: {cycles}`"
