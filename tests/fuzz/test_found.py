@@ -49,6 +49,25 @@ def program(c, n):
     assert verdict.kind == "agrees", verdict.text
 
 
+def test_a_base_address_may_be_a_variable_of_a_flattened_nest_in_blocks(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'c': ('L', 'M')}
+FIXED = True
+
+@kernel('uint8(uint8[::1], float32[::1], int32[:, ::1], int32[::1], int32)')
+def program(a, b, c, d, n):
+    for i1 in range(1, 8 - 1):
+        c[i1 - 1, 2 * i1 + 1 & 15], c[i1, i1 - 1 & 15] = (0, 0)
+        for i2 in range(16 - 1, 1, -1):
+            pass
+    return np.uint8(32767 * d[12])
+"""
+    verdict = judge(source, 770004, tmp_path, simulate="blocks")
+    assert verdict.kind == "agrees", verdict.text
+
+
 def test_a_byte_extended_to_half_a_word_is_compared_with_its_sign(tmp_path: Path) -> None:
     source = """
 import numpy as np
