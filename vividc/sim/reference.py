@@ -15,7 +15,7 @@ import numpy as np
 
 from vividc.errors import SimulationError
 from vividc.program import Home, Program, RegionRow, joined
-from vividc.sim.engine import Activity, Launch, RegionRun, Run
+from vividc.sim.engine import Activity, Launch, RegionRun, RegionSpan, Run
 from vividc.sim.predecode import RegionCode, State, StateMap, predecode
 from vividc.sim.region_run import RegionState, Tile
 
@@ -46,13 +46,18 @@ class ReferenceEngine:
         switches = 0
         while index is not None:
             region = self._regions[index]
+            start = tile.cycle
             done = self._run_region(tile, region)
-            totals[index].add(done, region)
+            totals[index].add(done, region, tile.take_activity())
+            if launch.observer is not None:
+                spent = (start, tile.cycle, done.iterations, done.stalls)
+                launch.observer(RegionSpan(index, *spent))
             index = region.row.branch if done.branch else region.row.next
             if index is not None:
                 switches += self._program.fabric.controller.switch_cycles
                 tile.cycle += self._program.fabric.controller.switch_cycles
                 tile.check_limit(region.index)
+        regions = tuple(total.region_run() for total in totals)
         return Run(
             cycles=tile.cycle,
             switch_cycles=switches,
@@ -60,8 +65,8 @@ class ReferenceEngine:
             value=returned(
                 self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]
             ),
-            regions=tuple(total.region_run() for total in totals),
-            activity=_activity(tile, totals),
+            regions=regions,
+            activity=Activity.total(region.activity for region in regions),
         )
 
     def _run_region(self, tile: Tile, region: RegionCode) -> RegionState:
@@ -128,15 +133,17 @@ class _Totals:
         self.cycles = 0
         self.stalls = 0
         self.issued: Counter[str] = Counter()
+        self.activity = Activity()
         self.register_reads = 0
         self.constant_reads = 0
 
-    def add(self, done: RegionState, region: RegionCode) -> None:
-        """Count one run of the region."""
+    def add(self, done: RegionState, region: RegionCode, moved: Activity) -> None:
+        """Count one run of the region; `moved`: what the tile counted meanwhile."""
         self.entries += 1
         self.iterations += done.iterations
         self.cycles += done.cycle + done.stalls
         self.stalls += done.stalls
+        self.activity = Activity.total((self.activity, moved))
         for count in region.counts:
             issues = done.issues_of(count.time)
             if issues == 0:
@@ -149,16 +156,6 @@ class _Totals:
     def region_run(self) -> RegionRun:
         """The sums as a result."""
         issued = dict(sorted(self.issued.items()))
-        return RegionRun(self.entries, self.iterations, self.cycles, self.stalls, issued)
-
-
-def _activity(tile: Tile, totals: list[_Totals]) -> Activity:
-    return Activity(
-        link_words=tile.link_words,
-        register_reads=tile.register_reads + sum(total.register_reads for total in totals),
-        register_writes=tile.register_writes,
-        constant_reads=sum(total.constant_reads for total in totals),
-        constant_writes=tile.constant_writes,
-        scratchpad_reads=tile.scratchpad_reads,
-        scratchpad_writes=tile.scratchpad_writes,
-    )
+        operands = Activity(register_reads=self.register_reads, constant_reads=self.constant_reads)
+        activity = Activity.total((self.activity, operands))
+        return RegionRun(self.entries, self.iterations, self.cycles, self.stalls, issued, activity)

@@ -11,7 +11,7 @@ from typing import Final, Literal
 from vividc.dfg.words import loaded, stored
 from vividc.errors import CycleLimit, SimulationError
 from vividc.program import Program, Use, trapped
-from vividc.sim.engine import Progress
+from vividc.sim.engine import Activity, Progress
 from vividc.sim.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
 
 _ENDLESS: Final = sys.maxsize
@@ -20,6 +20,14 @@ _WORD_MASK: Final = 0xFFFFFFFF
 _WORD_BYTES: Final = 4
 _RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
 _SIGN_BIT: Final = 0x80000000
+_COUNTERS: Final = (
+    "link_words",
+    "register_reads",
+    "register_writes",
+    "constant_writes",
+    "scratchpad_reads",
+    "scratchpad_writes",
+)
 
 Completion = tuple[int, int | None]
 """(PE, word of the result); a store completes with no word."""
@@ -45,6 +53,13 @@ class Tile:
     constant_writes: int = 0
     scratchpad_reads: int = 0
     scratchpad_writes: int = 0
+
+    def take_activity(self) -> Activity:
+        """What was counted since the last call; operands' reads are counted elsewhere."""
+        counted = Activity(**{name: getattr(self, name) for name in _COUNTERS})
+        for name in _COUNTERS:
+            setattr(self, name, 0)
+        return counted
 
     def check_limit(self, region: int, cycles: int = 0) -> None:
         """Stop a run whose time, `cycles` of region `region` included, exceeds the limit.

@@ -17,6 +17,7 @@ from vividc.sim.native.code import Compiled, compiled
 from vividc.sim.native.counts import Totals, activity
 from vividc.sim.native.fallback import Fallback
 from vividc.sim.native.layout import Place, Status
+from vividc.sim.native.spans import Spans
 from vividc.sim.native.state import MachineState, initial_state
 from vividc.sim.reference import ReferenceEngine, returned
 
@@ -73,11 +74,15 @@ class _Running:
     def run(self) -> Run:
         """Run to the end."""
         snapshot = self._state.copy()
+        spans = Spans(self._code.plan, self._totals, self._launch.observer)
+        entries = ENTRIES_A_CALL if self._launch.observer is None else 1
         while True:
-            status = self._call(self._state, CYCLES_A_CALL, ENTRIES_A_CALL)
+            spans.before(self._state)
+            status = self._call(self._state, CYCLES_A_CALL, entries)
             if self._launch.progress is not None and status is not Status.FAULT:
                 self._launch.progress(self._state.now)
             if status is Status.DONE:
+                spans.after(self._state)
                 return self._result()
             if status is Status.LIMIT:
                 self._fallback.demand_time(self._launch, self._state)
@@ -86,6 +91,7 @@ class _Running:
             if status in (Status.FAULT, Status.IRREGULAR):
                 region = int(self._state.context[Place.NEXT])
                 self._fallback.run_region(self._launch, self._state, self._totals[region])
+            spans.after(self._state)
             if not self._state.context[Place.RESUME]:
                 snapshot = self._state.copy()
 
@@ -121,4 +127,11 @@ class _Running:
 
 def _region_run(totals: Totals) -> RegionRun:
     issued = dict(sorted(totals.issued.items()))
-    return RegionRun(totals.entries, totals.iterations, totals.cycles, totals.stalls, issued)
+    return RegionRun(
+        totals.entries,
+        totals.iterations,
+        totals.cycles,
+        totals.stalls,
+        issued,
+        activity([totals]),
+    )
