@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
+from vividc.dfg.kinds import kind_of
+from vividc.dfg.opcodes import Opcode
 from vividc.program import WORD_BYTES, RegionRow
 from vividc.sim.engine import Activity, RegionRun
 
 USES: Final = ("steady", "prologue_epilogue", "straight", "bank_stall")
-_PRECISIONS: Final = ((Type.F32, "f32"), (Type.I32, "i32"))
 _LEVELS: Final = {
     "scratchpad_read": "scratchpad_reads",
     "scratchpad_written": "scratchpad_writes",
@@ -41,21 +41,11 @@ def cycles_by_use(row: RegionRow, region: RegionRun) -> dict[str, int]:
     return found
 
 
-def kind_of(opcode: str) -> tuple[str, str]:
-    """Latency class and precision of an operation: "f32", "i32", or "word" for what only moves."""
-    info = OPCODES[Opcode(opcode)]
-    if info.opcode in (Opcode.LOAD, Opcode.STORE):
-        return info.latency_class.value, "word"
-    types = (*info.operands, info.result)
-    names = (name for type_, name in _PRECISIONS if type_ in types)
-    return info.latency_class.value, next(names, "word")
-
-
 def by_kind(issued: Mapping[str, int]) -> dict[str, dict[str, int]]:
     """Issues by latency class, and within it by precision, both in alphabetical order."""
     found: dict[str, Counter[str]] = {}
     for opcode, count in issued.items():
-        name, precision = kind_of(opcode)
+        name, precision = kind_of(Opcode(opcode))
         found.setdefault(name, Counter())[precision] += count
     return {name: dict(sorted(found[name].items())) for name in sorted(found)}
 

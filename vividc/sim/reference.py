@@ -17,16 +17,17 @@ from vividc.errors import SimulationError
 from vividc.program import Home, Program, RegionRow, joined
 from vividc.sim.engine import Activity, Launch, RegionRun, RegionSpan, Run
 from vividc.sim.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.region_run import RegionState, Tile
+from vividc.sim.region_run import RegionState, Tile, Watch
 
 _UNBOUNDED: Final = sys.maxsize
 
 
 class ReferenceEngine:
-    """Runs the decoded words of one program."""
+    """Runs the decoded words of one program; `watch` sees every cycle."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, watch: Watch | None = None) -> None:
         self._program = program
+        self._watch = watch
         self._cells = StateMap(program.fabric)
         self._regions = predecode(program, self._cells)
 
@@ -40,6 +41,7 @@ class ReferenceEngine:
             cycle_limit=launch.cycle_limit,
             progress=launch.progress,
             extents=launch.extents,
+            watch=self._watch,
         )
         totals = [_Totals() for _ in self._regions]
         index: int | None = 0

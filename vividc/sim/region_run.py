@@ -6,7 +6,7 @@ import sys
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 from vividc.dfg.words import loaded, stored
 from vividc.errors import CycleLimit, SimulationError
@@ -33,6 +33,25 @@ Completion = tuple[int, int | None]
 """(PE, word of the result); a store completes with no word."""
 
 
+class Watch(Protocol):
+    """Sees every cycle before it happens."""
+
+    def see(
+        self, cycle: int, region: RegionCode, slot: Slot, newest: int, limit: int, state: State
+    ) -> None:
+        """Look at a cycle; nothing may be changed.
+
+        Parameters
+        ----------
+        cycle
+            Since the launch, stalls included.
+        newest, limit
+            Iteration of stage 0; iterations from `limit` on are dead.
+        state
+            The words that PEs can read in this cycle (see `predecode.StateMap`).
+        """
+
+
 @dataclass
 class Tile:
     """What outlives a region: words, memory, the trip register, time, and counters of activity."""
@@ -44,6 +63,7 @@ class Tile:
     cycle_limit: int
     progress: Progress | None
     extents: Mapping[str, tuple[int, int]]
+    watch: Watch | None = None
     trip: int = 0
     cycle: int = 0
     entries: int = 0
@@ -149,8 +169,16 @@ class RegionState:
                 self._resolve()
             if self.cycle >= self._end:
                 return
+            if self._tile.watch is not None:
+                self._look(slot, newest)
             self._cycle(slot, newest)
             self.cycle += 1
+
+    def _look(self, slot: Slot, newest: int) -> None:
+        tile = self._tile
+        assert tile.watch is not None
+        now = tile.cycle + self.cycle + self.stalls
+        tile.watch.see(now, self._region, slot, newest, self._limit, self._state)
 
     def _resolve(self) -> None:
         """An exit node's result acts: later iterations are dead from now on, or it goes on."""
