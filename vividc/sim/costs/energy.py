@@ -17,7 +17,8 @@ from vividc.dfg.opcodes import Opcode
 from vividc.sim.costs.area import array_um2
 from vividc.sim.costs.calibration import calibrate
 from vividc.sim.costs.report import ON_CHIP, Item, by_part, item
-from vividc.sim.engine import Activity, Run
+from vividc.sim.engine import Activity
+from vividc.sim.stats import Stats
 
 _NOTES: Final = (
     "standing energy is the rest of the published total at full use, not a measurement",
@@ -67,12 +68,9 @@ class EnergyReport(TypedDict):
     notes: list[str]
 
 
-def work_of(run: Run) -> Work:
+def work_of(stats: Stats) -> Work:
     """The work of a run on one tile."""
-    operations: Counter[str] = Counter()
-    for region in run.regions:
-        operations.update(region.issued)
-    return Work(run.cycles, dict(operations), run.activity)
+    return Work(stats["cycles"], stats["operations"], Activity(**stats["activity"]))
 
 
 def energy(

@@ -79,8 +79,8 @@ def run_trace(
     """The trace of a run on one tile: its regions, inside them what loops spent outside their
     steady state, and the stalls as a counter.
 
-    A loop's slices "steady" and "prologue, epilogue" have their lengths; where stalls lie in a region
-    is not known, so the slices are those of a run without stalls, and left out where there are some.
+    A loop's slices "steady" and "prologue, epilogue" have these lengths; where stalls lie in a
+    region is not known, so a run of a region with stalls has no such slices.
 
     Parameters
     ----------

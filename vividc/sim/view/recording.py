@@ -68,15 +68,16 @@ class Recording:
         between = np.ones(self.end - self.first, np.bool_)
         for span in self.spans:
             between[max(0, span.start - self.first) : max(0, span.end - self.first)] = False
-        if self.cycles.size and (not self.spans or self.spans[-1].end <= self.cycles[-1]):
-            # The last region did not end inside the window.
-            between[self._last_start() - self.first :] = False
+        start = self._open_start()
+        if self.cycles.size and self.cycles[-1] >= start:
+            between[max(0, start - self.first) :] = False
         return still & ~between
 
-    def _last_start(self) -> int:
-        ended = self.spans[-1].end if self.spans else self.first
-        begun = self.cycles[self.cycles >= ended]
-        return int(begun[0])
+    def _open_start(self) -> int:
+        """Where the region starts that follows the last that ended."""
+        if not self.spans:
+            return 0
+        return self.spans[-1].end + self.program.fabric.controller.switch_cycles
 
 
 def record(

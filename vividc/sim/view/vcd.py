@@ -37,8 +37,8 @@ def to_vcd(recording: Recording) -> str:
     Signals
     -------
     tile: region, slot, stall.
-    pe_P: opcode of the operation that issues (0: none) and its iteration; out, rf_J, and link_from_Q
-    for each incoming link.
+    pe_P: opcode of the operation that issues (0: none) and its iteration; out, rf_J, and
+    link_from_Q for each incoming link.
     """
     signals = list(_signals(recording))
     ids = [_identifier(number) for number in range(len(signals))]
@@ -124,8 +124,8 @@ def _words(recording: Recording, cell: int) -> NDArray[np.int64]:
 def _spread(
     recording: Recording, samples: NDArray[np.int64], *, moves: bool = False
 ) -> NDArray[np.int64]:
-    """One value a cycle: in a stall that of the sample before, or 0 for what `moves`; between regions
-    nothing.
+    """One value a cycle. In a stall that of the sample before, between regions none; what `moves`
+    is 0 in both.
     """
     size = recording.end - recording.first
     values = np.full(size, 0 if moves else NOTHING, np.int64)
