@@ -83,3 +83,22 @@ def program(m16, q):
 """
     verdict = judge(source, 50601, tmp_path)
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_an_own_array_of_halves_is_addressed_by_masked_bytes(tmp_path: Path) -> None:
+    # LLVM makes a choice between bytes 2 and (q << 1) & 6 of the two elements.
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {}
+FIXED = True
+
+@kernel('int32(int32, int8, int32)')
+def program(n, q, nK):
+    half = np.full(4, -3, np.int16)
+    for i in range(1, nK):
+        half[i & 3] -= (i | half[(3 - i) & 3]) >> 16
+    return np.int32(half[1] if n > half[1] else half[q & 3])
+"""
+    verdict = judge(source, 50622, tmp_path)
+    assert verdict.kind == "agrees", verdict.text

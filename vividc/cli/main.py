@@ -15,6 +15,7 @@ import click
 
 from vividc import __version__
 from vividc.cli import (
+    area_command,
     compile_command,
     disasm_command,
     map_command,
@@ -87,5 +88,12 @@ def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""
 
 
-for _module in (compile_command, simulate_command, map_command, verify_command, disasm_command):
+for _module in (
+    compile_command,
+    simulate_command,
+    map_command,
+    verify_command,
+    disasm_command,
+    area_command,
+):
     main.add_command(_module.command)

@@ -11,6 +11,7 @@ import numpy as np
 import vividc
 from vividc.cli import options
 from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
+from vividc.cli.cycle_progress import cycle_progress
 from vividc.cli.files import check_output
 from vividc.cli.reference import (
     Mismatch,
@@ -20,9 +21,11 @@ from vividc.cli.reference import (
     run_reference,
     scalars_unpacked,
 )
-from vividc.cli.report import percent, print_json, print_table, progress
+from vividc.cli.report import percent, print_json, print_table
+from vividc.cli.views import Views, view_options
 from vividc.program import Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
+from vividc.sim.run import simulate
 
 SCHEMA = "vividc.simulate/1"
 MISMATCH: Final = 5
@@ -72,6 +75,7 @@ MISMATCH: Final = 5
     show_default=True,
     help="What runs the words: native code, the reference engine, or what is done first.",
 )
+@view_options
 @options.as_json
 def command(
     program: Path,
@@ -84,6 +88,7 @@ def command(
     cycle_limit: int,
     engine: str,
     as_json: bool,
+    views: Views,
 ) -> None:
     """Run a program on the machine, cycle by cycle.
 
@@ -100,14 +105,17 @@ def command(
     expected = None
     if check:
         expected = _with_value(*run_reference(find_kernel(loaded, program, kernel), arguments))
-    result = _simulate(loaded, arguments, cycle_limit, engine)
+    result = _simulate(loaded, arguments, cycle_limit, engine, views)
     if outputs is not None:
         write_results(outputs, arguments, result.value)
+    views.write(loaded, result)
     wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
     if as_json:
-        print_json(SCHEMA, _as_object(loaded, result, outputs, expected is not None, wrong))
+        body = _as_object(loaded, result, outputs, expected is not None, wrong)
+        print_json(SCHEMA, {**body, **views.as_object(loaded, result)})
     else:
         _print(loaded, result, outputs, expected is not None, wrong)
+        views.print(loaded, result)
     for item in wrong:
         click.echo(f"vividc: mismatch: {item}", err=True)
     if wrong:
@@ -115,13 +123,19 @@ def command(
 
 
 def _simulate(
-    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str
+    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, views: Views
 ) -> Result:
     values = scalars_unpacked(arguments, program.params)
-    with progress(f"simulating {program.name}") as show:
-        report = None if show is None else lambda cycles: show(f"{program.name}: {cycles:,} cycles")
-        return vividc.simulate(
-            program, *values, progress=report, cycle_limit=cycle_limit, engine=engine
+    views.record(program, values)
+    observer = None if views.trace is None else views.timeline.add
+    with cycle_progress(f"simulating {program.name}") as report:
+        return simulate(
+            program,
+            *values,
+            progress=report,
+            cycle_limit=cycle_limit,
+            engine=engine,
+            observer=observer,
         )
 
 
