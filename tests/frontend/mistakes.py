@@ -289,3 +289,9 @@ def inverse(x, n):
 def sum_along_no_axis(x, n):
     m = np.zeros((4, 4), np.float32)
     x[:4] = m.sum(axis=2)  # here: any
+
+
+@mistake("whose errors name a number", "loops")
+def running_sum_along_an_axis(x, n):
+    m = np.zeros((4, 4), np.float32)
+    x[0] = np.cumsum(m, axis=1)[3, 3]  # here: any

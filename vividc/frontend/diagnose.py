@@ -304,6 +304,11 @@ _WORDS: tuple[tuple[str, Callable[[str], str], str], ...] = (
         "use an array of constant size, np.zeros(16, np.float32), and loops over its elements",
     ),
     (
+        r"no attribute 'Literal\[int\]",
+        lambda _: "a numpy function whose errors name a number (cumsum along an axis is one)",
+        "write the loops over the elements",
+    ),
+    (
         "No implementation of function",
         lambda text: f"numba has no `{_call(text)}`",
         "write it with loops and arithmetic",

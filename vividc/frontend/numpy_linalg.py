@@ -147,18 +147,34 @@ def _vector_matrix_into(a: Any, b: Any, out: Any) -> Any:
 @_overload_here(np.outer)
 def _overload_outer(a: Any, b: Any) -> Any:
     """The products of two vectors, in numpy's type for them."""
-    if not all(isinstance(x, types.Array) and x.ndim == 1 for x in (a, b)):
+    if not _are_vectors(a, b):
         return None
     kind = np.result_type(as_dtype(a.dtype), as_dtype(b.dtype)).type
 
     def outer(a: Any, b: Any) -> Any:
-        out = np.empty((a.shape[0], b.shape[0]), kind)
+        return np.outer(a, b, np.empty((a.shape[0], b.shape[0]), kind))
+
+    return outer
+
+
+@_overload_here(np.outer)
+def _overload_outer_into(a: Any, b: Any, out: Any) -> Any:
+    if not _are_vectors(a, b) or not isinstance(out, types.Array) or out.ndim != 2:  # noqa: PLR2004
+        return None
+
+    def outer(a: Any, b: Any, out: Any) -> Any:
+        if out.shape != (a.shape[0], b.shape[0]):
+            raise ValueError(_SIZES)
         for i in range(a.shape[0]):
             for j in range(b.shape[0]):
                 out[i, j] = a[i] * b[j]
         return out
 
     return outer
+
+
+def _are_vectors(a: Any, b: Any) -> bool:
+    return all(isinstance(x, types.Array) and x.ndim == 1 for x in (a, b))
 
 
 @_overload_here(check_axis_bounds)

@@ -315,7 +315,7 @@ def longest_row_of_flags(m):
 
 @construct("void(float32[::1], float32[::1], float32[:, ::1])", COLUMN, ROW, MATRIX, mapped=True)
 def outer_product(x, y, m):
-    m[:] = np.outer(x, y)
+    np.outer(x, y, m)
 
 
 @construct(
