@@ -59,9 +59,9 @@ def ii_limit(problem: MapProblem) -> int:
 
 def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strategy) -> MapResult:
     began = time.monotonic()
-    if is_large(problem):
-        request = prepared(request)
     bounds = all_bounds(problem)
+    if is_large(problem) and mii(bounds) < no_ii(problem):
+        request = prepared(request)
     campaign = Campaign(problem, request, strategy, mii(bounds))
     if campaign.lower >= no_ii(problem):
         return _result(campaign, bounds, name, began, infeasible=True)
