@@ -44,14 +44,24 @@ def test_an_ii_below_a_bound_is_infeasible() -> None:
 
 
 def test_an_ii_that_only_routing_forbids_is_refuted() -> None:
-    """No links: a two-node chain must share a PE, which at II 1 has one issue slot."""
-    fabric = grid(1, 2, links=False)
-    below = map_dfg(chain(2), fabric, ii=1, time_limit_s=120, workers=1)
+    """Each of three operations reads those before it: on three PEs in a row some word has no way."""
+    g = GraphBuilder("triangle")
+    iv, one = g.source(Opcode.IV), g.const(1)
+    first = g.op(Opcode.ADD, iv, one)
+    second = g.op(Opcode.ADD, first, one)
+    g.op(Opcode.ADD, first, second)
+    fabric = grid(1, 3)
+    below = map_dfg(g.build(), fabric, ii=1, time_limit_s=120, workers=1)
     assert below.status == "infeasible"
-    least = map_dfg(chain(2), fabric, time_limit_s=120, workers=1)
+    least = map_dfg(g.build(), fabric, time_limit_s=120, workers=1)
     assert (least.status, least.ii, least.bounds[0].ii) == ("optimal", 2, 1)
     assert [item.ii for item in least.refuted] == [1]
     assert "II 1 refuted by" in least.explain()
+
+
+def test_a_chain_without_links_shares_a_pe() -> None:
+    least = map_dfg(chain(2), grid(1, 2, links=False), time_limit_s=120, workers=1)
+    assert (least.status, least.ii) == ("optimal", 2)
 
 
 def test_an_unplaceable_node_makes_it_infeasible_with_a_reason() -> None:
