@@ -46,7 +46,7 @@ def command(
     if output is not None:
         check_output(output, "--output")
     the_dfg = dfg.load(graph)
-    the_fabric = arch.load(fabric)
+    the_fabric = arch.load_tile(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
         result = map_dfg(the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report)
     document = mapping_to_json(result, the_dfg, the_fabric)
