@@ -2,8 +2,9 @@
 
 from vividc.sim.engine import Activity, Engine, EngineFactory, Launch, Progress, RegionRun, Run
 from vividc.sim.reference import ReferenceEngine
-from vividc.sim.run import CYCLE_LIMIT, ENGINES, Result, simulate
+from vividc.sim.run import CYCLE_LIMIT, Result, simulate
 from vividc.sim.stats import RegionStats, Stats, statistics
+from vividc.sim.tile import ENGINES, Tile, TileResult
 
 __all__ = [
     "CYCLE_LIMIT",
@@ -19,6 +20,8 @@ __all__ = [
     "Result",
     "Run",
     "Stats",
+    "Tile",
+    "TileResult",
     "simulate",
     "statistics",
 ]

@@ -105,6 +105,8 @@ class Run:
         The word of the returned scalar, if the program returns one.
     regions
         One per row of the region table.
+    engine
+        Name of the engine that ran it.
     """
 
     cycles: int
@@ -113,6 +115,7 @@ class Run:
     value: int | None
     regions: tuple[RegionRun, ...]
     activity: Activity
+    engine: str = "reference"
 
 
 class Engine(Protocol):

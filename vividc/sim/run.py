@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.errors import ArgumentError, demand_type
+from vividc.errors import demand_type
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
-from vividc.sim.engine import EngineFactory, Launch, Progress
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.engine import Launch, Progress
 from vividc.sim.stats import Stats, statistics
-
-ENGINES: Final[dict[str, EngineFactory]] = {"reference": ReferenceEngine}
-"""Engines by name; all give the same `Run` for the same launch."""
+from vividc.sim.tile import AUTO, Tile
 
 CYCLE_LIMIT: Final = 100_000_000
 
@@ -42,7 +39,7 @@ def simulate(
     *args: object,
     progress: Progress | None = None,
     cycle_limit: int = CYCLE_LIMIT,
-    engine: str = "reference",
+    engine: str = AUTO,
     **kwargs: object,
 ) -> Result:
     """Run a program; arrays the kernel writes are updated in place, but only if the run succeeds.
@@ -57,7 +54,8 @@ def simulate(
     cycle_limit
         Cycles after which the run is given up.
     engine
-        Name of the engine, a key of `ENGINES`.
+        Name of the engine, a key of `tile.ENGINES`, or "auto": the one that is done first. Results
+        are the same; `stats` says which ran.
 
     Raises
     ------
@@ -67,13 +65,10 @@ def simulate(
         The program broke a rule of the machine, or ran past `cycle_limit`.
     """
     demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
-    if engine not in ENGINES:
-        raise ArgumentError(
-            f"unknown engine {engine!r}", hint=f"engines: {', '.join(sorted(ENGINES))}"
-        )
+    tile = Tile(program, engine)
     bound = bind(program, args, kwargs)
     launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress)
-    run = ENGINES[engine](program).run(launch)
+    run = tile.run(launch)
     bound.copy_back(run.memory, program.stored_arrays)
     value = None
     if program.returns is not None and run.value is not None:

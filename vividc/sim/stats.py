@@ -31,9 +31,11 @@ class Stats(TypedDict):
     """A whole run.
 
     `cycles` = the regions' cycles + `switch_cycles`; `stalls` are part of the regions' cycles.
-    `operations`: issues by opcode name. `activity`: the counts of `engine.Activity`.
+    `operations`: issues by opcode name. `activity`: the counts of `engine.Activity`. `engine`: the
+    engine that ran it; it changes nothing else.
     """
 
+    engine: str
     cycles: int
     switch_cycles: int
     stalls: dict[str, int]
@@ -50,6 +52,7 @@ def statistics(program: Program, run: Run) -> Stats:
     for region in run.regions:
         operations.update(region.issued)
     return Stats(
+        engine=run.engine,
         cycles=run.cycles,
         switch_cycles=run.switch_cycles,
         stalls={"bank_conflict": sum(region.bank_stalls for region in run.regions)},
