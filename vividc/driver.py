@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from vividc import arch
+from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.delivery import deliver, residents, variable_homes
 from vividc.dfg.build import build_kernel
@@ -52,7 +53,7 @@ class CompileOptions:
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
     kernel: KernelFunction | LLKernel,
-    fabric: str | Fabric = "vivid-tile",
+    fabric: str | Fabric | Accelerator = "vivid-tile",
     mapper: str = "auto",
     time_limit_s: float = 60.0,
     *,
@@ -98,8 +99,11 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     """
     hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
     demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
-    demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
-    machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    demand_type(
+        fabric, (str, Fabric, Accelerator), "the fabric", "give a preset, a YAML file or a Fabric"
+    )
+    loaded = arch.load(fabric) if isinstance(fabric, str) else fabric
+    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     check_time_limit(time_limit_s)
     wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(

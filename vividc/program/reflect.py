@@ -86,9 +86,7 @@ def _issue(issue: Issue, incoming: tuple[int, ...]) -> Issue:
     return replace(issue, operands=operands, predicate=moved(issue.predicate))
 
 
-def _ports_in(
-    pe: int, fabric: Fabric, other: Fabric, places: tuple[int, ...]
-) -> tuple[int, ...]:
+def _ports_in(pe: int, fabric: Fabric, other: Fabric, places: tuple[int, ...]) -> tuple[int, ...]:
     """For each incoming link of `pe` its place among those of the PE that stands for it."""
     sources = [link.src for link in other.links_to[places[pe]]]
     return tuple(sources.index(places[link.src]) for link in fabric.links_to[pe])

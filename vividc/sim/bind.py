@@ -94,21 +94,7 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
         C-contiguous, that overlaps another, or is read-only but written; a scalar out of range;
         arrays that do not fit the scratchpad.
     """
-    values = _by_name(program, args, kwargs)
-    arrays: dict[str, Array] = {}
-    inputs: dict[str, int] = {}
-    for param in program.params:
-        if param.ndim:
-            array = _array(program, param, values[param.name])
-            arrays[param.name] = array
-            if not param.flat:
-                inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
-        else:
-            word = _scalar(param, values[param.name])
-            inputs[param.name] = word & _WORD_MASK
-            if param.words > 1:
-                inputs[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
-    _refuse_overlap(arrays)
+    arrays, inputs = arguments(program, args, kwargs)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
     sizes += [(local.name, local.words) for local in program.locals]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
@@ -120,6 +106,59 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
     for local in program.locals:
         _place_local(local, addresses[local.name], memory, inputs)
     return Bound(memory, inputs, arrays, addresses, program.locals)
+
+
+def arguments(
+    program: Program, args: Sequence[object], kwargs: Mapping[str, object]
+) -> tuple[dict[str, Array], dict[str, int]]:
+    """The arrays by parameter name, and the launch words that do not depend on where they lie.
+
+    Raises
+    ------
+    ArgumentError
+        As for `bind`, without regard to the scratchpad.
+    """
+    values = _by_name(program, args, kwargs)
+    arrays: dict[str, Array] = {}
+    inputs: dict[str, int] = {}
+    for param in program.params:
+        if param.ndim:
+            array = _array(program, param, values[param.name])
+            arrays[param.name] = array
+            if not param.flat:
+                inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
+        else:
+            inputs.update(_scalar_words(param, values[param.name]))
+    _refuse_overlap(arrays)
+    return arrays, inputs
+
+
+def scalar_inputs(program: Program, values: Mapping[str, object]) -> dict[str, int]:
+    """The launch words of the scalar parameters.
+
+    Raises
+    ------
+    ArgumentError
+        A scalar is missing, surplus, of the wrong kind or out of range.
+    """
+    scalars = [param for param in program.params if not param.ndim]
+    missing = [param.name for param in scalars if param.name not in values]
+    surplus = sorted(set(values) - {param.name for param in scalars})
+    if missing or surplus:
+        what = f"misses {', '.join(missing)}" if missing else f"has no scalar {surplus[0]!r}"
+        raise ArgumentError(f"{program.name} {what}")
+    inputs: dict[str, int] = {}
+    for param in scalars:
+        inputs.update(_scalar_words(param, values[param.name]))
+    return inputs
+
+
+def _scalar_words(param: Param, value: object) -> dict[str, int]:
+    word = _scalar(param, value)
+    words = {param.name: word & _WORD_MASK}
+    if param.words > 1:
+        words[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
+    return words
 
 
 def _place_local(

@@ -1,0 +1,8 @@
+"""The accelerator: launch graphs over sixteen tiles, carried out exactly and timed by events."""
+
+from vividc.sim.accelerator.accounting import JobStats, TileStats
+from vividc.sim.accelerator.event import Event
+from vividc.sim.accelerator.job import At, Job
+from vividc.sim.accelerator.result import JobResult
+
+__all__ = ["At", "Event", "Job", "JobResult", "JobStats", "TileStats"]
