@@ -1,0 +1,111 @@
+"""A kernel whose data-parallel loop can be cut into chunks: what a launch has to know of it.
+
+Pure data, which travels in the bundle. The loop runs from the input `FIRST` to the input `LAST`;
+`terms` say how the host computes the loop's own bounds, and which bytes of each array a chunk of
+iterations touches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from vividc.errors import SourceLoc
+
+FIRST: Final = "prange.first"
+LAST: Final = "prange.last"
+START: Final = "prange.start"
+"""Input keys: first iteration, the one after the last, and (with a number) a reduction's start."""
+
+CONST: Final = "const"
+INPUT: Final = "input"
+INDEX: Final = "index"
+ANY: Final = "any"
+UNION: Final = "union"
+COUNTER: Final = "counter"
+STEPS: Final = "steps"
+CLAMPS: Final = ("lt", "le", "gt", "ge", "ult", "eq")
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """An integer value of the kernel, as an interval: a row of a table, whose `args` are earlier
+    rows.
+
+    Attributes
+    ----------
+    op
+        "const" (of `word`), "input" (of `key`), "index" (the parallel loop's variable), "any" (of
+        `word` bits; 32 and more: anything), "union", "counter" (start, limit, step: a loop's
+        variable, also where the loop has ended), "steps" (start, step, count: start + step * k for
+        0 <= k < count), a clamp ("lt", "le", "gt", "ge", "ult", "eq": the first where it is so
+        related to the second), or an opcode's name.
+    """
+
+    op: str
+    args: tuple[int, ...] = ()
+    word: int = 0
+    key: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """A load or store: byte offset in the array = (term << shift) + offset."""
+
+    array: str
+    is_store: bool
+    term: int
+    shift: int
+    offset: int
+    width: int
+    loc: SourceLoc | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Reduction:
+    """A scalar that every iteration adds to.
+
+    Attributes
+    ----------
+    op
+        Opcode's name of what combines two partial results; of a comparison: `partial` replaces
+        `total` if `op(partial, total)` (`swapped`: `op(total, partial)`) is `taken`.
+    identity
+        The word with which all chunks but the first start; None: all start alike.
+    start
+        Term of the start value if it is an integer, and `start_word` if it is constant.
+    """
+
+    op: str
+    identity: int | None
+    start: int
+    start_word: int | None = None
+    swapped: bool = False
+    taken: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Parallel:
+    """The parallel loop of a kernel.
+
+    Attributes
+    ----------
+    first, last
+        Terms of the loop's own bounds: it runs for first <= index < last.
+    result
+        Number of the reduction that the kernel returns, if it returns one.
+    """
+
+    terms: tuple[Term, ...]
+    first: int
+    last: int
+    accesses: tuple[Access, ...]
+    reductions: tuple[Reduction, ...] = ()
+    result: int | None = None
+    loc: SourceLoc | None = field(default=None, compare=False)
+
+    @property
+    def input_keys(self) -> frozenset[str]:
+        """What is launched beside the parameters."""
+        starts = (f"{START}{number}" for number in range(len(self.reductions)))
+        return frozenset({FIRST, LAST, *starts})
