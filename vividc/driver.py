@@ -15,6 +15,8 @@ from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
 from vividc.dfg.normalize import normalize
+from vividc.dfg.parallel import Parallel
+from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
@@ -66,14 +68,15 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     flatten: Choices | None = None,
     progress: Progress | None = None,
 ) -> Program:
-    """Compiles `kernel` for one tile.
+    """Compiles `kernel` for a tile, or for the tiles of an accelerator.
 
     Parameters
     ----------
     kernel
         A Python function decorated with `kernel`, or a C function from `load_ll`.
     fabric
-        A fabric, a preset's name, or a YAML file.
+        A fabric or an accelerator, a preset's name, or a YAML file. For an accelerator the loop
+        over `numba.prange` becomes one that a launch can spread over the tiles.
     time_limit_s
         Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
     strict_fp
@@ -111,14 +114,24 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     )
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
-        function = kernel.lower(strict_fp=strict_fp)
+        function, parallel = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
     program = _compile_stages(function, machine, options)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
     lines = [str(w.message) for w in caught if issubclass(w.category, VividcWarning)]
-    return replace(program, warnings=(*lines, *program.warnings))
+    return replace(program, warnings=(*lines, *program.warnings), parallel=parallel)
+
+
+def _lowered(
+    kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
+) -> tuple[Function, Parallel | None]:
+    """The function, with its loop over `prange` cut if it is to be spread over tiles."""
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) and spread else frozenset()
+    if not lines or not isinstance(kernel, KernelFunction):
+        return kernel.lower(strict_fp=strict_fp), None
+    return cut_parallel_loop(kernel.lower(strict_fp=strict_fp, spread=True), lines)
 
 
 def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:

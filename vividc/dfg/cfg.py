@@ -17,6 +17,8 @@ from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
 """No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+MAX_SPREAD = 1 << 24
+"""The first dimension of an array of a kernel that is spread over tiles may be as large as this."""
 MAX_ELEMENTS = 1 << 29
 """No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 
@@ -64,7 +66,7 @@ class Param:
     `flat`: an array of any number of dimensions, whose elements the kernel counts in C order (as C
     does, which knows no shapes).
     `words` 2: a scalar of 64 bits, of which the host supplies both words; else its value must fit
-    one (the launch checks it).
+    one (the launch checks it). `longest`: no array has a larger first dimension.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Param:
     ndim: int = 0
     flat: bool = False
     words: int = 1
+    longest: int = MAX_DIMENSION
 
 
 @dataclass(frozen=True, slots=True)

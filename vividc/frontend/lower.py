@@ -262,7 +262,8 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
-            bounds[f"{param.name}.shape{axis}"] = (0, MAX_DIMENSION)
+            limit = MAX_DIMENSION if axis else param.longest
+            bounds[f"{param.name}.shape{axis}"] = (0, limit)
     return bounds
 
 

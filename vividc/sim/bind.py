@@ -23,6 +23,7 @@ from vividc.program import (
     Program,
     place_arrays,
 )
+from vividc.sim.footprint import whole_loop
 
 Array = NDArray[np.generic]
 
@@ -130,6 +131,8 @@ def arguments(
         else:
             inputs.update(_scalar_words(param, values[param.name]))
     _refuse_overlap(arrays)
+    if program.parallel is not None:
+        inputs |= whole_loop(program.parallel, inputs)
     return arrays, inputs
 
 
@@ -225,9 +228,10 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
-    if not param.flat and max(value.shape) > MAX_DIMENSION:
+    limits = (param.longest, *[MAX_DIMENSION] * (param.ndim - 1))
+    if not param.flat and any(n > most for n, most in zip(value.shape, limits, strict=True)):
         raise ArgumentError(
-            f"a dimension of {value.shape} is larger than {MAX_DIMENSION}",
+            f"a dimension of {value.shape} is larger than {limits}",
             loc=where,
             hint="run the kernel on pieces of the array",
         )

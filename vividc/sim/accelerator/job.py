@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Sequence
+from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
 
 import numpy as np
@@ -180,6 +181,8 @@ class Job:
         where = self._tiles(tile)
         inputs, extents = _bound(program, arguments)
         for name, (start, end) in extents.items():
+            if start % WORD_BYTES:
+                raise ArgumentError(f"array {name} starts at {start}, not at a multiple of 4")
             self._fits(start, end - start, where, f"array {name}")
         return self.execute(tile, program, inputs, extents, after=after)
 
@@ -187,8 +190,8 @@ class Job:
         self,
         tile: int,
         program: Program,
-        inputs: dict[str, int],
-        extents: dict[str, tuple[int, int]],
+        inputs: ReadOnly[str, int],
+        extents: ReadOnly[str, tuple[int, int]],
         *,
         after: Sequence[int] = (),
     ) -> int:
@@ -247,10 +250,10 @@ class Job:
         self, address: int, size: int, tiles: tuple[int, ...], what: str = "the array"
     ) -> None:
         room = min(self.accelerator.tiles[tile].scratchpad.size_bytes for tile in tiles)
-        if address % WORD_BYTES or address < 0 or address + size > room:
+        if address < 0 or address + size > room:
             raise ArgumentError(
-                f"{what} would lie at bytes {address} to {address + size}; there are {room}",
-                hint="an address is a multiple of 4, and the array must end within the scratchpad",
+                f"{what} would lie at bytes {address} to {address + size}, and the scratchpad has "
+                f"{room}"
             )
 
     def _image(self, program: Program, tile: int) -> Program:

@@ -20,7 +20,7 @@ class JobResult:
     value
         What a spread kernel returns; None for a graph made by hand.
     values
-        What each run returned, by step number.
+        What each run returned, by step number; `words`: the same as words.
     stats
         Where the cycles of each tile went, and the bytes moved at each level.
     events
@@ -30,5 +30,6 @@ class JobResult:
     cycles: int
     value: int | float | bool | None
     values: ReadOnly[int, int | float | bool | None]
+    words: ReadOnly[int, int]
     stats: JobStats
     events: tuple[Event, ...]

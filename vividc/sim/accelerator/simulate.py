@@ -32,6 +32,7 @@ def simulate_steps(
         cycles=timing.cycles,
         value=None,
         values=_values(steps, outcome),
+        words={n: run.value for n, run in outcome.runs.items() if run.value is not None},
         stats=job_stats(steps, outcome, timing),
         events=timing.events,
     )
