@@ -86,7 +86,8 @@ def load_accelerator_text(text: str, file: str = "accelerator.yaml") -> Accelera
 def _accelerator_tree(path: Path, opened: tuple[Path, ...]) -> Tree | None:
     """The merged layers of a file, None if it describes a tile (or cannot be read as anything)."""
     if path.resolve() in opened:
-        raise ArchError("`extends` runs in a circle", loc=str(path))
+        chain = " -> ".join(item.name for item in (*opened, path.resolve()))
+        raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
     try:
         tree = parse(path.read_text(encoding="utf-8"), str(path))
     except (OSError, UnicodeDecodeError):

@@ -10,7 +10,7 @@ from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions
 from vividc.dfg.loops import Loop, block_graph, find_loops
 from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import ANY, CONST, COUNTER, INDEX, INPUT, STEPS, UNION, Term
+from vividc.dfg.parallel import ANY, CHOICE, CONST, COUNTER, INDEX, INPUT, STEPS, UNION, Term
 from vividc.dfg.words import signed
 
 Fact = tuple[int, bool]
@@ -36,6 +36,7 @@ _ARITHMETIC = frozenset(
     }
 )
 _PREDICATES = frozenset(op for op in Opcode if op.value.startswith(("icmp", "fcmp")))
+_DECIDED = frozenset({Opcode.ICMP_SLT, Opcode.ICMP_SLE})
 _WORD_BITS = 32
 
 
@@ -108,14 +109,14 @@ class TermTable:
     def _instr(self, instr: Instr, facts: frozenset[Fact]) -> int:
         if instr.op is Opcode.LOAD and instr.width < _WORD_BITS // 8 and not instr.signed:
             return self._add(Term(ANY, word=8 * instr.width))
-        if instr.op in _PREDICATES:
+        if instr.op in _PREDICATES and instr.op not in _DECIDED:
             return self._add(Term(ANY, word=1))
         if instr.op is Opcode.SELECT and isinstance(instr.operands[0], Ref):
             cond = instr.operands[0].id
             yes = self.of(instr.operands[1], facts | {(cond, True)})
             no = self.of(instr.operands[2], facts | {(cond, False)})
-            return self._add(Term(UNION, (yes, no)))
-        if instr.op not in _ARITHMETIC:
+            return self._add(Term(CHOICE, (self.of(instr.operands[0], facts), yes, no)))
+        if instr.op not in _ARITHMETIC and instr.op not in _DECIDED:
             return self._add(Term(ANY, word=_WORD_BITS))
         args = tuple(self.of(operand, facts) for operand in instr.operands)
         return self._add(Term(instr.op.value, args))

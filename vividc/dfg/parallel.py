@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+from vividc.dfg.opcodes import OPCODES, Opcode
 from vividc.errors import SourceLoc
 
 FIRST: Final = "prange.first"
@@ -22,6 +23,7 @@ INPUT: Final = "input"
 INDEX: Final = "index"
 ANY: Final = "any"
 UNION: Final = "union"
+CHOICE: Final = "choice"
 COUNTER: Final = "counter"
 STEPS: Final = "steps"
 CLAMPS: Final = ("lt", "le", "gt", "ge", "ult", "eq")
@@ -36,9 +38,9 @@ class Term:
     ----------
     op
         "const" (of `word`), "input" (of `key`), "index" (the parallel loop's variable), "any" (of
-        `word` bits; 32 and more: anything), "union", "counter" (start, limit, step: a loop's
-        variable, also where the loop has ended), "steps" (start, step, count: start + step * k for
-        0 <= k < count), a clamp ("lt", "le", "gt", "ge", "ult", "eq": the first where it is so
+        `word` bits; 32 and more: anything), "union", "choice" (condition, then, else), "counter"
+        (start, limit, step: a loop's variable, also where the loop has ended), "steps" (start,
+        step, count: start + step * k for 0 <= k < count), a clamp ("lt", "le", "gt", "ge", "ult", "eq": the first where it is so
         related to the second), or an opcode's name.
     """
 
@@ -46,6 +48,28 @@ class Term:
     args: tuple[int, ...] = ()
     word: int = 0
     key: str = ""
+
+
+_OPCODES: Final = frozenset(op.value for op in Opcode)
+_ARITIES: Final = {CONST: 0, INPUT: 0, INDEX: 0, ANY: 0, CHOICE: 3, COUNTER: 3, STEPS: 3}
+
+
+def is_well_formed(terms: tuple[Term, ...]) -> bool:
+    """Whether every row's `op` is known, with as many arguments as it takes, from earlier rows."""
+    return all(
+        _has_arity(term) and all(0 <= arg < row for arg in term.args)
+        for row, term in enumerate(terms)
+    )
+
+
+def _has_arity(term: Term) -> bool:
+    if term.op == UNION:
+        return len(term.args) > 0
+    if term.op in CLAMPS:
+        return len(term.args) == 2  # noqa: PLR2004 - a value and what it is compared with
+    if term.op in _ARITIES:
+        return len(term.args) == _ARITIES[term.op]
+    return term.op in _OPCODES and len(term.args) == OPCODES[Opcode(term.op)].arity
 
 
 @dataclass(frozen=True, slots=True)

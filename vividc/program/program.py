@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
 from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
-from vividc.dfg.parallel import Parallel
+from vividc.dfg.parallel import Parallel, is_well_formed
 from vividc.errors import BundleError, VividcError, demand_type
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
@@ -257,10 +257,8 @@ def _parallel_faults(program: Program) -> Iterator[str]:
     count = len(parallel.terms)
     used = [parallel.first, parallel.last, *(item.start for item in parallel.reductions)]
     used += [access.term for access in parallel.accesses]
-    rows = enumerate(parallel.terms)
-    if any(not 0 <= arg < row for row, term in rows for arg in term.args) or any(
-        not 0 <= number < count for number in used
-    ):
+    in_table = all(0 <= number < count for number in used)
+    if not in_table or not is_well_formed(parallel.terms):
         yield "its description of the parallel loop is not in order"
     if any(access.array not in arrays for access in parallel.accesses):
         yield "its parallel loop uses an array that it has not"

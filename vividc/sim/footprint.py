@@ -14,12 +14,12 @@ from typing import Final
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.parallel import (
     ANY,
+    CHOICE,
     CLAMPS,
     CONST,
     COUNTER,
     FIRST,
     INDEX,
-    INPUT,
     LAST,
     START,
     STEPS,
@@ -165,22 +165,36 @@ def _interval(
     inputs: Mapping[str, int],
     index: Interval | None,
 ) -> Interval | None:
+    if not term.args:
+        return _leaf(term, inputs, index)
+    if term.op == UNION:
+        result: Interval | None = None
+        for arg in args:
+            result = _union(result, arg)
+        return result
+    if term.op == CHOICE:
+        return _chosen(*args)
+    present = [arg for arg in args if arg is not None]
+    return None if len(present) < len(args) else _of_intervals(term.op, present)
+
+
+def _leaf(term: Term, inputs: Mapping[str, int], index: Interval | None) -> Interval | None:
     if term.op == INDEX:
         return index
     if term.op == CONST:
         return (term.word, term.word)
     if term.op == ANY:
         return ANYTHING if term.word >= _WORD_BITS else (0, (1 << term.word) - 1)
-    if term.op == INPUT:
-        word = inputs.get(term.key)
-        return ANYTHING if word is None else (signed(word), signed(word))
-    if term.op == UNION:
-        result: Interval | None = None
-        for arg in args:
-            result = _union(result, arg)
-        return result
-    present = [arg for arg in args if arg is not None]
-    return None if len(present) < len(args) else _of_intervals(term.op, present)
+    word = inputs.get(term.key)
+    return ANYTHING if word is None else (signed(word), signed(word))
+
+
+def _chosen(cond: Interval | None, yes: Interval | None, no: Interval | None) -> Interval | None:
+    if cond is None:
+        return None
+    if cond[0] == cond[1]:
+        return yes if cond[0] else no
+    return _union(yes, no)
 
 
 def _of_intervals(op: str, args: list[Interval]) -> Interval | None:
@@ -271,6 +285,14 @@ def _is_shift(b: Interval) -> bool:
     return b[0] == b[1] and 0 <= b[0] < _WORD_BITS
 
 
+def _slt(a: Interval, b: Interval) -> Interval:
+    return (int(a[1] < b[0]), int(a[0] < b[1]))
+
+
+def _sle(a: Interval, b: Interval) -> Interval:
+    return (int(a[1] <= b[0]), int(a[0] <= b[1]))
+
+
 def _smin(a: Interval, b: Interval) -> Interval:
     return (min(a[0], b[0]), min(a[1], b[1]))
 
@@ -314,6 +336,8 @@ _RULES: Final[dict[str, Rule]] = {
     Opcode.SHL.value: _shl,
     Opcode.LSHR.value: _lshr,
     Opcode.ASHR.value: _ashr,
+    Opcode.ICMP_SLT.value: _slt,
+    Opcode.ICMP_SLE.value: _sle,
     Opcode.SMIN.value: _smin,
     Opcode.SMAX.value: _smax,
     Opcode.SDIV.value: _sdiv,
