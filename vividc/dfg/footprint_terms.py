@@ -36,7 +36,7 @@ _ARITHMETIC = frozenset(
     }
 )
 _PREDICATES = frozenset(op for op in Opcode if op.value.startswith(("icmp", "fcmp")))
-_DECIDED = frozenset({Opcode.ICMP_SLT, Opcode.ICMP_SLE})
+_DECIDED = frozenset(op for op in Opcode if op.value.startswith("icmp"))
 _WORD_BITS = 32
 
 

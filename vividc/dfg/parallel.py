@@ -40,8 +40,8 @@ class Term:
         "const" (of `word`), "input" (of `key`), "index" (the parallel loop's variable), "any" (of
         `word` bits; 32 and more: anything), "union", "choice" (condition, then, else), "counter"
         (start, limit, step: a loop's variable, also where the loop has ended), "steps" (start,
-        step, count: start + step * k for 0 <= k < count), a clamp ("lt", "le", "gt", "ge", "ult", "eq": the first where it is so
-        related to the second), or an opcode's name.
+        step, count: start + step * k for 0 <= k < count), a clamp ("lt", "le", "gt", "ge", "ult",
+        "eq": the first where it is so related to the second), or an opcode's name.
     """
 
     op: str
@@ -118,6 +118,8 @@ class Parallel:
         Terms of the loop's own bounds: it runs for first <= index < last.
     result
         Number of the reduction that the kernel returns, if it returns one.
+    is_unsigned
+        The bounds are unsigned; they must be below 2**31 all the same.
     """
 
     terms: tuple[Term, ...]
@@ -126,6 +128,7 @@ class Parallel:
     accesses: tuple[Access, ...]
     reductions: tuple[Reduction, ...] = ()
     result: int | None = None
+    is_unsigned: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)
 
     @property

@@ -53,7 +53,9 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
     for item in reductions:
         if item.start_word is None:
             _demand_exact(terms, item.start, loc)
-    return cut, Parallel(terms, *bounds, accesses, reductions, result, loc)
+    tests = (instr for instr in header.instrs if Ref(instr.id) == header.branch.cond)
+    is_unsigned = any(test.op is Opcode.ICMP_ULT for test in tests)
+    return cut, Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, loc)
 
 
 def _marked_loop(function: Function, lines: Collection[int]) -> tuple[Loop, Block]:
@@ -88,11 +90,12 @@ def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, 
     test = instrs.get(cond.id) if isinstance(cond, Ref) else None
     if len(loop.exits) != 1 or loop.exits[0][0] != header.name:
         raise KernelError("a loop over prange cannot be left early", loc=loc, hint=_HINT)
-    if test is None or test.op is not Opcode.ICMP_SLT or header.branch.target not in loop.blocks:
+    tests = (Opcode.ICMP_SLT, Opcode.ICMP_ULT)
+    if test is None or test.op not in tests or header.branch.target not in loop.blocks:
         raise KernelError(
-            "the loop over prange does not count up to a signed limit",
+            "the loop over prange does not count up to a limit of one word",
             loc=loc,
-            hint="its bounds are signed integers, as in prange(np.int32(n))",
+            hint="give it bounds of 32 bits, as in prange(np.int32(n))",
         )
     counter, limit = test.operands
     for phi in header.phis:
@@ -178,7 +181,7 @@ def _with_inputs(
     def limited(instr: Instr) -> Instr:
         if Ref(instr.id) != header.branch.cond:
             return instr
-        return replace(instr, operands=(instr.operands[0], Input(LAST)))
+        return replace(instr, op=Opcode.ICMP_SLT, operands=(instr.operands[0], Input(LAST)))
 
     changed = replace(
         header,

@@ -30,10 +30,10 @@ from vividc.dfg.parallel import (
 )
 from vividc.dfg.semantics import evaluate
 from vividc.dfg.words import WORD_MASK, signed
-from vividc.errors import InternalError, SourceLoc
+from vividc.errors import ArgumentError, InternalError, SourceLoc
 
 Interval = tuple[int, int]
-Rule = Callable[[Interval, Interval], Interval]
+Rule = Callable[..., Interval]
 
 _WORD_BITS: Final = 32
 ANYTHING: Final[Interval] = (-(1 << _WORD_BITS - 1), (1 << _WORD_BITS - 1) - 1)
@@ -58,9 +58,21 @@ class Touch:
 
 
 def loop_bounds(parallel: Parallel, inputs: Mapping[str, int]) -> tuple[int, int]:
-    """First iteration of the whole loop, and the one after the last (not below the first)."""
+    """First iteration of the whole loop, and the one after the last (not below the first).
+
+    Raises
+    ------
+    ArgumentError
+        They are unsigned and larger than a signed word.
+    """
     known = _intervals(parallel.terms, inputs, None)
     first, last = _exact(known[parallel.first]), _exact(known[parallel.last])
+    if parallel.is_unsigned and min(first, last) < 0:
+        raise ArgumentError(
+            "the loop over prange runs beyond iteration 2**31",
+            loc=parallel.loc,
+            hint="run the kernel on pieces of its arrays",
+        )
     return first, max(first, last)
 
 
@@ -207,10 +219,10 @@ def _of_intervals(op: str, args: list[Interval]) -> Interval | None:
     if op not in _DIVISIONS and all(low == high for low, high in args):
         word = signed(evaluate(Opcode(op), [low & WORD_MASK for low, _ in args]))
         return (word, word)
-    if op == Opcode.MOV.value:
-        return args[0]
     rule = _RULES.get(op)
-    return ANYTHING if rule is None else _word(rule(*args))
+    if rule is None:
+        return (0, 1) if op.startswith("icmp") else ANYTHING
+    return _word(rule(*args))
 
 
 def _word(interval: Interval) -> Interval:
@@ -309,6 +321,8 @@ def _sdiv(a: Interval, b: Interval) -> Interval:
 
 
 def _udiv(a: Interval, b: Interval) -> Interval:
+    if a[0] == a[1] < 0 < b[0]:
+        a = (a[0] & WORD_MASK, a[0] & WORD_MASK)
     return _sdiv(a, b) if a[0] >= 0 else ANYTHING
 
 
@@ -328,6 +342,7 @@ _DIVISIONS: Final = frozenset(
     op.value for op in (Opcode.SDIV, Opcode.UDIV, Opcode.SREM, Opcode.UREM)
 )
 _RULES: Final[dict[str, Rule]] = {
+    Opcode.MOV.value: lambda a: a,
     Opcode.ADD.value: _add,
     Opcode.SUB.value: _sub,
     Opcode.MUL.value: _mul,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, InternalError
 from vividc.sim.accelerator.memory import Buffers, Working
 from vividc.sim.accelerator.steps import Array, Configure, Execute, Piece, Step, Transfer
 from vividc.sim.engine import Launch, Run
@@ -146,10 +146,15 @@ class _State:
         return Launch(memory.copy(), step.inputs, cycle_limit, step.extents)
 
     def finish(self, number: int, step: Step, run: Run) -> None:
-        """Keep what the run stored: nothing else of the scratchpad is its business."""
+        """Keep what the run stored, which is where it was said to be."""
         assert isinstance(step, Execute)
         self.outcome.runs[number] = run
         pad, after = self._pads[step.tile].view(np.uint8), run.memory.view(np.uint8)
-        for name in sorted(step.program.stored_arrays & step.extents.keys()):
-            start, end = step.extents[name]
+        for start, end in step.stores.values():
             pad[start:end] = after[start:end]
+        own = {local.name for local in step.program.locals}
+        for name, (start, end) in step.extents.items():
+            if name not in own and not np.array_equal(pad[start:end], after[start:end]):
+                raise InternalError(
+                    f"a chunk of {step.program.name} wrote beyond its part of {name}"
+                )

@@ -91,16 +91,13 @@ def _uses(step: Step) -> Iterator[tuple[Place, int, int, bool]]:
     if isinstance(step, Configure):
         return
     if isinstance(step, Execute):
-        stored = step.program.stored_arrays
+        own = {local.name for local in step.program.locals}
         for name, (start, end) in step.extents.items():
-            writes = name in stored or name in _own(step)
-            yield ("tile", step.tile), start, end, writes
+            yield ("tile", step.tile), start, end, name in own
+        for start, end in step.stores.values():
+            yield ("tile", step.tile), start, end, True
         return
     yield from _transfer_uses(step)
-
-
-def _own(step: Execute) -> frozenset[str]:
-    return frozenset(local.name for local in step.program.locals)
 
 
 def _transfer_uses(step: Transfer) -> Iterator[tuple[Place, int, int, bool]]:

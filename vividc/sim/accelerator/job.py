@@ -192,15 +192,22 @@ class Job:
         program: Program,
         inputs: ReadOnly[str, int],
         extents: ReadOnly[str, tuple[int, int]],
+        stores: ReadOnly[str, tuple[int, int]] | None = None,
         *,
         after: Sequence[int] = (),
     ) -> int:
-        """As `run`, with the launch words and the places of all arrays given by the caller."""
+        """As `run`, with the launch words, the places of all arrays, and of what is written (None:
+        all of each array that the kernel writes) given by the caller.
+        """
+        if stores is None:
+            stores = {name: extents[name] for name in program.stored_arrays & extents.keys()}
         if tile not in self._held or self._held[tile][0] is not program:
             self.configure(tile, program)
         configured = self._held[tile][1]
         image = self._image(program, tile)
-        return self._add(Execute(tile, image, inputs, extents, configured, self._after(after)))
+        return self._add(
+            Execute(tile, image, inputs, extents, stores, configured, self._after(after))
+        )
 
     def simulate(
         self, *, engine: str = AUTO, cycle_limit: int = CYCLE_LIMIT, threads: int | None = None

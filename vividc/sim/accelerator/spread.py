@@ -217,14 +217,18 @@ class _Builder:
             self._set(inputs, extents, name, address, part)
             view = self._view(name, hull)
             moves.append(self._job.move_in(tile, view, address + hull[0] - start, after=before))
-        run = self._job.execute(tile, self._program, inputs, extents, after=moves)
-        done = [run]
+        stores = {}
         for name, touch in chunk.touches.items():
-            if touch.stores is None or touch.hull is None:
-                continue
-            start, _ = aligned(touch.hull)
-            source = self._address(name, half, start) + touch.stores[0] - start
-            view = self._view(name, touch.stores)
+            if touch.stores is not None and touch.hull is not None:
+                start, _ = aligned(touch.hull)
+                place = self._address(name, half, start) - start
+                stores[name] = (place + touch.stores[0], place + touch.stores[1])
+        run = self._job.execute(tile, self._program, inputs, extents, stores, after=moves)
+        done = [run]
+        for name, (source, _) in stores.items():
+            written = chunk.touches[name].stores
+            assert written is not None
+            view = self._view(name, written)
             done.append(self._job.move_out(tile, source, view, after=[run]))
         self._last[tile, half] = done
         return run

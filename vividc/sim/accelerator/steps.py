@@ -86,6 +86,8 @@ class Execute:
         Word of each launch key.
     extents
         First byte and end of each array in the scratchpad.
+    stores
+        First byte and end of what the run may write of each array it writes.
     configured_by
         The `Configure` that brought the program.
     """
@@ -94,6 +96,7 @@ class Execute:
     program: Program
     inputs: ReadOnly[str, int]
     extents: ReadOnly[str, tuple[int, int]]
+    stores: ReadOnly[str, tuple[int, int]]
     configured_by: int
     after: tuple[int, ...] = ()
 
