@@ -196,24 +196,65 @@ class TermTable:
             return None
         if header.branch.otherwise in loop.blocks:
             return None
-        test = self._values[cond.id]
-        if not isinstance(test, Instr) or test.op is not Opcode.ICMP_SLT:
+        less = self._less(self._values[cond.id])
+        if less is None:
             return None
+        small, large = less
         for phi in header.phis:
             moves = self._moves(phi, loop)
             if moves is None or not isinstance(moves[1], Const):
                 continue
             step = signed(moves[1].word)
-            small, large = test.operands[0], test.operands[1]
             limit, moving = (large, small) if step > 0 else (small, large)
             if moving == Ref(phi.id) and step and self._is_fixed(limit, loop):
                 return phi, limit, step, cond.id
         return None
 
+    def _less(self, test: Phi | Instr | None) -> tuple[Value, Value] | None:
+        """(small, large) of a signed comparison of words, also where it is made in 64 bits."""
+        if not isinstance(test, Instr):
+            return None
+        if test.op is Opcode.ICMP_SLT:
+            return test.operands[0], test.operands[1]
+        return self._wide_less(test)
+
+    def _wide_less(self, test: Instr) -> tuple[Value, Value] | None:
+        """0 < high or (0 == high and index < word), where `high` is the word's sign: the index is
+        not negative.
+        """
+        above, both = self._parts(test, Opcode.OR, Opcode.ICMP_SLT, Opcode.AND)
+        level, below = self._parts(both, Opcode.AND, Opcode.ICMP_EQ, Opcode.ICMP_ULT)
+        if above is None or level is None or below is None:
+            return None
+        high = self._instruction(above.operands[1])
+        if above.operands != level.operands or above.operands[0] != Const(0) or high is None:
+            return None
+        is_sign = high.op is Opcode.ASHR and high.operands == (below.operands[1], Const(31))
+        return (below.operands[0], below.operands[1]) if is_sign else None
+
+    def _parts(
+        self, instr: Instr | None, op: Opcode, first: Opcode, second: Opcode
+    ) -> tuple[Instr | None, Instr | None]:
+        """The operands of an instruction, if it and they are such."""
+        if instr is None or instr.op is not op:
+            return None, None
+        left, right = (self._instruction(operand) for operand in instr.operands[:2])
+        is_such = left is not None and left.op is first and right is not None and right.op is second
+        return (left, right) if is_such else (None, None)
+
+    def _instruction(self, value: Value) -> Instr | None:
+        found = self._values.get(value.id) if isinstance(value, Ref) else None
+        return found if isinstance(found, Instr) else None
+
     def _clamped(self, number: int, value: Value, cond: int, taken: bool) -> int:
         test = self._values.get(cond)
         if not isinstance(test, Instr):
             return number
+        less = self._less(test)
+        if less is not None and taken and value in less:
+            is_first = value == less[0]
+            other = self.of(less[1 if is_first else 0], self.facts(self._home[cond].name))
+            return self._add(Term("lt" if is_first else "gt", (number, other)))
         joins = Opcode.AND if taken else Opcode.OR
         if test.op is joins:
             for part in test.operands:
