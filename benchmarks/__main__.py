@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, general, render_kernels
+from benchmarks import c_kernels, engines, general, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -83,8 +83,23 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 }
 
 
+ENGINES = "engines"
+CHOICES = (*TABLES, ENGINES)
+
+
+def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
+    """A table on one fabric, its header first."""
+    if table == ENGINES:
+        yield from engines.HEADER.splitlines()
+        yield from engines.rows(fabric, time_limit_s)
+        return
+    yield from HEADER.splitlines()
+    for workload in TABLES[table][1]:
+        yield row(workload, fabric, time_limit_s)
+
+
 @click.command()
-@click.option("--table", "tables", type=click.Choice([*TABLES]), multiple=True, default=[*TABLES])
+@click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=CHOICES)
 @click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
@@ -93,16 +108,18 @@ def main(
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
     for table in tables:
-        title, workloads = TABLES[table]
+        title = engines.TITLE if table == ENGINES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
         command = f"python -m benchmarks --table {table} {on} --time-limit {time_limit:g}"
         lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
+        if table == ENGINES:
+            lines += [*engines.NOTES, ""]
         for fabric in fabrics:
-            lines += [f"## {fabric}", "", *HEADER.splitlines()]
-            click.echo("\n".join(lines[-3:]))
-            for workload in workloads:
-                lines.append(row(workload, fabric, time_limit))
-                click.echo(lines[-1])
+            lines += [f"## {fabric}", ""]
+            click.echo("\n".join(lines[-2:]))
+            for line in lines_of(table, fabric, time_limit):
+                lines.append(line)
+                click.echo(line)
                 if output is not None:  # after each row: an interrupted run keeps what it has
                     text = "\n".join([*lines, ""])
                     (output / f"{table}.md").write_text(text, encoding="utf-8")

@@ -306,7 +306,7 @@ WIDE_INTEGERS: dict[str, Maker] = {
         np.uint32(998244351),
         np.zeros(100, np.uint32),
     ),
-    "power_modulo": lambda _: (123456789012, 10**15 + 7),
+    "power_modulo_wide": lambda _: (123456789012, 10**15 + 7),
     "rolling_hash": lambda r: (_words(r, 60) & np.uint32(127),),
     "morton64": lambda r: (
         _words(r, 10),

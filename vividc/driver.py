@@ -21,28 +21,48 @@ from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.mapper import MapProblem, MapResult, check_time_limit
+from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
+from vividc.mapper.deadline import Deadline
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
-from vividc.mapper.relaxed import map_relaxed_first
 from vividc.mapper.straight_bounds import straight_lower_bound
 from vividc.mapper.verify import violations
+from vividc.planning.budget import Budget
 from vividc.planning.choose import Stage, choose
 from vividc.planning.estimate import Estimator, Shape
 from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.program import Program, encode
+from vividc.program.programmable import demand_programmable
 
 Progress = Callable[[str], None]
 
-_TRANSFORMED_S = 25.0
-"""A stage of transformed loops is given up after so long, and an earlier one mapped instead."""
+_LEAST_S = 1.0
+"""Mapping the kernel as written is given so long in any case."""
 
 
 @dataclass(frozen=True, slots=True)
 class CompileOptions:
-    """How a kernel is compiled. `time_limit_s` is for all its regions together."""
+    """How a kernel is compiled.
+
+    Attributes
+    ----------
+    mapper
+        "auto", or another mapper's name.
+    time_limit_s
+        Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
+    strict_fp
+        Refuse float64 arithmetic instead of running it in float32 with a warning.
+    contract
+        Fuse multiplications and additions into FMAs.
+    progress
+        Called with one line for each step.
+    transform
+        What is done to loops.
+    reassociate
+        Balance reductions of floats too, which changes their rounding; integers' always are.
+    """
 
     mapper: str = "auto"
     time_limit_s: float = 60.0
@@ -77,14 +97,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     fabric
         A fabric or an accelerator, a preset's name, or a YAML file. For an accelerator the loop
         over `numba.prange` becomes one that a launch can spread over the tiles.
-    time_limit_s
-        Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
-    strict_fp
-        Refuse float64 arithmetic instead of running it in float32 with a warning.
-    contract
-        Fuse multiplications and additions into FMAs.
-    reassociate
-        Balance reductions of floats too, which changes their rounding; integers' always are.
+    mapper, time_limit_s, strict_fp, contract, reassociate, progress
+        See `CompileOptions`.
     transform
         "auto": loops are unrolled, jammed and flattened where an estimate says that it pays;
         "none": not.
@@ -93,38 +107,52 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
     flatten
         Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
-    progress
-        Called with one line for each step.
 
     Raises
     ------
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
-    hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
-    demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
-    demand_type(
-        fabric, (str, Fabric, Accelerator), "the fabric", "give a preset, a YAML file or a Fabric"
-    )
-    loaded = arch.load(fabric) if isinstance(fabric, str) else fabric
+    loaded = _checked(kernel, fabric, time_limit_s)
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-    check_time_limit(time_limit_s)
     wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(
         mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
     )
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", VividcWarning)
-        function, parallel = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    for warning in caught:
-        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     program = _compile_stages(function, machine, options)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
-    lines = [str(w.message) for w in caught if issubclass(w.category, VividcWarning)]
-    return replace(program, warnings=(*lines, *program.warnings), parallel=parallel)
+    return replace(program, warnings=(*told, *program.warnings), parallel=parallel)
+
+
+def _checked(
+    kernel: object, fabric: str | Fabric | Accelerator, time_limit_s: float
+) -> Fabric | Accelerator:
+    """The machine to compile for; arguments that make no sense are refused."""
+    hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
+    demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
+    hint = "give a preset, a YAML file or a Fabric"
+    demand_type(fabric, (str, Fabric, Accelerator), "the fabric", hint)
+    machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
+    check_time_limit(time_limit_s)
+    return machine
 
 
 def _lowered(
+    kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
+) -> tuple[Function, Parallel | None, tuple[str, ...]]:
+    """The kernel in SSA form, its loop to spread, and the frontend's warnings, given too."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", VividcWarning)
+        function, parallel = _cut(kernel, strict_fp, spread)
+    for warning in caught:
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    told = (str(w.message) for w in caught if issubclass(w.category, VividcWarning))
+    return function, parallel, tuple(told)
+
+
+def _cut(
     kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
 ) -> tuple[Function, Parallel | None]:
     """The function, with its loop over `prange` cut if it is to be spread over tiles."""
@@ -137,16 +165,13 @@ def _lowered(
 def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
     """The program of the plan's best stage that can be mapped."""
     estimator = Estimator(fabric, PassOptions(options.contract, options.reassociate))
-    deadline = time.monotonic() + options.time_limit_s
+    budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform)
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
-        left_s = max(deadline - time.monotonic(), 1.0)
-        if not last_resort:
-            left_s = min(left_s / 2, _TRANSFORMED_S)
-        limited = replace(options, time_limit_s=left_s)
-        return _map_stage(stage, estimator, limited, known, last_resort)
+        deadline = budget.share(last_resort)
+        return _map_stage(stage, estimator, options, known, deadline, last_resort)
 
     settled = settle(plan, attempt)
     notes = [
@@ -162,6 +187,7 @@ def _map_stage(
     estimator: Estimator,
     options: CompileOptions,
     known: dict[DFG, MapResult],
+    deadline: Deadline,
     last_resort: bool,
 ) -> Outcome:
     """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
@@ -173,7 +199,8 @@ def _map_stage(
         function = normalize(function)
         kernel = optimize_kernel(build_kernel(function), estimator.options)
         try:
-            mapped, results = map_kernel(kernel, estimator.fabric, options, known)
+            limited = replace(options, time_limit_s=max(deadline.remaining_s, _LEAST_S))
+            mapped, results = map_kernel(kernel, estimator.fabric, limited, known)
             break
         except (MappingFailed, TimeLimit) as error:
             if not error.header or (error.header in stage.state.made and not last_resort):
@@ -269,13 +296,14 @@ def _map_loops(
         result = known.get(region.dfg)
         if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
             share = (deadline - time.monotonic()) / (len(loops) - number)
-            result = map_relaxed_first(
+            result = map_dfg(
                 region.dfg,
                 fabric,
                 options.mapper,
-                max(share, 1.0),
-                resident,
-                _prefixed(options.progress, region),
+                time_limit_s=max(share, 1.0),
+                resident=resident,
+                progress=_prefixed(options.progress, region),
+                thrifty=True,
             )
         _demand(result, region)
         known[region.dfg] = result

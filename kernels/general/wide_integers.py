@@ -110,7 +110,7 @@ def montgomery(x, modulus, inverse, out):
 
 
 @vividc.kernel("int32(int64, int64)")
-def power_modulo(base, exponent):
+def power_modulo_wide(base, exponent):
     """Square and multiply modulo a prime of number-theoretic transforms."""
     result = 1
     square = base % PRIME

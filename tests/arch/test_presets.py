@@ -4,11 +4,14 @@ import itertools
 
 import pytest
 
-from vividc.arch import Fabric, load, load_text, preset_names
+from vividc.arch import Fabric, Routing, family_names, load, load_text, preset_names
 from vividc.dfg.opcodes import LatencyClass
 from vividc.errors import ArchError
 
-PARAMETRISED = ("mesh-1x1", "mesh-3x5", "torus-2x2", "torus-4x4", "mesh-8x8")
+PARAMETRISED = (
+    *("mesh-1x1", "mesh-3x5", "torus-2x2", "torus-4x4", "mesh-8x8", "king-3x3"),
+    *("openedge-4x4", "openedge-1x1", "hycube-4x4", "hycube-1x3", "adres-8x8", "adres-2x2"),
+)
 
 
 def memory_pes(fabric: Fabric) -> set[tuple[int, int]]:
@@ -99,6 +102,41 @@ def test_source_rebuilds_the_same_fabric(name):
     assert load_text(fabric.source, "elsewhere.yaml") == fabric
 
 
+def test_openedge_is_the_array_of_sat_mapit():
+    fabric = load("openedge-4x4")
+    assert len(fabric.links) == 64
+    assert fabric.routing == Routing(hops=0, holds=True, shared=True, moves=True)
+    assert memory_pes(fabric) == set(itertools.product(range(4), range(4)))
+    assert all(pe.registers == 10 and pe.written_by_fu and not pe.rotating for pe in fabric.pes)
+    assert sorted(fabric.outputs_seen_by[0]) == [0, 1, 3, 4, 12]
+
+
+def test_hycube_passes_several_links_and_has_memory_in_the_first_column():
+    fabric = load("hycube-4x4")
+    assert len(fabric.links) == 48
+    assert fabric.routing == Routing(hops=4)
+    assert memory_pes(fabric) == {(row, 0) for row in range(4)}
+    assert fabric.outputs_seen_by[5] == (5,)
+
+
+def test_adres_has_rotating_files_and_memory_in_the_first_row():
+    fabric = load("adres-4x4")
+    assert all(pe.rotating for pe in fabric.pes)
+    assert memory_pes(fabric) == {(0, col) for col in range(4)}
+    assert len(fabric.links) == 48 + 2 * 16
+    assert fabric.routing == Routing()
+
+
+@pytest.mark.parametrize("name", ["vivid-tile", "mesh-4x4", "torus-3x3", "king-4x4"])
+def test_arrays_that_programs_are_made_for_are_plain(name):
+    assert load(name).is_plain
+
+
+@pytest.mark.parametrize("name", ["openedge-4x4", "hycube-4x4", "adres-4x4"])
+def test_published_arrays_are_not(name):
+    assert not load(name).is_plain
+
+
 def test_preset_names_hide_what_is_not_public():
     assert "vivid-tile" in preset_names()
     assert not [name for name in preset_names() if name.startswith("_")]
@@ -121,5 +159,5 @@ def test_unknown_name_lists_the_known_ones():
         load("vivid-tiel")
     assert "unknown fabric `vivid-tiel`" in str(caught.value)
     assert "did you mean `vivid-tile`?" in str(caught.value)
-    for name in (*preset_names(), "mesh-RxC", "torus-RxC"):
+    for name in (*preset_names(), *family_names()):
         assert name in str(caught.value)

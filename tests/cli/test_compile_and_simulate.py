@@ -96,6 +96,20 @@ def test_simulate_updates_arrays_and_returns(folder, own):
         np.testing.assert_array_equal(archive["y"], np.full(8, 2.0, np.float32))
 
 
+def test_engines_give_the_same_but_for_their_name(folder):
+    found = {}
+    for engine in ("reference", "native"):
+        args = ("--inputs", folder / "in.npz", "--engine", engine, "--json")
+        result = run("simulate", folder / "k.vivid", *args)
+        assert result.exit_code == 0, result.stderr
+        found[engine] = json.loads(result.stdout)
+        assert found[engine]["stats"].pop("engine") == engine
+    assert found["reference"] == found["native"]
+    result = run("simulate", folder / "k.vivid", "--inputs", folder / "in.npz", "--engine", "fast")
+    assert result.exit_code == 2
+    assert "'fast' is not one of 'auto', 'native', 'reference'" in result.stderr
+
+
 def test_simulate_for_people(folder):
     result = run("simulate", folder / "k.vivid", "--inputs", folder / "in.npz", "--check")
     assert result.exit_code == 0, result.stderr

@@ -11,7 +11,7 @@ from vividc.mapper import mapping_from_json, verify
 
 CHAIN = {
     "name": "chain",
-    "nodes": [{"id": i, "op": op} for i, op in enumerate(["a", "b", "c"])],
+    "nodes": [{"id": i, "op": op} for i, op in enumerate(["add", "mul", "sub"])],
     "edges": [
         {"src": 0, "dst": 1, "distance": 0},
         {"src": 1, "dst": 2, "distance": 0},

@@ -14,6 +14,7 @@ from benchmarks.c_kernels import FILES, WORKLOADS
 from benchmarks.workloads import KERNELS, Arguments
 from tests.e2e.test_general import copies
 from tests.e2e.test_kernels import assert_close
+from tests.sim.native.agreement import agreed_run
 from vividc import arch
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.regions import Kernel
@@ -22,7 +23,6 @@ from vividc.frontend.ll_source import bodies
 from vividc.program import Program, encode
 from vividc.sim.bind import bind
 from vividc.sim.engine import Launch
-from vividc.sim.reference import ReferenceEngine
 
 BY_NAME = {workload.name: workload for workload in WORKLOADS}
 SLOW = {"sha256_rounds", "mandelbrot", "count_ends"}
@@ -79,7 +79,7 @@ def compiled(name: str) -> tuple[vividc.LLKernel, Kernel, Program]:
 def assert_witnesses_agree(name: str, arguments: Arguments) -> None:
     kernel, lowered, program = compiled(name)
     by_array, by_host = copies(arguments), copies(arguments)
-    result = vividc.simulate(program, *by_array)
+    result = vividc.simulate(program, *by_array, engine="native")
     value = kernel(*by_host)
     assert_close(by_array, by_host)
     assert (result.value is None) == (value is None)
@@ -88,7 +88,7 @@ def assert_witnesses_agree(name: str, arguments: Arguments) -> None:
 
     bound = bind(program, copies(arguments), {})
     launch = Launch(bound.memory.copy(), bound.inputs, 10**6, bound.extents)
-    run = ReferenceEngine(program).run(launch)
+    run = agreed_run(program, launch)
     done = interpret(lowered, bound.memory, bound.inputs)
     np.testing.assert_array_equal(bound.memory, run.memory)
     assert done.value == run.value

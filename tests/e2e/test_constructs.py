@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.e2e.constructs import arrays, calls, control, numbers, tables  # noqa: F401 - they register
+from tests.e2e.constructs import arrays, calls, control, numbers, tables, whole_arrays  # noqa: F401 - they register
 from tests.e2e.constructs.registry import CONSTRUCTS, Construct
 from tests.e2e.test_kernels import assert_close
 from vividc import arch

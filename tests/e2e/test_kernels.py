@@ -9,13 +9,13 @@ import pytest
 
 import vividc
 from benchmarks.workloads import WORKLOADS, Workload
+from tests.sim.native.agreement import agreed_run
 from vividc import arch
 from vividc.dfg.interpreter import interpret
 from vividc.driver import CompileOptions, lower, map_kernel
 from vividc.program import Program, encode
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import Launch
-from vividc.sim.reference import ReferenceEngine
 
 FABRICS = ("vivid-tile", "vivid-tile-unit")
 RTOL, ATOL = 1e-4, 1e-5
@@ -53,7 +53,7 @@ def test_witnesses_agree(workload: Workload, fabric: str) -> None:
     assert (hot.ii, hot.status) == (HOT_LOOP_II[workload.name, fabric], "optimal")
 
     by_array, by_numba = workload.fresh(), workload.fresh()
-    result = vividc.simulate(program, *by_array)
+    result = vividc.simulate(program, *by_array, engine="native")
     value = kernel(*by_numba)
     assert_close(by_array, by_numba)
     if value is not None:
@@ -74,9 +74,7 @@ def assert_close(ours: tuple[object, ...], numba: tuple[object, ...]) -> None:
 def assert_interpreter_agrees(program: Program, kernel: object, workload: Workload) -> None:
     """Memory and returned word after the interpreter equal the simulator's, bit for bit."""
     bound = bind(program, workload.fresh(), {})
-    run = ReferenceEngine(program).run(
-        Launch(bound.memory.copy(), bound.inputs, 10**8, bound.extents)
-    )
+    run = agreed_run(program, Launch(bound.memory.copy(), bound.inputs, 10**8, bound.extents))
     memory = bound.memory.copy()
     done = interpret(kernel, memory, bound.inputs)  # type: ignore[arg-type]
     np.testing.assert_array_equal(memory, run.memory)

@@ -13,6 +13,7 @@ from benchmarks import render_kernels as scene
 from benchmarks.render_kernels import WORKLOADS
 from benchmarks.workloads import Arguments
 from tests.e2e.test_kernels import assert_close
+from tests.sim.native.agreement import agreed_run
 from vividc import arch
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.regions import Kernel
@@ -21,7 +22,6 @@ from vividc.program import encode
 from vividc.render import bin_and_sort
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import Launch
-from vividc.sim.reference import ReferenceEngine
 
 BY_NAME = {workload.name: workload for workload in WORKLOADS}
 QUICK = {"radix_histogram", "radix_offsets", "radix_scatter", "tile_ranges", "dense_relu"}
@@ -86,14 +86,14 @@ def test_witnesses_agree(name: str) -> None:
     mappings = {i: r.mapping for i, r in results.items() if r.mapping is not None}
     program = encode(mapped, machine, mappings, reports=results)
     by_array, by_numba = workload.fresh(), workload.fresh()
-    result = vividc.simulate(program, *by_array)
+    result = vividc.simulate(program, *by_array, engine="native")
     value = kernel_of(name)(*by_numba)
     assert_close(by_array, by_numba)
     assert result.value == value
 
     bound = bind(program, workload.fresh(), {})
     launch = Launch(bound.memory.copy(), bound.inputs, 10**6, bound.extents)
-    run = ReferenceEngine(program).run(launch)
+    run = agreed_run(program, launch)
     done = interpret(lowered(name), bound.memory, bound.inputs)
     np.testing.assert_array_equal(bound.memory, run.memory)
     assert done.value == run.value

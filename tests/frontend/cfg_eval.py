@@ -37,11 +37,13 @@ class _Machine:
     def __init__(self, function: Function, args: tuple[object, ...]) -> None:
         self.inputs: dict[str, int] = {}
         self.memory: dict[str, np.ndarray] = {}
+        self.shapes: dict[str, tuple[int, ...]] = {}
         self.values: dict[int, int] = {}
         for param, value in zip(function.params, args, strict=True):
             if param.ndim:
                 self.memory[param.name] = value.reshape(-1).view(np.uint8)
                 self.inputs[f"&{param.name}"] = 0
+                self.shapes[param.name] = value.shape
                 for axis, size in enumerate(value.shape):
                     self.inputs[f"{param.name}.shape{axis}"] = size
             elif param.dtype is DType.F32:
@@ -78,11 +80,19 @@ class _Machine:
         cells = self.memory[instr.array]
         assert address % instr.width == 0
         assert address + instr.width <= cells.size, f"{instr} leaves its array"
+        self._check_subscript(instr, address)
         place = cells[address : address + instr.width]
         if instr.op is Opcode.LOAD:
             return int.from_bytes(place.tobytes(), "little", signed=instr.signed)
         place[...] = list(words[2].to_bytes(4, "little")[: instr.width])
         return 0
+
+    def _check_subscript(self, instr: Instr, address: int) -> None:
+        """What an access says of its element must be so."""
+        if instr.subscript:
+            place = np.unravel_index(address // instr.width, self.shapes[instr.array])
+            said = zip(instr.subscript, place, strict=True)
+            assert all(constant in (None, there) for constant, there in said), instr
 
     def result(self, returns: DType | None, value: Value | None, high: Value | None) -> object:
         if returns is None or value is None:

@@ -341,3 +341,17 @@ def mean(x):
     for i in range(len(x)):
         total += x[i]
     return total / len(x)
+
+
+@kernel("int32(int32[::1], int32[::1], int32[::1], int32)")
+def load_of_three(a, b, c, n):
+    """LLVM makes one load of the three, one of whose pointers comes straight from a branch."""
+    acc = 0
+    for i in range(n):
+        if a[0] > b[i]:
+            acc ^= a[i + 1]
+        elif c[i] > n:
+            acc ^= b[i + 1]
+        else:
+            acc ^= c[i]
+    return acc

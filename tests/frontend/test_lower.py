@@ -57,6 +57,7 @@ CASES: list[tuple[KernelFunction, tuple[object, ...]]] = [
     (k.exponential, (floats(6), floats(6), 6)),
     (k.elementary, (floats(6), floats(6), 6)),
     (k.mean, (floats(7),)),
+    (k.load_of_three, (ints(9), ints(9), ints(9, low=0, high=12), 6)),
     (k.matmul, (words(4, 5), words(5, 3), ints(4, 3))),
     (k.planes, (ints(3, 4, 2), ints(3))),
     (k.blend, (gaussians(0.2), np.float32(0.4), np.float32(0.5), 40)),

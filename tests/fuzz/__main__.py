@@ -2,88 +2,129 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import tempfile
 from collections import Counter
+from dataclasses import dataclass, field
 from pathlib import Path
 from random import Random
 from time import monotonic
 
 import click
+from numba.core.errors import NumbaError
 from rich.console import Console
 from rich.progress import Progress
 
 from tests.fuzz.generator import random_source
 from tests.fuzz.shrink import shrink
-from tests.fuzz.witnesses import Verdict, judge
+from tests.fuzz.witnesses import Simulated, Verdict, judge, stays_inside
 
 console = Console()
 
+_COLLECT = 100
+"""Programs from one collection and one count to the next."""
 
-def _small(source: str, seed: int, verdict: Verdict, folder: Path, simulate: bool) -> str:
+
+def _small(source: str, seed: int, verdict: Verdict, folder: Path, simulate: Simulated) -> str:
     """The source shrunk; a smaller kernel must fail in the same way."""
-    simulate = simulate and not verdict.text.startswith("interpreter")
+    if verdict.text.startswith("interpreter"):
+        simulate = ""
 
     def key(found: Verdict) -> tuple[str, str]:
         return found.kind, found.text.split(":")[0].split(",")[0]
 
     def fails(candidate: str) -> bool:
         try:
-            return key(judge(candidate, seed, folder, simulate=simulate)) == key(verdict)
-        except (NameError, TypeError, SyntaxError):
+            found = judge(candidate, seed, folder, simulate=simulate)
+            return key(found) == key(verdict) and stays_inside(candidate, seed, folder)
+        except (NameError, TypeError, SyntaxError, NumbaError):
             return False
 
-    return shrink(source, fails)
+    return shrink(source, fails, budget_s=45.0)
 
 
-def _report(seed: int, verdict: Verdict, source: str) -> None:
-    console.rule(f"seed {seed} {verdict.kind}")
+def _report(seed: int, verdict: Verdict, source: str, simulate: Simulated) -> None:
+    console.rule(f"seed {seed} {verdict.kind} {simulate}")
     console.print(verdict.text, markup=False)
     body = source.replace('"""', "'''")
     console.print(f"def test_fuzz_seed_{seed}(tmp_path: Path) -> None:", markup=False)
-    console.print(f'    source = """{body}"""', markup=False, highlight=False)
+    console.print(f'    source = """{body}"""', markup=False, highlight=False, soft_wrap=True)
     console.print(f"    assert not judge(source, {seed}, tmp_path).is_find", markup=False)
 
 
-def _fuzz(seeds: range, simulate: float, seconds: float, folder: Path) -> Counter[str]:
-    counts: Counter[str] = Counter()
-    reasons: Counter[str] = Counter()
-    deadline, since = monotonic() + seconds, 0
+@dataclass
+class _Tally:
+    """What has become of the programs so far."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    reasons: Counter[str] = field(default_factory=Counter)
+    examples: dict[str, int] = field(default_factory=dict)
+    since: int = 0
+    started: float = field(default_factory=monotonic)
+
+    def add(self, seed: int, verdict: Verdict, simulate: Simulated) -> None:
+        self.counts.update([verdict.kind, *([simulate] if simulate else [])])
+        self.since = 0 if verdict.is_find else self.since + 1
+        if verdict.kind == "refused":
+            self.reasons.update([verdict.text])
+            self.examples.setdefault(verdict.text, seed)
+
+    def show(self) -> None:
+        seconds = monotonic() - self.started
+        rate = sum(self.counts[k] for k in ("agrees", "refused", "differs", "crashes")) / seconds
+        console.print(f"{dict(self.counts)}; the last {self.since} without a find; {rate:.2f}/s")
+        for reason, number in self.reasons.most_common():
+            text = f"{number:5} refused, first by seed {self.examples[reason]}: {reason}"
+            console.print(text, markup=False, soft_wrap=True)
+
+
+def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Path) -> _Tally:
+    tally = _Tally()
+    deadline = monotonic() + seconds
+    gc.disable()  # numba's garbage is collected faster in bulk
     try:
         with Progress(console=console) as progress:
             task = progress.add_task("fuzzing", total=len(seeds))
-            for seed in seeds:
+            for number, seed in enumerate(seeds):
                 if monotonic() > deadline:
                     break
+                simulate = _simulated(seed, shares)
                 source = random_source(seed)
-                chosen = Random(seed).random() < simulate
-                verdict = judge(source, seed, folder, simulate=chosen)
-                counts.update([verdict.kind, *["simulated"] * chosen])
-                since = 0 if verdict.is_find else since + 1
-                if verdict.kind == "refused":
-                    reasons.update([verdict.text])
+                verdict = judge(source, seed, folder, simulate=simulate)
+                tally.add(seed, verdict, simulate)
                 if verdict.is_find:
-                    _report(seed, verdict, _small(source, seed, verdict, folder, chosen))
-                shown = ", ".join(f"{n} {kind}" for kind, n in sorted(counts.items()))
+                    small = _small(source, seed, verdict, folder, simulate)
+                    _report(seed, verdict, small, simulate)
+                if number % _COLLECT == _COLLECT - 1:
+                    gc.collect()
+                    tally.show()
+                shown = ", ".join(f"{n} {kind}" for kind, n in sorted(tally.counts.items()))
                 progress.update(task, advance=1, description=f"seed {seed}: {shown}")
     except KeyboardInterrupt:
         console.print("interrupted")
-    console.print(f"{dict(counts)}; the last {since} without a find")
-    for reason, number in reasons.most_common():
-        console.print(f"{number:5} refused: {reason}", markup=False)
-    return counts
+    tally.show()
+    return tally
+
+
+def _simulated(seed: int, shares: tuple[float, float]) -> Simulated:
+    drawn = Random(seed).random()
+    if drawn < shares[0]:
+        return "mapped"
+    return "blocks" if drawn < sum(shares) else ""
 
 
 @click.command()
 @click.option("--count", default=1000, show_default=True, help="Programs to run.")
 @click.option("--seed", default=1, show_default=True, help="Seed of the first program.")
-@click.option("--simulate", default=0.0, show_default=True, help="Share that is also simulated.")
+@click.option("--mapped", default=0.03, show_default=True, help="Share mapped and simulated.")
+@click.option("--blocks", default=0.1, show_default=True, help="Share simulated without schedules.")
 @click.option("--minutes", default=1e6, help="Stop after so many minutes.")
-def main(count: int, seed: int, simulate: float, minutes: float) -> None:
+def main(count: int, seed: int, mapped: float, blocks: float, minutes: float) -> None:
     """Run random kernels through numba, interpreter and simulator; exit code 1 on a find."""
     with tempfile.TemporaryDirectory() as folder:
         seeds = range(seed, seed + count)
-        counts = _fuzz(seeds, simulate, 60 * minutes, Path(folder))
+        counts = _fuzz(seeds, (mapped, blocks), 60 * minutes, Path(folder)).counts
     sys.exit(1 if counts["differs"] or counts["crashes"] else 0)
 
 

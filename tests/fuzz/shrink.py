@@ -70,9 +70,15 @@ def _deletions(tree: ast.Module) -> Iterator[Place]:
 
 
 def _counts(node: ast.stmt) -> bool:
-    """Whether it moves the counter of a while loop."""
-    target = node.target if isinstance(node, ast.AugAssign) else None
-    return isinstance(target, ast.Name) and target.id.startswith("w")
+    """Whether a while loop ends by it: it moves the counter, or leaves at its limit."""
+    if isinstance(node, ast.If):
+        return isinstance(node.body[0], ast.Break) and _is_counter(getattr(node.test, "left", None))
+    targets = [node.target] if isinstance(node, ast.AugAssign) else getattr(node, "targets", [])
+    return any(_is_counter(target) for target in targets)
+
+
+def _is_counter(node: object) -> bool:
+    return isinstance(node, ast.Name) and node.id[0] in "wv" and node.id[1:].isdecimal()
 
 
 def _statements(node: ast.AST, path: Path) -> Iterator[tuple[Path, ast.stmt]]:
@@ -87,6 +93,8 @@ def _statements(node: ast.AST, path: Path) -> Iterator[tuple[Path, ast.stmt]]:
 def _replacements(tree: ast.Module) -> Iterator[Place]:
     number, function = _program(tree)
     for path, node in _statements(function, (("body", number),)):
+        if _counts(node):
+            continue
         for field in ("value", "test", "iter"):
             child = getattr(node, field, None)
             is_while = isinstance(node, ast.While)
@@ -100,7 +108,7 @@ def _parts(node: ast.expr, path: Path, fixed: bool = False) -> Iterator[Place]:
         return
     if not fixed:
         yield from ((path, child) for child in _operands(node))
-        yield from ((path, ast.Constant(value)) for value in (0, 1))
+        yield from ((path, number) for number in _constants(node))
     elif not isinstance(node, ast.Call):
         yield path, ast.Constant(1)
     for field, value in ast.iter_fields(node):
@@ -112,7 +120,27 @@ def _parts(node: ast.expr, path: Path, fixed: bool = False) -> Iterator[Place]:
                 yield from _parts(child, (*path, (field, number)), inner)
 
 
+def _constants(node: ast.expr) -> Iterator[ast.expr]:
+    """What is of the type of a cast, or else an integer."""
+    for value in (0, 1):
+        number = ast.Constant(value)
+        if _is_cast(node):
+            assert isinstance(node, ast.Call)
+            if ast.dump(node.args[0]) != ast.dump(number):
+                yield ast.Call(node.func, [number], [])
+        else:
+            yield number
+
+
+def _is_cast(node: ast.expr) -> bool:
+    """Such as np.float32(1), whose operand has another type."""
+    function = node.func if isinstance(node, ast.Call) else None
+    return isinstance(function, ast.Attribute) and function.attr[-1].isdigit()
+
+
 def _operands(node: ast.expr) -> Iterator[ast.expr]:
+    if _is_cast(node):
+        return
     for field, value in ast.iter_fields(node):
         if field in ("func", "slice") or _is_guarded(node, field):
             continue

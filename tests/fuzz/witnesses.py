@@ -5,43 +5,42 @@ from __future__ import annotations
 import importlib.util
 import warnings
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
-from random import Random
+from types import ModuleType
+from typing import Literal
 
+import numba
 import numpy as np
 
 import vividc
-from tests.fuzz.generator import LENGTH
+from tests.fuzz.arguments import Difference, Shapes, arguments, compare
+from tests.fuzz.forms import OPTIONS, asked, forms
 from vividc import arch
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import DType, Function
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import normalize
-from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.tidy import tidy
-from vividc.errors import MappingFailed, TimeLimit, VividcError, VividcWarning
+from vividc.driver import CompileOptions, map_kernel
+from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
-from vividc.planning.candidates import Candidate, Kind, State, apply
-from vividc.planning.choose import choose
-from vividc.planning.estimate import Estimator
-from vividc.planning.frequency import expected_trips
-from vividc.planning.options import TransformOptions
+from vividc.program import Program, encode
 
-TRIALS = 2
-OPTIONS = PassOptions(contract=False)
-"""Without contraction the floats must be numba's, too, bit for bit."""
+TRIALS = 3
+MAPPING_S = 4.0
+"""For a kernel's loops; one that takes longer runs block by block."""
 
-KINDS: tuple[Kind, ...] = ("full unrolling", "unrolling", "unroll-and-jam", "flattening")
+ROUGH = frozenset("g")
+"""Arrays of results that depend on the last bits of elementary functions."""
+
+Simulated = Literal["", "blocks", "mapped"]
+"""Whether the simulator is a witness, and whether loops are scheduled for it or run in blocks."""
+
 _NUMBERS = count()
-
-
-class Difference(Exception):
-    """A witness disagrees with numba: which one and how."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +56,8 @@ class Verdict:
         return self.kind in ("differs", "crashes")
 
 
-def load(source: str, folder: Path) -> KernelFunction:
-    """The kernel `program` of a module."""
+def load(source: str, folder: Path) -> ModuleType:
+    """The module, whose `program` is a kernel."""
     name = f"fuzz{next(_NUMBERS)}"
     file = folder / f"{name}.py"
     file.write_text(source, encoding="utf-8")
@@ -67,32 +66,12 @@ def load(source: str, folder: Path) -> KernelFunction:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    kernel: KernelFunction = module.program
-    return kernel
+    return module
 
 
-def arguments(kernel: KernelFunction, seed: int, trial: int) -> list[object]:
-    """Random arguments; those of later trials are nearer to 0."""
-    rng = np.random.default_rng([seed, trial])
-    limit = (2**62, 40)[trial % 2]
-    found: list[object] = []
-    for param in kernel.params:
-        size = (LENGTH,) * param.ndim
-        if param.dtype is DType.F32:
-            found.append(rng.integers(-64, 64, size).astype(np.float32) / np.float32(8))
-        elif param.dtype is DType.BOOL:
-            found.append(rng.random(size) < 0.5)
-        else:
-            info = np.iinfo(_numpy(param.dtype))
-            low, high = max(info.min, -limit), min(info.max, limit)
-            drawn = rng.integers(low, high, size or 1, info.dtype, endpoint=True)
-            found.append(drawn if param.ndim else drawn[0])
-    return found
-
-
-def _numpy(dtype: DType) -> str:
-    sign = "u" if dtype.name.startswith("U") else ""
-    return f"{sign}int{8 * dtype.size_bytes}"
+def shapes_of(module: ModuleType) -> Shapes:
+    """What a module says of its arrays; without a word they are `LENGTH` long."""
+    return Shapes(getattr(module, "SHAPES", {}), getattr(module, "FIXED", True))
 
 
 def run_regions(lowered: Kernel, args: list[object]) -> object:
@@ -107,82 +86,98 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
             places.append((len(memory), value))
             memory += value.tobytes() + bytes(-value.nbytes % 4)
         else:
-            word = int(value)  # type: ignore[call-overload]
-            inputs |= {param.name: word & 2**32 - 1, f"{param.name}.high": word >> 32 & 2**32 - 1}
+            assert isinstance(value, np.generic)
+            word = int.from_bytes(value.tobytes(), "little")  # less than a word: zeros above
+            inputs |= {param.name: word & 2**32 - 1, f"{param.name}.high": word >> 32}
     for local in lowered.locals:
         inputs[f"&{local.name}"] = len(memory)
         words = local.contents or (0xA5A5A5A5,) * local.words
         memory += np.array(words, np.uint32).tobytes() + bytes(4 * (local.words - len(words)))
     result = interpret(lowered, memory, inputs, iteration_limit=300_000)
     for start, array in places:
-        array[...] = np.frombuffer(bytes(memory[start : start + array.nbytes]), array.dtype)
-    assert lowered.returns is not None
-    bits = 8 * lowered.returns.size_bytes
-    word = (result.value or 0) % 2**bits
-    is_signed = not lowered.returns.name.startswith("U")
-    return word - (word >> bits - 1 << bits) if is_signed else word
+        raw = np.frombuffer(bytes(memory[start : start + array.nbytes]), array.dtype)
+        array[...] = raw.reshape(array.shape)
+    return _returned(lowered.returns, result.value or 0)
 
 
-def transformed(function: Function, seed: int) -> list[tuple[str, Function]]:
-    """The function as `vividc.compile` would choose, and after random transformations."""
-    random = Random(seed)
-    estimator = Estimator(arch.load("vivid-tile"), OPTIONS)
-    plan = choose(function, estimator, TransformOptions())
-    found = [("chosen", plan.stages[-1].state.function)]
-    tidied = tidy(function)
-    state = State(tidied, expected_trips(tidied, {}))
-    names = []
-    for _ in range(4):
-        loops = sorted(loop.header for loop in find_loops(state.function))
-        if not loops or sum(len(b.instrs) for b in state.function.blocks) > 600:
-            break
-        kind = random.choice(KINDS)
-        factor = random.choice([2, 4]) if kind in ("unrolling", "unroll-and-jam") else 0
-        candidate = Candidate(kind, random.choice(loops), factor)
-        done = apply(state, candidate, expected_trips(state.function, state.hints))
-        if not isinstance(done, Refusal):
-            state = done
-            names.append(f"{kind} {candidate.header} {factor}")
-    return [*found, ("; ".join(names), state.function)] if names else found
+def _returned(dtype: DType | None, value: int) -> object:
+    if dtype is None:
+        return None
+    if dtype is DType.F32:
+        return np.array([value], np.uint32).view(np.float32)[0]
+    if dtype is DType.BOOL:
+        return bool(value & 1)
+    bits = {DType.I64: 64, DType.U64: 64}.get(dtype, 8 * dtype.size_bytes)
+    word = value % 2**bits
+    return word - (word >> bits - 1 << bits) if dtype.is_signed else word
 
 
-def compare(what: str, found: list[object], expected: list[object]) -> None:
-    """Demands equality, bit for bit but for what a NaN holds."""
-    for number, (one, other) in enumerate(zip(found, expected, strict=True)):
-        first, second = np.asarray(one), np.asarray(other)
-        is_float = second.dtype.kind == "f"
-        same = np.array_equal(first, second, equal_nan=is_float)
-        if is_float and same:
-            number_at = ~np.isnan(second)  # 0.0 == -0.0, but they differ in their sign
-            same = bool((np.signbit(first) == np.signbit(second))[number_at].all())
-        if not same:
-            raise Difference(f"{what}: value {number} is {first.tolist()}, not {second.tolist()}")
+def in_blocks(function: Function) -> Program:
+    """The words of a function none of whose loops is scheduled, which is quick."""
+    fabric = arch.load("vivid-tile")
+    headers = frozenset(loop.header for loop in find_loops(normalize(function)))
+    function = normalize(replace(function, sequential=headers))
+    kernel = optimize_kernel(build_kernel(function), OPTIONS)
+    mapped, results = map_kernel(kernel, fabric, CompileOptions(time_limit_s=MAPPING_S))
+    mappings = {i: r.mapping for i, r in results.items() if r.mapping is not None}
+    return encode(mapped, fabric, mappings, reports=results)
 
 
-def _run(kernel: KernelFunction, seed: int, simulate: bool) -> None:
+def mapped(kernel: KernelFunction, source: str, seed: int) -> Program:
+    """The words with loops scheduled, after random wishes for their transformation."""
+    wishes = asked(source, seed)
+    try:
+        return vividc.compile(kernel, contract=False, time_limit_s=MAPPING_S, **wishes)  # type: ignore[arg-type]
+    except KernelError:  # a loop that cannot be transformed as asked
+        return vividc.compile(kernel, contract=False, time_limit_s=MAPPING_S, transform="none")
+
+
+def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> None:
+    kernel: KernelFunction = module.program
     function = kernel.lower()
-    forms = [("as written", function), *transformed(function, seed)]
-    built = [
-        (what, optimize_kernel(build_kernel(normalize(form)), OPTIONS)) for what, form in forms
-    ]
+    built: list[tuple[str, Kernel]] = []
+    tried = forms(function, seed, is_whole="float32" not in source)
+    for form in tried:
+        lowered = optimize_kernel(build_kernel(normalize(form.function)), form.options)
+        built.append((f"interpreter, {form.text}", lowered))
     program = None
-    if simulate:
-        program = vividc.compile(kernel, contract=False, time_limit_s=15)
+    if simulate == "mapped":
+        program = mapped(kernel, source, seed)
+    elif simulate == "blocks":
+        program = in_blocks(tried[-1].function)
+    rough = frozenset(n for n, param in enumerate(kernel.params, 1) if param.name in ROUGH)
     for trial in range(TRIALS):
-        args = arguments(kernel, seed, trial)
+        args = arguments(kernel, shapes_of(module), seed, trial)
         expected = deepcopy(args)
         value = kernel(*expected)
+        first: list[object] = []
         for what, lowered in built:
             mine = deepcopy(args)
             result = run_regions(lowered, mine)
-            compare(f"interpreter, {what}", [result, *mine], [value, *expected])
+            compare(what, [result, *mine], [value, *expected], rough)
+            first = first or [result, *mine]
+            compare(f"{what}, against as written", [result, *mine], first)
         if program is not None:
             mine = deepcopy(args)
             result = vividc.simulate(program, *mine).value
-            compare("simulator", [result, *mine], [value, *expected])
+            compare(f"simulator, {simulate}", [result, *mine], first)
 
 
-def judge(source: str, seed: int, folder: Path, *, simulate: bool = False) -> Verdict:
+def stays_inside(source: str, seed: int, folder: Path) -> bool:
+    """Whether no access leaves its array, so that a shrunk program means something."""
+    module = load(source, folder)
+    kernel: KernelFunction = module.program
+    checked = numba.njit(kernel.numba_signature, boundscheck=True, error_model="numpy")
+    run = checked(kernel.py_func)
+    try:
+        for trial in range(TRIALS):
+            run(*arguments(kernel, shapes_of(module), seed, trial))
+    except IndexError:
+        return False
+    return True
+
+
+def judge(source: str, seed: int, folder: Path, *, simulate: Simulated = "") -> Verdict:
     """Whether all witnesses agree on a program.
 
     Parameters
@@ -196,23 +191,17 @@ def judge(source: str, seed: int, folder: Path, *, simulate: bool = False) -> Ve
     simulate
         Map the kernel, too, and run its words.
     """
-    kernel = load(source, folder)
+    module = load(source, folder)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
-            kernel.lower()
-    except VividcError as error:
-        return Verdict("refused", error.reason)
-    except Exception as error:  # whatever it is: a crash is what is looked for
-        return Verdict("crashes", f"{type(error).__name__}: {error}")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", VividcWarning)
-            _run(kernel, seed, simulate)
+            _run(module, source, seed, simulate)
     except Difference as error:
         return Verdict("differs", str(error))
     except (MappingFailed, TimeLimit) as error:
-        return Verdict("refused", f"mapper: {type(error).__name__}")
+        return Verdict("refused", f"mapper: {type(error).__name__}: {error.reason}")
+    except KernelError as error:
+        return Verdict("refused", error.reason)
     except Exception as error:  # whatever it is: a crash is what is looked for
         return Verdict("crashes", f"{type(error).__name__}: {error}")
     return Verdict("agrees")

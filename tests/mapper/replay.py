@@ -17,9 +17,8 @@ from vividc.dfg.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Step
 
 Resource = tuple[str, int, int]
+"""("link" or "wire", 0, link), ("reg", PE, name), ("out" or "result", PE, 0)."""
 Tag = tuple[int, int]
-RESULT: Resource = ("result", 0, 0)
-OUT: Resource = ("out", 0, 0)
 
 
 class Broken(Exception):
@@ -72,51 +71,101 @@ class _Machine:
         self.driver: dict[tuple[Resource, int], Resource] = {}
         self.operand: dict[int, Resource] = {}
         self.state: dict[Resource, Tag | None] = {}
-        self.out: dict[int, Tag | None] = {}
+        self.moves: dict[tuple[int, int], Resource] = {}
         self.rewritten: set[tuple[int, str]] = set()
 
     def encode(self) -> None:
         """One source for each (link or register, slot) and for each operand."""
         for index, edge in self.dfg.routed_edges():
-            at: Resource = RESULT
-            pe = self.mapping.places[edge.src].pe
+            source = self.mapping.places[edge.src]
+            at: Resource = ("result", source.pe, 0)
+            before: Step | None = None
             for step in self.mapping.routes[index]:
-                here = self._resource(step)
-                _need(self._reads_from(here) == pe, "a wire is missing")
-                self._drive(here, at, step.time - 1)
-                at, pe = here, self._ends_on(here)
-            _need(pe == self.mapping.places[edge.dst].pe, "the operand is on another PE")
-            self.operand[index] = OUT if at == RESULT else at
+                self._step(edge, before, step, at)
+                at, before = self._resource(step, step.time), step
+            reader = self.mapping.places[edge.dst].pe
+            if before is None:
+                at = ("out", source.pe, 0)
+            _need(reader in self._readers(at), "the operand is on another PE")
+            self.operand[index] = at
+
+    def _step(self, edge: Edge, before: Step | None, step: Step, at: Resource) -> None:
+        """What drives the place of one step, and by whose means."""
+        routing = self.fabric.routing
+        here = self._resource(step, step.time)
+        if (
+            before is not None
+            and (before.kind, before.pe, before.index) == (step.kind, step.pe, step.index)
+            and step.time == before.time + 1
+            and (step.kind == "reg" or (step.kind == "out" and routing.holds))
+        ):
+            return
+        if before is not None and step.time == before.time:
+            _need(before.kind == step.kind == "link", "two places in one cycle")
+            at = ("wire", 0, before.index)
+        elif before is not None:
+            _need(step.time == before.time + 1, "a cycle is missing")
+        _need(self._reads_from(here) in self._readers(at), "a wire is missing")
+        fresh = before is None
+        if fresh and step.kind == "out":
+            ready = self.mapping.places[edge.src].time + self._latency(edge.src)
+            _need(step.time == ready, "the result is not there yet")
+            return
+        slot = (step.time - 1) % self.ii
+        fu_writes = step.kind == "reg" and self.fabric.pes[step.pe].written_by_fu
+        if not fresh and (step.kind == "out" or fu_writes):
+            _need(routing.moves, "nothing moves words here")
+            known = self.moves.setdefault((step.pe, slot), at)
+            _need(known == at, "two moves at once")
+            at = ("result", step.pe, 0)
+        elif at[0] == "out":
+            _need(routing.holds or routing.shared or routing.moves, "only an FU reads outputs")
+        if step.kind != "out":
+            self._drive(self._resource(step, step.time - 1), at, step.time - 1)
+
+    def _readers(self, at: Resource) -> set[int]:
+        kind, pe, index = at
+        if kind in ("link", "wire"):
+            return {self.fabric.links[index].dst}
+        shared = kind == "out" and self.fabric.routing.shared
+        return {pe} | {k.dst for k in self.fabric.links if k.src == pe and shared}
 
     def _drive(self, here: Resource, at: Resource, time: int) -> None:
         slot = time % self.ii
         known = self.driver.setdefault((here, slot), at)
         _need(known == at, f"two sources for {here} in slot {slot}")
 
-    def _resource(self, step: Step) -> Resource:
+    def _resource(self, step: Step, cycle: int) -> Resource:
+        """The place of a step, a register under its name in that cycle."""
         if step.kind == "link":
+            _need(self.fabric.routing.hops > 0, "links carry nothing")
             _need(0 <= step.index < len(self.fabric.links), "no such link")
             _need(step.pe == self.fabric.links[step.index].dst, "the link does not end there")
             return ("link", 0, step.index)
-        _need(step.kind == "reg" and 0 <= step.pe < len(self.fabric.pes), "no such register file")
-        _need(0 <= step.index < self.fabric.pes[step.pe].registers, "no such register")
-        return ("reg", step.pe, step.index)
+        _need(0 <= step.pe < len(self.fabric.pes), "no such PE")
+        if step.kind == "out":
+            _need(step.index == 0, "no such output register")
+            return ("out", step.pe, 0)
+        registers = self.fabric.pes[step.pe].registers
+        _need(0 <= step.index < registers, "no such register")
+        turned = cycle // self.ii if self.fabric.pes[step.pe].rotating else 0
+        return ("reg", step.pe, (step.index - turned) % registers)
 
     def _reads_from(self, resource: Resource) -> int:
-        return resource[1] if resource[0] == "reg" else self.fabric.links[resource[2]].src
-
-    def _ends_on(self, resource: Resource) -> int:
-        return resource[1] if resource[0] == "reg" else self.fabric.links[resource[2]].dst
+        return self.fabric.links[resource[2]].src if resource[0] == "link" else resource[1]
 
     def count_ports(self) -> None:
         """Registers selected for reading and for writing in one slot."""
         reads: set[tuple[int, int, int]] = set()
         writes: Counter[tuple[int, int]] = Counter()
         for (here, slot), at in self.driver.items():
-            if at[0] == "reg" and at != here:
+            if at[0] == "reg":
                 reads.add((at[1], slot, at[2]))
-            if here[0] == "reg" and at != here:
+            if here[0] == "reg":
                 writes[here[1], slot] += 1
+        for (_, slot), at in self.moves.items():
+            if at[0] == "reg":
+                reads.add((at[1], slot, at[2]))
         for index, at in self.operand.items():
             if at[0] == "reg":
                 slot = self.mapping.places[self.dfg.edges[index].dst].time % self.ii
@@ -139,14 +188,24 @@ class _Machine:
                     _need(end not in completions, "two operations complete at once")
                     completions[end] = (node.id, iteration)
         self._check_effects(iterations)
+        self._check_units()
         for time in range(max(issues, default=0) + 1):
-            self._issue(issues.get(time, []))
+            self._issue(issues.get(time, []), time)
             self._clock(time, completions)
+
+    def _check_units(self) -> None:
+        """An FU starts one thing at a time, and one that is busy nothing."""
+        busy = Counter(self.moves.keys())
+        for node in self.dfg.placed:
+            place = self.mapping.places[node.id]
+            for cycle in range(self.fabric.occupancy(node) if node.uses_fu else 0):
+                busy[place.pe, (place.time + cycle) % self.ii] += 1
+        _need(max(busy.values(), default=0) <= 1, "an FU is busy")
 
     def _latency(self, node: int) -> int:
         return self.fabric.latencies[self.dfg.by_id[node].latency_class]
 
-    def _issue(self, tags: list[Tag]) -> None:
+    def _issue(self, tags: list[Tag], time: int) -> None:
         units = Counter(
             (self.mapping.places[node].pe, self.dfg.by_id[node].uses_fu) for node, _ in tags
         )
@@ -159,7 +218,7 @@ class _Machine:
             for index, source in self.operand.items():
                 edge = self.dfg.edges[index]
                 if edge.dst == node and iteration >= edge.distance:
-                    self._check_operand(edge, source, iteration - edge.distance)
+                    self._check_operand(edge, source, iteration - edge.distance, time)
 
     def _check_constants(self, node: int) -> None:
         """A constant-store entry holds the word from before the region until a live-out."""
@@ -170,22 +229,48 @@ class _Machine:
                 name = self.dfg.by_id[source].name
                 _need((pe, name) not in self.rewritten, f"{name} is read after it was written")
 
-    def _check_operand(self, edge: Edge, source: Resource, iteration: int) -> None:
-        pe = self.mapping.places[edge.dst].pe
-        word = self.out.get(pe) if source == OUT else self.state.get(source)
+    def _check_operand(self, edge: Edge, source: Resource, iteration: int, time: int) -> None:
+        word = self.state.get(self._physical(source, time))
         _need(word == (edge.src, iteration), f"{edge.src} -> {edge.dst} finds {word}")
 
+    def _physical(self, place: Resource, time: int) -> Resource:
+        """The register that a name means in a cycle."""
+        kind, pe, index = place
+        if kind != "reg" or not self.fabric.pes[pe].rotating:
+            return place
+        return (kind, pe, (index + time // self.ii) % self.fabric.pes[pe].registers)
+
     def _clock(self, time: int, completions: dict[tuple[int, int], Tag]) -> None:
-        after = {place: word for place, word in self.state.items() if place[0] == "reg"}
-        for (here, slot), at in self.driver.items():
-            if slot != time % self.ii or at == here:
-                continue
-            if at == RESULT:
-                after[here] = completions.get((self._reads_from(here), time))
-            else:
-                after[here] = self.state.get(at)
+        slot = time % self.ii
+        results: dict[int, Tag | None] = {}
+        for pe in self.fabric.pes:
+            if (pe.id, time) in completions:
+                results[pe.id] = completions[pe.id, time]
+        for (pe_id, when), at in self.moves.items():
+            if when == slot:
+                _need(pe_id not in results, "a move and an operation complete at once")
+                results[pe_id] = self.state.get(self._physical(at, time))
+        after = {place: word for place, word in self.state.items() if place[0] != "link"}
+        if not self.fabric.routing.holds:
+            after = {place: word for place, word in after.items() if place[0] == "reg"}
+        for (here, when), at in self.driver.items():
+            if when == slot and at != here:
+                word = self._carried(at, time, results, 1)
+                after[self._physical(here, time)] = word
+        after |= {("out", pe_id, 0): word for pe_id, word in results.items()}
         self.state = after
-        self.out = {pe.id: completions.get((pe.id, time)) for pe in self.fabric.pes}
+
+    def _carried(
+        self, at: Resource, time: int, results: dict[int, Tag | None], hops: int
+    ) -> Tag | None:
+        """What a source delivers in a cycle; links of the cycle pass on what drives them."""
+        if at[0] == "result":
+            return results.get(at[1])
+        if at[0] != "wire":
+            return self.state.get(self._physical(at, time))
+        _need(hops < self.fabric.routing.hops, "too many links in a cycle")
+        driver = self.driver.get((("link", 0, at[2]), time % self.ii))
+        return None if driver is None else self._carried(driver, time, results, hops + 1)
 
     def _check_effects(self, iterations: int) -> None:
         """Separations of ORDER and CONTROL edges, and one control result a cycle."""

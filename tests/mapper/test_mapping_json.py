@@ -36,7 +36,7 @@ def test_a_result_without_a_mapping_survives_too() -> None:
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
-        ("schema", "vividc.mapping/0", "expected"),
+        ("schema", "vividc.mapping/1", "expected"),
         ("dfg", "other", "made for 'other'"),
         ("fabric", "other", "made for 'other'"),
         ("status", "perfect", "none of"),

@@ -2,34 +2,56 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
+from fabrics import grid
+from tiny_fabrics import tiny_fabric
 
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
+from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
+from vividc.dfg.opcodes import LatencyClass
 from vividc.mapper import map_dfg
 from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.cpsat import ScheduleOptions, Search, schedule
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.verify import verify
 
-FABRIC = arch.load("vivid-tile")
-QUICK = Effort(moves=300, rounds=20, trials=3)
+TILE = arch.load("vivid-tile")
+QUICK = Effort(moves=1000, rounds=20, repairs=60, trials=2)
+RING = tuple((pe, (pe + 1) % 6) for pe in range(6))
+
+FABRICS: dict[str, Fabric] = {
+    "vivid-tile": TILE,
+    "torus": arch.load("torus-4x4"),
+    "few-registers": grid(4, 4, registers=1, constants=32, contexts=64),
+    "one-way-ring": tiny_fabric(1, 6, registers=4, links=RING, constants=32),
+    "slow": tiny_fabric(
+        3,
+        3,
+        registers=4,
+        constants=32,
+        memory=frozenset({0, 1, 2}),
+        latencies={LatencyClass.IMUL: 5, LatencyClass.LOAD: 3},
+    ),
+}
 
 
-def negotiated(dfg: DFG, ii: int, seed: int = 1) -> Mapping | None:
-    task = MapProblem(dfg, FABRIC)
-    search = Search(Deadline.after(60), 1, light=True)
-    start = schedule(task, ii, ScheduleOptions(slack=2 * ii, carry=False), search).value
-    assert start is not None
-    return negotiate(task, ii, start, seed, Deadline.after(60), QUICK)
+def negotiated(
+    dfg: DFG, ii: int, seed: int = 1, fabric: Fabric = TILE, effort: Effort = QUICK
+) -> Mapping | None:
+    return negotiate(MapProblem(dfg, fabric), ii, seed, Deadline.after(120), effort)
 
 
-def relaxed(dfg: DFG) -> int:
-    return 2 * mii(all_bounds(MapProblem(dfg, FABRIC))) + 2
+def relaxed(dfg: DFG, fabric: Fabric = TILE) -> int:
+    return 2 * mii(all_bounds(MapProblem(dfg, fabric))) + 2
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -37,7 +59,19 @@ def test_what_it_finds_is_legal(seed: int) -> None:
     dfg = random_loop(seed, 30)
     mapping = negotiated(dfg, relaxed(dfg))
     assert mapping is not None
-    assert verify(dfg, FABRIC, mapping) == []
+    assert verify(dfg, TILE, mapping) == []
+
+
+@pytest.mark.parametrize("name", FABRICS)
+def test_what_it_finds_is_legal_on_other_fabrics(name: str) -> None:
+    fabric, found = FABRICS[name], 0
+    for seed in range(3):
+        dfg = random_loop(40 + seed, 14)
+        mapping = negotiated(dfg, relaxed(dfg, fabric), seed, fabric)
+        if mapping is not None:
+            assert verify(dfg, fabric, mapping) == []
+            found += 1
+    assert found
 
 
 def test_words_that_wait_longer_than_an_ii_change_registers() -> None:
@@ -45,11 +79,11 @@ def test_words_that_wait_longer_than_an_ii_change_registers() -> None:
     found = 0
     for seed in range(12):
         dfg = random_loop(100 + seed, 16, (8, 1, 1))
-        ii = mii(all_bounds(MapProblem(dfg, FABRIC)))
+        ii = mii(all_bounds(MapProblem(dfg, TILE)))
         mapping = negotiated(dfg, ii)
         if mapping is None:
             continue
-        assert verify(dfg, FABRIC, mapping) == []
+        assert verify(dfg, TILE, mapping) == []
         found += any(len(route) > ii for route in mapping.routes.values())
     assert found
 
@@ -62,14 +96,57 @@ def test_the_same_seed_gives_the_same_mapping() -> None:
 
 def test_no_time_gives_no_mapping() -> None:
     dfg = random_loop(3, 24)
-    task = MapProblem(dfg, FABRIC)
-    start = {node.id: 0 for node in dfg.placed}
-    assert negotiate(task, 8, start, 1, Deadline.after(0.0), QUICK) is None
+    assert negotiate(MapProblem(dfg, TILE), 8, 1, Deadline.after(0.0), QUICK) is None
+
+
+def test_an_ii_below_a_recurrence_gives_no_mapping() -> None:
+    dfg = random_loop(3, 24)
+    least = mii(all_bounds(MapProblem(dfg, TILE)))
+    assert least == 1 or negotiated(dfg, least - 1) is None
+
+
+def test_a_tight_loop_of_72_operations_comes_near_its_bound() -> None:
+    dfg = random_loop(11, 72, (8, 2, 1))
+    result = map_dfg(dfg, TILE, time_limit_s=60, thrifty=True, workers=1)
+    assert result.mapping is not None
+    assert result.mapping.ii <= result.lower_bound + 1
+    assert verify(dfg, TILE, result.mapping) == []
+
+
+def test_it_runs_where_no_cache_can_be_written(tmp_path: Path) -> None:
+    """Numba then finds no place for machine code: functions stay usable, uncompiled on disk."""
+    program = (
+        "import numba.core.caching as caching\n"
+        "caching.CacheImpl._locator_classes = []\n"
+        "from vividc.mapper.negotiate import compiled\n"
+        "twice = compiled.compiled(lambda n: 2 * n)\n"
+        "print(twice(21))\n"
+    )
+    root = Path(__file__).resolve().parents[2]
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=root,
+        env={**os.environ, "HOME": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.strip() == "42", done.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_random_loops_at_their_bound_are_legal(seed: int) -> None:
+    dfg = random_loop(500 + seed, 20 + seed, (8, 2, 1))
+    fabric = list(FABRICS.values())[seed % len(FABRICS)]
+    for ii in range(mii(all_bounds(MapProblem(dfg, fabric))), relaxed(dfg, fabric), 2):
+        mapping = negotiated(dfg, ii, seed, fabric)
+        assert mapping is None or verify(dfg, fabric, mapping) == []
 
 
 @pytest.mark.slow
 def test_a_graph_of_180_operations_is_mapped() -> None:
     dfg = random_loop(5, 180, (8, 1, 1))
-    result = map_dfg(dfg, FABRIC, time_limit_s=120)
+    result = map_dfg(dfg, TILE, time_limit_s=120)
     assert result.mapping is not None
-    assert verify(dfg, FABRIC, result.mapping) == []
+    assert verify(dfg, TILE, result.mapping) == []

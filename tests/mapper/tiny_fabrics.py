@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vividc.arch.fabric import PE, Controller, Fabric, Link, Scratchpad
+from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
 from vividc.dfg.opcodes import LatencyClass
 
 _COMPUTE = frozenset(LatencyClass) - {LatencyClass.SOURCE, LatencyClass.SINK}
@@ -22,6 +22,10 @@ def tiny_fabric(  # noqa: PLR0913 - one keyword per property of a fabric
     max_stages: int = 4,
     contexts: int = 256,
     links: tuple[tuple[int, int], ...] | None = None,
+    routing: Routing | None = None,
+    occupancies: dict[LatencyClass, int] | None = None,
+    rotating: bool = False,
+    written_by_fu: bool = False,
 ) -> Fabric:
     """A mesh of latency 1 but for `latencies`; `memory` names the PEs with a load/store unit."""
     pairs = mesh_links(rows, cols) if links is None else links
@@ -37,6 +41,8 @@ def tiny_fabric(  # noqa: PLR0913 - one keyword per property of a fabric
             read_ports=read_ports,
             write_ports=write_ports,
             constants=constants,
+            rotating=rotating,
+            written_by_fu=written_by_fu,
         )
         for pe in range(rows * cols)
     )
@@ -50,6 +56,8 @@ def tiny_fabric(  # noqa: PLR0913 - one keyword per property of a fabric
         scratchpad=Scratchpad(1024, 2),
         controller=Controller(contexts, control_latency=1, switch_cycles=1, max_stages=max_stages),
         clock_ghz=1.0,
+        routing=routing or Routing(),
+        occupancies=occupancies or {},
     )
 
 

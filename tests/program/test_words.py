@@ -167,3 +167,14 @@ def test_load_on_a_pe_without_memory_is_refused() -> None:
     words[0, 5] = pack(layout, load_word)
     with pytest.raises(BundleError, match="operation load, which PE 5"):
         decode(fabric, words)
+
+
+def test_predicate_of_the_first_iteration_only_is_refused() -> None:
+    fabric = fabric_of("vivid-tile")
+    layout = word_layout(fabric)
+    operand = Operand(Select(Sel.IV))
+    issue = Issue(Opcode.MOV, (operand, Operand(), Operand()), predicate=Operand(first=1))
+    words = np.zeros((1, 16, layout.words_per_entry), np.uint32)
+    words[0, 5] = pack(layout, idle(layout, issue=issue))
+    with pytest.raises(BundleError, match="a predicate in its first iteration only, which PE 5"):
+        decode(fabric, words)

@@ -1,8 +1,8 @@
 """The fabric a program runs on: data read from YAML, with the shipped fabrics as presets."""
 
 from vividc.arch.accelerator import DMA, DRAM, Accelerator, Configuration, NoC, Orientation
-from vividc.arch.fabric import PE, Controller, Fabric, Link, Scratchpad
-from vividc.arch.layers import preset_names
+from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
+from vividc.arch.layers import family_names, preset_names
 from vividc.arch.load import load as load_tile
 from vividc.arch.load import load_text
 from vividc.arch.load_machine import (
@@ -24,8 +24,10 @@ __all__ = [
     "Link",
     "NoC",
     "Orientation",
+    "Routing",
     "Scratchpad",
     "accelerator_names",
+    "family_names",
     "is_isomorphism",
     "load",
     "load_accelerator",

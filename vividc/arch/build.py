@@ -9,7 +9,7 @@ from types import MappingProxyType
 import yaml
 from pydantic import ValidationError
 
-from vividc.arch.fabric import PE, Controller, Fabric, Link, Scratchpad
+from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
 from vividc.arch.problems import Problem, raise_all, schema_problems
 from vividc.arch.schema import (
     TIMED_CLASSES,
@@ -60,6 +60,8 @@ def build(tree: Tree) -> Fabric:
         ),
         clock_ghz=spec.clock_ghz,
         source=_canonical_text(spec),
+        routing=_routing(spec),
+        occupancies=MappingProxyType(_occupancies(spec)),
     )
 
 
@@ -81,6 +83,25 @@ def _latencies(spec: Spec) -> dict[LatencyClass, int]:
     given: dict[str, int] = spec.latencies.model_dump(by_alias=True)
     cycles = {lat: given[lat.value] for lat in TIMED_CLASSES}
     return {LatencyClass.SOURCE: 0, LatencyClass.SINK: 0, **cycles}
+
+
+def _routing(spec: Spec) -> Routing:
+    given, default = spec.routing, Routing()
+    if given is None:
+        return default
+    return Routing(
+        hops=default.hops if given.hops is None else given.hops,
+        holds=given.output == "hold",
+        shared=given.output_readers == "neighbours",
+        moves=bool(given.moves),
+    )
+
+
+def _occupancies(spec: Spec) -> dict[LatencyClass, int]:
+    if spec.occupancy is None:
+        return {}
+    given: dict[str, int] = spec.occupancy.model_dump(by_alias=True, exclude_none=True)
+    return {lat: given[lat.value] for lat in TIMED_CLASSES if lat.value in given}
 
 
 def _links(spec: Spec) -> tuple[tuple[int, int], ...]:
@@ -131,6 +152,8 @@ def _pe(index: int, setting: PESpec, spec: Spec) -> PE:
         read_ports=setting.register_file.read_ports,
         write_ports=setting.register_file.write_ports,
         constants=setting.constants,
+        rotating=bool(setting.register_file.rotating),
+        written_by_fu=setting.register_file.written_by == "fu",
     )
 
 

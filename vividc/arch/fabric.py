@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from vividc.dfg.ir import Node
@@ -29,6 +29,10 @@ class PE:
         Size and ports of its register file.
     constants
         Entries of its constant store.
+    rotating
+        Its registers are renamed at every iteration: each iteration writes its own.
+    written_by_fu
+        Its registers take the FU's result only, not what the crossbar carries.
     """
 
     id: int
@@ -39,6 +43,8 @@ class PE:
     read_ports: int
     write_ports: int
     constants: int
+    rotating: bool = False
+    written_by_fu: bool = False
 
     @property
     def has_memory(self) -> bool:
@@ -53,6 +59,37 @@ class Link:
     id: int
     src: int
     dst: int
+
+
+@dataclass(frozen=True, slots=True)
+class Routing:
+    """How words travel (docs/machine.md); the defaults are ViViD's.
+
+    Attributes
+    ----------
+    hops
+        Links that a word may pass in one cycle. 0: links carry no words; they only say whose output
+        register a PE can read.
+    holds
+        An output register keeps its word until the next operation of its PE completes, else for
+        one cycle.
+    shared
+        The PEs at the ends of a PE's links read its output register, too.
+    moves
+        An FU may pass a word on: an operation of one cycle, whatever the latencies are.
+    """
+
+    hops: int = 1
+    holds: bool = False
+    shared: bool = False
+    moves: bool = False
+
+    @property
+    def open_outputs(self) -> bool:
+        """Output registers are more than the FU's own last result: routes lead through them, and
+        the crossbar takes words from them.
+        """
+        return self.holds or self.shared or self.moves
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +136,10 @@ class Controller:
 
 @dataclass(frozen=True)
 class Fabric:
-    """One tile, built by `vividc.arch.load`; `source` is its YAML text (provenance)."""
+    """One tile, built by `vividc.arch.load`; `source` is its YAML text (provenance).
+
+    `occupancies`: cycles for which an operation of a class keeps its FU; 1 where nothing is said.
+    """
 
     name: str
     rows: int
@@ -111,10 +151,18 @@ class Fabric:
     controller: Controller
     clock_ghz: float
     source: str = ""
+    routing: Routing = Routing()
+    occupancies: Mapping[LatencyClass, int] = field(default_factory=dict)
 
     def latency(self, node: Node) -> int:
         """Cycles from issue of `node` to its result: 1 or more; 0 for sources and sinks."""
         return self.latencies[node.latency_class]
+
+    def occupancy(self, node: Node) -> int:
+        """Cycles from the issue of `node` in which its FU can issue nothing else, the first
+        included; 1: pipelined.
+        """
+        return self.occupancies.get(node.latency_class, 1)
 
     def supports(self, pe: int, node: Node) -> bool:
         """Whether `node` may be placed on `pe`. A live-out may lie on every PE."""
@@ -126,6 +174,23 @@ class Fabric:
     def links_from(self) -> tuple[tuple[Link, ...], ...]:
         """Outgoing links of each PE, by link id."""
         return tuple(tuple(k for k in self.links if k.src == pe.id) for pe in self.pes)
+
+    @cached_property
+    def outputs_seen_by(self) -> tuple[tuple[int, ...], ...]:
+        """For each PE the PEs whose output register it reads, itself first."""
+        return tuple(
+            (pe.id, *(k.src for k in self.links_to[pe.id] if self.routing.shared))
+            for pe in self.pes
+        )
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether words travel and FUs work as in ViViD, the defaults of every option: what
+        programs can be made for.
+        """
+        files = any(pe.rotating or pe.written_by_fu for pe in self.pes)
+        busy = any(cycles > 1 for cycles in self.occupancies.values())
+        return self.routing == Routing() and not files and not busy
 
     @cached_property
     def links_to(self) -> tuple[tuple[Link, ...], ...]:

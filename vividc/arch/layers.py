@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from importlib import resources
 from pathlib import Path
+from typing import Final
 
 from pydantic import ValidationError
 
@@ -15,7 +16,19 @@ from vividc.arch.yaml_tree import Plain, Tree, parse
 from vividc.errors import ArchError
 
 _SUFFIXES = (".yaml", ".yml")
-_PARAMETRISED = re.compile(r"(mesh|torus)-(\d{1,3})x(\d{1,3})")
+_FAMILIES: Final = {
+    "mesh": None,
+    "torus": None,
+    "king": None,
+    "openedge": "_openedge",
+    "hycube": "_hycube",
+    "adres": "_adres",
+}
+"""Arrays that a name such as `mesh-4x4` makes: the shipped layer over the uniform array, or None
+for the topology of that name.
+"""
+
+_PARAMETRISED = re.compile(rf"({'|'.join(_FAMILIES)})-(\d{{1,3}})x(\d{{1,3}})")
 _APPENDED: frozenset[TreePath] = frozenset(
     {("overrides",), ("links", "extra"), ("links", "removed")}
 )
@@ -25,8 +38,13 @@ _UNIFORM_BANKS = 8
 
 
 def preset_names() -> tuple[str, ...]:
-    """Names of the shipped fabrics; besides them, `mesh-RxC` and `torus-RxC` exist up to 32x32."""
+    """Names of the shipped fabrics; besides them, those of `family_names()` exist up to 32x32."""
     return tuple(sorted(name for name in _shipped() if not name.startswith("_")))
+
+
+def family_names() -> tuple[str, ...]:
+    """Fabrics of any size, as `mesh-RxC`: R rows and C columns."""
+    return tuple(f"{family}-RxC" for family in _FAMILIES)
 
 
 def is_path(name: str) -> bool:
@@ -192,23 +210,29 @@ def _shipped_tree(name: str) -> Tree:
     return text_tree(file.read_text(encoding="utf-8"), f"{name}.yaml")
 
 
-def _parametrised(name: str, topology: str, rows: int, cols: int) -> Tree:
+def _parametrised(name: str, family: str, rows: int, cols: int) -> Tree:
     if not (1 <= rows <= MAX_SIDE and 1 <= cols <= MAX_SIDE):
         raise ArchError(f"`{name}` is not from 1x1 to {MAX_SIDE}x{MAX_SIDE}")
     # One bank a PE: that the scratchpad binds is a question for fabrics which state their own.
     banks = max(_UNIFORM_BANKS, 1 << (rows * cols - 1).bit_length())
     text = (
-        f"name: {topology}-{rows}x{cols}\nrows: {rows}\ncols: {cols}\n"
-        f"topology: {topology}\nscratchpad: {{banks: {banks}}}\n"
+        f"name: {family}-{rows}x{cols}\nrows: {rows}\ncols: {cols}\n"
+        f"scratchpad: {{banks: {banks}}}\n"
     )
-    return merge(_shipped_tree("_uniform"), text_tree(text, f"{name}.yaml"))
+    published = _FAMILIES[family]
+    base = _shipped_tree("_uniform")
+    if published is None:
+        text += f"topology: {family}\n"
+    else:
+        base = merge(base, _shipped_tree(published))
+    return merge(base, text_tree(text, f"{name}.yaml"))
 
 
 def _known() -> str:
-    return ", ".join((*preset_names(), "mesh-RxC", "torus-RxC", "FILE.yaml"))
+    return ", ".join((*preset_names(), *family_names(), "FILE.yaml"))
 
 
 def _unknown(name: str) -> ArchError:
-    guess = did_you_mean(name, (*preset_names(), "mesh-4x4", "torus-4x4"))
+    guess = did_you_mean(name, (*preset_names(), *(f"{family}-4x4" for family in _FAMILIES)))
     known = f"known fabrics: {_known()}"
     return ArchError(f"unknown fabric `{name}`", hint=f"{guess} {known}" if guess else known)

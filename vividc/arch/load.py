@@ -17,8 +17,9 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric:
     Parameters
     ----------
     name_or_path
-        One of `preset_names()`, `mesh-RxC` or `torus-RxC` (1x1 to 32x32), or the path of a YAML
-        file (it ends in `.yaml` or `.yml`, contains a slash, or is a path object).
+        One of `preset_names()`, one of `family_names()` with a size, as in `mesh-4x4` (1x1 to
+        32x32), or the path of a YAML file (it ends in `.yaml` or `.yml`, contains a slash, or is a
+        path object).
 
     Raises
     ------

@@ -80,6 +80,8 @@ def is_isomorphism(fabric: Fabric, other: Fabric, places: tuple[int, ...]) -> bo
         fabric.latencies == other.latencies
         and fabric.scratchpad == other.scratchpad
         and fabric.controller == other.controller
+        and fabric.routing == other.routing
+        and fabric.occupancies == other.occupancies
         and fabric.clock_ghz == other.clock_ghz
     )
 

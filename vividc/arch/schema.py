@@ -15,7 +15,9 @@ from vividc.dfg.opcodes import LatencyClass
 
 MAX_SIDE: Final = 32
 
-Topology = Literal["mesh", "torus", "king", "none"]
+Topology = Literal["mesh", "torus", "king", "mesh_plus", "none"]
+
+WrittenBy = Literal["crossbar", "fu"]
 
 
 Compute = Literal["int", "imul", "compare", "select", "fadd", "fmul", "fma", "convert", "generic"]
@@ -116,6 +118,8 @@ class RegisterFileLayer(StrictModel):
     registers: _Registers | None = None
     read_ports: _Ports | None = None
     write_ports: _Ports | None = None
+    rotating: bool | None = None
+    written_by: WrittenBy | None = None
 
 
 class PELayer(StrictModel):
@@ -125,6 +129,31 @@ class PELayer(StrictModel):
     executes: _Executes | None = None
     register_file: RegisterFileLayer | None = None
     constants: _Constants | None = None
+
+
+class RoutingLayer(StrictModel):
+    """How words travel, as far as one layer sets it."""
+
+    hops: Annotated[int, Field(ge=0, le=16)] | None = None
+    output: Literal["pulse", "hold"] | None = None
+    output_readers: Literal["own", "neighbours"] | None = None
+    moves: bool | None = None
+
+
+class OccupancyLayer(StrictModel):
+    """Cycles for which an operation of a class keeps its FU."""
+
+    int_: _Latency | None = Field(None, alias="int")
+    imul: _Latency | None = None
+    compare: _Latency | None = None
+    select: _Latency | None = None
+    fadd: _Latency | None = None
+    fmul: _Latency | None = None
+    fma: _Latency | None = None
+    convert: _Latency | None = None
+    load: _Latency | None = None
+    store: _Latency | None = None
+    generic: _Latency | None = None
 
 
 class At(StrictModel):
@@ -187,6 +216,8 @@ class Layer(StrictModel):
     overrides: list[Override] | None = None
     absent: list[_Absent] | None = None
     latencies: LatenciesLayer | None = None
+    routing: RoutingLayer | None = None
+    occupancy: OccupancyLayer | None = None
     scratchpad: ScratchpadLayer | None = None
     controller: ControllerLayer | None = None
     clock_ghz: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = None
@@ -198,6 +229,8 @@ class RegisterFileSpec(StrictModel):
     registers: _Registers
     read_ports: _Ports
     write_ports: _Ports
+    rotating: bool | None = None
+    written_by: WrittenBy | None = None
 
 
 class PESpec(StrictModel):
@@ -253,6 +286,8 @@ class Spec(StrictModel):
     overrides: list[Override] = []
     absent: list[_Absent] = []
     latencies: LatenciesSpec
+    routing: RoutingLayer | None = None
+    occupancy: OccupancyLayer | None = None
     scratchpad: ScratchpadSpec
     controller: ControllerSpec
     clock_ghz: float

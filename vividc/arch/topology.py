@@ -12,6 +12,7 @@ _DIRECTIONS: Final[dict[Topology, tuple[tuple[int, int], ...]]] = {
     "mesh": (_NORTH, _EAST, _SOUTH, _WEST),
     "torus": (_NORTH, _EAST, _SOUTH, _WEST),
     "king": (_NORTH, (-1, 1), _EAST, (1, 1), _SOUTH, (1, -1), _WEST, (-1, -1)),
+    "mesh_plus": (_NORTH, _EAST, _SOUTH, _WEST, (-2, 0), (0, 2), (2, 0), (0, -2)),
     "none": (),
 }
 

@@ -14,7 +14,13 @@ from typing import Any, Final, TextIO
 import click
 
 from vividc import __version__
-from vividc.cli import compile_command, disasm_command, map_command, simulate_command
+from vividc.cli import (
+    compile_command,
+    disasm_command,
+    map_command,
+    simulate_command,
+    verify_command,
+)
 from vividc.errors import InternalError, VividcError, VividcWarning
 
 INTERRUPTED: Final = 130
@@ -81,5 +87,5 @@ def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""
 
 
-for _module in (compile_command, simulate_command, map_command, disasm_command):
+for _module in (compile_command, simulate_command, map_command, verify_command, disasm_command):
     main.add_command(_module.command)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
+from typing import get_args
 
 import click
 
@@ -16,6 +17,7 @@ from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import MapResult, map_dfg, mapping_to_json
+from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
 
@@ -25,9 +27,22 @@ SCHEMA = "vividc.map/1"
 @options.fabric
 @options.mapper
 @click.option("--ii", type=click.IntRange(min=1), metavar="N", help="Try this II only.")
+@click.option(
+    "--unknown-ops",
+    type=click.Choice(get_args(dfg.UnknownOps)),
+    default="generic",
+    show_default=True,
+    help="An operation name that is not in the table: run it on any PE, with a warning, or refuse.",
+)
 @options.time_limit
 @click.option(
     "-o", "--output", type=options.FILE, metavar="MAPPING.json", help="Write the mapping."
+)
+@click.option(
+    "--plot",
+    type=options.FILE,
+    metavar="PICTURE",
+    help="Draw the mapping: the array slot by slot (.svg or .png).",
 )
 @options.as_json
 def command(
@@ -35,17 +50,22 @@ def command(
     fabric: str,
     mapper: str,
     ii: int | None,
+    unknown_ops: dfg.UnknownOps,
     time_limit_s: float,
     output: Path | None,
+    plot: Path | None,
     as_json: bool,
 ) -> None:
-    """Map a dataflow graph (.json, .dot or .dfg) and say what was proved.
+    """Map a dataflow graph (JSON, DOT, Morpher XML or text form) and say what was proved.
 
     Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit.
     """
     if output is not None:
         check_output(output, "--output")
-    the_dfg = dfg.load(graph)
+    if plot is not None:
+        check_picture_path(plot, "--plot")
+        check_output(plot, "--plot")
+    the_dfg = dfg.load(graph, unknown_ops=unknown_ops)
     the_fabric = arch.load_tile(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
         result = map_dfg(the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report)
@@ -53,6 +73,9 @@ def command(
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
         write_whole(output, lambda file: file.write(text.encode()))
+    if result.mapping is not None and plot is not None:
+        picture = encode(result.mapping.plot(), plot)
+        write_whole(plot, lambda file: file.write(picture))
     if as_json:
         print_json(SCHEMA, _as_object(result, the_dfg, the_fabric, document, output))
     else:

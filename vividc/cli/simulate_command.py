@@ -22,7 +22,7 @@ from vividc.cli.reference import (
 )
 from vividc.cli.report import percent, print_json, print_table, progress
 from vividc.program import Program
-from vividc.sim import CYCLE_LIMIT, Result
+from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
 
 SCHEMA = "vividc.simulate/1"
 MISMATCH: Final = 5
@@ -65,6 +65,13 @@ MISMATCH: Final = 5
     metavar="N",
     help="Give the run up after N cycles.",
 )
+@click.option(
+    "--engine",
+    type=click.Choice([*ENGINES]),
+    default=AUTO,
+    show_default=True,
+    help="What runs the words: native code, the reference engine, or what is done first.",
+)
 @options.as_json
 def command(
     program: Path,
@@ -75,6 +82,7 @@ def command(
     rtol: float,
     atol: float,
     cycle_limit: int,
+    engine: str,
     as_json: bool,
 ) -> None:
     """Run a program on the machine, cycle by cycle.
@@ -92,7 +100,7 @@ def command(
     expected = None
     if check:
         expected = _with_value(*run_reference(find_kernel(loaded, program, kernel), arguments))
-    result = _simulate(loaded, arguments, cycle_limit)
+    result = _simulate(loaded, arguments, cycle_limit, engine)
     if outputs is not None:
         write_results(outputs, arguments, result.value)
     wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
@@ -106,11 +114,15 @@ def command(
         raise click.exceptions.Exit(MISMATCH)
 
 
-def _simulate(program: Program, arguments: dict[str, Array], cycle_limit: int) -> Result:
+def _simulate(
+    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str
+) -> Result:
     values = scalars_unpacked(arguments, program.params)
     with progress(f"simulating {program.name}") as show:
         report = None if show is None else lambda cycles: show(f"{program.name}: {cycles:,} cycles")
-        return vividc.simulate(program, *values, progress=report, cycle_limit=cycle_limit)
+        return vividc.simulate(
+            program, *values, progress=report, cycle_limit=cycle_limit, engine=engine
+        )
 
 
 def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:

@@ -5,7 +5,8 @@ from vividc.dfg.dot import parse_dot, to_dot
 from vividc.dfg.interpreter import InterpreterResult, RegionRun, interpret, interpret_region
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.json_form import from_json, to_json
-from vividc.dfg.load import load
+from vividc.dfg.load import UnknownOps, load
+from vividc.dfg.networkx_form import from_networkx, to_networkx
 from vividc.dfg.opcodes import BASE, ORDER, PRED, LatencyClass, Opcode, Type
 from vividc.dfg.semantics import SEMANTICS, evaluate, evaluate_predicated
 from vividc.dfg.text import parse, to_text
@@ -25,10 +26,12 @@ __all__ = [
     "Opcode",
     "RegionRun",
     "Type",
+    "UnknownOps",
     "check",
     "evaluate",
     "evaluate_predicated",
     "from_json",
+    "from_networkx",
     "interpret",
     "interpret_region",
     "load",
@@ -36,5 +39,6 @@ __all__ = [
     "parse_dot",
     "to_dot",
     "to_json",
+    "to_networkx",
     "to_text",
 ]

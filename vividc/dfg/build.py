@@ -16,12 +16,13 @@ from vividc.dfg.build_straight import build_straight
 from vividc.dfg.cfg import Block, Function, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, incoming, uses
 from vividc.dfg.counted import Trip, count_loop
+from vividc.dfg.hoist_loads import hoist_loads
 from vividc.dfg.ir import DFG
 from vividc.dfg.loops import Loop, pipelined_loops
 from vividc.dfg.normalize import copy_exit_values, normalize
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.diamonds import merge_diamonds
-from vividc.errors import KernelError, SourceLoc
+from vividc.errors import SourceLoc
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ def build_kernel(function: Function) -> Kernel:
     KernelError
         If the control flow is irreducible, or a loop can neither end nor return.
     """
-    plan = _plan(copy_exit_values(merge_diamonds(normalize(function))))
+    plan = _plan(copy_exit_values(merge_diamonds(hoist_loads(normalize(function)))))
     cutter = _Cutter(plan)
     regions = _drop_empty(cutter.regions())
     return Kernel(
@@ -64,11 +65,6 @@ def _plan(function: Function) -> _Plan:
     trips: dict[str, Trip | None] = {}
     addresses: dict[str, dict[int, Address]] = {}
     for header, loop in loops.items():
-        if not loop.exits:
-            block = next(b for b in function.blocks if b.name == header)
-            raise KernelError(
-                "this loop never ends", loc=block.branch.loc, hint="leave it with `break`"
-            )
         preheader = _preheader(function, loop)
         function, trips[header] = count_loop(function, loop, preheader)
         function, addresses[header] = fold_addresses(function, loop, preheader)

@@ -258,6 +258,7 @@ class _LoopEmitter:
                 block,
                 instr.width,
                 distinct=not folded and instr.distinct == self.parts.loop.header,
+                subscript=instr.subscript,
             )
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
+from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
@@ -68,6 +68,9 @@ def _emit(
     base, index, *rest = operands
     values = OPCODES[instr.op].arity - 1
     pred = rest.pop() if len(rest) > values else None
+    if isinstance(instr.operands[0], Ref):
+        # A variable is delivered to where operations read it, but not to load/store units.
+        base = builder.operation(base, instr.loc)
     base, index, shift = builder.fixed_base(base, index, instr.shift, instr.loc)
     node = builder.add_node(
         Node(
@@ -95,6 +98,7 @@ def _emit(
             instr.offset + (0 if fixed is None else fixed << instr.shift),
             stride_bytes=0,
             width=instr.width,
+            subscript=instr.subscript,
         )
     )
     return node

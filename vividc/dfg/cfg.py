@@ -8,6 +8,8 @@ integers and doubles have been narrowed by the frontend before.
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -16,12 +18,16 @@ from vividc.dfg.words import SIGN_BIT, WORD_MASK
 from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
-"""No array dimension may be larger: ranges of indices are proved with it, a launch checks it."""
+"""No dimension of words may be larger: ranges of indices are proved with `Param.limit`, a launch
+checks it."""
 MAX_SPREAD = 1 << 24
 """The first dimension of an array of a kernel that is spread over tiles may be as large as this."""
 MAX_ELEMENTS = 1 << 29
 """No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 
+
+TRAP = "raise."
+"""Starts the name of an array that stands for an exception."""
 
 HIGH_SUFFIX = ".high"
 """Ends the key of the high word of a 64-bit parameter."""
@@ -66,7 +72,8 @@ class Param:
     `flat`: an array of any number of dimensions, whose elements the kernel counts in C order (as C
     does, which knows no shapes).
     `words` 2: a scalar of 64 bits, of which the host supplies both words; else its value must fit
-    one (the launch checks it). `longest`: no array has a larger first dimension.
+    one (the launch checks it). `longest`: the most elements along the first dimension; 0: as many
+    as along the others.
     """
 
     name: str
@@ -74,7 +81,18 @@ class Param:
     ndim: int = 0
     flat: bool = False
     words: int = 1
-    longest: int = MAX_DIMENSION
+    longest: int = 0
+
+    @property
+    def max_dimension(self) -> int:
+        """The most elements along a dimension: of bytes in one dimension as many as of words fill
+        the same memory.
+        """
+        return MAX_DIMENSION * (4 // self.dtype.size_bytes if self.ndim == 1 else 1)
+
+    def limit(self, axis: int) -> int:
+        """The most elements along a dimension, the first of which may be cut at launch."""
+        return self.longest if self.longest and axis == 0 else self.max_dimension
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +101,63 @@ class LocalArray:
 
     `contents`: the words of a constant table, which is there before the kernel starts and is never
     written. None: an array the kernel allocates; what it holds at first is undefined. Its address
-    is the input "&" + `name`.
+    is the input "&" + `name`. `size`: the formula of its words where the launch decides them;
+    `words` is 0 then. An array whose name starts with `TRAP` has no words: an access to it stands
+    for an exception.
     """
 
     name: str
     words: int
     contents: tuple[int, ...] | None = None
+    size: tuple[str | int, ...] = ()
+
+    def at_launch(self, inputs: Mapping[str, int]) -> LocalArray:
+        """The array with the words it has for these inputs."""
+        if not self.size:
+            return self
+        words = max(evaluate_formula(self.size, inputs), 0)
+        return LocalArray(self.name, words, self.contents)
+
+
+Formula = tuple[str | int, ...]
+"""A number that the launch decides, in postfix form: integers, input keys behind "s:" (signed) or
+"u:" (unsigned), and the operators "+", "*", "//", "max" and "min"."""
+
+
+def evaluate_formula(formula: Formula, inputs: Mapping[str, int]) -> int:
+    """The formula's value for a launch.
+
+    Parameters
+    ----------
+    inputs
+        Word of each launch key; a 64-bit scalar may have a second one.
+    """
+    stack: list[int] = []
+    for item in formula:
+        if isinstance(item, int):
+            stack.append(item)
+        elif item in _FORMULA_OPERATORS:
+            right, left = stack.pop(), stack.pop()
+            stack.append(_FORMULA_OPERATORS[item](left, right))
+        else:
+            stack.append(_input_value(item[2:], inputs, signed=item.startswith("s:")))
+    return stack.pop()
+
+
+def _input_value(key: str, inputs: Mapping[str, int], *, signed: bool) -> int:
+    value, bits = inputs[key], 32
+    if key + HIGH_SUFFIX in inputs:
+        value, bits = value | inputs[key + HIGH_SUFFIX] << 32, 64
+    return value - (1 << bits) if signed and value >> bits - 1 else value
+
+
+_FORMULA_OPERATORS: dict[str, Callable[[int, int], int]] = {
+    "+": operator.add,
+    "*": operator.mul,
+    "//": operator.floordiv,
+    "max": max,
+    "min": min,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +206,8 @@ class Instr:
     2 or 4), and `signed` says that a load of less than a word sign-extends. `exact`: an integer
     addition or subtraction that is proved not to wrap as a signed word. `distinct`: header of a
     loop in whose run an address that such an access has touched comes back only at accesses with
-    the same index that follow this one in the program, before the index changes.
+    the same index that follow this one in the program, before the index changes. `subscript`: of an
+    element of a parameter, the constants among its subscripts, None for others; () if unknown.
     """
 
     id: int
@@ -151,6 +221,7 @@ class Instr:
     signed: bool = False
     exact: bool = False
     distinct: str = ""
+    subscript: tuple[int | None, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
 
 

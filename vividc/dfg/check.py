@@ -13,10 +13,11 @@ from typing import Final
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode, Type
-from vividc.dfg.order import cyclic_nodes
+from vividc.dfg.order import zero_cycle
 
 WORD_LIMIT: Final = 1 << 32
 _SHIFT_LIMIT: Final = 32
+_SHOWN: Final = 12
 _WIDTHS: Final = (1, 2, 4)
 _INIT_SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN})
 _EFFECTS: Final = frozenset({Opcode.STORE, Opcode.LIVE_OUT})
@@ -160,9 +161,19 @@ def _distances_and_inits(dfg: DFG) -> Iterator[str]:
 
 
 def _no_cycle_of_distance_0(dfg: DFG) -> Iterator[str]:
-    cycle = cyclic_nodes(dfg)
+    cycle = zero_cycle(dfg)
     if cycle:
-        yield f"a cycle of distance 0 holds back nodes {', '.join(map(str, cycle))}"
+        shown = [_called(dfg.by_id[node]) for node in cycle[:_SHOWN]]
+        around = [*shown, *(["..."] if len(cycle) > _SHOWN else []), shown[0]]
+        yield (
+            f"a cycle of distance 0 holds back nodes {' -> '.join(around)}: none of them can be "
+            "first; the edge that crosses to the next iteration has distance 1 or more"
+        )
+
+
+def _called(node: Node) -> str:
+    name = node.name if node.op is Opcode.GENERIC else node.op.value
+    return f"{node.id} ({name}{f', {node.label}' if node.label else ''})"
 
 
 def _sources_and_bases(dfg: DFG) -> Iterator[str]:

@@ -1,24 +1,26 @@
 """The DOT form of a DFG: a picture for Graphviz that can also be read back.
 
 The writer puts the complete JSON entry of each node and edge into its attributes, so that what it
-writes is read as an equal graph. Foreign DOT is read too: a node's operation is its ``opcode``,
-``op`` or ``operation`` attribute, else the first word of its label, else its name without trailing
-digits; an edge may have ``distance`` (or ``dist``), ``operand`` (or ``port``) and ``kind``.
+writes is read as an equal graph. Foreign DOT is read too, CGRA-ME's and what networkx writes among
+it; `vividc.dfg.attributes` says which attributes mean what.
 `vividc.dfg.dot_parser` says which subset of the language is understood.
 """
 
 from __future__ import annotations
 
 import json
-import re
+import warnings
 from collections.abc import Mapping
 from typing import Final
 
-from vividc.dfg.dot_parser import DotEdge, DotGraph, DotNode, parse_graph
+import networkx as nx
+
+from vividc.dfg.attributes import edge_entry, has_distance, node_entry
+from vividc.dfg.dot_parser import DotGraph, parse_graph
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import SCHEMA, from_json, to_json
 from vividc.dfg.opcodes import BASE, PRED, LatencyClass, Opcode
-from vividc.errors import DFGError
+from vividc.errors import DFGError, VividcWarning
 
 _COLOURS: Final = {
     LatencyClass.SOURCE: "white",
@@ -32,12 +34,10 @@ _COLOURS: Final = {
     LatencyClass.SELECT: "khaki",
     LatencyClass.COMPARE: "khaki",
 }
-_OPERATION_KEYS: Final = ("opcode", "op", "operation")
-_CONST_KEYS: Final = ("const", "constant", "value")
-_DISTANCE_KEYS: Final = ("distance", "dist")
-_OPERAND_KEYS: Final = ("operand", "port")
 _PORT_LABELS: Final = {PRED: "p", BASE: "base"}
 _KEY: Final = "vividc"
+_SHOWN: Final = 6
+_MAX_DIGITS: Final = 18
 
 
 def to_dot(dfg: DFG) -> str:
@@ -65,8 +65,8 @@ def parse_dot(text: str, file: str = "<dot>") -> DFG:
     """
     graph = parse_graph(text, file)
     if _KEY in graph.attributes:
-        return from_json(_own(graph, file), file=file)
-    return from_json(_foreign(graph), file=file)
+        return from_json(_own(graph, file), file=file, lines=_lines(graph))
+    return from_json(_foreign(graph, file), file=file, lines=_lines(graph))
 
 
 def _node_style(node: Node) -> dict[str, str]:
@@ -122,7 +122,7 @@ def _entry(attributes: Mapping[str, str], line: int, file: str) -> object:
     text = attributes.get(_KEY)
     try:
         entry: object = json.loads(text or "")
-    except json.JSONDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise DFGError(
             f"the attribute {_KEY} is missing or damaged",
             loc=f"{file}:{line}",
@@ -131,51 +131,54 @@ def _entry(attributes: Mapping[str, str], line: int, file: str) -> object:
     return entry
 
 
-def _foreign(graph: DotGraph) -> dict[str, object]:
-    return {
-        "name": graph.name or "dfg",
-        "nodes": [_foreign_node(node) for node in graph.nodes],
-        "edges": [_foreign_edge(edge) for edge in graph.edges],
+def _foreign(graph: DotGraph, file: str) -> dict[str, object]:
+    edges: list[dict[str, object]] = [
+        {"src": _identifier(edge.src), "dst": _identifier(edge.dst), **edge_entry(edge.attributes)}
+        for edge in graph.edges
+    ]
+    nodes: list[dict[str, object]] = [
+        {"id": _identifier(node.name), **node_entry(node.attributes, node.name)}
+        for node in graph.nodes
+    ]
+    if not any(has_distance(edge.attributes) for edge in graph.edges):
+        _infer_distances(nodes, edges, file)
+    return {"name": graph.name or "dfg", "nodes": nodes, "edges": edges}
+
+
+def _infer_distances(
+    nodes: list[dict[str, object]], edges: list[dict[str, object]], file: str
+) -> None:
+    """CGRA-ME's files have no distances: a value that a node feeds to itself, or to a phi before
+    it, is of the iteration before. Any other cycle is left for the check to refuse.
+    """
+    phis = {node["id"] for node in nodes if str(node["op"]).lower() == "phi"}
+    graph = nx.DiGraph((edge["src"], edge["dst"]) for edge in edges)
+    loops = {
+        node: n for n, part in enumerate(nx.strongly_connected_components(graph)) for node in part
     }
+    carried = [
+        edge
+        for edge in edges
+        if edge["src"] == edge["dst"]
+        or (edge["dst"] in phis and loops[edge["src"]] == loops[edge["dst"]])
+    ]
+    for edge in carried:
+        edge["distance"] = 1
+    if carried:
+        shown = ", ".join(f"{edge['src']} -> {edge['dst']}" for edge in carried[:_SHOWN])
+        warnings.warn(
+            f"{file}: no edge has a distance; 1 iteration is taken for {shown}"
+            + (f" and {len(carried) - _SHOWN} more" if len(carried) > _SHOWN else ""),
+            VividcWarning,
+            stacklevel=4,
+        )
 
 
-def _foreign_node(node: DotNode) -> dict[str, object]:
-    entry: dict[str, object] = {"id": _identifier(node.name), "op": _operation(node)}
-    const = _first(node.attributes, _CONST_KEYS)
-    return entry if const is None else {**entry, "const": const}
-
-
-def _operation(node: DotNode) -> str:
-    given = _first(node.attributes, _OPERATION_KEYS)
-    if given:
-        return given
-    words = re.findall(r"[A-Za-z_][\w.]*", node.attributes.get("label", ""))
-    if words:
-        return str(words[0])
-    return node.name.rstrip("0123456789").rstrip("_.") or "node"
-
-
-def _foreign_edge(edge: DotEdge) -> dict[str, object]:
-    entry: dict[str, object] = {"src": _identifier(edge.src), "dst": _identifier(edge.dst)}
-    distance = _first(edge.attributes, _DISTANCE_KEYS)
-    operand = _first(edge.attributes, _OPERAND_KEYS)
-    if distance is not None:
-        entry["distance"] = _number(distance)
-    if operand is not None:
-        entry["operand"] = _number(operand)
-    if "kind" in edge.attributes:
-        entry["kind"] = edge.attributes["kind"]
-    return entry
-
-
-def _first(attributes: Mapping[str, str], keys: tuple[str, ...]) -> str | None:
-    return next((attributes[key] for key in keys if key in attributes), None)
+def _lines(graph: DotGraph) -> dict[str, int]:
+    nodes = {f"nodes[{index}]": node.line for index, node in enumerate(graph.nodes)}
+    return nodes | {f"edges[{index}]": edge.line for index, edge in enumerate(graph.edges)}
 
 
 def _identifier(name: str) -> int | str:
-    return int(name) if name.isdecimal() and str(int(name)) == name else name
-
-
-def _number(text: str) -> int | str:
-    """The integer, or the text for the JSON reader to judge."""
-    return int(text) if re.fullmatch(r"-?[0-9]+", text) else text
+    small = name.isascii() and name.isdecimal() and len(name) <= _MAX_DIGITS
+    return int(name) if small and str(int(name)) == name else name

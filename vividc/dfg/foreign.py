@@ -1,32 +1,19 @@
-"""How operations and operands of other tools' dataflow graphs are named here.
+"""How operations and operands of other tools' dataflow graphs become nodes and edges.
 
-A foreign operation name is compared without regard to case:
-
-==================================================================  =======================
-load, ld, loadb, loadh, loadw, oload, oloadb, oloadh, oloadw        `load`
-store, st, storeb, storeh, storew, ostore, ostoreb, ostoreh, ostorew  `store`
-const, constant, cst, imm (without inputs)                          `const`, or `live_in`
-anything else                                                       `generic`, named so
-==================================================================  =======================
-
-A constant whose word the file does not give becomes a `live_in` named after its id: the host
-supplies it. Memory operations need a PE with a load/store unit, `generic` ones run on any PE.
+Names are looked up in `vividc.dfg.foreign_names`. A constant whose word the file does not give
+becomes a `live_in` named after its id: the host supplies it. Memory operations need a PE with a
+load/store unit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
 
-from vividc.dfg.ir import Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
+from vividc.dfg.foreign_names import is_known, row_of
+from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
+from vividc.dfg.opcodes import BASE, MEMORY, ORDER, PRED, Opcode
 from vividc.dfg.words import WORD_MASK, word_of
-
-_WIDTHS: Final = ("", "b", "h", "w")
-_LOADS: Final = {"ld", *(f"{o}load{w}" for o in ("", "o") for w in _WIDTHS)}
-_STORES: Final = {"st", *(f"{o}store{w}" for o in ("", "o") for w in _WIDTHS)}
-_CONSTANTS: Final = {"const", "constant", "cst", "imm"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,40 +27,60 @@ class ForeignEdge:
     order: bool = False
 
 
-def foreign_node(node_id: int, op: str, label: str, word: str | None, *, has_inputs: bool) -> Node:
-    """The node for a foreign operation.
+@dataclass(frozen=True, slots=True)
+class ForeignNode:
+    """An operation as a foreign file gives it.
 
-    Parameters
+    Attributes
     ----------
     label
-        Name for a live-in, where a constant's word is unknown: the id in the file.
+        Its id in the file.
     word
         The constant in the file, if any: decimal, hexadecimal or floating point.
-    has_inputs
-        A "constant" that something feeds is an operation.
+    array
+        What a memory operation accesses, if the file says so.
     """
-    key = op.lower()
-    if key in _LOADS:
-        return Node(node_id, Opcode.LOAD)
-    if key in _STORES:
-        return Node(node_id, Opcode.STORE)
-    if key not in _CONSTANTS or has_inputs:
-        return Node(node_id, Opcode.GENERIC, name=op)
-    const = None if word is None else parse_word(word)
+
+    id: int
+    op: str
+    label: str
+    word: str | None = None
+    array: str = ""
+
+
+def foreign_node(found: ForeignNode, *, has_inputs: bool) -> Node:
+    """The node for a foreign operation; a "constant" that something feeds is an operation."""
+    row = row_of(found.op)
+    label = "" if found.label == str(found.id) else found.label
+    if row is not None and row.opcode in MEMORY:
+        return Node(found.id, row.opcode, name=found.array, width=row.width, label=label)
+    if row is None or row.opcode is Opcode.GENERIC or has_inputs:
+        return Node(found.id, Opcode.GENERIC, name=found.op, label=label)
+    const = None if found.word is None else parse_word(found.word)
     if const is None:
-        return Node(node_id, Opcode.LIVE_IN, name=label)
-    return Node(node_id, Opcode.CONST, const=const)
+        return Node(found.id, Opcode.LIVE_IN, name=found.label, label=label)
+    return Node(found.id, Opcode.CONST, const=const, label=label)
+
+
+def unknown_operations(dfg: DFG) -> dict[str, tuple[int, ...]]:
+    """Nodes of each operation name that the table does not have."""
+    found: dict[str, list[int]] = {}
+    for node in dfg.nodes:
+        if node.op is Opcode.GENERIC and not is_known(node.name):
+            found.setdefault(node.name, []).append(node.id)
+    return {name: tuple(nodes) for name, nodes in found.items()}
 
 
 def parse_word(text: str) -> int | None:
     """Word of a number in a foreign file (integers modulo 2**32, floats as binary32), or None."""
-    try:
-        return int(text, 0) & WORD_MASK
-    except ValueError:
-        pass
+    for base in (0, 10):  # 10: a decimal with leading zeros
+        try:
+            return int(text, base) & WORD_MASK
+        except ValueError:
+            continue
     try:
         return word_of(float(text))
-    except ValueError:
+    except (ValueError, OverflowError):
         return None
 
 

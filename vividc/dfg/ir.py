@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
+from vividc.dfg.foreign_names import CLASS_OF_NAME
 from vividc.dfg.opcodes import (
-    CLASS_OF_NAME,
     MEMORY,
     OPCODES,
     ORDER,
@@ -65,6 +65,8 @@ class Node:
     unless_exit
         Effects (store, live_out): suppressed in the iteration whose exit node is 1. Loads: the
         exiting iteration may not come so far, so there the address may lie outside the memory.
+    label
+        What the file that the node comes from calls it, for messages; not in the text form.
     """
 
     id: int
@@ -78,6 +80,7 @@ class Node:
     control: Control | None = None
     unless_exit: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)
+    label: str = field(default="", compare=False)
 
     @property
     def info(self) -> OpInfo:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Final, TypeVar
 
 from vividc.errors import DFGError, SourceLoc
 
 T = TypeVar("T")
+_MAX_DISTANCE: Final = 1 << 20
+_LINE_DIGITS: Final = 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,9 @@ class Fields:
         """An integer that is not negative; 0 if absent."""
         value = self.integer(key, 0)
         if value < 0:
-            self.problem(f"{key} {value} is negative")
+            self.problem(f"{key} {value} is negative; it counts iterations, from 0 on")
+        if value > _MAX_DISTANCE:
+            self.problem(f"{key} {value} is more than {_MAX_DISTANCE} iterations")
         return value
 
     def flag(self, key: str) -> bool:
@@ -87,7 +91,7 @@ class Fields:
             return default
         if isinstance(value, str) and value in choices:
             return choices[value]
-        self.problem(f"{key} {value!r} is not one of {', '.join(choices)}")
+        self.problem(f"{key} {value!r:.60} is not one of {', '.join(choices)}")
         return default
 
     def port(self, key: str, names: Mapping[str, int]) -> int | None:
@@ -122,17 +126,36 @@ def fields_of(data: Mapping[str, object], key: str, problems: list[str]) -> list
 def parse_loc(text: str) -> SourceLoc | None:
     """The source line written `file:line`, or None if the text is none."""
     file, colon, line = text.rpartition(":")
-    return SourceLoc(file, int(line)) if colon and line.isdecimal() else None
+    is_line = colon and line.isdecimal() and len(line) <= _LINE_DIGITS
+    return SourceLoc(file, int(line)) if is_line else None
 
 
-def raise_problems(file: str, problems: list[str]) -> None:
-    """Raise one `DFGError` that lists all problems, if there are any."""
+def raise_problems(
+    file: str,
+    problems: Sequence[str],
+    lines: Mapping[str, int] | None = None,
+    hint: str | None = None,
+) -> None:
+    """Raise one `DFGError` that lists all problems, if there are any.
+
+    Parameters
+    ----------
+    lines
+        Line of each place, such as "nodes[3]", that a problem may begin with.
+    """
     if not problems:
         return
-    shown = problems[:_SHOWN]
-    if len(problems) > len(shown):
-        shown.append(f"and {len(problems) - len(shown)} more")
-    raise DFGError("\n    ".join(shown), loc=file)
+    places = [_place(file, problem, lines or {}) for problem in problems[:_SHOWN]]
+    first, *others = zip(places, problems, strict=False)
+    shown = [first[1], *(text if at == file else f"{at}: {text}" for at, text in others)]
+    if len(problems) > _SHOWN:
+        shown.append(f"and {len(problems) - _SHOWN} more")
+    raise DFGError("\n    ".join(shown), loc=first[0], hint=hint)
+
+
+def _place(file: str, problem: str, lines: Mapping[str, int]) -> str:
+    line = lines.get(problem.partition(":")[0])
+    return file if line is None else f"{file}:{line}"
 
 
 _SHOWN = 20

@@ -4,28 +4,32 @@
 
 With ``"schema": "vividc.dfg/1"`` the operations are our own (`Opcode` values) and the graph is
 complete: nodes also have ``const``, ``name``, ``shift``, ``offset``, ``width``, ``signed``,
-``control``, ``unless_exit`` and ``loc``, edges ``init``. Without it the graph is foreign and its
-names are read as `vividc.dfg.foreign` says; ids may be strings, which are numbered in file order.
+``control``, ``unless_exit``, ``loc`` and ``label``, edges ``init``. Without it the graph is foreign
+and its names are read as `vividc.dfg.foreign` says; ids may be strings, which are numbered in file
+order; nodes may have ``const``, ``label`` and ``array``.
 ``operand`` is a port number, ``"pred"`` or ``"base"``; ``kind`` is ``"data"``, ``"order"`` or
 ``"control"``.
 """
 
 from __future__ import annotations
 
+import warnings
+from collections import Counter
 from collections.abc import Mapping
 from typing import Final
 
-from vividc.dfg.foreign import ForeignEdge, foreign_edges, foreign_node
+from vividc.dfg.foreign import ForeignEdge, ForeignNode, foreign_edges, foreign_node
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.json_fields import Fields, fields_of, parse_loc, raise_problems
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
-from vividc.errors import DFGError
+from vividc.dfg.words import WORD_MASK
+from vividc.errors import DFGError, VividcWarning
 
 SCHEMA: Final = "vividc.dfg/1"
 _PORT_NAMES: Final = {"pred": PRED, "base": BASE}
 _NODE_KEYS: Final = frozenset(
     {"id", "op", "const", "name", "shift", "offset", "width", "signed"}
-    | {"control", "unless_exit", "loc"}
+    | {"control", "unless_exit", "loc", "label"}
 )
 _WORD_BYTES: Final = 4
 _EDGE_KEYS: Final = frozenset({"src", "dst", "distance", "operand", "kind", "init"})
@@ -41,7 +45,7 @@ def to_json(dfg: DFG) -> dict[str, object]:
     }
 
 
-def from_json(data: object, *, file: str = "<json>") -> DFG:
+def from_json(data: object, *, file: str = "<json>", lines: Mapping[str, int] | None = None) -> DFG:
     """The graph in a JSON object.
 
     Parameters
@@ -50,13 +54,20 @@ def from_json(data: object, *, file: str = "<json>") -> DFG:
         What `json.loads` returned.
     file
         Named in errors.
+    lines
+        Line in the file of each "nodes[i]" and "edges[i]", for errors.
 
     Raises
     ------
     DFGError
         A key is missing or has the wrong type, an id is used twice or not at all, a distance is
-        negative, or our own form has a key or operation that is unknown. All problems are reported
-        at once.
+        negative, two edges feed one operand, or our own form has a key or operation that is
+        unknown. All problems are reported at once.
+
+    Warns
+    -----
+    VividcWarning
+        A graph with a `source` (a published one) uses an id for two operations: they become one.
     """
     if not isinstance(data, dict):
         raise DFGError(f"expected an object with nodes and edges, not {_kind(data)}", loc=file)
@@ -69,10 +80,14 @@ def from_json(data: object, *, file: str = "<json>") -> DFG:
     schema = data.get("schema")
     if schema not in (None, SCHEMA):
         problems.append(f'schema {schema!r} is unknown; it is "{SCHEMA}" or absent')
-    raise_problems(file, problems)
+    raise_problems(file, problems, lines)
     own = schema == SCHEMA
+    if not own and not _is_published(data):
+        _slots_have_one_producer(edges)
     dfg = _own(name, nodes, edges, numbers) if own else _foreign(name, nodes, edges, numbers)
-    raise_problems(file, problems)
+    raise_problems(file, problems, lines)
+    if not own:
+        _warn_of_shared_ids(file, nodes)
     return dfg
 
 
@@ -94,6 +109,7 @@ def _node_to_json(node: Node) -> dict[str, object]:
         "control": node.control.value if node.control is not None else None,
         "unless_exit": node.unless_exit or None,
         "loc": str(node.loc) if node.loc is not None else None,
+        "label": node.label or None,
     }
     return entry | {key: value for key, value in optional.items() if value is not None}
 
@@ -118,12 +134,14 @@ def _is_published(data: Mapping[str, object]) -> bool:
 def _numbers(nodes: list[Fields], problems: list[str], *, repeated: bool) -> dict[int | str, int]:
     """Number of each id in the file: the id itself if all are integers, else its place."""
     ids = [node.identifier("id") for node in nodes]
-    seen: set[int | str] = set()
-    for node_id in ids:
-        if node_id in seen and not repeated:
-            problems.append(f"two nodes have id {node_id}")
-        elif node_id is not None:
-            seen.add(node_id)
+    seen: dict[int | str, Fields] = {}
+    for node, node_id in zip(nodes, ids, strict=True):
+        if node_id is None:
+            continue
+        first = seen.setdefault(node_id, node)
+        same_op = first.data.get("op") == node.data.get("op")
+        if first is not node and (same_op or not repeated):
+            node.problem(f"two nodes have id {_shown(node_id)}: the other is {first.place}")
     integers = all(isinstance(node_id, int) for node_id in ids)
     numbers: dict[int | str, int] = {}
     for place, node_id in enumerate(ids):
@@ -160,6 +178,7 @@ def _own_node(fields: Fields, numbers: Mapping[int | str, int]) -> Node:
         control=fields.choice("control", marks, None),
         unless_exit=fields.flag("unless_exit"),
         loc=parse_loc(loc) if loc else None,
+        label=fields.text("label", ""),
     )
 
 
@@ -207,13 +226,55 @@ def _foreign_node(fields: Fields, numbers: Mapping[int | str, int], fed: set[int
     node_id = fields.data.get("id")
     # Some files name a constant by its word: the id "255".
     word = fields.data.get("const", node_id if isinstance(node_id, str) else None)
-    return foreign_node(
+    if word is not None and (isinstance(word, bool) or not isinstance(word, str | int | float)):
+        fields.problem(f"const {word!r:.60} is neither a number nor text")
+    op = fields.text("op", None)
+    if op == "" and isinstance(fields.data.get("op"), str):
+        fields.problem("op is empty")
+    found = ForeignNode(
         number,
-        fields.text("op", None),
-        str(node_id),
-        str(word) if isinstance(word, str | int | float) else None,
-        has_inputs=number in fed,
+        op,
+        fields.text("label", str(node_id)) or str(node_id),
+        _word_text(word),
+        fields.text("array", ""),
     )
+    return foreign_node(found, has_inputs=number in fed)
+
+
+def _word_text(word: object) -> str | None:
+    if isinstance(word, int) and not isinstance(word, bool):
+        return str(word & WORD_MASK)  # not all of a very long integer can be written out
+    return str(word) if isinstance(word, str | float) else None
+
+
+def _slots_have_one_producer(edges: list[Fields]) -> None:
+    """Published graphs feed an operand from several merged definitions; others do so by mistake."""
+    feeds: dict[tuple[object, object], Fields] = {}
+    for edge in edges:
+        dst, operand = edge.data.get("dst"), edge.data.get("operand")
+        if edge.data.get("kind") not in (None, "data") or not isinstance(operand, int | str):
+            continue
+        if not isinstance(dst, int | str):
+            continue
+        first = feeds.setdefault((dst, operand), edge)
+        if first is not edge:
+            edge.problem(f"operand {operand} of node {_shown(dst)} is fed by {first.place} already")
+
+
+def _warn_of_shared_ids(file: str, nodes: list[Fields]) -> None:
+    counts = Counter(node.data["id"] for node in nodes)
+    shared = [str(node_id) for node_id, count in counts.items() if count > 1]
+    if shared:
+        warnings.warn(
+            f"{file}: no edge tells the operations apart that share the ids {', '.join(shared)}; "
+            "each id is taken as one node",
+            VividcWarning,
+            stacklevel=3,
+        )
+
+
+def _shown(node_id: object) -> str:
+    return f"{node_id!r:.60}" if isinstance(node_id, str) else f"{node_id}"
 
 
 def _foreign_port(fields: Fields) -> int | None:

@@ -1,52 +1,123 @@
-"""Reading and writing a DFG file in the form that its ending names."""
+"""Reading a DFG file, in the form that its content shows."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
+import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal, get_args
 
 from vividc.dfg.check import check
 from vividc.dfg.dot import parse_dot
+from vividc.dfg.foreign import unknown_operations
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_fields import raise_problems
 from vividc.dfg.json_form import from_json
+from vividc.dfg.json_lines import element_lines
+from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.text import parse
-from vividc.errors import DFGError, demand_type
+from vividc.errors import DFGError, VividcWarning, demand_type
+
+UnknownOps = Literal["generic", "refuse"]
+_SHOWN: Final = 8
 
 
-def load(path: str | Path) -> DFG:
-    """The graph in a `.json`, `.dot` (`.gv`) or `.dfg` (text form) file.
+def load(path: str | Path, *, unknown_ops: UnknownOps = "generic") -> DFG:
+    """The graph in a file: JSON, DOT, Morpher's XML, or the text form.
+
+    The content decides which form it is; the ending (`.json`, `.dot`, `.gv`, `.xml`, `.dfg`) only
+    where the content does not.
+
+    Parameters
+    ----------
+    unknown_ops
+        What becomes of an operation whose name the table (`vividc.dfg.foreign_names`) does not
+        have. "generic": it runs on any PE that has generic operations, and one warning names all
+        such operations. "refuse": an error.
 
     Raises
     ------
     DFGError
-        The file is missing or unreadable, its ending unknown, its text malformed (with the line),
-        or the graph breaks an invariant of `check` (all of them are listed).
+        The file is missing, unreadable or of no known form, its text malformed (with the line),
+        it has no nodes, or the graph breaks an invariant of `check` (all of them are listed).
+
+    Warns
+    -----
+    VividcWarning
+        There are unknown operations, ids used twice by a published graph, or distances inferred.
     """
     demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
+    if unknown_ops not in get_args(UnknownOps):
+        choices = " and ".join(get_args(UnknownOps))
+        raise DFGError(f"{unknown_ops!r} is none of {choices}", loc="unknown_ops")
     file = Path(path)
-    reader = _READERS.get(file.suffix.lower())
-    if reader is None:
+    text = _text_of(file)
+    dfg = _reader_of(text, file)(text, str(path))
+    if not dfg.nodes:
         raise DFGError(
-            f"the ending {file.suffix!r} names no form of a DFG",
+            "the graph has no nodes: there is nothing to map",
             loc=str(path),
-            hint=f"use one of {', '.join(_READERS)}",
+            hint="check that this is the file you mean",
         )
-    dfg = reader(_text_of(file), str(path))
     raise_problems(str(path), check(dfg))
+    _judge_unknown(dfg, str(path), unknown_ops)
     return dfg
+
+
+def _judge_unknown(dfg: DFG, file: str, unknown_ops: UnknownOps) -> None:
+    unknown = unknown_operations(dfg)
+    if not unknown:
+        return
+    shown = [f"{name!r:.40} (node {_label(dfg, nodes[0])})" for name, nodes in unknown.items()]
+    names = ", ".join(shown[:_SHOWN])
+    if len(shown) > _SHOWN:
+        names += f" and {len(shown) - _SHOWN} more"
+    if unknown_ops == "refuse":
+        raise DFGError(
+            f"unknown operation {names}",
+            loc=file,
+            hint="rename it as in docs/dfg-formats.md, or let it run on any PE: "
+            '--unknown-ops generic, unknown_ops="generic"',
+        )
+    warnings.warn(
+        f"{file}: unknown operation {names}: taken as generic, which any PE may run; "
+        "--unknown-ops refuse makes this an error",
+        VividcWarning,
+        stacklevel=3,
+    )
+
+
+def _label(dfg: DFG, node: int) -> str:
+    return dfg.by_id[node].label or str(node)
 
 
 def _text_of(file: Path) -> str:
     try:
-        return file.read_text(encoding="utf-8")
+        return file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DFGError("the file is not UTF-8 text", loc=str(file)) from error
-    except OSError as error:
-        raise DFGError(f"cannot read the file: {error.strerror}", loc=str(file)) from error
+        raise DFGError(
+            "the file is not UTF-8 text", loc=str(file), hint="a DFG file is text: is it this one?"
+        ) from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise DFGError(f"cannot read the file: {reason}", loc=str(file)) from error
+
+
+def _reader_of(text: str, file: Path) -> Callable[[str, str], DFG]:
+    for begins, reader in _BY_CONTENT:
+        if begins.match(text):
+            return reader
+    reader_of_ending = _BY_ENDING.get(file.suffix.lower())
+    if reader_of_ending is None:
+        raise DFGError(
+            f"neither the content nor the ending {file.suffix!r} names a form of a DFG",
+            loc=str(file),
+            hint=f"docs/dfg-formats.md lists the forms; the endings are {', '.join(_BY_ENDING)}",
+        )
+    return reader_of_ending
 
 
 def _read_json(text: str, file: str) -> DFG:
@@ -54,9 +125,11 @@ def _read_json(text: str, file: str) -> DFG:
         data = json.loads(text)
     except json.JSONDecodeError as error:
         raise DFGError(f"not JSON: {error.msg}", loc=f"{file}:{error.lineno}") from error
+    except ValueError as error:  # an integer of thousands of digits
+        raise DFGError(f"not a DFG: {error}", loc=file) from error
     except RecursionError as error:
         raise DFGError("not a DFG: the JSON is nested too deeply", loc=file) from error
-    return from_json(data, file=file)
+    return from_json(data, file=file, lines=element_lines(text))
 
 
 def _read_text(text: str, file: str) -> DFG:
@@ -67,9 +140,23 @@ def _read_dot(text: str, file: str) -> DFG:
     return parse_dot(text, file=file)
 
 
-_READERS: Final[dict[str, Callable[[str, str], DFG]]] = {
+def _read_xml(text: str, file: str) -> DFG:
+    return parse_morpher_xml(text, file=file)
+
+
+_BY_CONTENT: Final = (
+    (re.compile(r"\s*[{\[]"), _read_json),
+    (re.compile(r"\s*<"), _read_xml),
+    (re.compile(r"(?:\s|#[^\n]*(?:\n|$))*dfg\b"), _read_text),
+    (
+        re.compile(r"(?:\s|//[^\n]*|\#[^\n]*|/\*.*?\*/)*(?:strict|digraph|graph)\b", re.S | re.I),
+        _read_dot,
+    ),
+)
+_BY_ENDING: Final[dict[str, Callable[[str, str], DFG]]] = {
     ".json": _read_json,
     ".dot": _read_dot,
     ".gv": _read_dot,
+    ".xml": _read_xml,
     ".dfg": _read_text,
 }

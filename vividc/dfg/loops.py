@@ -70,12 +70,15 @@ def find_loops(function: Function) -> tuple[Loop, ...]:
 
 
 def pipelined_loops(function: Function) -> tuple[Loop, ...]:
-    """The loops to modulo-schedule: those that contain no other and are not `sequential`."""
+    """The loops to modulo-schedule: those that contain no other, have an exit, and are not
+    `sequential`.
+    """
     every = find_loops(function)
     return tuple(
         loop
         for loop in every
-        if loop.header not in function.sequential
+        if loop.exits
+        and loop.header not in function.sequential
         and not any(other is not loop and other.header in loop.blocks for other in every)
     )
 

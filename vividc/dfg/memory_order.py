@@ -16,7 +16,7 @@ class Access:
     `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
     the array. The access covers `width` bytes from its address on. `distinct`: two accesses that
     say so, of equal address parts, meet in one iteration only, or in an earlier one of the first
-    and a later one of the second.
+    and a later one of the second. `subscript`: as of `cfg.Instr`.
     """
 
     node: Operand
@@ -29,6 +29,7 @@ class Access:
     block: str = ""
     width: int = 4
     distinct: bool = False
+    subscript: tuple[int | None, ...] = ()
 
 
 Exclusive = Callable[[str, str], bool]
@@ -62,6 +63,8 @@ def _dependences(
 ) -> Iterator[tuple[Access, Access, int]]:
     """(before, after, distance); accesses `apart` never meet in one iteration."""
     same = first is second
+    if different_elements(first.subscript, second.subscript):
+        return
     if _never_comes_back(first, second):
         if not same and not apart:
             yield first, second, 0
@@ -76,6 +79,16 @@ def _dependences(
         yield first, second, int(apart)
     if in_loop:
         yield second, first, 1
+
+
+def different_elements(one: tuple[int | None, ...], other: tuple[int | None, ...]) -> bool:
+    """Whether subscripts of one array differ in some dimension, whatever those unknown are.
+
+    A subscript outside its dimension is undefined: `a[i, 1]` and `a[j, 2]` never meet, although
+    rows of one column would put them at one address.
+    """
+    pairs = zip(one, other, strict=False)
+    return any(None not in pair and pair[0] != pair[1] for pair in pairs)
 
 
 def _step_alike(first: Access, second: Access) -> bool:

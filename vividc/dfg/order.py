@@ -21,7 +21,7 @@ def evaluation_order(dfg: DFG) -> tuple[int, ...]:
     DFGError
         The edges of distance 0 form a cycle.
     """
-    order = _partial_order(dfg)
+    order = partial_order(dfg)
     if len(order) < len(dfg.nodes):
         cycle = cyclic_nodes(dfg)
         raise DFGError(
@@ -32,11 +32,28 @@ def evaluation_order(dfg: DFG) -> tuple[int, ...]:
 
 def cyclic_nodes(dfg: DFG) -> tuple[int, ...]:
     """Nodes on cycles of distance 0 or behind one; empty if there is no such cycle."""
-    ordered = set(_partial_order(dfg))
+    ordered = set(partial_order(dfg))
     return tuple(node.id for node in dfg.nodes if node.id not in ordered)
 
 
-def _partial_order(dfg: DFG) -> list[int]:
+def zero_cycle(dfg: DFG) -> tuple[int, ...]:
+    """Node ids along one cycle of distance 0, each feeding the next; empty if there is none."""
+    stuck = set(cyclic_nodes(dfg))
+    feeder = {dst: src for src, dst in _precedences(dfg) if src in stuck and dst in stuck}
+    if not stuck:
+        return ()
+    # Every node that cannot be ordered waits for another such node: backwards lies a cycle.
+    node = next(node.id for node in dfg.nodes if node.id in stuck)
+    for _ in range(len(stuck)):
+        node = feeder[node]
+    cycle = [node]
+    while feeder[cycle[-1]] != node:
+        cycle.append(feeder[cycle[-1]])
+    return tuple(reversed(cycle))
+
+
+def partial_order(dfg: DFG) -> list[int]:
+    """As `evaluation_order`, without the nodes on cycles of distance 0 and those behind them."""
     position = {node.id: index for index, node in enumerate(dfg.nodes)}
     waits = {node.id: 0 for node in dfg.nodes}
     followers: dict[int, list[int]] = {node.id: [] for node in dfg.nodes}

@@ -15,7 +15,7 @@ import numba
 from numba.core import sigutils, types
 from numba.core.typing import Signature
 
-from vividc.dfg.cfg import MAX_DIMENSION, MAX_SPREAD, DType, Function, Param
+from vividc.dfg.cfg import MAX_SPREAD, DType, Function, Param
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
@@ -121,7 +121,7 @@ class KernelFunction(Callee):
         """
         key = (strict_fp, spread)
         if key not in self._lowered:
-            longest = MAX_SPREAD if spread else MAX_DIMENSION
+            longest = MAX_SPREAD if spread else 0
             self._lowered[key] = lower(
                 self.py_func,
                 self.name,

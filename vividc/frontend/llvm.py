@@ -14,7 +14,7 @@ from collections.abc import Iterable
 
 from llvmlite import binding
 
-from vividc.dfg.cfg import MAX_DIMENSION, WIDE_DTYPES, DType, Param
+from vividc.dfg.cfg import WIDE_DTYPES, DType, Param
 from vividc.errors import SourceLoc
 from vividc.frontend.numba_target import DATA_LAYOUT, NumbaModule
 
@@ -189,15 +189,14 @@ def _scalar_argument(
 def _array_argument(param: Param, inputs: list[str], body: list[str], arguments: list[str]) -> None:
     """A C-contiguous array: its data pointer and shape come from the host, the rest is computed."""
     x = param.name
-    inputs.append(f'ptr %"&{x}"')
+    inputs.append(f'ptr noalias %"&{x}"')  # a launch with arrays that overlap is refused
     shapes: list[str] = []
     strides: list[str] = []
     item = param.dtype.size_bytes
     stride = str(item)
     count = "1"
     for axis in range(param.ndim):
-        limit = MAX_DIMENSION if axis else param.longest
-        inputs.append(f'i32 range(i32 0, {limit + 1}) %"{x}.shape{axis}"')
+        inputs.append(f'i32 range(i32 0, {param.limit(axis) + 1}) %"{x}.shape{axis}"')
         body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
         body.append(f'%".{x}.count{axis}" = mul nuw nsw i64 {count}, %".{x}.shape{axis}"')
         count = f'%".{x}.count{axis}"'

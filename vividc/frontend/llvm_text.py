@@ -23,6 +23,7 @@ from vividc.frontend.ssa import (
     WideFunction,
     WidePhi,
 )
+from vividc.frontend.subscripts import Subscripts
 
 _DEFINE = re.compile(r'^define .*?@(?:"(?P<quoted>[^"]*)"|(?P<name>[-\w.$]+))\(', re.MULTILINE)
 _LABEL = re.compile(r'^(?:"(?P<quoted>(?:[^"\\]|\\.)*)"|(?P<name>[-\w.$]+)):')
@@ -52,7 +53,7 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
     _, after_name = header.split(name, 1)
     params = tuple(_params(Cursor(after_name[after_name.index("(") + 1 :])))
     locations = Locations(text, file)
-    blocks = tuple(_blocks(lines, locations, structs_of(text)))
+    blocks = tuple(_blocks(lines, locations, structs_of(text), Subscripts(text)))
     returns = header.split("@")[0].replace("define", "").split()[-1]
     return WideFunction(params, blocks, returns)
 
@@ -119,7 +120,9 @@ class Locations:
         return os.path.abspath(name if inside else f"{directory}/{name}")
 
 
-def _blocks(lines: list[str], locations: Locations, structs: Structs) -> Iterator[WideBlock]:
+def _blocks(
+    lines: list[str], locations: Locations, structs: Structs, subscripts: Subscripts
+) -> Iterator[WideBlock]:
     name = ""
     phis: list[WidePhi] = []
     ops: list[Op] = []
@@ -135,7 +138,8 @@ def _blocks(lines: list[str], locations: Locations, structs: Structs) -> Iterato
         if isinstance(item, WidePhi):
             phis.append(item)
         elif isinstance(item, Op):
-            ops.append(item)
+            subscript = subscripts(stripped)
+            ops.append(replace(item, subscript=subscript) if subscript else item)
         else:
             yield WideBlock(name, tuple(phis), tuple(ops), item)
             phis, ops = [], []

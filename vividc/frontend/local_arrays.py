@@ -8,10 +8,13 @@ elements into words.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import Function, LocalArray
+import numpy as np
+
+from vividc.dfg.cfg import Formula, Function, LocalArray
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.constant_tables import (
     PACKED_BYTES,
@@ -21,9 +24,11 @@ from vividc.frontend.constant_tables import (
     words_of,
 )
 from vividc.frontend.interval import Interval
-from vividc.frontend.numba_arrays import ALLOCATE
+from vividc.frontend.launch_sizes import LaunchSizes
+from vividc.frontend.numba_arrays import ALLOCATE, COPY
 from vividc.frontend.pick import expand_picks
 from vividc.frontend.ssa import (
+    Float,
     Global,
     Int,
     Local,
@@ -39,17 +44,19 @@ from vividc.frontend.ssa import (
 )
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
+_ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}
 _ELEMENTS |= {"int8": "i8", "uint8": "i8", "int16": "i16", "uint16": "i16"}
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "i64": 8, "double": 8}
+_SPACED = frozenset({"i64", "double"})
 _WORD_BYTES = 4
 _SIGN = 0x80000000
 RAW = "bytes of C's"
 """What an allocation of C's holds: its size is in bytes."""
 _SIZE_HINT = (
-    "write the size as a number, np.zeros(64, np.float32), and use a part of it, or pass the array "
-    "as a parameter"
+    "a size may be computed from shapes and scalar parameters: allocate as much as can be needed, "
+    "np.zeros(len(x), np.float32), and use a part of it, or write the loop over the elements"
 )
-_DTYPE_HINT = "give a type of 32 bits or less: np.zeros(16, np.float32), np.empty(16, np.int32)"
+_DTYPE_HINT = "give a type of integers or floats: np.zeros(16, np.float32), np.empty(16, np.int32)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +71,16 @@ class Held:
     element: str
     signed: bool = True
     packed: bool = False
+
+    @property
+    def is_spaced(self) -> bool:
+        """Whether an element takes two words: one of 64 bits that the kernel writes."""
+        return self.element in _SPACED and self.array.contents is None and not self.packed
+
+    @property
+    def is_wide(self) -> bool:
+        """Whether both words of an element count; a float64 is one float32 and a gap."""
+        return self.is_spaced and self.element == "i64"
 
     @property
     def element_bytes(self) -> int:
@@ -106,11 +123,16 @@ def hold_arrays(function: WideFunction, text: str, *, packed: bool = False) -> H
 def _hold_allocations(function: WideFunction) -> tuple[WideFunction, list[Held]]:
     held: list[Held] = []
     known: dict[str, Operand] = {}
+    sizes: LaunchSizes | None = None
     for block in function.blocks:
         for op in block.ops:
             if _is_allocation(op):
                 _refuse_kept(function, block.name, op)
-                held.append(_allocated(op, len(held)))
+                formula: Formula | None = None
+                if not isinstance(op.args[0], Int):
+                    sizes = sizes or LaunchSizes(function)
+                    formula = sizes.bound(op.args[0], block.name)
+                held.append(_allocated(function, op, formula, len(held)))
                 known[op.name] = Local(f"&{held[-1].array.name}")
     if not held:
         return function, held
@@ -125,19 +147,37 @@ def _is_allocation(op: Op) -> bool:
     return op.op == "call" and op.pred.startswith(ALLOCATE)
 
 
-def _allocated(op: Op, number: int) -> Held:
+def _allocated(function: WideFunction, op: Op, formula: Formula | None, number: int) -> Held:
+    """The array of an allocation; `formula`: its size where that is not a constant."""
     dtype = op.pred.removeprefix(ALLOCATE)
     count = op.args[0]
     if dtype == RAW and isinstance(count, Int):
         return Held(LocalArray(f"local{number}", -(-count.value // 4)), "i8", packed=True)
-    if dtype not in _ELEMENTS:
+    element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
+    if element is None:
         raise KernelError(f"a local array of {dtype}", loc=op.loc, hint=_DTYPE_HINT)
-    if not isinstance(count, Int):
-        raise KernelError(
-            "an array is made whose size is not a constant", loc=op.loc, hint=_SIZE_HINT
-        )
+    words = 2 if element in _SPACED else 1
     line = "" if op.loc is None else f".line{op.loc.line}"
-    return Held(LocalArray(f"local{number}{line}", max(count.value, 0)), _ELEMENTS[dtype])
+    name = f"local{number}{line}"
+    if isinstance(count, Int):
+        size = max(count.value, 0) // (_BYTES[element] if dtype == COPY else 1)
+        return Held(LocalArray(name, size * words), element)
+    if formula is None:
+        raise KernelError(
+            "an array is made whose size is not known at launch", loc=op.loc, hint=_SIZE_HINT
+        )
+    if dtype == COPY:
+        formula = (*formula, _BYTES[element], "//")
+    return Held(LocalArray(name, 0, size=(*formula, words, "*")), element)
+
+
+def _copied_element(function: WideFunction, copy: Op) -> str | None:
+    """Type of the elements of a temporary copy."""
+    for block in function.blocks:
+        for op in block.ops:
+            if op.op == "getelementptr" and op.args[0] == Local(copy.name) and op.source in _BYTES:
+                return op.source
+    return None
 
 
 def _refuse_kept(function: WideFunction, home: str, op: Op) -> None:
@@ -228,7 +268,7 @@ def in_words(
         The address may lie inside an element.
     """
     size = held.element_bytes
-    if size == _WORD_BYTES:
+    if size == _WORD_BYTES or held.is_spaced:
         return terms, offset
     terms = tuple(_unscaled(function, value, stride) for value, stride in terms)
     if any(number % size for number in (offset, *(stride for _, stride in terms))):
@@ -271,12 +311,70 @@ def as_words(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], Op, tuple
         word = Local(f"{op.name}.word")
         back = Op(op.name, _from_word(held), op.type, (word,), source=wide, loc=op.loc)
         return (), replace(op, name=word.name, type=wide), (back,)
-    if isinstance(op.args[0], Int):
+    if isinstance(op.args[0], Float):
+        _check_literal(op.args[0], op.loc)
+    if not isinstance(op.args[0], Local):
         return (), replace(op, type=wide), ()
-    assert isinstance(op.args[0], Local)
     value = Local(f"{op.args[0].name}.stored{number}")
-    before = Op(value.name, "zext", wide, (op.args[0],), source=op.type, loc=op.loc)
+    convert = "fptrunc" if held.element == "double" else "zext"
+    before = Op(value.name, convert, wide, (op.args[0],), source=op.type, loc=op.loc)
     return (before,), replace(op, type=wide, args=(value, op.args[1])), ()
+
+
+def _check_literal(literal: Float, loc: SourceLoc | None) -> None:
+    """Elements of float64 are float32 words: what these cannot hold is refused."""
+    with np.errstate(over="ignore", under="ignore"):
+        word = float(np.float32(literal.value))
+    if math.isfinite(literal.value) and (math.isinf(word) or (not word and literal.value)):
+        raise KernelError(
+            f"{literal.value!r} does not fit float32, and the array has no float64",
+            loc=loc,
+            hint="scale the values so that all stay between 1.2e-38 and 3.4e38",
+        )
+
+
+def wide_access(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], tuple[Op, ...]]:
+    """A load or store of an element of two words: the accesses, low word first, behind what they
+    store; for a load they come first, and then what joins them. `number` is the access's own.
+
+    Raises
+    ------
+    KernelError
+        The access is of another size than the array's elements.
+    """
+    if op.type != "i64":
+        raise KernelError(
+            f"an access of type {op.type} to an array of {held.element}",
+            loc=op.loc,
+            hint="access whole elements",
+        )
+    half = replace(op, type="i32")
+    if op.op == "load":
+        low, high = f"{op.name}.low", f"{op.name}.high"
+        joined = (
+            Op(f"{low}64", "zext", "i64", (Local(low),), source="i32", loc=op.loc),
+            Op(f"{high}64", "zext", "i64", (Local(high),), source="i32", loc=op.loc),
+            Op(f"{high}.up", "shl", "i64", (Local(f"{high}64"), Int(32)), loc=op.loc),
+            Op(op.name, "or", "i64", (Local(f"{high}.up"), Local(f"{low}64")), loc=op.loc),
+        )
+        return (replace(half, name=low), replace(half, name=high)), joined
+    value, pointer = op.args
+    if isinstance(value, Int):
+        words = (Int(_signed_word(value.value)), Int(_signed_word(value.value >> 32)))
+        return (), tuple(replace(half, args=(word, pointer)) for word in words)
+    assert isinstance(value, Local)
+    low, high = (f"{value.name}.{part}{number}" for part in ("low", "high"))
+    split = (
+        Op(low, "trunc", "i32", (value,), source="i64", loc=op.loc),
+        Op(f"{high}.down", "lshr", "i64", (value, Int(32)), loc=op.loc),
+        Op(high, "trunc", "i32", (Local(f"{high}.down"),), source="i64", loc=op.loc),
+    )
+    return split, tuple(replace(half, args=(Local(word), pointer)) for word in (low, high))
+
+
+def _signed_word(value: int) -> int:
+    value &= 0xFFFFFFFF
+    return value - ((value & _SIGN) << 1)
 
 
 def _from_word(held: Held) -> str:

@@ -13,7 +13,6 @@ from typing import Any
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.dfg.cfg import (
-    MAX_DIMENSION,
     MAX_ELEMENTS,
     WIDE_DTYPES,
     DType,
@@ -33,6 +32,7 @@ from vividc.frontend.llvm_text import read_function
 from vividc.frontend.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
 from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
+from vividc.frontend.null_choices import drop_null_choices
 from vividc.frontend.numba_target import NumbaModule, numba_module
 from vividc.frontend.overlap import fold_overlaps
 from vividc.frontend.ranges import Ranges
@@ -41,6 +41,7 @@ from vividc.frontend.single_trip import straighten_single_trips
 from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 from vividc.frontend.subword import extend_loads, store_low_bits
+from vividc.frontend.traps import trap_raises
 from vividc.frontend.value_numbering import merge_equal
 
 # What numba raises for functions that it did not foresee.
@@ -230,8 +231,9 @@ def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared
     if all(block.exit.targets for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
-    wide = resolve_memory(wide, holding.arrays)
-    return Prepared(straighten_single_trips(recover_extensions(wide)), holding.arrays)
+    wide, traps = trap_raises(resolve_memory(drop_null_choices(wide), holding.arrays))
+    wide = straighten_single_trips(recover_extensions(wide))
+    return Prepared(wide, holding.arrays | traps)
 
 
 def _narrowed(
@@ -262,8 +264,7 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
-            limit = MAX_DIMENSION if axis else param.longest
-            bounds[f"{param.name}.shape{axis}"] = (0, limit)
+            bounds[f"{param.name}.shape{axis}"] = (0, param.limit(axis))
     return bounds
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.local_arrays import Held, as_words, in_words
+from vividc.frontend.local_arrays import Held, as_words, in_words, wide_access
 from vividc.frontend.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.ssa import (
     Global,
@@ -139,10 +139,23 @@ class _Resolver:
             return
         terms, offset = in_words(self._function, address.terms, address.offset, held, op.loc)
         self._stores += 1
+        if held.is_wide:
+            yield from self._wide_access(op, _Address(address.array, terms, offset), held)
+            return
         before, access, after = as_words(op, held, self._stores)
         yield from before
         yield from self._word_access(access, _Address(address.array, terms, offset))
         yield from after
+
+    def _wide_access(self, op: Op, address: _Address, held: Held) -> Iterator[Op]:
+        first, second = wide_access(op, held, self._stores)
+        for new in (*first, *second):
+            if new.op not in ("load", "store"):
+                yield new
+                continue
+            is_high = new is (first if op.op == "load" else second)[1]
+            place = replace(address, offset=address.offset + _BYTES["i32"] * is_high)
+            yield from self._word_access(new, place)
 
     def _word_access(self, op: Op, address: _Address) -> Iterator[Op]:
         if op.type not in _BYTES:

@@ -194,6 +194,7 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
         offset=op.offset,
         width=op.width,
         signed=op.signed,
+        subscript=op.subscript,
         loc=op.loc,
     )
     emitter.instrs.append(instr)

@@ -19,12 +19,14 @@ import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, lowering, types
 from numba.core.runtime.context import NRTContext
-from numba.cpython import tupleobj
-from numba.np import arraymath, arrayobj
+from numba.cpython import slicing, tupleobj
+from numba.np import arraymath, arrayobj, npyimpl
 
 from vividc.frontend.overlap import ask_later
 
 ALLOCATE = "vividc.allocate "
+COPY = "a temporary copy"
+"""Stands for the element type of an allocation in bytes, whose accesses tell the type."""
 TABLE = "vividc.table "
 PICK = "vividc.pick "
 
@@ -46,7 +48,7 @@ class NoRuntime(NRTContext):  # type: ignore[misc]
         """Numba's temporary copy of a slice that may overlap another."""
         pointer = ir.IntType(8).as_pointer()
         callee = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(pointer, (size.type,)), f"{ALLOCATE}a temporary copy"
+            builder.module, ir.FunctionType(pointer, (size.type,)), f"{ALLOCATE}{COPY}"
         )
         return builder.call(callee, (size,))
 
@@ -65,6 +67,8 @@ def arrays_are_ours() -> Iterator[None]:
         (cgutils, "raw_memcpy", _copy),
         (arrayobj, "extents_may_overlap", ask_later),
         (arrayobj, "array_reshape", reshape),
+        (slicing, "fix_slice", _fix_slice),
+        (npyimpl._ArrayIndexingHelper, "update_indices", _update_indices),
         (lowering, "get_func_body_first_lineno", _first_line),
     )
     originals = [getattr(module, name) for module, name, _ in patches]
@@ -141,6 +145,31 @@ def _memset(builder: ir.IRBuilder, pointer: Any, size: Any, value: int) -> None:
 _cgutils_memset = cgutils.memset
 
 
+def _fix_slice(builder: ir.IRBuilder, slice_: Any, size: Any) -> None:
+    """Numba's `fix_slice` without branches: bounds count from the end if negative, then are cut."""
+    is_down = cgutils.is_neg_int(builder, slice_.step)
+    last = builder.add(size, size.type(-1), flags=["nsw"])
+    lowest = builder.select(is_down, size.type(-1), size.type(0))
+    highest = builder.select(is_down, last, size)
+    for name in ("start", "stop"):
+        bound = getattr(slice_, name)
+        from_end = builder.add(bound, size)
+        bound = builder.select(builder.icmp_signed("<", bound, size.type(0)), from_end, bound)
+        bound = builder.select(builder.icmp_signed("<", bound, lowest), lowest, bound)
+        bound = builder.select(builder.icmp_signed(">", bound, highest), highest, bound)
+        setattr(slice_, name, bound)
+
+
+def _update_indices(helper: Any, loop_indices: Any, _: str) -> None:
+    """Numba's method without branches: along a dimension of one element the index stays 0."""
+    array = helper.array
+    builder = array.builder
+    first = len(loop_indices) - len(helper.indices)
+    for index, source, size in zip(loop_indices[first:], helper.indices, array.shape, strict=True):
+        is_many = builder.icmp_unsigned(">", size, size.type(1))
+        builder.store(builder.select(is_many, index, index.type(0)), source)
+
+
 def _copy(
     builder: ir.IRBuilder, to: Any, source: Any, count: Any, itemsize: Any, align: int = 1
 ) -> None:
@@ -193,6 +222,27 @@ def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
 
 
 _array_reshape: Callable[..., Any] = arrayobj.array_reshape
+
+
+def broadcast_onto(builder: ir.IRBuilder, args: Any) -> Any:
+    """Numba's `_broadcast_onto` without its loop: the shape of one operand joins the result's.
+
+    The numbers of dimensions are constants. The result is less than 1 if the shapes do not fit.
+    """
+    count, shape, result_count, result = args
+    ones = ir.Constant(_I64, 1)
+    wrong: Any = ir.Constant(ir.IntType(1), 0)
+    first = result_count.constant - count.constant
+    for axis in range(count.constant):
+        place = cgutils.gep_inbounds(builder, result, first + axis)
+        size = builder.load(cgutils.gep_inbounds(builder, shape, axis))
+        before = builder.load(place)
+        is_open = builder.icmp_signed("==", before, ones)
+        differs = builder.icmp_signed("!=", size, before)
+        differs = builder.and_(differs, builder.icmp_signed("!=", size, ones))
+        wrong = builder.or_(wrong, builder.and_(builder.not_(is_open), differs))
+        builder.store(builder.select(is_open, size, before), place)
+    return builder.select(wrong, _I64(-1), result_count)
 
 
 def _product(builder: ir.IRBuilder, values: list[Any]) -> Any:

@@ -2,8 +2,8 @@
 multiplications.
 
 Numba writes a floor division as a truncating one with a branch for zero and a correction, in which
-neither LLVM nor we would find it again. Together with `numba_target` the only module that relies on
-numba's internals.
+neither LLVM nor we would find it again. Together with `numba_target` and `subscripts` the only
+module that relies on numba's internals.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Unoptimised LLVM IR of a Python function, typed and lowered by a numba target of our own.
 
-With `numba_integer` the only module that relies on numba's internals. The target is numba's CPU
-without everything that an array has not: code generation, reference counting, Python wrappers,
-exceptions. A raise becomes a call of a function named after it, so that a reachable one can be
-reported with its line. `range` iterates by comparing with its stop value: numba's own trip counter
-needs a division. An array index is taken as a 32-bit word, since any other is outside its array,
-which numba leaves undefined.
+With `numba_integer` and `subscripts` the only module that relies on numba's internals. The target
+is numba's CPU without everything that an array has not: code generation, reference counting, Python
+wrappers, exceptions. A raise becomes a call of a function named after it, so that a reachable one
+can be reported with its line. `range` iterates by comparing with its stop value: numba's own trip
+counter needs a division. An array index is taken as a 32-bit word, since any other is outside its
+array, which numba leaves undefined.
 """
 
 from __future__ import annotations
@@ -35,11 +35,21 @@ from numba.core.target_extension import (
     target_override,
     target_registry,
 )
-from numba.np import arrayobj
+from numba.np import arrayobj, npyimpl
 
-from vividc.frontend.numba_arrays import NoRuntime, arrays_are_ours, constant_array, pick, reshape
+import vividc.frontend.math_overloads
+import vividc.frontend.numpy_linalg  # noqa: F401 - both register functions with numba
+from vividc.frontend.numba_arrays import (
+    NoRuntime,
+    arrays_are_ours,
+    broadcast_onto,
+    constant_array,
+    pick,
+    reshape,
+)
 from vividc.frontend.numba_integer import integer_operator
 from vividc.frontend.numba_real import real_division
+from vividc.frontend.subscripts import marked_subscripts
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
@@ -159,7 +169,7 @@ class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
             builder.module, ir.FunctionType(ir.VoidType(), ()), symbol
         )
         builder.call(callee, ())
-        self._return_errcode_raw(builder, callconv.RETCODE_OK)
+        builder.unreachable()
 
     def return_user_exc(
         self, builder: Any, exc: Any, exc_args: Any = None, loc: Any = None, func_name: Any = None
@@ -245,6 +255,14 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
 
     def post_lowering(self, mod: Any, library: Any) -> None:
         """Numba links its runtime here."""
+
+    def compile_internal(
+        self, builder: Any, impl: Any, sig: Any, args: Any, locals: Any = None
+    ) -> Any:
+        """As numba's; the shape that arrays are broadcast to is straight code."""
+        if impl is npyimpl._broadcast_onto:
+            return broadcast_onto(builder, args)
+        return super().compile_internal(builder, impl, sig, args, locals or {})
 
     def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
         """Constant arrays are typed globals; numba's are bytes."""
@@ -476,7 +494,7 @@ def numba_module(
     with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
-        with _indices_are_words(), arrays_are_ours():
+        with _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func):
             result = _compile(py_func, args, return_type)
     return NumbaModule(
         texts=result.library.all_texts(),

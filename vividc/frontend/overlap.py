@@ -1,4 +1,7 @@
-"""Copies between slices: numba asks at run time whether they overlap; here the arrays decide."""
+"""Copies between slices: numba asks at run time whether they overlap; here the arrays decide.
+
+Slices of one array are taken to overlap, and numba copies through an array of its own.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,6 @@ from typing import Any
 from llvmlite import ir
 from numba.core import cgutils
 
-from vividc.errors import KernelError
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges
 from vividc.frontend.ssa import (
@@ -38,29 +40,19 @@ def ask_later(
 
 
 def fold_overlaps(function: WideFunction) -> WideFunction:
-    """Answer the questions whether two slices may overlap: slices of different arrays do not.
-
-    Raises
-    ------
-    KernelError
-        Slices of one array, or of arrays that are not known.
-    """
+    """Answer the questions whether two slices may overlap: slices of different arrays do not."""
     asked = {op.name: op for block in function.blocks for op in block.ops if op.pred == OVERLAP}
     if not asked:
         return function
+    answers: dict[str, Operand] = {}
     for op in asked.values():
         one, other = (_arrays(function, arg) for arg in op.args)
-        if not one or not other or one & other:
-            raise KernelError(
-                "a part of an array is copied to what may be the same array",
-                loc=op.loc,
-                hint="write a loop that copies element by element",
-            )
+        answers[op.name] = Int(int(not one or not other or bool(one & other)))
     blocks = tuple(
         replace(block, ops=tuple(op for op in block.ops if op.name not in asked))
         for block in function.blocks
     )
-    function = substitute(replace(function, blocks=blocks), dict.fromkeys(asked, Int(0)))
+    function = substitute(replace(function, blocks=blocks), answers)
     return fold_by_ranges(function, Ranges(function, {}))
 
 

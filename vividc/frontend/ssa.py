@@ -79,6 +79,9 @@ class Op:
     width, signed
         Resolved loads and stores: bytes accessed; whether a load of less than a word sign-extends
         to its type.
+    subscript
+        Loads and stores of an element of a parameter: the constant subscripts among those that the
+        program gives it, None for the others. () if nothing is known.
     strides
         `getelementptr`: bytes per unit of each index.
     flags
@@ -96,6 +99,7 @@ class Op:
     offset: int = 0
     width: int = 4
     signed: bool = False
+    subscript: tuple[int | None, ...] = ()
     strides: tuple[int, ...] = ()
     flags: frozenset[str] = frozenset()
     loc: SourceLoc | None = None

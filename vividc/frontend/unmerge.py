@@ -22,12 +22,43 @@ from vividc.frontend.ssa import (
 
 def split_merged_loads(function: WideFunction) -> WideFunction:
     """Undo `load (phi a, b)`, and `load (select c, a, b)` where a and b are of different arrays."""
-    function = _split_phis(function)
+    function = _split_phis(_with_own_edges(function))
     while True:
         found = _load_of_choice(function)
         if found is None:
             return function
         function = _branch_on_choice(function, *found)
+
+
+def _with_own_edges(function: WideFunction) -> WideFunction:
+    """A block of its own on each edge from a branch to a choice of pointers to different arrays:
+    the load moves there.
+    """
+    definitions = function.definitions
+    branches = {block.name for block in function.blocks if len(block.exit.targets) > 1}
+    for block in function.blocks:
+        for phi in block.phis:
+            roots = {_root(definitions.get, value) for _, value in phi.incoming}
+            arrays = [r for r in roots if isinstance(r, Local) and r.name not in definitions]
+            if phi.type != "ptr" or len(arrays) < 2:  # noqa: PLR2004 - a choice is of two or more
+                continue
+            shared = [pred for pred, _ in phi.incoming if pred in branches]
+            if shared:
+                return _with_own_edges(_split_edge(function, shared[0], block.name))
+    return function
+
+
+def _split_edge(function: WideFunction, pred: str, name: str) -> WideFunction:
+    edge = f"{pred}.{name}.edge"
+    blocks: list[WideBlock] = []
+    for block in function.blocks:
+        if block.name == pred:
+            targets = tuple(edge if target == name else target for target in block.exit.targets)
+            blocks.append(replace(block, exit=replace(block.exit, targets=targets)))
+            blocks.append(WideBlock(edge, (), (), Exit((name,), loc=block.exit.loc)))
+        else:
+            blocks.append(_renamed(block, pred, edge, (name,)))
+    return replace(function, blocks=tuple(blocks))
 
 
 def _split_phis(function: WideFunction) -> WideFunction:
@@ -61,7 +92,7 @@ def _split_loads_of_block(
             continue
         incoming: list[tuple[str, Operand]] = []
         for index, (pred, source) in enumerate(pointers[pointer.name].incoming):
-            load = replace(op, name=f"{op.name}.{index}", args=(source,))
+            load = replace(op, name=f"{op.name}.{index}", args=(source,), subscript=())
             blocks[pred] = replace(blocks[pred], ops=(*blocks[pred].ops, load))
             incoming.append((pred, Local(load.name)))
         new_phis.append(WidePhi(op.name, op.type, tuple(incoming), op.loc))
@@ -153,7 +184,7 @@ def _side(
     for number, gep in enumerate(reversed(chain)):
         ops.append(replace(gep, name=f"{name}.{number}", args=(pointer, *gep.args[1:])))
         pointer = Local(ops[-1].name)
-    ops.append(replace(load, name=f"{name}.load", args=(pointer,)))
+    ops.append(replace(load, name=f"{name}.load", args=(pointer,), subscript=()))
     return WideBlock(name, (), tuple(ops), Exit((end,), loc=load.loc))
 
 

@@ -4,9 +4,19 @@ of it.
 
 from vividc.mapper.api import check_time_limit, map_dfg
 from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.certificate import Finding, check_certificate
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Status, Step
-from vividc.mapper.mapping_json import mapping_from_json, mapping_to_json
+from vividc.mapper.mapping import (
+    Bound,
+    Mapping,
+    MapResult,
+    Place,
+    Refutation,
+    Status,
+    Step,
+    Subject,
+)
+from vividc.mapper.mapping_json import mapping_from_json, mapping_to_json, read_result
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
 from vividc.mapper.request import Mapper, MapRequest, Progress
@@ -17,6 +27,7 @@ __all__ = [
     "ENTRY_POINT_GROUP",
     "Bound",
     "Deadline",
+    "Finding",
     "MapProblem",
     "MapRequest",
     "MapResult",
@@ -27,8 +38,10 @@ __all__ = [
     "Refutation",
     "Status",
     "Step",
+    "Subject",
     "Violation",
     "all_bounds",
+    "check_certificate",
     "check_time_limit",
     "find_mapper",
     "map_dfg",
@@ -36,6 +49,7 @@ __all__ = [
     "mapping_from_json",
     "mapping_to_json",
     "mii",
+    "read_result",
     "verify",
     "violations",
 ]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
+from dataclasses import replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError, demand_type
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import MapResult
+from vividc.mapper.mapping import MapResult, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import find_mapper
 from vividc.mapper.request import MapRequest, Progress
@@ -28,6 +29,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     resident: ReadOnly[int, frozenset[ConstantKey]] | None = None,
     workers: int = 2,
     progress: Progress | None = None,
+    thrifty: bool = False,
 ) -> MapResult:
     """Map a loop's DFG onto a fabric with the least II that can be found, and say what was proved
     about it.
@@ -50,6 +52,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         Threads the solver may use. With 1 and no limit reached a run can be repeated exactly.
     progress
         Called with one line at each step.
+    thrifty
+        Do not use the whole limit on a large graph when its II is within 1 of the bound and nothing
+        better has been found for a while.
 
     Returns
     -------
@@ -69,9 +74,10 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check(ii, time_limit_s, workers)
     run = find_mapper(mapper)
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
-    result = run(problem, MapRequest(ii, Deadline.after(time_limit_s), workers, progress))
+    request = MapRequest(ii, Deadline.after(time_limit_s), workers, progress, thrifty)
+    result = run(problem, request)
     _confirm(problem, result)
-    return result
+    return _about(result, Subject(dfg, fabric))
 
 
 def check_time_limit(time_limit_s: float) -> None:
@@ -91,6 +97,12 @@ def _check(ii: int | None, time_limit_s: float, workers: int) -> None:
     check_time_limit(time_limit_s)
     if workers < 1:
         raise VividcError(f"at least 1 worker is needed, not {workers}", loc="workers")
+
+
+def _about(result: MapResult, subject: Subject) -> MapResult:
+    mapping = result.mapping
+    known = None if mapping is None else replace(mapping, subject=subject)
+    return replace(result, mapping=known, subject=subject)
 
 
 def _confirm(problem: MapProblem, result: MapResult) -> None:

@@ -35,7 +35,6 @@ _ROUTE_S = 2.0
 _ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
 _LARGE = 64
-_ROUGH = Effort(moves=500, trials=2)
 _KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
 """(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
@@ -80,6 +79,10 @@ def map_decoupled(
     seed = first_seed
     seen: list[dict[int, int]] = []
     while not deadline.passed:
+        if is_large(task):
+            found = map_negotiated(task, ii, request, deadline, seed + 1)
+            if found.mapping is not None:
+                return found
         start = _schedule(task, ii, request, deadline, seed)
         seed += 1
         if start is None or start in seen:
@@ -87,9 +90,6 @@ def map_decoupled(
                 break
             continue
         seen.append(start)
-        found = _negotiated(task, ii, start, request, deadline, seed)
-        if found.mapping is not None:
-            return found
         slack = seed // _WIDEN_AFTER % 2
         request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
         budget_s = _ROUTE_S + len(task.dfg.placed) * _ROUTE_S_PER_NODE
@@ -101,27 +101,19 @@ def map_decoupled(
     return OPEN
 
 
-def map_roughly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
-    """One schedule, placed and routed by negotiation only: some mapping of a large graph, soon."""
-    start = _schedule(task, ii, request, deadline, 1)
-    if start is None:
-        return OPEN
-    request.tell(f"II {ii}: annealing places, negotiating routes")
-    return Attempt(mapping=negotiate(task, ii, start, 1, deadline, _ROUGH))
-
-
-def _negotiated(
+def map_negotiated(
     task: MapProblem,
     ii: int,
-    start: dict[int, int],
     request: MapRequest,
     deadline: Deadline,
     seed: int,
+    effort: Effort | None = None,
 ) -> Attempt:
-    if not is_large(task):
+    """Annealed places and negotiated routes, without a solver: for large graphs."""
+    if not task.fabric.is_plain:
         return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
-    return Attempt(mapping=negotiate(task, ii, start, seed, deadline))
+    return Attempt(mapping=negotiate(task, ii, seed, deadline, effort))
 
 
 def is_large(task: MapProblem) -> bool:

@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import networkx as nx
+
 from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import Opcode
+from vividc.dfg.order import partial_order
 from vividc.mapper.dependences import (
     Dependence,
     dependences,
@@ -19,6 +22,7 @@ from vividc.mapper.dependences import (
     positive_cycle,
 )
 from vividc.mapper.mapping import Bound
+from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem
 
 _MAX_HALL_SETS = 256
@@ -38,14 +42,20 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     never = placement_bounds(problem) + lifetime_bounds(problem)
     if never:
         return never
+    if len(problem.dfg.operations) >= no_ii(problem):
+        crowded = tuple(bound for bound in issue_bounds(problem) if bound.ii >= no_ii(problem))
+        if crowded:  # no need to look at the paths of a graph that is far too large
+            return crowded
     found = [
         *recurrence_bounds(problem),
         *issue_bounds(problem),
+        *occupancy_bounds(problem),
         *live_out_bounds(problem),
         *control_bounds(problem),
         *bank_bounds(problem),
     ]
     found += stage_bounds(problem, mii(found))
+    found += pressure_bounds(problem, mii(found), no_ii(problem))
     return tuple(sorted(found, key=lambda bound: -bound.ii))
 
 
@@ -86,7 +96,8 @@ def lifetime_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     d - max_stages of its instances are on their way at once, each in a place of its own.
     """
     fabric = problem.fabric
-    places = len(fabric.links) + sum(pe.registers + 1 for pe in fabric.pes)
+    links = len(fabric.links) if fabric.routing.hops else 0
+    places = links + sum(pe.registers + 1 for pe in fabric.pes)
     found = []
     for _, edge in problem.dfg.routed_edges():
         latency = fabric.latency(problem.dfg.by_id[edge.src])
@@ -105,8 +116,8 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 
     Binary search on the II; a cycle with a positive weight at II - 1 is one of ratio above II - 1.
     """
-    nodes = tuple(node.id for node in problem.dfg.placed)
-    edges = dependences(problem.dfg, problem.fabric)
+    edges = _on_cycles(dependences(problem.dfg, problem.fabric))
+    nodes = tuple(dict.fromkeys(edge.src for edge in edges))
     impossible = sum(max(edge.separation, 0) for edge in edges) + 1
     low, high = 0, impossible
     while low < high:
@@ -127,6 +138,16 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 def issue_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     """ResMII of each set of PEs that is all some operations can use; memory PEs form one."""
     return _hall_bounds(problem, "ResMII", problem.dfg.operations)
+
+
+def occupancy_bounds(problem: MapProblem) -> tuple[Bound, ...]:
+    """An operation that keeps its FU for n cycles is followed by itself n cycles later at best."""
+    longest = max(problem.dfg.operations, key=problem.fabric.occupancy, default=None)
+    if longest is None or problem.fabric.occupancy(longest) == 1:
+        return ()
+    cycles = problem.fabric.occupancy(longest)
+    reason = f"{_name(longest)} keeps its FU for {cycles} cycles"
+    return (Bound("FU occupancy", cycles, reason, (longest.id,)),)
 
 
 def live_out_bounds(problem: MapProblem) -> tuple[Bound, ...]:
@@ -157,7 +178,7 @@ def bank_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 def stage_bounds(problem: MapProblem, least: int) -> tuple[Bound, ...]:
     """The longest dependence path must fit `max_stages` stages of II cycles; monotone in the II."""
     nodes = tuple(node.id for node in problem.dfg.placed)
-    edges = dependences(problem.dfg, problem.fabric)
+    edges = _forward(problem)
     stages = problem.fabric.controller.max_stages
     for ii in range(max(least, 1), no_ii(problem)):
         starts = earliest_starts(nodes, edges, ii)
@@ -199,11 +220,28 @@ def _hall_bounds(problem: MapProblem, name: str, nodes: Sequence[Node]) -> tuple
     found = []
     for pes in hall_sets(candidates.values()) if nodes else ():
         users = [node for node in nodes if candidates[node.id] <= pes]
-        ii = -(-len(users) // len(pes))
-        reason = f"{len(users)} on {_pes_text(problem, pes)}: {_names(users)}"
+        cycles = sum(problem.fabric.occupancy(node) for node in users)
+        ii = -(-cycles // len(pes))
+        kept = "" if cycles == len(users) else f", {cycles} cycles of an FU,"
+        reason = f"{len(users)}{kept} on {_pes_text(problem, pes)}: {_names(users)}"
         found.append(Bound(name, ii, reason, tuple(node.id for node in users)))
     best = max((bound.ii for bound in found), default=0)
     return tuple(bound for bound in found if bound.ii == best)[:1]
+
+
+def _on_cycles(edges: Sequence[Dependence]) -> tuple[Dependence, ...]:
+    """The dependences inside strongly connected components: no other lies on a cycle."""
+    graph = nx.DiGraph((edge.src, edge.dst) for edge in edges)
+    parts = enumerate(nx.strongly_connected_components(graph))
+    part_of = {node: number for number, part in parts for node in part}
+    return tuple(edge for edge in edges if part_of[edge.src] == part_of[edge.dst])
+
+
+def _forward(problem: MapProblem) -> tuple[Dependence, ...]:
+    """The dependences such that one pass over them finds most of a longest path."""
+    position = {node: number for number, node in enumerate(partial_order(problem.dfg))}
+    edges = dependences(problem.dfg, problem.fabric)
+    return tuple(sorted(edges, key=lambda edge: position.get(edge.src, len(position))))
 
 
 def _recurrence_bound(problem: MapProblem, ii: int, cycle: Sequence[Dependence]) -> Bound:
@@ -230,5 +268,8 @@ def _names(nodes: Sequence[Node]) -> str:
 
 
 def _name(node: Node) -> str:
-    label = f"{node.op.value} {node.name}".strip()
-    return f"{label} #{node.id}" if node.loc is None else f"{label} #{node.id} ({node.loc})"
+    kind = "" if node.op is Opcode.GENERIC else node.op.value
+    label = " ".join(
+        filter(None, (kind, node.name, f"#{node.id}", node.label and f"({node.label})"))
+    )
+    return label if node.loc is None else f"{label} ({node.loc})"

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import DFG
+from vividc.errors import VividcError
+from vividc.plot import Picture, encode
 
 Status = Literal["optimal", "feasible", "infeasible", "timeout"]
 
@@ -23,13 +29,26 @@ class Step:
 
     kind "link": it was driven onto link `index` in the cycle before and is readable at the link's
     destination PE in cycle `time`. kind "reg": it is in register `index` of PE `pe`, readable in
-    cycle `time`. For links, `pe` is the destination PE.
+    cycle `time`; of a rotating file, `index` is the register's name at the start of the producer's
+    iteration. kind "out": it is in the output register of PE `pe` (`index` 0) in cycle `time`. For
+    links, `pe` is the destination PE.
+
+    A word that enters an output register other than as its operation's result is moved there by the
+    FU of that PE, in the cycle before; so is one that enters registers which only the FU writes.
     """
 
-    kind: Literal["link", "reg"]
+    kind: Literal["link", "reg", "out"]
     pe: int
     index: int
     time: int
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """What was mapped onto what: kept beside a result so that it can be explained and drawn."""
+
+    dfg: DFG
+    fabric: Fabric
 
 
 @dataclass(frozen=True)
@@ -43,15 +62,53 @@ class Mapping:
     places
         Place of every placed node (operations and live-outs), by node id.
     routes
-        For each index of a routed edge in `dfg.edges`: the steps of the word, one a cycle, from
+        For each index of a routed edge in `dfg.edges`: the steps of the word, one a cycle (several
+        where the fabric lets a word pass several links in a cycle, in their order), from
         start[src] + latency(src) to the cycle in which the consumer reads it,
         start[dst] + II * distance. Empty: the consumer, on the same PE, reads the FU's output
         register in the very cycle in which the result appears.
+    subject
+        The graph and the fabric, where known: `map_dfg` and the JSON reader fill it in.
     """
 
     ii: int
     places: ReadOnly[int, Place]
     routes: ReadOnly[int, tuple[Step, ...]]
+    subject: Subject | None = field(default=None, compare=False, repr=False)
+
+    def plot(self, path: str | Path | None = None, subject: Subject | None = None) -> Picture:
+        """Draw the array slot by slot and the modulo reservation table.
+
+        Parameters
+        ----------
+        path
+            Where to write the picture: `.svg` or `.png`. None: only return it.
+        subject
+            Graph and fabric, if the mapping does not know them.
+
+        Raises
+        ------
+        VividcError
+            The graph is not known or another one, the ending names no format, or the file cannot
+            be written.
+        """
+        from vividc.mapper.draw import draw  # drawing needs this module  # noqa: PLC0415
+
+        about = subject or self.subject
+        if about is None:
+            raise VividcError(
+                "the mapping does not know its graph and fabric",
+                loc="plot",
+                hint="pass subject=Subject(dfg, fabric)",
+            )
+        picture = draw(about.dfg, about.fabric, self)
+        if path is not None:
+            data = encode(picture, Path(path))
+            try:
+                Path(path).write_bytes(data)
+            except OSError as error:
+                raise VividcError(f"cannot be written: {error.strerror}", loc=str(path)) from error
+        return picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,14 +156,44 @@ class MapResult:
     wall_s: float
     refuted: tuple[Refutation, ...] = ()
     stats: ReadOnly[str, float] = field(default_factory=dict)
+    subject: Subject | None = field(default=None, compare=False, repr=False)
 
     def explain(self) -> str:
-        """What was proved and what binds, in a few lines for a person."""
-        found = "proved impossible" if self.status == "infeasible" else "nothing found"
-        what = found if self.ii is None else f"II {self.ii}, proved lower bound {self.lower_bound}"
-        if self.status == "timeout":
-            what += f", proved lower bound {self.lower_bound}"
-        lines = [f"{self.status}: {what}"]
-        lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in self.bounds]
-        lines += [f"  II {item.ii} refuted by {item.by}" for item in self.refuted]
-        return "\n".join(lines)
+        """What was proved and what binds, in a few lines for a person: the recurrence with its
+        source lines, the resource with its users, or what is fullest where routing binds.
+        """
+        from vividc.mapper.explain import explain  # it needs this module  # noqa: PLC0415
+
+        return explain(self)
+
+    def to_json(self, subject: Subject | None = None) -> dict[str, object]:
+        """A JSON-ready object with the whole certificate, graph and fabric (`mapping_json`).
+
+        Raises
+        ------
+        VividcError
+            The result does not know its graph and fabric, and none are given.
+        """
+        from vividc.mapper.mapping_json import mapping_to_json  # as above  # noqa: PLC0415
+
+        about = subject or self.subject
+        if about is None:
+            raise VividcError(
+                "the result does not know its graph and fabric",
+                loc="to_json",
+                hint="pass subject=Subject(dfg, fabric)",
+            )
+        return mapping_to_json(self, about.dfg, about.fabric)
+
+    @staticmethod
+    def from_json(data: object) -> MapResult:
+        """The result that `to_json` wrote, with the graph and the fabric in it as `subject`.
+
+        Raises
+        ------
+        VividcError
+            `data` is no such object, or of another version.
+        """
+        from vividc.mapper.mapping_json import read_result  # as above  # noqa: PLC0415
+
+        return read_result(data)

@@ -1,18 +1,35 @@
-"""A map result as JSON and back; nodes by id and edges by index, so it is read beside the DFG it
-was made from.
+"""A map result as JSON and back, with all that its certificate needs.
+
+Nodes are named by id and edges by index. The document also holds the graph (`vividc.dfg.to_json`)
+and the fabric's YAML, so that it can be checked by itself (`read_result`, `vividc verify`).
 """
 
 from __future__ import annotations
 
+import contextlib
+import platform
 from collections.abc import Callable, Iterator
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final, TypeVar, cast, get_args
 
-from vividc.arch.fabric import Fabric
-from vividc.dfg.ir import DFG
+from vividc.arch import Fabric, load_text
+from vividc.dfg import DFG, check
+from vividc.dfg import from_json as dfg_from_json
+from vividc.dfg import to_json as dfg_to_json
 from vividc.errors import VividcError
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Status, Step
+from vividc.mapper.certificate import cycle_edges
+from vividc.mapper.mapping import (
+    Bound,
+    Mapping,
+    MapResult,
+    Place,
+    Refutation,
+    Status,
+    Step,
+    Subject,
+)
 
-SCHEMA: Final = "vividc.mapping/1"
+SCHEMA: Final = "vividc.mapping/2"
 T = TypeVar("T")
 
 
@@ -27,13 +44,13 @@ def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, An
         "ii": result.ii,
         "lower_bound": result.lower_bound,
         "wall_s": result.wall_s,
-        "bounds": [
-            {"name": b.name, "ii": b.ii, "reason": b.reason, "nodes": list(b.nodes)}
-            for b in result.bounds
-        ],
+        "bounds": [_bound_object(bound, Subject(dfg, fabric)) for bound in result.bounds],
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
         "stats": dict(result.stats),
         "mapping": None if result.mapping is None else _mapping_object(result.mapping, dfg),
+        "versions": _versions(),
+        "graph": dfg_to_json(dfg),
+        "fabric_yaml": fabric.source,
     }
 
 
@@ -56,17 +73,64 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
     if status not in get_args(Status):
         raise _fault("status", f"{status!r} is none of {', '.join(get_args(Status))}")
     body = top.get("mapping")
+    subject = Subject(dfg, fabric)
     return MapResult(
         status=cast(Status, status),
         ii=None if top.get("ii") is None else _get(top, "ii", int),
         lower_bound=_get(top, "lower_bound", int),
         bounds=tuple(_each(top, "bounds", _bound)),
-        mapping=None if body is None else _mapping(_object(body, "mapping"), dfg),
+        mapping=None if body is None else _mapping(_object(body, "mapping"), subject),
         mapper=_get(top, "mapper", str),
         wall_s=_number(top, "wall_s"),
         refuted=tuple(_each(top, "refuted", _refutation)),
         stats=_stats(top),
+        subject=subject,
     )
+
+
+def read_result(data: object, file: str = "mapping file") -> MapResult:
+    """The result in a document, with the graph and the fabric that stand in it as its `subject`.
+
+    Raises
+    ------
+    VividcError
+        As `mapping_from_json`; or graph or fabric are missing or malformed.
+    """
+    top = _object(data, "mapping file")
+    if top.get("schema") != SCHEMA:
+        raise _fault("schema", f"expected {SCHEMA!r}, found {top.get('schema')!r:.60}")
+    dfg = dfg_from_json(_object(top.get("graph"), "graph"), file=f"{file}: graph")
+    problems = check(dfg)
+    if problems:
+        raise _fault("graph", "; ".join(problems[:3]))
+    source = _get(top, "fabric_yaml", str)
+    if not source:
+        raise _fault("fabric_yaml", "empty: the fabric was not made from YAML")
+    fabric = load_text(source, _get(top, "fabric", str))
+    return mapping_from_json(data, dfg, fabric)
+
+
+def _versions() -> dict[str, str]:
+    """Of what decides which mapping is found; another one may find another."""
+    found = {"python": platform.python_version()}
+    for package in ("vividc", "ortools", "numpy"):
+        with contextlib.suppress(PackageNotFoundError):  # run from a checkout
+            found[package] = version(package)
+    return found
+
+
+def _bound_object(bound: Bound, subject: Subject) -> dict[str, Any]:
+    entry: dict[str, Any] = {"name": bound.name, "ii": bound.ii, "reason": bound.reason}
+    entry["nodes"] = list(bound.nodes)
+    entry["source"] = [
+        str(node.loc) for n in bound.nodes if (node := subject.dfg.by_id[n]).loc is not None
+    ]
+    if bound.name == "RecMII":
+        indices = cycle_edges(bound, subject)
+        edges = [subject.dfg.edges[index] for index in indices]
+        entry["edges"] = list(indices)
+        entry["distance"] = sum(edge.distance for edge in edges)
+    return entry
 
 
 def _mapping_object(mapping: Mapping, dfg: DFG) -> dict[str, Any]:
@@ -90,14 +154,18 @@ def _mapping_object(mapping: Mapping, dfg: DFG) -> dict[str, Any]:
     }
 
 
-def _mapping(body: dict[str, Any], dfg: DFG) -> Mapping:
+def _mapping(body: dict[str, Any], subject: Subject) -> Mapping:
+    dfg = subject.dfg
     places = dict(_each(body, "places", _place))
     known = {node.id for node in dfg.placed}
     if places.keys() != known:
         odd = sorted(places.keys() ^ known)[0]
         raise _fault("places", f"node {odd} is in only one of the mapping and the DFG")
     routes = dict(_each(body, "routes", lambda item: _route(item, dfg)))
-    return Mapping(_get(body, "ii", int), places, routes)
+    ii = _get(body, "ii", int)
+    if ii < 1:
+        raise _fault("ii", f"{ii} is not 1 or more")
+    return Mapping(ii, places, routes, subject)
 
 
 def _place(item: dict[str, Any]) -> tuple[int, Place]:
@@ -121,7 +189,9 @@ def _step(item: dict[str, Any]) -> Step:
         return Step("link", pe, index, time)
     if kind == "reg":
         return Step("reg", pe, index, time)
-    raise _fault("kind", f"{kind!r} is neither 'link' nor 'reg'")
+    if kind == "out":
+        return Step("out", pe, index, time)
+    raise _fault("kind", f"{kind!r} is none of 'link', 'reg' and 'out'")
 
 
 def _bound(item: dict[str, Any]) -> Bound:

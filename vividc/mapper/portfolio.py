@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from vividc.mapper.attempt import (
     OPEN,
@@ -13,27 +10,22 @@ from vividc.mapper.attempt import (
     is_large,
     map_decoupled,
     map_jointly,
-    map_roughly,
     refute_by_folding,
     refute_cheaply,
 )
 from vividc.mapper.bounds import all_bounds, mii, no_ii
+from vividc.mapper.campaign import Campaign, Strategy
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.distances import hop_distances
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Refutation, Status
+from vividc.mapper.large import prepared, search_large
+from vividc.mapper.mapping import Bound, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
-
-Strategy = Callable[[MapProblem, int, MapRequest, Deadline, int], Attempt]
-"""(problem, II, request, deadline of this try, number of earlier tries of this II)."""
 
 _FIRST_SHARE = 0.5
 _CLIMB_SHARE = 0.2
 _CLIMB_LEAST_S = 2.0
 _WORTH_TRYING_S = 0.3
-_SAFE_FOOTHOLDS = (3.2, 4.5, 6.5)
-_NEARER_FOOTHOLDS = (2.4, 1.8, 1.35)
-_FOOTHOLD_SHARE = 0.5
 
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
@@ -64,60 +56,27 @@ def ii_limit(problem: MapProblem) -> int:
     return min(problem.fabric.controller.contexts, max(length, 1))
 
 
-@dataclass
-class _Campaign:
-    """State of one search over IIs."""
-
-    problem: MapProblem
-    request: MapRequest
-    strategy: Strategy
-    lower: int
-    best: Mapping | None = None
-    refuted: dict[int, str] = field(default_factory=dict)
-    tries: dict[int, int] = field(default_factory=dict)
-
-    def try_ii(self, ii: int, deadline: Deadline) -> Attempt:
-        """One more try of `ii`; keeps what it found."""
-        count = self.tries.get(ii, 0)
-        self.tries[ii] = count + 1
-        attempt = self.strategy(self.problem, ii, self.request, deadline, count)
-        if attempt.refuted_by is not None:
-            self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
-            self.refuted[ii] = attempt.refuted_by
-            self._raise_lower()
-        if attempt.mapping is not None:
-            self.request.tell(f"II {ii}: mapped")
-            self.best = attempt.mapping
-        return attempt
-
-    def open_iis(self) -> list[int]:
-        """IIs that are neither refuted nor worse than the best."""
-        end = self.lower if self.best is None else self.best.ii
-        return [ii for ii in range(self.lower, end) if ii not in self.refuted]
-
-    def _raise_lower(self) -> None:
-        while self.lower in self.refuted:
-            self.lower += 1
-
-
 def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strategy) -> MapResult:
     began = time.monotonic()
+    if is_large(problem):
+        request = prepared(request)
     bounds = all_bounds(problem)
-    campaign = _Campaign(problem, request, strategy, mii(bounds))
+    campaign = Campaign(problem, request, strategy, mii(bounds))
     if campaign.lower >= no_ii(problem):
         return _result(campaign, bounds, name, began, infeasible=True)
     if request.ii is not None:
         impossible = _only(campaign, request.ii)
         return _result(campaign, bounds, name, began, infeasible=impossible)
     if is_large(problem):
-        _gain_foothold(campaign)
-    _climb(campaign)
-    _descend(campaign)
+        search_large(campaign, ii_limit(problem), only_footholds=strategy is _try_jointly)
+    if campaign.open_iis() or campaign.best is None:
+        _climb(campaign)
+        _descend(campaign)
     exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
     return _result(campaign, bounds, name, began, infeasible=exhausted)
 
 
-def _only(campaign: _Campaign, ii: int) -> bool:
+def _only(campaign: Campaign, ii: int) -> bool:
     """Try one II only, with all the time there is; whether it was refuted."""
     request = campaign.request
     contexts = campaign.problem.fabric.controller.contexts
@@ -138,7 +97,7 @@ def _only(campaign: _Campaign, ii: int) -> bool:
     return ii in campaign.refuted
 
 
-def _refute_below(campaign: _Campaign, ii: int) -> None:
+def _refute_below(campaign: Campaign, ii: int) -> None:
     while campaign.lower < ii:
         lower = campaign.lower
         attempt = refute_cheaply(
@@ -150,35 +109,7 @@ def _refute_below(campaign: _Campaign, ii: int) -> None:
         campaign.lower += 1
 
 
-def _gain_foothold(campaign: _Campaign) -> None:
-    """A mapping of a large graph, so that there is one when time runs out: far above the MII first,
-    then nearer until that fails.
-    """
-    for factor in _SAFE_FOOTHOLDS:
-        if _try_foothold(campaign, factor):
-            break
-    else:
-        return
-    for factor in _NEARER_FOOTHOLDS:
-        if not _try_foothold(campaign, factor):
-            return
-
-
-def _try_foothold(campaign: _Campaign, factor: float) -> bool:
-    request = campaign.request
-    ii = min(math.ceil(factor * campaign.lower), ii_limit(campaign.problem))
-    if campaign.best is not None and ii >= campaign.best.ii:
-        return True
-    share_s = max(_CLIMB_LEAST_S, _FOOTHOLD_SHARE * request.deadline.remaining_s)
-    mapping = map_roughly(campaign.problem, ii, request, request.deadline.within(share_s)).mapping
-    if mapping is None:
-        return False
-    request.tell(f"II {ii}: mapped")
-    campaign.best = mapping
-    return True
-
-
-def _climb(campaign: _Campaign) -> None:
+def _climb(campaign: Campaign) -> None:
     """Upward from the MII with a share of the time each; steps grow after failures, so that
     something is found.
     """
@@ -197,7 +128,7 @@ def _climb(campaign: _Campaign) -> None:
         ii = max(ii + 1 + failures // 3, campaign.lower)
 
 
-def _descend(campaign: _Campaign) -> None:
+def _descend(campaign: Campaign) -> None:
     """Spend what is left on the IIs below the best: map the largest, refute the rest; rounds get
     longer.
     """
@@ -254,7 +185,7 @@ def _part(deadline: Deadline, share: float) -> Deadline:
 
 
 def _result(
-    campaign: _Campaign, bounds: tuple[Bound, ...], name: str, began: float, *, infeasible: bool
+    campaign: Campaign, bounds: tuple[Bound, ...], name: str, began: float, *, infeasible: bool
 ) -> MapResult:
     best = campaign.best
     refuted = [Refutation(ii, by) for ii, by in sorted(campaign.refuted.items())]
@@ -271,7 +202,7 @@ def _result(
     )
 
 
-def _status(campaign: _Campaign, *, infeasible: bool) -> Status:
+def _status(campaign: Campaign, *, infeasible: bool) -> Status:
     if infeasible:
         return "infeasible"
     if campaign.best is None:

@@ -9,28 +9,26 @@ taking arcs away, or cutting one in two, never makes it harder.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+from vividc.mapper.rotating_registers import allocate_rotating
+from vividc.mapper.stay import Stay
+
+__all__ = ["Stay", "allocate", "conflict"]
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Stay:
-    """Word of node `word` in one register of a PE, readable in cycles `first` .. `last` (at most II
-    of them).
-    """
-
-    word: int
-    first: int
-    last: int
-
-
-def allocate(stays: Sequence[Stay], ii: int, registers: int) -> tuple[int, ...] | None:
-    """Register of each stay, or None if no allocation exists.
+def allocate(
+    stays: Sequence[Stay], ii: int, registers: int, *, rotating: bool = False
+) -> tuple[int, ...] | None:
+    """Register of each stay, or None if no allocation exists; of a rotating file the register's
+    name at the start of the iteration (`rotating_registers`).
 
     The circle is cut at slot 0. Stays across the cut are pairwise in conflict, so each has a
     register of its own, free between its two ends; the rest are intervals, placed by begin with
     backtracking. Registers that are free over the same time are interchangeable, and a state that
     failed is never entered again.
     """
+    if rotating:
+        return allocate_rotating(stays, ii, registers)
     if any(stay.last - stay.first >= ii for stay in stays):
         raise ValueError("a stay lasts longer than II cycles")
     crossing = [i for i, stay in enumerate(stays) if _crosses(stay, ii)]
@@ -48,12 +46,14 @@ def allocate(stays: Sequence[Stay], ii: int, registers: int) -> tuple[int, ...] 
     return tuple(chosen[i] for i in range(len(stays)))
 
 
-def conflict(stays: Sequence[Stay], ii: int, registers: int) -> tuple[Stay, ...]:
+def conflict(
+    stays: Sequence[Stay], ii: int, registers: int, *, rotating: bool = False
+) -> tuple[Stay, ...]:
     """A minimal subset without an allocation; `stays` must have none."""
     core = list(stays)
     for stay in stays:
         rest = [other for other in core if other != stay]
-        if allocate(rest, ii, registers) is None:
+        if allocate(rest, ii, registers, rotating=rotating) is None:
             core = rest
     return tuple(core)
 

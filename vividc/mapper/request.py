@@ -26,12 +26,15 @@ class MapRequest:
         Threads the solver may use.
     progress
         Called with one line at each step; None: silent.
+    thrifty
+        Stop before the deadline where more time is unlikely to help (`mapper/large.py`).
     """
 
     ii: int | None
     deadline: Deadline
     workers: int = 2
     progress: Progress | None = None
+    thrifty: bool = False
 
     def tell(self, line: str) -> None:
         """Report progress."""

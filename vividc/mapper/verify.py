@@ -17,7 +17,7 @@ from vividc.errors import demand_type
 from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import ConstantKey
 from vividc.mapper.verify_case import Case, Violation, listed
-from vividc.mapper.verify_routes import route_violations
+from vividc.mapper.verify_routes import Moves, route_violations
 
 
 def violations(
@@ -54,13 +54,14 @@ def violations(
     places = {n.id: mapping.places[n.id] for n in dfg.placed if _sound(n, fabric, mapping)}
     latency = {n: fabric.latencies[dfg.by_id[n].latency_class] for n in places}
     case = Case(dfg, fabric, mapping, places, latency)
-    found += _issue_and_completion(case)
+    route_faults, moves = route_violations(case)
+    found += _issue_and_completion(case, moves)
     found += _controller(case)
     found += _banks(case)
     found += _dependences(case)
     found += _live_outs(case, straight=straight)
     found += _constants(case, resident or {})
-    found += route_violations(case)
+    found += route_faults
     if straight:
         found += _completes_within_length(case)
     return found
@@ -115,14 +116,18 @@ def _place_faults(
 # --- FU, controller, dependences ------------------------------------------------------------------
 
 
-def _issue_and_completion(case: Case) -> Iterator[Violation]:
+def _issue_and_completion(case: Case, moves: Moves) -> Iterator[Violation]:
     issued: dict[tuple[int, int], list[int]] = defaultdict(list)
     completed: dict[tuple[int, int], list[int]] = defaultdict(list)
     for node, place in case.placed():
         if node.op is Opcode.LIVE_OUT:
             continue
-        issued[place.pe, case.slot(place.time)].append(node.id)
+        for cycle in range(case.fabric.occupancies.get(node.latency_class, 1)):
+            issued[place.pe, case.slot(place.time + cycle)].append(node.id)
         completed[place.pe, case.slot(case.ready(node.id) - 1)].append(node.id)
+    for (pe, time), words in moves.items():
+        issued[pe, case.slot(time)] += words
+        completed[pe, case.slot(time)] += words
     for kind, verb, table in (("issue", "issue", issued), ("completion", "complete", completed)):
         for (pe, slot), nodes in table.items():
             if len(nodes) > 1:

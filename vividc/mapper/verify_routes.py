@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
 
 from vividc.arch.fabric import Fabric
@@ -13,7 +14,9 @@ from vividc.mapper.mapping import Step
 from vividc.mapper.verify_case import Case, Violation, listed
 
 _Resource = tuple[str, int, int]
-"""("link", 0, link) or ("reg", pe, register)."""
+"""("link", 0, link), ("reg", pe, register) or ("out", pe, 0); as a source also ("wire", 0, link), a
+link in the cycle in which it is driven.
+"""
 
 _Word = tuple[int, int]
 """(producer, cycle of the producer's iteration)."""
@@ -22,12 +25,23 @@ _RES: _Resource = ("res", 0, 0)
 """The place a route starts from: the result in the cycle in which the operation completes."""
 
 
-def route_violations(case: Case) -> Iterator[Violation]:
-    """Faulty routes, and sound ones that need one resource at once."""
+Moves = ReadOnly[tuple[int, int], Collection[int]]
+"""Producers of the words that an FU moves, by (PE, cycle of the producer's iteration)."""
+
+
+def route_violations(case: Case) -> tuple[list[Violation], Moves]:
+    """Faulty routes, and sound ones that need one resource at once; and what the FUs move."""
+    traffic = _Traffic(case)
+    found = [*_faulty_routes(case, traffic)]
+    traffic.add_results()
+    return [*found, *traffic.conflicts()], traffic.moves
+
+
+def _faulty_routes(case: Case, traffic: _Traffic) -> Iterator[Violation]:
+    """What is wrong with routes by themselves; the sound ones enter `traffic`."""
     routed = dict(case.dfg.routed_edges())
     for index in sorted(case.mapping.routes.keys() - routed.keys()):
         yield Violation("route", f"there is a route for edge {index}, which needs none")
-    traffic = _Traffic(case)
     for index, edge in routed.items():
         route = case.mapping.routes.get(index)
         if route is None:
@@ -42,7 +56,6 @@ def route_violations(case: Case) -> Iterator[Violation]:
             yield Violation("route", text, (edge.src, edge.dst))
         if not faults:
             traffic.add(edge.src, tuple(route))
-    yield from traffic.conflicts()
 
 
 def _route_faults(case: Case, edge: Edge, route: tuple[Step, ...]) -> Iterator[str]:
@@ -58,38 +71,62 @@ def _route_faults(case: Case, edge: Edge, route: tuple[Step, ...]) -> Iterator[s
         if read != ready:
             yield f"the output register holds the word in cycle {ready}, it is read in {read}"
         return
-    before: Step | None = None
-    for time, step in enumerate(route, start=ready):
-        fault = _step_fault(case.fabric, step, time)
-        if fault is None:
-            fault = _move_fault(case.fabric, producer.pe, before, step)
-        if fault is not None:
-            yield f"step {time - ready} {fault}"
-            return
-        before = step
+    fault = _walk_fault(case.fabric, producer.pe, ready, route)
+    if fault is not None:
+        yield fault
+        return
     last = route[-1]
     if last.time != read:
         yield f"the last step is in cycle {last.time}, the consumer reads in {read}"
-    if last.pe != consumer.pe:
+    if consumer.pe not in _readers(case.fabric, last):
         yield f"the last step is on PE {last.pe}, the consumer on PE {consumer.pe}"
 
 
-def _step_fault(fabric: Fabric, step: Step, time: int) -> str | None:
+def _walk_fault(fabric: Fabric, start_pe: int, ready: int, route: tuple[Step, ...]) -> str | None:
+    """What is wrong with the first faulty step."""
+    before: Step | None = None
+    hops, time = 0, ready
+    for number, step in enumerate(route):
+        hops = hops + 1 if before is not None and _passes_on(before, step) else 1
+        if number and hops == 1:
+            time += 1
+        fault = _step_fault(fabric, step, time, hops) or _move_fault(fabric, start_pe, before, step)
+        if fault is not None:
+            return f"step {number} {fault}"
+        before = step
+    return None
+
+
+def _passes_on(before: Step, step: Step) -> bool:
+    """A word takes both links in one cycle."""
+    return before.kind == "link" and step.kind == "link" and step.time == before.time
+
+
+def _readers(fabric: Fabric, step: Step) -> tuple[int, ...]:
+    """PEs that can read the word where it is."""
+    if step.kind == "out" and fabric.routing.shared:
+        return (step.pe, *(link.dst for link in fabric.links if link.src == step.pe))
+    return (step.pe,)
+
+
+def _step_fault(fabric: Fabric, step: Step, time: int, hops: int) -> str | None:
     """A step that cannot be, wherever the word comes from."""
     if step.time != time:
         return f"is in cycle {step.time}, not in {time}"
     if step.kind == "link":
-        return _link_fault(fabric, step)
-    if step.kind != "reg":
+        return _link_fault(fabric, step, hops)
+    if step.kind not in ("reg", "out"):
         return f"has the unknown kind {step.kind!r}"
     if not 0 <= step.pe < len(fabric.pes):
         return f"names PE {step.pe}, which does not exist"
-    if not 0 <= step.index < fabric.pes[step.pe].registers:
+    if not 0 <= step.index < (1 if step.kind == "out" else fabric.pes[step.pe].registers):
         return f"names register {step.index} of PE {step.pe}, which does not exist"
     return None
 
 
-def _link_fault(fabric: Fabric, step: Step) -> str | None:
+def _link_fault(fabric: Fabric, step: Step, hops: int) -> str | None:
+    if hops > fabric.routing.hops:
+        return f"is link {hops} of one cycle; words pass {fabric.routing.hops} here"
     if not 0 <= step.index < len(fabric.links):
         return f"names link {step.index}, which does not exist"
     end = fabric.links[step.index].dst
@@ -98,17 +135,42 @@ def _link_fault(fabric: Fabric, step: Step) -> str | None:
 
 def _move_fault(fabric: Fabric, start_pe: int, before: Step | None, step: Step) -> str | None:
     """A step that the word cannot make from the PE where it is readable."""
-    on_pe = start_pe if before is None else before.pe
-    if step.kind == "link" and fabric.links[step.index].src != on_pe:
-        leaves = fabric.links[step.index].src
-        return f"takes link {step.index}, which leaves PE {leaves}; the word is on PE {on_pe}"
-    if step.kind == "reg" and step.pe != on_pe:
-        return f"writes a register of PE {step.pe}; the word is on PE {on_pe}"
+    leaves = fabric.links[step.index].src if step.kind == "link" else step.pe
+    found_on = (start_pe,) if before is None else _readers(fabric, before)
+    if leaves not in found_on:
+        where = f"the word is on PE {found_on[0]}"
+        if step.kind == "link":
+            return f"takes link {step.index}, which leaves PE {leaves}; {where}"
+        kind = "a register" if step.kind == "reg" else "the output register"
+        return f"writes {kind} of PE {step.pe}; {where}"
+    if before is None or _stays(fabric, before, step):
+        return None
+    if _is_moved(fabric, step):
+        return None if fabric.routing.moves else f"needs the FU of PE {step.pe} to move the word"
+    if before.kind == "out" and not _crossbar_takes_outputs(fabric):
+        return f"takes the word from the output register of PE {before.pe}, which only an FU reads"
     return None
 
 
-def _resource(step: Step) -> _Resource:
-    return ("link", 0, step.index) if step.kind == "link" else ("reg", step.pe, step.index)
+def _stays(fabric: Fabric, before: Step, step: Step) -> bool:
+    """The word is where it was a cycle ago, and nothing is done for it."""
+    if (before.kind, before.pe, before.index) != (step.kind, step.pe, step.index):
+        return False
+    return step.kind == "reg" or (step.kind == "out" and fabric.routing.holds)
+
+
+def _is_moved(fabric: Fabric, step: Step) -> bool:
+    """The word got there as the result of a move, when it is not its producer's result any more."""
+    return step.kind == "out" or (step.kind == "reg" and fabric.pes[step.pe].written_by_fu)
+
+
+def _crossbar_takes_outputs(fabric: Fabric) -> bool:
+    routing = fabric.routing
+    return routing.holds or routing.shared or routing.moves
+
+
+def _source(step: Step) -> _Resource:
+    return ("link", 0, step.index) if step.kind == "link" else (step.kind, step.pe, step.index)
 
 
 @dataclass
@@ -126,26 +188,61 @@ class _Traffic:
         default_factory=lambda: defaultdict(lambda: defaultdict(set))
     )
 
+    moves: dict[tuple[int, int], set[int]] = field(default_factory=lambda: defaultdict(set))
+
     def add(self, value: int, route: tuple[Step, ...]) -> None:
         """Enter the places of one route, with the place that drives each."""
+        fabric = self.case.fabric
         before: Step | None = None
         for step in route:
-            came_from = _RES if before is None else _resource(before)
-            here = _resource(step)
-            self.words[here, self.case.slot(step.time)][value, step.time].add(came_from)
-            if came_from != here:
+            came_from = _RES if before is None else _source(before)
+            if before is not None and _passes_on(before, step):
+                came_from = ("wire", *came_from[1:])
+            self._enter(self._resource(step), value, step.time, came_from)
+            if before is None or not _stays(fabric, before, step):
                 self._read(value, before)
                 self._write(value, step)
+                if before is not None and _is_moved(fabric, step):
+                    self._move(value, step, came_from)
             before = step
         self._read(value, before)
 
+    def add_results(self) -> None:
+        """Every operation that completes takes its output register, its word wanted or not.
+
+        Where output registers do not hold and nothing else enters them, that is the rule of one
+        completion a slot.
+        """
+        if not _crossbar_takes_outputs(self.case.fabric):
+            return
+        for node, place in self.case.placed():
+            if node.op is not Opcode.LIVE_OUT:
+                self._enter(("out", place.pe, 0), node.id, self.case.ready(node.id), _RES)
+
+    def _enter(self, resource: _Resource, value: int, time: int, came_from: _Resource) -> None:
+        self.words[resource, self.case.slot(time)][value, time].add(came_from)
+
+    def _resource(self, step: Step) -> _Resource:
+        """What the word takes. A rotating file has turned by one register in each II cycles."""
+        if step.kind != "reg" or not self.case.fabric.pes[step.pe].rotating:
+            return _source(step)
+        turned = step.index - step.time // self.case.ii
+        return "reg", step.pe, turned % self.case.fabric.pes[step.pe].registers
+
+    def _move(self, value: int, step: Step, came_from: _Resource) -> None:
+        """A move passes through the output register, wherever its result goes besides."""
+        self.moves[step.pe, step.time - 1].add(value)
+        self._enter(("out", step.pe, 0), value, step.time, came_from)
+
     def _read(self, value: int, step: Step | None) -> None:
         if step is not None and step.kind == "reg":
-            self.reads[step.pe, self.case.slot(step.time)][step.index].add(value)
+            register = self._resource(step)[2]
+            self.reads[step.pe, self.case.slot(step.time)][register].add(value)
 
     def _write(self, value: int, step: Step) -> None:
         if step.kind == "reg":
-            self.writes[step.pe, self.case.slot(step.time - 1)][step.index].add(value)
+            register = self._resource(step)[2]
+            self.writes[step.pe, self.case.slot(step.time - 1)][register].add(value)
 
     def conflicts(self) -> Iterator[Violation]:
         """Resources that two words need at once, two drivers of one word, and too few ports."""
@@ -157,7 +254,7 @@ class _Traffic:
         for (resource, slot), words in self.words.items():
             nodes = tuple(sorted({node for node, _ in words}))
             if len(words) > 1:
-                kind = "link" if resource[0] == "link" else "register"
+                kind = {"link": "link", "reg": "register", "out": "output"}[resource[0]]
                 held = ", ".join(f"node {node} of cycle {time}" for node, time in sorted(words))
                 text = f"{_name(resource)} carries more than one word in slot {slot}: {held}"
                 yield Violation(kind, text, nodes)
@@ -182,6 +279,9 @@ class _Traffic:
 
 def _name(resource: _Resource) -> str:
     kind, pe, index = resource
-    if kind == "res":
-        return "the FU's result"
-    return f"link {index}" if kind == "link" else f"register {index} of PE {pe}"
+    return {
+        "res": "the FU's result",
+        "out": f"the output register of PE {pe}",
+        "wire": f"link {index} in the same cycle",
+        "link": f"link {index}",
+    }.get(kind, f"register {index} of PE {pe}")

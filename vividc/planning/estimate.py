@@ -60,6 +60,12 @@ class RegionCost:
         rest = max(self.trips - 1.0, 0.0) * self.shape.ii
         return self.runs * (min(self.trips, 1.0) * self.shape.span + rest)
 
+    @property
+    def allowance(self) -> float:
+        """The part of the cycles that an estimate sets aside for routing."""
+        span = max(self.shape.ii, math.floor(self.shape.span / _ROUTING))
+        return self.runs * min(self.trips, 1.0) * (self.shape.span - span)
+
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
@@ -67,6 +73,18 @@ class Estimate:
 
     cycles: float
     regions: tuple[RegionCost, ...]
+
+    @property
+    def least(self) -> float:
+        """Cycles that no mapping can save: spans without an allowance for routing."""
+        loops = [cost for cost in self.regions if cost.kind == "loop"]
+        return self.cycles - sum(cost.allowance for cost in loops)
+
+    @property
+    def hottest(self) -> str:
+        """Header of the modulo-scheduled loop with most cycles; "" without one."""
+        loops = [cost for cost in self.regions if cost.kind == "loop"]
+        return max(loops, key=lambda cost: cost.cycles).header if loops else ""
 
     def loop(self, header: str) -> RegionCost | None:
         """The modulo-scheduled loop of this header."""

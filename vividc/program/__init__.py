@@ -6,7 +6,7 @@ from vividc.program.disasm import disassemble
 from vividc.program.encode import encode
 from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use, Write
 from vividc.program.layout import Field, WordLayout, word_layout
-from vividc.program.memory import WORD_BYTES, place_arrays
+from vividc.program.memory import WORD_BYTES, place_arrays, trapped
 from vividc.program.program import Program, load
 from vividc.program.tables import (
     BoundReport,
@@ -55,6 +55,7 @@ __all__ = [
     "load",
     "pack",
     "place_arrays",
+    "trapped",
     "unpack",
     "word_layout",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -71,6 +72,20 @@ def encode(
     table = _table(kernel, fabric, mappings)
     _check_contexts(kernel, fabric, table)
     _check_locals(kernel, fabric)
+    found = _reports(kernel, fabric, table, reports or {})
+    program = _program(kernel, fabric, mappings, table, found, _provenance(kernel, options or {}))
+    return replace(program, warnings=tuple(warnings))
+
+
+def _program(
+    kernel: Kernel,
+    fabric: Fabric,
+    mappings: ReadOnly[int, Mapping],
+    table: tuple[RegionRow, ...],
+    regions: tuple[RegionReport, ...],
+    provenance: Provenance,
+) -> Program:
+    """What the machine reads, words, constant stores and tables, with its reports."""
     stores = allocate(kernel, fabric, mappings)
     layout = word_layout(fabric)
     lowered = [
@@ -92,9 +107,8 @@ def encode(
         return_high=return_high(kernel, mappings, stores),
         banks=choose_banks(kernel, fabric, mappings),
         debug=tuple(row for region in lowered for row in region.debug),
-        regions=_reports(kernel, fabric, table, reports or {}),
-        provenance=_provenance(kernel, options or {}),
-        warnings=tuple(warnings),
+        regions=regions,
+        provenance=provenance,
         locals=kernel.locals,
     )
 

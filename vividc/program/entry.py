@@ -191,6 +191,8 @@ def _operation_faults(entry: Entry, fabric: Fabric, pe: int) -> Iterator[str]:
     for port in range(info.arity):
         if issue.operands[port].select.kind is Sel.NONE:
             yield f"{issue.op.value} without operand {OPERAND_NAMES[port]}"
+    if issue.predicate.select.kind is Sel.NONE and issue.predicate.first is not None:
+        yield f"{issue.op.value} with a predicate in its first iteration only"
 
 
 def _selects(entry: Entry) -> Iterator[Select]:

@@ -7,9 +7,17 @@ from collections.abc import Mapping as ReadOnly
 from itertools import accumulate
 
 from vividc.arch.fabric import Scratchpad
+from vividc.dfg.cfg import TRAP
 from vividc.errors import ArgumentError
 
 WORD_BYTES = 4
+
+
+def trapped(array: str) -> str | None:
+    """The exception that an access to the array of this name stands for, None if it is none."""
+    if not array.startswith(TRAP):
+        return None
+    return array.removeprefix(TRAP).replace(".", ": ").replace("_", " ")
 
 
 def place_arrays(

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from vividc.errors import ArgumentError
 from vividc.program import (
     HIGH_SUFFIX,
-    MAX_DIMENSION,
     WORD_BYTES,
     DType,
     LocalArray,
@@ -97,16 +96,17 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
     """
     arrays, inputs = arguments(program, args, kwargs)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
-    sizes += [(local.name, local.words) for local in program.locals]
+    locals_ = tuple(local.at_launch(inputs) for local in program.locals)
+    sizes += [(local.name, local.words) for local in locals_]
     addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
         raw = _bytes(name, array)
         memory.view(np.uint8)[addresses[name] : addresses[name] + raw.size] = raw
         inputs[f"&{name}"] = addresses[name]
-    for local in program.locals:
+    for local in locals_:
         _place_local(local, addresses[local.name], memory, inputs)
-    return Bound(memory, inputs, arrays, addresses, program.locals)
+    return Bound(memory, inputs, arrays, addresses, locals_)
 
 
 def arguments(
@@ -228,10 +228,10 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
-    limits = (param.longest, *[MAX_DIMENSION] * (param.ndim - 1))
+    limits = tuple(param.limit(axis) for axis in range(param.ndim))
     if not param.flat and any(n > most for n, most in zip(value.shape, limits, strict=True)):
         raise ArgumentError(
-            f"a dimension of {value.shape} is larger than {limits}",
+            f"a dimension of {value.shape} is larger than {max(limits)}",
             loc=where,
             hint="run the kernel on pieces of the array",
         )

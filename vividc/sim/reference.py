@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -56,7 +57,9 @@ class ReferenceEngine:
             cycles=tile.cycle,
             switch_cycles=switches,
             memory=np.array(tile.memory, np.uint32),
-            value=self._returned(tile.state),
+            value=returned(
+                self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]
+            ),
             regions=tuple(total.region_run() for total in totals),
             activity=_activity(tile, totals),
         )
@@ -64,7 +67,7 @@ class ReferenceEngine:
     def _run_region(self, tile: Tile, region: RegionCode) -> RegionState:
         tile.state[: self._cells.volatile] = [None] * self._cells.volatile
         tile.entries += 1
-        state = RegionState(tile, region, _iterations(region.row, tile.trip))
+        state = RegionState(tile, region, iterations(region.row, tile.trip))
         state.run()
         return state
 
@@ -79,25 +82,37 @@ class ReferenceEngine:
             state[cells.constant(row.pe, row.entry)] = launch.inputs[row.key]
         return state
 
-    def _returned(self, state: State) -> int | None:
-        program = self._program
-        if program.return_home is None:
-            return None
-        low = self._word(state, program.return_home)
-        high = program.return_high
-        return joined(program.returns, low, None if high is None else self._word(state, high))
 
-    def _word(self, state: State, home: Home) -> int:
-        word = state[self._cells.constant(home.pe, home.entry)]
-        if word is None:
-            raise SimulationError(
-                f"{self._program.name} ended without writing its return value",
-                loc=self._program.provenance.kernel_file or None,
-            )
-        return word
+def returned(program: Program, word_at: Callable[[Home], int | None]) -> int | None:
+    """The word of the returned scalar, of two words joined; None if nothing is returned.
+
+    Parameters
+    ----------
+    word_at
+        The word of a constant-store entry at the end; None: nothing was written there.
+
+    Raises
+    ------
+    SimulationError
+        The program ended without writing it.
+    """
+    if program.return_home is None:
+        return None
+    low = _written(program, word_at(program.return_home))
+    high = program.return_high
+    return joined(program.returns, low, None if high is None else _written(program, word_at(high)))
 
 
-def _iterations(row: RegionRow, trip: int) -> int:
+def _written(program: Program, word: int | None) -> int:
+    if word is None:
+        raise SimulationError(
+            f"{program.name} ended without writing its return value",
+            loc=program.provenance.kernel_file or None,
+        )
+    return word
+
+
+def iterations(row: RegionRow, trip: int) -> int:
     """Iterations to issue if no exit node stops the region."""
     if row.kind == "straight":
         return 1

@@ -10,7 +10,7 @@ from typing import Final, Literal
 
 from vividc.dfg.words import loaded, stored
 from vividc.errors import CycleLimit, SimulationError
-from vividc.program import Program, Use
+from vividc.program import Program, Use, trapped
 from vividc.sim.engine import Progress
 from vividc.sim.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
 
@@ -18,6 +18,7 @@ _ENDLESS: Final = sys.maxsize
 _PROGRESS_EVERY: Final = 1 << 13
 _WORD_MASK: Final = 0xFFFFFFFF
 _WORD_BYTES: Final = 4
+_RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
 _SIGN_BIT: Final = 0x80000000
 
 Completion = tuple[int, int | None]
@@ -293,6 +294,9 @@ class RegionState:
         self._settle_misses()
 
     def _bad_address(self, op: Op, address: int) -> SimulationError:
+        exception = trapped(op.array)
+        if exception is not None:
+            return self._fault(op.pe, "issue", f"the kernel raises {exception}", hint=_RAISED)
         what = "a misaligned" if address % op.issue.width else "an out-of-bounds"
         first, end = self._tile.extents.get(op.array, self._anywhere)
         place = f"the array {op.array}" if op.array in self._tile.extents else "the scratchpad"

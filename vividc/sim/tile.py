@@ -1,31 +1,40 @@
-"""A tile that holds one program: bound once, launched often, on either engine."""
+"""A tile that holds one program: bound once, launched often, on any engine."""
 
 from __future__ import annotations
 
+from typing import Final
+
 from vividc.errors import ArgumentError
 from vividc.program import Program
+from vividc.sim.auto import AutoEngine
 from vividc.sim.engine import Engine, EngineFactory, Launch, Run
+from vividc.sim.native import NativeEngine
 from vividc.sim.reference import ReferenceEngine
 
 TileResult = Run
 """What a launch on a tile gives: memory, cycles, activity; `engine` names what ran it."""
 
-ENGINES: dict[str, EngineFactory] = {"reference": ReferenceEngine}
-"""Engines by name; all give the same `Run` for the same launch."""
+AUTO: Final = "auto"
 
-AUTO = "auto"
+ENGINES: Final[dict[str, EngineFactory]] = {
+    AUTO: AutoEngine,
+    "native": NativeEngine,
+    "reference": ReferenceEngine,
+}
+"""Engines by name; all give the same `Run` for the same launch, but for the name of the engine."""
 
 
 class Tile:
     """One tile with a program in its configuration memory.
 
     Decoding, and compiling to native code, happen once; launches differ in memory and inputs. A
-    tile may be launched from several threads at once: launches share nothing that changes.
+    tile may be launched from several threads at once: launches share nothing that changes, and
+    native code holds no lock of Python's.
 
     Parameters
     ----------
     engine
-        A key of `ENGINES`, or "auto": the one that is done first.
+        A key of `ENGINES`; "auto": the engine that is done first.
 
     Raises
     ------
@@ -34,11 +43,11 @@ class Tile:
     """
 
     def __init__(self, program: Program, engine: str = AUTO) -> None:
-        if engine != AUTO and engine not in ENGINES:
-            names = ", ".join(sorted([AUTO, *ENGINES]))
+        if engine not in ENGINES:
+            names = ", ".join(sorted(ENGINES))
             raise ArgumentError(f"unknown engine {engine!r}", hint=f"engines: {names}")
         self.program = program
-        self._engine: Engine = ENGINES["reference" if engine == AUTO else engine](program)
+        self._engine: Engine = ENGINES[engine](program)
 
     def run(self, launch: Launch) -> TileResult:
         """Run the program once.

@@ -11,6 +11,7 @@ from vividc.dfg.affine import Affine, AffineAnalysis, block_of
 from vividc.dfg.cfg import Const, Function, Input, Instr, Value
 from vividc.dfg.counted import count_loop
 from vividc.dfg.loops import Loop, find_loops
+from vividc.dfg.memory_order import different_elements
 from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.refusal import Refusal
@@ -120,6 +121,8 @@ def forbids_jam(nest: Nest, factor: int) -> Refusal | None:
             if not (first.is_store or second.is_store):
                 continue
             if first.part == second.part != Part.INNER:
+                continue
+            if different_elements(first.instr.subscript, second.instr.subscript):
                 continue
             if any(_reversed(first, second, d) for d in range(1, factor)):
                 places = f"{_place(first.instr)} and {_place(second.instr)}"

@@ -1,25 +1,33 @@
 """The constraint families of the joint model of time, place and route; one function each.
 
-Notation: x[v,p,t] = start, L[v,k,t] = link, H, W, R[v,p,t] = held, written, read; `lat` = latency
-of v. All sums are over the times t of one slot, several t of the same word included: they are words
-of different iterations. The time-expanded form follows the MRRG (Mei et al. 2002; Chin and Anderson
+Notation: x[v,p,t] = start, L[v,k,t] = link, H, W, R[v,p,t] = held, written, read, O, M[v,p,t] =
+output, move (`output_constraints`: fabrics whose output registers take part); `lat` = latency of v.
+All sums are over the times t of one slot, several t of the same word included: they are words of
+different iterations. The time-expanded form follows the MRRG (Mei et al. 2002; Chin and Anderson
 2018) with time kept absolute.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping
-from typing import Final, TypeVar
+from collections.abc import Callable, Collection, Mapping
+from typing import Final
 
 from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 
+from vividc.mapper.cpsat.output_constraints import (
+    moves_find_the_word,
+    one_word_per_output_and_slot,
+    outputs_keep_words,
+    results_enter_outputs,
+    words_pass_links,
+)
 from vividc.mapper.cpsat.problem import Prepared, is_live_out
 from vividc.mapper.cpsat.variables import Variables
+from vividc.mapper.cpsat.ways import at_most, grouped, readable, results, supply
 from vividc.mapper.problem import ConstantKey, constant_key
 
 Family = Callable[[CpModel, Prepared, Variables], None]
-Key = TypeVar("Key", bound=Hashable)
 
 
 def each_node_starts_once(model: CpModel, problem: Prepared, v: Variables) -> None:
@@ -32,43 +40,55 @@ def each_node_starts_once(model: CpModel, problem: Prepared, v: Variables) -> No
 
 
 def one_issue_per_fu_and_slot(model: CpModel, problem: Prepared, v: Variables) -> None:
-    """sum over operations v and t = slot of x[v,p,t] <= 1."""
-    operations = {node.id for node in problem.nodes if node.uses_fu}
-    users = (
-        ((pe, time % problem.ii), literal)
+    """sum over operations v and t .. t + occupancy - 1 = slot of x[v,p,t], and over words of
+    M[v,p,t], <= 1.
+    """
+    busy = {n.id: problem.fabric.occupancy(n) for n in problem.nodes if n.uses_fu}
+    users = [
+        ((pe, (time + cycle) % problem.ii), literal)
         for (node, pe, time), literal in v.start.items()
-        if node in operations
-    )
-    _at_most(model, _grouped(users), 1)
+        for cycle in range(busy.get(node, 0))
+    ]
+    users += [((pe, time % problem.ii), literal) for (_, pe, time), literal in v.move.items()]
+    at_most(model, grouped(users), 1)
 
 
 def one_completion_per_fu_and_slot(model: CpModel, problem: Prepared, v: Variables) -> None:
-    """sum over operations v and t + lat = slot of x[v,p,t] <= 1."""
+    """sum over operations v and t + lat = slot of x[v,p,t] <= 1; `one_word_per_output_and_slot`
+    says it where output registers take part.
+    """
+    if problem.fabric.routing.open_outputs:
+        return
     operations = {node.id for node in problem.nodes if node.uses_fu}
     users = (
         ((pe, (time + problem.latency[node]) % problem.ii), literal)
         for (node, pe, time), literal in v.start.items()
         if node in operations
     )
-    _at_most(model, _grouped(users), 1)
+    at_most(model, grouped(users), 1)
 
 
 def links_are_driven(model: CpModel, problem: Prepared, v: Variables) -> None:
-    """L[v,k,t] => x[v,p,t-lat] or L[v,k',t-1] of a link k' into p or R[v,p,t-1], with p the PE that
-    k leaves.
+    """L[v,k,t] => x[v,p,t-lat] or L[v,k',t-1] of a link k' into p or R[v,p,t-1] or O[v,q,t-1] that
+    p reads, with p the PE that k leaves. Where a word passes several links in a cycle,
+    `words_pass_links` says it.
     """
+    if problem.fabric.routing.hops > 1:
+        return
     sources = {link.id: link.src for link in problem.fabric.links}
     for (word, link, time), literal in v.link.items():
-        supply = _supply(problem, v, word, sources[link], time)
-        model.add_bool_or([*supply, ~literal])
+        ways = supply(problem, v, word, sources[link], time)
+        model.add_bool_or([*ways, ~literal])
 
 
 def registers_are_written(model: CpModel, problem: Prepared, v: Variables) -> None:
     """W[v,p,t] => x[v,p,t-lat] or L[v,k,t-1] of a link k into p or R[v,p,t-1] (a copy from another
-    register).
+    register) or O[v,q,t-1] that p reads. Registers that only the FU writes: x[v,p,t-lat] or
+    M[v,p,t-1].
     """
     for (word, pe, time), literal in v.written.items():
-        model.add_bool_or([*_supply(problem, v, word, pe, time), ~literal])
+        ways = results if problem.fabric.pes[pe].written_by_fu else supply
+        model.add_bool_or([*ways(problem, v, word, pe, time), ~literal])
 
 
 def registers_keep_words(model: CpModel, problem: Prepared, v: Variables) -> None:
@@ -85,9 +105,12 @@ def registers_last_one_ii(model: CpModel, problem: Prepared, v: Variables) -> No
     """H[v,p,t] => W[v,p,t] or ... or W[v,p,t-II+1]: then the next iteration's word overwrites the
     register.
 
-    Left out where H cannot reach back II cycles: there `registers_keep_words` says it already.
+    Left out where H cannot reach back II cycles: there `registers_keep_words` says it already. In
+    a rotating file the next word goes elsewhere.
     """
     for (word, pe, time), literal in v.held.items():
+        if problem.fabric.pes[pe].rotating and not problem.cyclic:
+            continue
         if (word, pe, problem.wrap(time - problem.ii)) not in v.held:
             continue
         times = (problem.wrap(time - age) for age in range(problem.ii))
@@ -103,8 +126,8 @@ def reads_find_the_word(model: CpModel, problem: Prepared, v: Variables) -> None
 
 
 def operands_arrive(model: CpModel, problem: Prepared, v: Variables) -> None:
-    """x[u,p,t] => x[v,p,t'-lat] or L[v,k,t'] of a link k into p or R[v,p,t'], t' = t + II *
-    distance, per edge (v, u).
+    """x[u,p,t] => x[v,p,t'-lat] or L[v,k,t'] of a link k into p or R[v,p,t'] or O[v,q,t'] that p
+    reads, t' = t + II * distance, per edge (v, u).
     """
     incoming: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for edge in problem.dependences:
@@ -114,13 +137,13 @@ def operands_arrive(model: CpModel, problem: Prepared, v: Variables) -> None:
     for (node, pe, time), literal in v.start.items():
         for word, distance in incoming[node]:
             at = problem.wrap(time + problem.ii * distance)
-            model.add_bool_or([*_readable(problem, v, word, pe, at), ~literal])
+            model.add_bool_or([*readable(problem, v, word, pe, at), ~literal])
 
 
 def one_word_per_link_and_slot(model: CpModel, problem: Prepared, v: Variables) -> None:
     """sum over words v and t = slot of L[v,k,t] <= 1."""
     users = (((k, time % problem.ii), literal) for (_, k, time), literal in v.link.items())
-    _at_most(model, _grouped(users), 1)
+    at_most(model, grouped(users), 1)
 
 
 def words_fit_registers(model: CpModel, problem: Prepared, v: Variables) -> None:
@@ -149,7 +172,7 @@ def constants_fit_store(model: CpModel, problem: Prepared, v: Variables) -> None
         for key in problem.task.constants_of(problem.task.dfg.by_id[node]):
             if (pe, key) in v.constant:
                 model.add_implication(literal, v.constant[pe, key])
-    for pe, literals in _grouped((pe, c) for (pe, _), c in v.constant.items()).items():
+    for pe, literals in grouped((pe, c) for (pe, _), c in v.constant.items()).items():
         resident = len(problem.task.resident.get(pe, ()))
         model.add(LinearExpr.sum(literals) <= max(problem.fabric.pes[pe].constants - resident, 0))
 
@@ -162,7 +185,7 @@ def one_live_out_per_pe_and_slot(model: CpModel, problem: Prepared, v: Variables
         for (node, pe, time), literal in v.start.items()
         if node in live_outs
     )
-    _at_most(model, _grouped(users), 1)
+    at_most(model, grouped(users), 1)
 
 
 def live_outs_spare_words_still_read(model: CpModel, problem: Prepared, v: Variables) -> None:
@@ -190,7 +213,7 @@ def one_control_result_per_slot(model: CpModel, problem: Prepared, v: Variables)
         for (node, _, time), literal in v.start.items()
         if node in control
     )
-    _at_most(model, _grouped(users), 1)
+    at_most(model, grouped(users), 1)
 
 
 def accesses_fit_banks(model: CpModel, problem: Prepared, v: Variables) -> None:
@@ -201,7 +224,7 @@ def accesses_fit_banks(model: CpModel, problem: Prepared, v: Variables) -> None:
         for (node, _, time), literal in v.start.items()
         if node in memory
     )
-    _at_most(model, _grouped(users), problem.fabric.scratchpad.banks)
+    at_most(model, grouped(users), problem.fabric.scratchpad.banks)
 
 
 def edges_without_a_word_are_ordered(model: CpModel, problem: Prepared, v: Variables) -> None:
@@ -237,6 +260,11 @@ CONSTRAINT_FAMILIES: Final[tuple[Family, ...]] = (
     accesses_fit_banks,
     edges_without_a_word_are_ordered,
     routed_edges_are_ordered,
+    outputs_keep_words,
+    results_enter_outputs,
+    moves_find_the_word,
+    one_word_per_output_and_slot,
+    words_pass_links,
 )
 
 
@@ -267,48 +295,6 @@ def _entry_users(
     return readers, writers
 
 
-def _supply(problem: Prepared, v: Variables, word: int, pe: int, time: int) -> list[IntVar]:
-    """Literals that let PE `pe` send the word so that it is readable at `time`."""
-    before = problem.wrap(time - 1)
-    keys = ((word, link.id, before) for link in problem.fabric.links_to[pe])
-    supply = [v.link[key] for key in keys if key in v.link]
-    if (word, pe, before) in v.read:
-        supply.append(v.read[word, pe, before])
-    issued = (word, pe, problem.wrap(time - problem.latency[word]))
-    if issued in v.start:
-        supply.append(v.start[issued])
-    return supply
-
-
-def _readable(problem: Prepared, v: Variables, word: int, pe: int, time: int) -> list[IntVar]:
-    """Literals that let an operation on PE `pe` read the word at `time`."""
-    keys = ((word, link.id, time) for link in problem.fabric.links_to[pe])
-    ways = [v.link[key] for key in keys if key in v.link]
-    if (word, pe, time) in v.read:
-        ways.append(v.read[word, pe, time])
-    issued = (word, pe, problem.wrap(time - problem.latency[word]))
-    if issued in v.start:
-        ways.append(v.start[issued])
-    return ways
-
-
-def _grouped(pairs: Iterable[tuple[Key, IntVar]]) -> dict[Key, list[IntVar]]:
-    groups: dict[Key, list[IntVar]] = defaultdict(list)
-    for key, literal in pairs:
-        groups[key].append(literal)
-    return groups
-
-
-def _at_most(model: CpModel, groups: Mapping[Key, list[IntVar]], capacity: int) -> None:
-    for literals in groups.values():
-        if len(literals) <= capacity:
-            continue
-        if capacity == 1:
-            model.add_at_most_one(literals)
-        else:
-            model.add(LinearExpr.sum(literals) <= capacity)
-
-
 def _port_capacity(
     model: CpModel,
     problem: Prepared,
@@ -316,8 +302,8 @@ def _port_capacity(
     capacity: Mapping[int, int],
 ) -> None:
     pairs = (((pe, time % problem.ii), literal) for (_, pe, time), literal in literals.items())
-    for (pe, slot), group in _grouped(pairs).items():
-        _at_most(model, {slot: group}, capacity[pe])
+    for (pe, slot), group in grouped(pairs).items():
+        at_most(model, {slot: group}, capacity[pe])
 
 
 def _precedences(model: CpModel, problem: Prepared, v: Variables, *, routed: bool) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 from ortools.sat.python.cp_model import IntVar
 
@@ -35,13 +36,16 @@ class Extracted:
     conflicts: tuple[RegisterConflict, ...] = ()
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Spot:
-    """A word on a link (`link` set) or in a register of `pe`, readable at `time`."""
+    """Where a word is at `time`: on a link that ends at `pe`, or in a register or the output
+    register of `pe`.
+    """
 
+    kind: Literal["link", "reg", "out"]
     pe: int
     time: int
-    link: int | None = None
+    link: int = 0
 
 
 @dataclass
@@ -68,7 +72,7 @@ def extract(problem: Prepared, variables: Variables, holds: Holds) -> Extracted:
     if conflicts:
         return Extracted(None, conflicts)
     steps = {
-        index: tuple(_step(problem, spot, word, registers) for spot in spots)
+        index: tuple(_step(spot, word, registers) for spot in spots)
         for index, spots in routes.spots.items()
         for word in (problem.task.dfg.edges[index].src,)
     }
@@ -79,53 +83,95 @@ def _trace(problem: Prepared, v: Variables, holds: Holds, places: Mapping[int, P
     routes = _Routes()
     for index, edge in problem.task.dfg.routed_edges():
         at = places[edge.dst]
-        time = at.time + problem.ii * edge.distance
-        spots = _route(problem, v, holds, places[edge.src], edge.src, at.pe, time)
+        walk = _Walk(problem, v, holds, edge.src, places[edge.src])
+        spots = walk.back_from(at.pe, at.time + problem.ii * edge.distance)
         routes.spots[index] = spots
         for spot in spots:
-            if spot.link is None:
+            if spot.kind == "reg":
                 routes.held[edge.src, spot.pe, spot.time] = None
     return routes
 
 
-def _route(
-    problem: Prepared,
-    v: Variables,
-    holds: Holds,
-    source: Place,
-    word: int,
-    pe: int,
-    time: int,
-) -> list[_Spot]:
-    """Walk back from the read to the result, one cycle a step."""
-    ready = source.time + problem.latency[word]
-    spots: list[_Spot] = []
-    while not (pe == source.pe and time == ready - bool(spots)):
-        spot = _arrival(problem, v, holds, word, pe, time)
-        spots.append(spot)
-        if spot.link is not None:
-            pe = problem.fabric.links[spot.link].src
-        elif not holds(v.written[word, pe, time]):
-            spots += _kept(v, holds, word, spot)
-            time = spots[-1].time
-        time -= 1
-    return list(reversed(spots))
+@dataclass(frozen=True)
+class _Walk:
+    """The way of one word, walked back from a read to the result.
 
+    Where a word comes from depends on where it is only, so the ways of all its reads agree.
+    """
 
-def _arrival(problem: Prepared, v: Variables, holds: Holds, word: int, pe: int, time: int) -> _Spot:
-    for link in problem.fabric.links_to[pe]:
-        literal = v.link.get((word, link.id, time))
-        if literal is not None and holds(literal):
-            return _Spot(pe, time, link.id)
-    return _Spot(pe, time)
+    problem: Prepared
+    v: Variables
+    holds: Holds
+    word: int
+    source: Place
 
+    def back_from(self, pe: int, time: int) -> list[_Spot]:
+        """The spots from the result to a read on `pe` at `time`."""
+        if self._is_fresh(pe, time):
+            return []
+        spots: list[_Spot] = []
+        spot: _Spot | None = self._arrival(pe, time)
+        while spot is not None:
+            spots.append(spot)
+            spot = self._before(spot)
+        return spots[::-1]
 
-def _kept(v: Variables, holds: Holds, word: int, last: _Spot) -> list[_Spot]:
-    """Earlier cycles of the same stay, back to its write."""
-    spots = [_Spot(last.pe, last.time - 1)]
-    while not holds(v.written[word, last.pe, spots[-1].time]):
-        spots.append(_Spot(last.pe, spots[-1].time - 1))
-    return spots
+    def _is_fresh(self, pe: int, time: int) -> bool:
+        """The result enters a place of its own PE, readable at `time`."""
+        return pe == self.source.pe and time == self.source.time + self.problem.latency[self.word]
+
+    def _is_true(self, table: Mapping[NodeAt, IntVar], key: NodeAt) -> bool:
+        literal = table.get(key)
+        return literal is not None and self.holds(literal)
+
+    def _arrival(self, pe: int, time: int) -> _Spot:
+        """From where `pe` reads the word."""
+        fabric = self.problem.fabric
+        for seen in fabric.outputs_seen_by[pe]:
+            if self._is_true(self.v.output, (self.word, seen, time)):
+                return _Spot("out", seen, time)
+        for link in fabric.links_to[pe]:
+            if self._is_true(self.v.link, (self.word, link.id, time)):
+                return _Spot("link", pe, time, link.id)
+        return _Spot("reg", pe, time)
+
+    def _before(self, spot: _Spot) -> _Spot | None:
+        """Where the word came from; None: it is the result of its own operation."""
+        if spot.kind == "link":
+            return self._before_link(spot)
+        keeps = _Spot(spot.kind, spot.pe, spot.time - 1)
+        key = (self.word, spot.pe, spot.time)
+        if spot.kind == "reg" and not self.holds(self.v.written[key]):
+            return keeps
+        if self._is_fresh(spot.pe, spot.time):
+            return None
+        before = (self.word, spot.pe, spot.time - 1)
+        held = self.problem.fabric.routing.holds and self._is_true(self.v.output, before)
+        if spot.kind == "out" and held:
+            return keeps
+        return self._arrival(spot.pe, spot.time - 1)
+
+    def _before_link(self, spot: _Spot) -> _Spot | None:
+        from_pe = self.problem.fabric.links[spot.link].src
+        depth = self._depth(spot.link, spot.time)
+        if depth > 1:
+            passed = (k.id for k in self.problem.fabric.links_to[from_pe])
+            link = next(k for k in passed if self._is_driven(k, spot.time, depth - 1))
+            return _Spot("link", from_pe, spot.time, link)
+        if self._is_fresh(from_pe, spot.time):
+            return None
+        return self._arrival(from_pe, spot.time - 1)
+
+    def _depth(self, link: int, time: int) -> int:
+        """The least number of links that the word has passed in the cycle, this one included."""
+        depth = 1
+        while self.v.hop and not self._is_driven(link, time, depth):
+            depth += 1
+        return depth
+
+    def _is_driven(self, link: int, time: int, depth: int) -> bool:
+        literal = self.v.hop.get((self.word, link, time, depth))
+        return literal is not None and self.holds(literal)
 
 
 def _stays(routes: _Routes, v: Variables, holds: Holds) -> dict[int, list[Stay]]:
@@ -147,10 +193,10 @@ def _allocate(
     registers: dict[NodeAt, int] = {}
     conflicts = []
     for pe, here in stays.items():
-        available = problem.fabric.pes[pe].registers
-        chosen = allocate(here, problem.ii, available)
+        available, rotating = problem.fabric.pes[pe].registers, problem.fabric.pes[pe].rotating
+        chosen = allocate(here, problem.ii, available, rotating=rotating)
         if chosen is None:
-            core = conflict(here, problem.ii, available)
+            core = conflict(here, problem.ii, available, rotating=rotating)
             conflicts.append(_conflict(v, pe, core))
             continue
         for stay, register in zip(here, chosen, strict=True):
@@ -165,7 +211,9 @@ def _conflict(v: Variables, pe: int, core: tuple[Stay, ...]) -> RegisterConflict
     return RegisterConflict(pe, held, tuple(key for key in inside if key in v.written))
 
 
-def _step(problem: Prepared, spot: _Spot, word: int, registers: Mapping[NodeAt, int]) -> Step:
-    if spot.link is not None:
-        return Step("link", problem.fabric.links[spot.link].dst, spot.link, spot.time)
+def _step(spot: _Spot, word: int, registers: Mapping[NodeAt, int]) -> Step:
+    if spot.kind == "link":
+        return Step("link", spot.pe, spot.link, spot.time)
+    if spot.kind == "out":
+        return Step("out", spot.pe, 0, spot.time)
     return Step("reg", spot.pe, registers[word, spot.pe, spot.time], spot.time)

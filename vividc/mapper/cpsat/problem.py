@@ -19,7 +19,7 @@ from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import Opcode
 from vividc.mapper.bounds import usable_pes
 from vividc.mapper.dependences import Dependence, dependences, earliest_starts, longest_tails
-from vividc.mapper.distances import hop_distances
+from vividc.mapper.distances import cycles_for, hop_distances, hops_a_cycle
 from vividc.mapper.problem import MapProblem
 
 NodeAt = tuple[int, int, int]
@@ -114,7 +114,8 @@ class Prepared:
             (word, link.id, time)
             for word in self.reads
             for link in self.fabric.links
-            for time in self._between(word, link.src, link.dst)
+            if self.fabric.routing.hops
+            for time in self._on_link(word, link.src, link.dst)
         )
 
     @cached_property
@@ -125,48 +126,102 @@ class Prepared:
             for word in self.reads
             for pe in self.fabric.pes
             if pe.registers and pe.read_ports and pe.write_ports
-            for time in self._between(word, pe.id, pe.id)
+            for time in self._between(word, pe.id, 0)
         )
+
+    @cached_property
+    def in_outputs(self) -> tuple[NodeAt, ...]:
+        """Every (word, PE, time) at which the output register of the PE could hold the word; none
+        where a word is there for one cycle and its own PE only, which its start says already.
+        """
+        routing = self.fabric.routing
+        if not routing.open_outputs:
+            return ()
+        return tuple(
+            (word, pe.id, time)
+            for word in self.reads
+            for pe in self.fabric.pes
+            if routing.moves or pe.id in self.candidates[word]
+            for time in self._between(word, pe.id, int(routing.shared))
+        )
+
+    @cached_property
+    def moves(self) -> tuple[NodeAt, ...]:
+        """Every (word, PE, time) at which the FU of the PE could move the word."""
+        if not self.fabric.routing.moves:
+            return ()
+        return tuple((word, pe, self.wrap(time - 1)) for word, pe, time in self.in_outputs)
 
     @property
     def size(self) -> int:
         """Number of Boolean variables the model will have, nearly."""
-        return len(self.starts) + len(self.on_links) + 3 * len(self.in_registers)
+        layers = self.fabric.routing.hops if self.fabric.routing.hops > 1 else 0
+        outputs = len(self.in_outputs) + len(self.moves)
+        links = len(self.on_links) * (1 + layers)
+        return len(self.starts) + links + 3 * len(self.in_registers) + outputs
 
-    def _between(self, word: int, came_from: int, at: int) -> range:
-        """Times at which the word can be at PE `at`, having left PE `came_from` in the cycle
-        before.
+    def _on_link(self, word: int, came_from: int, at: int) -> range:
+        """Times at which the word can be at the end of a link; in the cycle before it may have
+        passed others before and after this one.
         """
         if self.cyclic:
             return range(self.ii)
-        return range(self._first_at[word][came_from], self._last_at[word][at] + 1)
+        a_cycle = self._hops_a_cycle
+        first = self._ready[word] + cycles_for(self._way_to[word][came_from] + 1, a_cycle) - 1
+        return range(first, self._last_at(word, at, a_cycle - 1) + 1)
+
+    def _between(self, word: int, pe: int, ahead: int) -> range:
+        """Times at which the word can be in a register of the PE; PEs up to `ahead` links away
+        read it there.
+        """
+        if self.cyclic:
+            return range(self.ii)
+        first = self._ready[word] + cycles_for(self._way_to[word][pe], self._hops_a_cycle)
+        return range(first, self._last_at(word, pe, ahead) + 1)
+
+    def _last_at(self, word: int, pe: int, ahead: int) -> int:
+        """Latest time at which the word at the PE can still reach a consumer in time."""
+        return max(
+            self.windows[edge.dst].last
+            + self.ii * edge.distance
+            - cycles_for(self._way_on[edge.dst][pe] - ahead, self._hops_a_cycle)
+            for edge in self.reads[word]
+        )
 
     @cached_property
-    def _first_at(self) -> dict[int, tuple[int, ...]]:
-        """Earliest time at which each word, leaving each PE in the cycle before, is readable."""
-        hops = hop_distances(self.fabric)
+    def _hops_a_cycle(self) -> int:
+        return hops_a_cycle(self.fabric)
+
+    @cached_property
+    def _hops(self) -> tuple[tuple[int, ...], ...]:
+        return hop_distances(self.fabric)
+
+    @cached_property
+    def _ready(self) -> dict[int, int]:
+        """Earliest time at which each word is ready."""
+        return {word: self.windows[word].first + self.latency[word] for word in self.reads}
+
+    @cached_property
+    def _way_to(self) -> dict[int, tuple[int, ...]]:
+        """Links from the nearest PE on which each word can be made to each PE."""
         return {
             word: tuple(
-                self.windows[word].first
-                + self.latency[word]
-                + min(hops[origin][pe.id] for origin in self.candidates[word])
+                min(self._hops[origin][pe.id] for origin in self.candidates[word])
                 for pe in self.fabric.pes
             )
             for word in self.reads
         }
 
     @cached_property
-    def _last_at(self) -> dict[int, tuple[int, ...]]:
-        """Latest time at which each word at each PE can still reach a consumer in time."""
-        hops = hop_distances(self.fabric)
-
-        def deadline(edge: Dependence, pe: int) -> int:
-            way = min(hops[pe][target] for target in self.candidates[edge.dst])
-            return self.windows[edge.dst].last + self.ii * edge.distance - way
-
+    def _way_on(self) -> dict[int, tuple[int, ...]]:
+        """Links from each PE to the nearest on which each reader can lie."""
+        readers = dict.fromkeys(edge.dst for edges in self.reads.values() for edge in edges)
         return {
-            word: tuple(max(deadline(e, pe.id) for e in edges) for pe in self.fabric.pes)
-            for word, edges in self.reads.items()
+            reader: tuple(
+                min(self._hops[pe.id][target] for target in self.candidates[reader])
+                for pe in self.fabric.pes
+            )
+            for reader in readers
         }
 
 
@@ -224,17 +279,19 @@ def last_useful_stage(task: MapProblem, ii: int) -> int:
 def complete_slack(task: MapProblem, ii: int) -> int:
     """Slack from which on `windowed` loses no mapping, so that its infeasibility refutes the II.
 
-    `max_stages` gives one limit. Routes give another. Each cycle of a word's way takes one (link or
-    register, slot) unit that no other word may use, so the ways of all words together last at most
-    U = ii * (links + registers) cycles. Two nodes of a component connected by routed edges are
-    joined by a simple path, on which each producer occurs at most twice: their starts differ by at
-    most 2 U + sum(ii * distance) + 2 * sum(latency). Components joined by ORDER and CONTROL edges
-    only (or not at all) may be moved by multiples of II: in the least solution each stands within
-    II - 1 of 0 or of such a constraint, which adds separation + ii * (distance + 1) per such edge
-    and II per component. The sum is an upper bound on the schedule's length.
+    `max_stages` gives one limit. Routes give another. Each cycle of a word's way takes one (link,
+    register or output register, slot) unit that no other word may use, so the ways of all words
+    together last at most U = ii * (links + registers + PEs) cycles. Two nodes of a component
+    connected by routed edges are joined by a simple path, on which each producer occurs at most
+    twice: their starts differ by at most 2 U + sum(ii * distance) + 2 * sum(latency). Components
+    joined by ORDER and CONTROL edges only (or not at all) may be moved by multiples of II: in the
+    least solution each stands within II - 1 of 0 or of such a constraint, which adds separation +
+    ii * (distance + 1) per such edge and II per component. The sum is an upper bound on the
+    schedule's length.
     """
     fabric = task.fabric
-    units = ii * (len(fabric.links) + sum(pe.registers for pe in fabric.pes))
+    outputs = len(fabric.pes) if fabric.routing.open_outputs else 0
+    units = ii * (len(fabric.links) + sum(pe.registers for pe in fabric.pes) + outputs)
     edges = dependences(task.dfg, fabric)
     length = 2 * units + 2 * sum(fabric.latency(node) for node in task.dfg.placed)
     length += sum(ii * edge.distance for edge in edges)

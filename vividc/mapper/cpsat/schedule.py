@@ -19,6 +19,7 @@ from vividc.mapper.cpsat.objective import carrying_cost
 from vividc.mapper.cpsat.problem import Prepared, is_live_out, last_useful_stage, windowed
 from vividc.mapper.cpsat.run import Outcome, Search, run
 from vividc.mapper.dependences import dependences
+from vividc.mapper.distances import hop_distances, hops_a_cycle
 from vividc.mapper.problem import MapProblem
 
 
@@ -159,14 +160,26 @@ def _slots_fit_pes(model: CpModel, task: MapProblem, times: _Times, ii: int) -> 
         candidates = {node.id: frozenset(usable_pes(task, node)) for node in nodes}
         for pes in hall_sets(candidates.values()) if nodes else ():
             users = [node for node in nodes if candidates[node.id] <= pes]
-            if len(users) <= len(pes):
+            if sum(task.fabric.occupancy(node) for node in users) <= len(pes):
                 continue
             same = len({task.fabric.latency(node) for node in users}) == 1
             for slot in range(ii):
-                issued = [x for n in users for x in times.in_slot[n.id][slot]]
+                issued = _keeping_fus(task, users, times, slot, ii)
                 model.add(LinearExpr.sum(issued) <= len(pes))
                 if not same:  # else they complete as evenly as they issue
                     model.add(LinearExpr.sum(_completing(task, users, times, slot, ii)) <= len(pes))
+
+
+def _keeping_fus(
+    task: MapProblem, nodes: Iterable[Node], times: _Times, slot: int, ii: int
+) -> list[IntVar]:
+    """Literals of the nodes whose FU can issue nothing else in `slot`."""
+    return [
+        literal
+        for node in nodes
+        for cycle in range(task.fabric.occupancy(node))
+        for literal in times.in_slot[node.id][(slot - cycle) % ii]
+    ]
 
 
 def _completing(
@@ -225,12 +238,13 @@ def _streams_spare_banks(model: CpModel, task: MapProblem, ii: int, times: _Time
 def _first_reads_fit_neighbours(
     model: CpModel, task: MapProblem, starts: Mapping[int, IntVar], ii: int
 ) -> None:
-    """A word is read in its first cycle on its own PE and at the ends of that PE's links only, once
-    on each.
+    """A word is read in its first cycle on its own PE and at the ends of that PE's links only (of
+    the links that it passes in one cycle), once on each.
 
     For operations only: a live-out may be read beside an operation of the same PE.
     """
-    room = 1 + max((len(links) for links in task.fabric.links_from), default=0)
+    near = max(hops_a_cycle(task.fabric), 1)
+    room = max(sum(hops <= near for hops in row) for row in hop_distances(task.fabric))
     pairs = dict.fromkeys(
         (edge.src, edge.dst, edge.distance, edge.latency)
         for edge in dependences(task.dfg, task.fabric)

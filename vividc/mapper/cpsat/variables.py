@@ -27,6 +27,12 @@ class Variables:
     constant
         [pe, key]: the constant store of the PE keeps the entry. Only where capacity could be
         exceeded.
+    output, move
+        [word, pe, time]: the output register of the PE holds the word; its FU moves the word. Only
+        where output registers take part in routes.
+    hop
+        [word, link, time, depth]: the link is the depth-th that the word passes in the cycle before
+        `time`. Only where a word may pass several.
     stage
         Cyclic timeline only: stage of each node.
     """
@@ -38,6 +44,9 @@ class Variables:
     read: Mapping[NodeAt, IntVar]
     constant: Mapping[tuple[int, ConstantKey], IntVar]
     stage: Mapping[int, IntVar]
+    output: Mapping[NodeAt, IntVar]
+    move: Mapping[NodeAt, IntVar]
+    hop: Mapping[tuple[int, int, int, int], IntVar]
 
 
 def new_variables(model: CpModel, problem: Prepared) -> Variables:
@@ -54,7 +63,21 @@ def new_variables(model: CpModel, problem: Prepared) -> Variables:
         read=booleans("read", problem.in_registers),
         constant=_constants(model, problem),
         stage=_stages(model, problem),
+        output=booleans("output", problem.in_outputs),
+        move=booleans("move", problem.moves),
+        hop=_hops(model, problem),
     )
+
+
+def _hops(model: CpModel, problem: Prepared) -> dict[tuple[int, int, int, int], IntVar]:
+    most = problem.fabric.routing.hops
+    if most <= 1:
+        return {}
+    return {
+        (word, link, time, depth): model.new_bool_var(f"hop[{word},{link},{time},{depth}]")
+        for word, link, time in problem.on_links
+        for depth in range(1, most + 1)
+    }
 
 
 def _constants(model: CpModel, problem: Prepared) -> dict[tuple[int, ConstantKey], IntVar]:

@@ -1,78 +1,109 @@
-"""From a modulo schedule to a mapping: anneal places, negotiate routes, name registers."""
+"""From a graph to a mapping: anneal places and times, negotiate routes, name registers."""
 
 from __future__ import annotations
 
+import time
 from collections import defaultdict
+from collections.abc import Callable
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
+from vividc.arch.fabric import PE, Controller, Fabric, Scratchpad
+from vividc.dfg.ir import DFG, Node
+from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import InternalError
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import Mapping, Step
-from vividc.mapper.negotiate.anneal import Annealer
-from vividc.mapper.negotiate.route import Negotiator
+from vividc.mapper.dependences import dependences, earliest_starts
+from vividc.mapper.mapping import Mapping, Place, Step
+from vividc.mapper.mrrg import MRRG, build_mrrg
+from vividc.mapper.negotiate.anneal import Heat, anneal
+from vividc.mapper.negotiate.arrays import Task, build_task
+from vividc.mapper.negotiate.places import broken, enter, new_places
+from vividc.mapper.negotiate.repair import new_undo, repair
+from vividc.mapper.negotiate.traffic import (
+    DIRECT,
+    OVER,
+    PRESSURE,
+    new_graph,
+    new_scratch,
+    new_traffic,
+    raise_prices,
+    reprice_all,
+)
+from vividc.mapper.negotiate.ways import Router, route_round
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registers import Stay, allocate
 from vividc.mapper.verify import violations
 
-_MOVES_PER_NODE: Final = 1200
-_ROUNDS: Final = 35
-_TRIALS: Final = 5
+_MOVES_PER_NODE: Final = 8000
+_ROUNDS: Final = 30
+_REPAIRS_PER_NODE: Final = 150
+_TRIALS: Final = 2
 _NAMING_ROUNDS: Final = 12
+_HOT, _COLD = 30.0, 0.2
+_WARM, _COOL = 5.0, 1.0
+_SLICE: Final = 50_000
+_REPAIR_SLICE: Final = 400
+_HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
+_REPAIR_PRESSURE: Final = 3.0
+_MOST_CELLS: Final = 20_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How hard one try is: annealing moves a node, rounds of negotiation, and how often places are
-    changed where no routes were found.
+    """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
+    node with routes, and how often all that is tried.
     """
 
     moves: int = _MOVES_PER_NODE
     rounds: int = _ROUNDS
+    repairs: int = _REPAIRS_PER_NODE
     trials: int = _TRIALS
 
 
-def negotiate(
-    task: MapProblem,
-    ii: int,
-    start: ReadOnly[int, int],
-    seed: int,
-    deadline: Deadline,
-    effort: Effort | None = None,
-) -> Mapping | None:
-    """A mapping at `ii` near the schedule `start` (cycle of each placed node), or None.
+def prepare(tell: Callable[[str], None]) -> float:
+    """Have everything compiled; the seconds that took, nearly 0 but for the first time in a process
+    (about 1 where the machine code is on disk).
+    """
+    began = time.monotonic()
+    if not _prepared:
+        tell("annealer and router: loading, or compiling once (up to half a minute)")
+        _compile_all()
+        _prepared.append(True)
+    return time.monotonic() - began
 
-    Finding none refutes nothing. Deterministic for a seed while the deadline is not reached.
+
+_prepared: list[bool] = []
+
+
+def negotiate(
+    problem: MapProblem, ii: int, seed: int, deadline: Deadline, effort: Effort | None = None
+) -> Mapping | None:
+    """A mapping at `ii`, or None, which refutes nothing.
+
+    Deterministic for a seed while the deadline is not reached.
     """
     effort = effort or Effort()
+    nodes = tuple(node.id for node in problem.dfg.placed)
+    start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
+    if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
+        return None
     latest = max(start.values(), default=0) + ii
-    latest = min(latest, ii * task.fabric.controller.max_stages - 1)
-    annealer = Annealer(task, ii, start, latest, seed)
-    moves = effort.moves * len(start)
-    for trial in range(effort.trials):
-        if not annealer.run(moves if trial == 0 else moves // 3, deadline, warm=trial > 0):
-            return None
-        router = Negotiator(task, ii, annealer.places)
-        mapping = _routed(router, effort.rounds, deadline)
-        if mapping is not None:
-            return _checked(mapping, task)
+    latest = min(latest, ii * problem.fabric.controller.max_stages - 1)
+    if any(time > latest for time in start.values()):
+        return None
+    attempt = _Attempt(problem, ii, start, latest, seed)
+    if not attempt.fits:
+        return None
+    for _ in range(effort.trials):
+        if attempt.anneal(effort.moves * len(nodes), deadline):
+            mapping = attempt.routed(effort, deadline)
+            if mapping is not None:
+                return _checked(mapping, problem)
         if deadline.passed:
-            return None
-        annealer.loosen(router.pairs_without_way())
-    return None
-
-
-def _routed(router: Negotiator, rounds: int, deadline: Deadline) -> Mapping | None:
-    for _ in range(_NAMING_ROUNDS):
-        if not router.run(rounds, deadline):
-            return None
-        if not router.cut_long_stays():
-            continue
-        registers, crowded = _name_registers(router)
-        if not crowded:
-            return Mapping(router.ii, dict(router.places), _routes(router, registers))
-        if not all(router.market.shrink_file(pe) for pe in crowded):
             return None
     return None
 
@@ -84,37 +115,206 @@ def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
     return mapping
 
 
+def _compile_all() -> None:
+    """Call every entry point once, with one operation on one PE."""
+    compute = LatencyClass.GENERIC
+    pe = PE(0, 0, 0, frozenset({compute}), 1, 1, 1, 1)
+    controller = Controller(1, 1, 1, 1)
+    fabric = Fabric(
+        "one", 1, 1, (pe,), (), {compute: 1}, Scratchpad(4, 1), controller, clock_ghz=1.0
+    )
+    node = Node(0, Opcode.GENERIC, name="op")
+    problem = MapProblem(DFG("one", (node,), ()), fabric)
+    attempt = _Attempt(problem, 1, {0: 0}, 0, 1)
+    never = Deadline.after(3600.0)
+    attempt.anneal(1, never)
+    attempt.routed(Effort(1, 1, 1, 1), never)
+    raise_prices(attempt.traffic, 1, _HISTORY, _GROWTH, _MOST_PRESSURE)
+    attempt.traffic.totals[OVER] = 1
+    attempt._repair(1, never)
+
+
+class _Attempt:
+    """The arrays of one II and what the compiled functions do with them."""
+
+    def __init__(
+        self, problem: MapProblem, ii: int, start: ReadOnly[int, int], latest: int, seed: int
+    ) -> None:
+        self.problem, self.ii = problem, ii
+        self.mrrg: MRRG = build_mrrg(problem.fabric)
+        self.task: Task
+        self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
+        self.places = new_places(self.task, seed)
+        self._put(start)
+        self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
+        sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
+        self.room = self.cycles + min(self.cycles, 4 * ii) + 8 * sinks
+
+    @property
+    def fits(self) -> bool:
+        """Whether the work space is of a sensible size."""
+        return max(self.cycles * self.mrrg.locations, self.room * len(self.ids)) <= _MOST_CELLS
+
+    def _put(self, start: ReadOnly[int, int]) -> None:
+        nodes = self.task.nodes
+        for node, name in enumerate(self.ids):
+            first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
+            self.places.pe[node] = nodes.pe_items[first + node % (end - first)]
+            self.places.time[node] = start[name]
+            enter(nodes, self.task.array, self.places, node, 1)
+
+    def anneal(self, moves: int, deadline: Deadline) -> bool:
+        """Anneal from the start; True when nothing is broken in the end."""
+        heat = _heat(_HOT, _COLD, moves)
+        for done in range(0, moves, _SLICE):
+            if deadline.passed:
+                break
+            anneal(self.task, self.places, heat, min(_SLICE, moves - done))
+        return broken(self.task, self.places) == 0
+
+    def routed(self, effort: Effort, deadline: Deadline) -> Mapping | None:
+        """Route and name registers; where a file's words fit but have no allocation, again with
+        one register less there.
+        """
+        self.traffic = new_traffic(self.mrrg, self.task, self.room)
+        scratch = new_scratch(self.mrrg, self.cycles)
+        graph = new_graph(self.mrrg)
+        self.router = Router(graph, self.task, self.places, self.traffic, scratch)
+        for turn in range(_NAMING_ROUNDS):
+            free = self._negotiate(effort.rounds, deadline, fresh=turn == 0)
+            if not free and not self._repair(effort.repairs * len(self.ids), deadline):
+                return None
+            registers, crowded = self._name_registers()
+            if not crowded:
+                return self._mapping(registers)
+            if not all(self._shrink(pe) for pe in crowded):
+                return None
+        return None
+
+    def _negotiate(self, rounds: int, deadline: Deadline, *, fresh: bool) -> bool:
+        """Rounds of rip-up and re-route; True when nothing is crowded."""
+        traffic = self.traffic
+        for turn in range(rounds):
+            lost = route_round(self.router, fresh and turn == 0)
+            if lost or deadline.passed:
+                return False
+            if traffic.totals[OVER] == 0:
+                return True
+            raise_prices(traffic, self.ii, _HISTORY, _GROWTH, _MOST_PRESSURE)
+        return False
+
+    def _repair(self, moves: int, deadline: Deadline) -> bool:
+        """Route all afresh, then move nodes with their routes; True when nothing is crowded."""
+        traffic = self.traffic
+        traffic.history[:] = 1.0
+        traffic.totals[PRESSURE] = _REPAIR_PRESSURE
+        reprice_all(traffic, self.ii)
+        if route_round(self.router, True):
+            return False
+        undo = new_undo(self.task, traffic)
+        heat = _heat(_WARM, _COOL, moves)
+        for done in range(0, moves, _REPAIR_SLICE):
+            repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
+            if deadline.passed or traffic.totals[OVER] == 0:
+                break
+        return bool(traffic.totals[OVER] == 0)
+
+    def _shrink(self, pe: int) -> bool:
+        """Let the words of a register file do with one register less; False if it has none left."""
+        for number, resource in enumerate(self.mrrg.resources):
+            if resource.kind == "registers" and resource.index == pe:
+                slots = slice(number * self.ii, (number + 1) * self.ii)
+                if self.traffic.capacity[slots.start] <= 1:
+                    return False
+                self.traffic.capacity[slots] -= 1
+        reprice_all(self.traffic, self.ii)
+        return True
+
+    # --- from arrays to a mapping ---
+
+    def _cells(self, producer: int) -> list[tuple[int, int, int]]:
+        """(location, cycle of the producer's iteration, location before) of one word, sorted."""
+        count = self.traffic.size[producer, 0]
+        ready = self._ready(producer)
+        rows = self.traffic.cell[producer, :count].tolist()
+        return sorted((location, ready + cycle, before) for cycle, location, before in rows)
+
+    def _ready(self, producer: int) -> int:
+        return int(self.places.time[producer] + self.task.nodes.latency[producer])
+
+    def _stays(self, producer: int) -> list[tuple[int, Stay]]:
+        """(PE, stay) of a word in each register that it is in."""
+        count, ready = self.traffic.size[producer, 2], self._ready(producer)
+        cuts = {
+            (location, ready + cycle)
+            for cycle, location in self.traffic.cut[producer, :count].tolist()
+        }
+        found: list[tuple[int, Stay]] = []
+        for location, cycle, before in self._cells(producer):
+            if location < self.mrrg.links:
+                continue
+            pe = int(self.mrrg.owner[location])
+            if before == location and (location, cycle) not in cuts:
+                found[-1] = (pe, Stay(producer, found[-1][1].first, cycle))
+            else:
+                found.append((pe, Stay(producer, cycle, cycle)))
+        return found
+
+    def _name_registers(self) -> tuple[_Held, list[int]]:
+        """Registers of all stays, and the PEs whose words do not fit theirs."""
+        stays: dict[int, list[Stay]] = defaultdict(list)
+        for producer in range(len(self.ids)):
+            for pe, stay in self._stays(producer):
+                stays[pe].append(stay)
+        registers: _Held = {}
+        crowded: list[int] = []
+        for pe, here in stays.items():
+            chosen = allocate(here, self.ii, self.problem.fabric.pes[pe].registers)
+            if chosen is None:
+                crowded.append(pe)
+                continue
+            for stay, register in zip(here, chosen, strict=True):
+                for cycle in range(stay.first, stay.last + 1):
+                    registers[stay.word, pe, cycle] = register
+        return registers, crowded
+
+    def _mapping(self, registers: _Held) -> Mapping:
+        places = {
+            name: Place(int(self.places.pe[node]), int(self.places.time[node]))
+            for node, name in enumerate(self.ids)
+        }
+        routed = np.flatnonzero(self.task.edges.routed).tolist()
+        routes = {
+            index: self._route(edge, registers)
+            for (index, _), edge in zip(self.problem.dfg.routed_edges(), routed, strict=True)
+        }
+        return Mapping(self.ii, places, routes)
+
+    def _route(self, edge: int, registers: _Held) -> tuple[Step, ...]:
+        """Steps from the result to the read, found backwards through the tree."""
+        edges = self.task.edges
+        location = int(self.traffic.end[edge])
+        if location == DIRECT:
+            return ()
+        producer = int(edges.src[edge])
+        before = {(at, cycle): origin for at, cycle, origin in self._cells(producer)}
+        cycle = int(self.places.time[edges.dst[edge]] + edges.ahead[edge])
+        steps = []
+        while location >= 0:
+            pe = int(self.mrrg.owner[location])
+            if location < self.mrrg.links:
+                steps.append(Step("link", pe, location, cycle))
+            else:
+                steps.append(Step("reg", pe, registers[producer, pe, cycle], cycle))
+            location, cycle = before[location, cycle], cycle - 1
+        return tuple(reversed(steps))
+
+
+def _heat(hot: float, cold: float, moves: int) -> Heat:
+    """From hot to cold within so many moves."""
+    cooling = (cold / hot) ** (1.0 / max(moves, 1))
+    return Heat(np.array([hot]), cooling, np.zeros(2, dtype=np.int64))
+
+
 _Held = dict[tuple[int, int, int], int]
 """Register of (producer, PE, cycle)."""
-
-
-def _name_registers(router: Negotiator) -> tuple[_Held, list[int]]:
-    """Registers of all stays, and the PEs whose words do not fit theirs."""
-    stays: dict[int, list[Stay]] = defaultdict(list)
-    for pe, stay in router.stays():
-        stays[pe].append(stay)
-    registers: _Held = {}
-    crowded: list[int] = []
-    for pe, here in stays.items():
-        chosen = allocate(here, router.ii, router.fabric.pes[pe].registers)
-        if chosen is None:
-            crowded.append(pe)
-            continue
-        for stay, register in zip(here, chosen, strict=True):
-            for time in range(stay.first, stay.last + 1):
-                registers[stay.word, pe, time] = register
-    return registers, crowded
-
-
-def _routes(router: Negotiator, registers: _Held) -> dict[int, tuple[Step, ...]]:
-    routes: dict[int, tuple[Step, ...]] = {}
-    for index, edge in router.task.dfg.routed_edges():
-        steps = []
-        for time, location in router.ways[index]:
-            pe = router.at[location]
-            if location < router.links:
-                steps.append(Step("link", pe, location, time))
-            else:
-                steps.append(Step("reg", pe, registers[edge.src, pe, time], time))
-        routes[index] = tuple(steps)
-    return routes

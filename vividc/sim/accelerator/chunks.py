@@ -58,6 +58,12 @@ class Cut:
         """That of every tile."""
         return self.program.fabric.scratchpad
 
+    @property
+    def local_sizes(self) -> dict[str, int]:
+        """Bytes of the kernel's own arrays."""
+        sizes = (local.at_launch(self.inputs) for local in self.program.locals)
+        return {local.name: WORD_BYTES * local.words for local in sizes}
+
     def chunk(self, first: int, last: int) -> Chunk:
         """The chunk of these iterations."""
         parallel = self.program.parallel
@@ -171,11 +177,7 @@ def _need(cut: Cut, plan: Plan) -> int:
     more = slack(cut.scratchpad)
     resident = sum(end - start + more for start, end in plan.resident.values())
     sliced = sum(size + more for size in plan.sliced.values())
-    return resident + _locals(cut.program) + plan.copies * sliced
-
-
-def _locals(program: Program) -> int:
-    return sum(WORD_BYTES * local.words for local in program.locals)
+    return resident + sum(cut.local_sizes.values()) + plan.copies * sliced
 
 
 def _demand_fit(cut: Cut, plan: Plan, length: int) -> None:
@@ -183,6 +185,7 @@ def _demand_fit(cut: Cut, plan: Plan, length: int) -> None:
     if need <= room:
         return
     parts = [f"{name} {end - start} whole" for name, (start, end) in plan.resident.items()]
+    parts += [f"{name} {size} of its own" for name, size in cut.local_sizes.items()]
     parts += [f"{name} {size} of {cut.sizes[name]}" for name, size in plan.sliced.items()]
     if plan.copies > 1:
         parts.append("slices twice, to move while the tile computes")

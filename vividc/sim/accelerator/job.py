@@ -309,7 +309,7 @@ def _bound(
         extents[param.name] = (place.address, place.address + size)
         inputs |= _array_words(param.name, place)
         end = max(end, -(-(place.address + size) // WORD_BYTES) * WORD_BYTES)
-    for name, start, size in _locals(program, end):
+    for name, start, size in _locals(program, inputs, end):
         extents[name] = (start, start + size)
         inputs[f"&{name}"] = start
     return inputs, extents
@@ -320,8 +320,11 @@ def _array_words(name: str, place: At) -> dict[str, int]:
     return {f"&{name}": place.address, **words}
 
 
-def _locals(program: Program, end: int) -> Iterator[tuple[str, int, int]]:
+def _locals(
+    program: Program, inputs: ReadOnly[str, int], end: int
+) -> Iterator[tuple[str, int, int]]:
     """The kernel's own arrays lie behind its arguments."""
     for local in program.locals:
-        yield local.name, end, WORD_BYTES * local.words
-        end += WORD_BYTES * local.words
+        size = WORD_BYTES * local.at_launch(inputs).words
+        yield local.name, end, size
+        end += size

@@ -152,10 +152,10 @@ class _Builder:
         more = slack(self._cut.scratchpad)
         for name, (start, end) in self._plan.resident.items():
             self._places[name, 0] = self._take(end - start + more)
-        for local in self._program.locals:
-            address = self._take(WORD_BYTES * local.words)
-            self._inputs[f"&{local.name}"] = address
-            self._extents[local.name] = (address, address + WORD_BYTES * local.words)
+        for name, size in self._cut.local_sizes.items():
+            address = self._take(size)
+            self._inputs[f"&{name}"] = address
+            self._extents[name] = (address, address + size)
         for half in range(self._plan.copies):
             for name, size in self._plan.sliced.items():
                 self._places[name, half] = self._take(size + more)

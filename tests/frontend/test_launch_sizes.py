@@ -1,0 +1,91 @@
+"""Arrays whose size the launch decides, and what numba's functions raise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vividc
+from vividc.dfg.cfg import LocalArray, evaluate_formula
+from vividc.frontend import KernelFunction
+from vividc.program import Program
+
+LENGTHS = (0, 1, 2, 7, 16)
+
+
+def shifted(x, y):
+    y[:] = x + np.float32(1)
+
+
+def best(x, y):
+    y[0] = np.max(x)
+
+
+def stretched(x, n):
+    t = np.zeros(n * 3, np.float32)
+    for i in range(n):
+        t[3 * i] = x[i]
+    for i in range(n):
+        x[i] = t[i]
+
+
+def compiled(function: object, signature: str) -> Program:
+    return vividc.compile(KernelFunction(function, signature, None), time_limit_s=20.0)
+
+
+@pytest.fixture(scope="module")
+def expression() -> Program:
+    return compiled(shifted, "void(float32[::1], float32[::1])")
+
+
+def test_a_formula_is_evaluated_in_postfix_order() -> None:
+    inputs = {"n": 7, "m": 0xFFFFFFFF, "w": 5, "w.high": 1}
+    assert evaluate_formula(("u:n", 3, "*", -1, "+"), inputs) == 20
+    assert evaluate_formula(("s:m", "u:n", "max"), inputs) == 7
+    assert evaluate_formula(("u:m", "u:n", "min", 2, "//"), inputs) == 3
+    assert evaluate_formula(("s:w",), inputs) == (1 << 32) + 5
+
+
+def test_a_negative_size_is_none() -> None:
+    array = LocalArray("local0", 0, size=("s:n", 4, "*"))
+    assert array.at_launch({"n": 0xFFFFFFFF}).words == 0
+    assert array.at_launch({"n": 3}).words == 12
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_one_program_runs_on_all_lengths(expression: Program, length: int) -> None:
+    x, y = np.arange(length, dtype=np.float32), np.zeros(length, np.float32)
+    vividc.simulate(expression, x, y)
+    np.testing.assert_array_equal(y, x + 1)
+
+
+def test_the_size_survives_the_bundle(expression: Program, tmp_path: Path) -> None:
+    expression.save(tmp_path / "k.vivid")
+    again = vividc.load(tmp_path / "k.vivid")
+    assert again.locals == expression.locals
+    assert any(local.size for local in again.locals)
+
+
+def test_arrays_of_launch_size_are_refused_where_they_do_not_fit() -> None:
+    program = compiled(stretched, "void(float32[::1], int32)")
+    with pytest.raises(vividc.VividcError, match="the scratchpad has"):
+        vividc.simulate(program, np.zeros(4, np.float32), 5000)
+
+
+def test_slices_of_different_sizes_end_the_simulation(expression: Program) -> None:
+    y = np.zeros(4, np.float32)
+    with pytest.raises(vividc.VividcError, match="raises ValueError: cannot assign slice"):
+        vividc.simulate(expression, np.ones(3, np.float32), y)
+    assert not y.any()
+
+
+def test_the_largest_of_nothing_ends_the_simulation() -> None:
+    program = compiled(best, "void(float32[::1], float32[::1])")
+    y = np.zeros(1, np.float32)
+    vividc.simulate(program, np.array([1, 5, 2], np.float32), y)
+    assert y[0] == 5
+    with pytest.raises(vividc.VividcError, match="raises ValueError: zero size") as caught:
+        vividc.simulate(program, np.zeros(0, np.float32), y)
+    assert "test_launch_sizes.py" in str(caught.value)

@@ -1,0 +1,95 @@
+"""erf, erfc, the inverse hyperbolic functions and frexp of float32, in units of the last place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from tests.e2e.constructs.registry import Construct
+from tests.e2e.test_constructs import interpreted
+from vividc.frontend import KernelFunction
+
+SIGNATURE = "void(float32[::1], float32[::1])"
+EDGES = (0.0, -0.0, np.inf, -np.inf, np.nan, 1e-45, -1e-45, 1e-38, 0.5, 0.9, 1.0, -1.0, 1e8, 3e38)
+LIMITS = {"erf": 3.0, "erfc": 6.0, "asinh": 4.0, "acosh": 4.0, "atanh": 4.0}
+
+
+def erf(x, y):
+    for i in range(len(x)):
+        y[i] = math.erf(x[i])
+
+
+def erfc(x, y):
+    for i in range(len(x)):
+        y[i] = math.erfc(x[i])
+
+
+def asinh(x, y):
+    for i in range(len(x)):
+        y[i] = math.asinh(x[i])
+
+
+def acosh(x, y):
+    for i in range(len(x)):
+        y[i] = math.acosh(x[i])
+
+
+def atanh(x, y):
+    for i in range(len(x)):
+        y[i] = math.atanh(x[i])
+
+
+def frexp(x, m, e):
+    for i in range(len(x)):
+        m[i], e[i] = math.frexp(x[i])
+
+
+def points() -> np.ndarray:
+    rng = np.random.default_rng(11)
+    near = rng.uniform(-1, 1, 250)
+    wide = rng.uniform(-11, 11, 250)
+    far = rng.choice((-1.0, 1.0), 250) * 10 ** rng.uniform(-40, 38, 250)
+    return np.concatenate([EDGES, near, wide, far, 1 + 10 ** rng.uniform(-7, 5, 50)]).astype(
+        np.float32
+    )
+
+
+def exact(function: Callable[[float], float], x: np.ndarray) -> np.ndarray:
+    def value(number: float) -> float:
+        try:
+            return function(number)
+        except ValueError:
+            is_pole = function is math.atanh and abs(number) == 1
+            return math.copysign(math.inf, number) if is_pole else math.nan
+
+    return np.array([value(float(number)) for number in x])
+
+
+@pytest.mark.parametrize("kernel", [erf, erfc, asinh, acosh, atanh])
+def test_a_function_keeps_its_bound(kernel: Callable[..., None]) -> None:
+    name = kernel.__name__
+    x = points()
+    construct = Construct(KernelFunction(kernel, SIGNATURE, None), (), False)
+    y = np.zeros_like(x)
+    interpreted(construct, (x, y))
+    expected = exact(getattr(math, name), x)
+    finite = np.isfinite(expected)
+    np.testing.assert_array_equal(y[~finite], expected[~finite].astype(np.float32))
+    unit = np.spacing(np.maximum(np.abs(expected[finite]), 2.0**-126).astype(np.float32))
+    errors = np.abs(y[finite] - expected[finite]) / unit
+    # Of what is less than the least normal erfc may be 0, as exp is.
+    errors[np.abs(expected[finite]) < 2.0**-126] *= name != "erfc"
+    assert errors.max() <= LIMITS[name], (name, errors.max(), x[finite][errors.argmax()])
+
+
+def test_frexp_is_exact() -> None:
+    x = points()
+    signature = "void(float32[::1], float32[::1], int32[::1])"
+    construct = Construct(KernelFunction(frexp, signature, None), (), False)
+    m, e = np.zeros_like(x), np.zeros(len(x), np.int32)
+    interpreted(construct, (x, m, e))
+    for number, mantissa, exponent in zip(x, m, e, strict=True):
+        np.testing.assert_equal((float(mantissa), int(exponent)), math.frexp(float(number)))

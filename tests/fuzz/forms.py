@@ -1,0 +1,96 @@
+"""A function as written and after transformations: chosen, asked for, and at random."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from random import Random
+
+from vividc import arch
+from vividc.dfg.cfg import Function
+from vividc.dfg.loops import find_loops
+from vividc.dfg.pipeline import PassOptions
+from vividc.dfg.transform.refusal import Refusal
+from vividc.dfg.transform.tidy import tidy
+from vividc.planning.candidates import Candidate, Kind, State, apply
+from vividc.planning.choose import choose
+from vividc.planning.estimate import Estimator
+from vividc.planning.frequency import expected_trips
+from vividc.planning.options import TransformOptions
+
+OPTIONS = PassOptions(contract=False)
+"""Without contraction the floats must be numba's, too, bit for bit."""
+
+KINDS: tuple[Kind, ...] = ("full unrolling", "unrolling", "unroll-and-jam", "flattening")
+MOST_INSTRUCTIONS = 400
+"""No further transformation of what is larger: it would take its time and show little."""
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A function, how it came about, and the passes' options for it."""
+
+    text: str
+    function: Function
+    options: PassOptions = OPTIONS
+
+
+def forms(function: Function, seed: int, *, is_whole: bool) -> list[Form]:
+    """The function as written, and some of its transformed forms.
+
+    Parameters
+    ----------
+    seed
+        Of the choice of transformations.
+    is_whole
+        No floats: sums may be balanced, too.
+    """
+    random = Random(seed)
+    found = [Form("as written", function)]
+    kind = random.random()
+    if kind < 0.2:
+        estimator = Estimator(arch.load("vivid-tile"), OPTIONS)
+        plan = choose(function, estimator, TransformOptions())
+        found.append(Form("chosen", plan.stages[-1].state.function))
+    for _ in range(2 if kind > 0.5 else 1):
+        text, other = _at_random(function, random)
+        found += [Form(text, other)] if text else []
+    if is_whole and random.random() < 0.3:
+        options = PassOptions(contract=False, reassociate=True)
+        last = found[-1]
+        found[-1] = Form(f"{last.text}, reassociated", last.function, options)
+    return found
+
+
+def _at_random(function: Function, random: Random) -> tuple[str, Function]:
+    tidied = tidy(function)
+    state = State(tidied, expected_trips(tidied, {}))
+    names = []
+    for _ in range(4):
+        headers = sorted(loop.header for loop in find_loops(state.function))
+        if not headers or sum(len(b.instrs) for b in state.function.blocks) > MOST_INSTRUCTIONS:
+            break
+        kind = random.choice(KINDS)
+        factor = random.choice([2, 4]) if kind in ("unrolling", "unroll-and-jam") else 0
+        candidate = Candidate(kind, random.choice(headers), factor)
+        done = apply(state, candidate, expected_trips(state.function, state.hints))
+        if not isinstance(done, Refusal):
+            state = done
+            names.append(f"{kind} {candidate.header} {factor}")
+    return "; ".join(names), state.function
+
+
+def asked(source: str, seed: int) -> dict[str, object]:
+    """Random keywords of `vividc.compile` about loops."""
+    random = Random(seed)
+    if random.random() < 0.4:
+        return {"transform": random.choice(["auto", "none"])}
+    lines = [n for n, line in enumerate(source.splitlines(), 1) if line.lstrip().startswith("for ")]
+    if not lines:
+        return {"transform": "none"}
+    line = random.choice(lines)
+    choices: list[dict[str, object]] = [
+        {"unroll": {line: random.choice([2, 4])}},
+        {"jam": {line: 2}},
+        {"flatten": {line: True}},
+    ]
+    return {"transform": random.choice(["auto", "none"]), **random.choice(choices)}

@@ -1,0 +1,49 @@
+"""Random kernels that once failed, shrunk."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.fuzz.witnesses import judge
+
+
+def test_a_base_address_may_be_a_variable_of_a_loop_in_blocks(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'a': ('M', 'K')}
+FIXED = True
+
+@kernel('uint32(float32[:, ::1], uint32)')
+def program(a, m):
+    k = 0
+    own = np.zeros(16, np.int32)
+    for i1 in range(4):
+        w2 = 0
+        while w2 < a.shape[1] and np.int64(np.uint32(np.uint32(i1) + np.uint32(np.int64(m)))) > i1:
+            w2 += 1
+            a[7 - w2 & 7, -1 - (w2 - 1)], a[k & 7, w2 - 1] = (0, 0)
+    return np.uint32(own[5] | np.int64(m))
+"""
+    verdict = judge(source, 20174, tmp_path, simulate="blocks")
+    assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_row_may_be_skipped_on_a_choice_from_a_tuple(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SMALL = (7, 0, 12, 5)
+SHAPES = {'c': ('L', 'M')}
+FIXED = True
+
+@kernel('int16(uint16[:, ::1], int32)')
+def program(c, n):
+    for i2, e1 in enumerate(c):
+        if SMALL[(n + i2) & 3]:
+            continue
+        e1[2] ^= np.uint16(1)
+    return np.int16(0)
+"""
+    verdict = judge(source, 20034, tmp_path)
+    assert verdict.kind == "agrees", verdict.text

@@ -1,0 +1,65 @@
+"""The MRRG of a fabric says what `docs/machine.md` says."""
+
+from __future__ import annotations
+
+import pytest
+from tiny_fabrics import tiny_fabric
+
+from vividc.arch import load
+from vividc.mapper.distances import FAR, hop_distances
+from vividc.mapper.mrrg import MRRG, NONE, build_mrrg, reach
+
+
+def _named(graph: MRRG, origin: int, target: int) -> list[tuple[str, int, int]]:
+    return [
+        (graph.resources[resource].kind, graph.resources[resource].index, when)
+        for resource, when in graph.claims(origin, target)
+    ]
+
+
+def test_a_pair_of_pes_with_a_link_each_way() -> None:
+    graph = build_mrrg(tiny_fabric(1, 2, registers=3, read_ports=2))
+    assert graph.locations == 4
+    assert [(r.kind, r.index, r.capacity) for r in graph.resources] == [
+        ("link", 0, 1),
+        ("link", 1, 1),
+        ("registers", 0, 3),
+        ("registers", 1, 3),
+        ("read ports", 0, 2),
+        ("read ports", 1, 2),
+        ("write ports", 0, 1),
+        ("write ports", 1, 1),
+    ]
+    assert graph.owner.tolist() == [1, 0, 0, 1]
+    assert [graph.entries[pe] for pe in range(2)] == [[0, 2], [1, 3]]
+    assert [graph.moves[at] for at in range(4)] == [[1, 3], [0, 2], [0, 2], [1, 3]]
+    assert [graph.readers[at] for at in range(4)] == [[1], [0], [0], [1]]
+
+
+def test_claims_of_moves() -> None:
+    graph = build_mrrg(tiny_fabric(1, 2))
+    assert _named(graph, NONE, 0) == [("link", 0, 1)]
+    assert _named(graph, NONE, 2) == [("write ports", 0, 0), ("registers", 0, 1)]
+    assert _named(graph, 2, 2) == [("registers", 0, 1)]
+    assert _named(graph, 2, 0) == [("read ports", 0, 0), ("link", 0, 1)]
+    assert _named(graph, 0, 3) == [("write ports", 1, 0), ("registers", 1, 1)]
+
+
+def test_links_alone_where_there_are_no_registers() -> None:
+    graph = build_mrrg(tiny_fabric(1, 3, registers=0, read_ports=0, write_ports=0))
+    assert graph.locations == graph.links == 4
+    assert graph.leaving.tolist() == [NONE] * 4
+    assert reach(graph, 3).tolist() == [[0, 0, 1], [0, 0, 0], [1, 0, 0]]
+
+
+@pytest.mark.parametrize("name", ["vivid-tile", "vivid-tile-unit"])
+def test_a_word_needs_a_cycle_less_than_hops(name: str) -> None:
+    fabric = load(name)
+    cycles = reach(build_mrrg(fabric), len(fabric.pes))
+    for row, hops in zip(cycles.tolist(), hop_distances(fabric), strict=True):
+        assert row == [max(hop - 1, 0) for hop in hops]
+
+
+def test_what_no_link_leads_to_is_out_of_reach() -> None:
+    fabric = tiny_fabric(1, 3, links=((0, 1),))
+    assert reach(build_mrrg(fabric), 3).tolist() == [[0, 0, FAR], [FAR, 0, FAR], [FAR, FAR, 0]]

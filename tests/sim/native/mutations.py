@@ -1,0 +1,46 @@
+"""Programs with a few fields changed at random: most break a rule of the machine, or nearly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+import numpy as np
+
+from vividc.program import Program, RegionRow, word_layout
+from vividc.program.layout import WORD_BITS, Field
+
+
+def mutated(program: Program, random: Random) -> Program:
+    """The program with one to three configuration fields changed, and sometimes a table row."""
+    words = program.words.copy()
+    for _ in range(random.choice([1, 1, 2, 3])):
+        context, pe = random.randrange(words.shape[0]), random.randrange(words.shape[1])
+        field = random.choice(word_layout(program.fabric).fields)
+        words[context, pe] = _changed(words[context, pe], field, random)
+    table = list(program.table)
+    if random.random() < 0.15:
+        index = random.randrange(len(table))
+        table[index] = _changed_row(table[index], len(table), random)
+    return replace(program, words=words, table=tuple(table))
+
+
+def _changed(words: np.ndarray, field: Field, random: Random) -> list[int]:
+    bits = sum(int(word) << WORD_BITS * k for k, word in enumerate(words))
+    old = bits >> field.offset & field.limit - 1
+    new = random.randrange(field.limit)
+    if random.random() < 0.3:
+        new = old ^ 1 << random.randrange(field.width)
+    bits += (new - old) << field.offset
+    return [bits >> WORD_BITS * k & 0xFFFFFFFF for k in range(len(words))]
+
+
+def _changed_row(row: RegionRow, rows: int, random: Random) -> RegionRow:
+    kind = random.randrange(4)
+    if kind == 0 and row.kind == "loop":
+        return replace(row, span=max(1, row.span + random.randrange(-3, 4)))
+    if kind == 1 and row.kind == "loop" and row.has_exit:
+        return replace(row, counted=not row.counted)
+    if kind == 2:
+        return replace(row, next=random.choice([None, *range(rows)]))
+    return row

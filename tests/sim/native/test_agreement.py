@@ -1,0 +1,140 @@
+"""The native engine gives what the reference engine gives: memory, time, every count, errors."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from tests.dfg.programs import WORDS, programs
+from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
+from tests.sim.native.agreement import assert_engines_agree, launch
+from tests.sim.native.mutations import mutated
+from tests.sim.test_against_interpreter import FABRICS, compiled
+from vividc.errors import BundleError
+from vividc.program import Program
+from vividc.sim import Launch
+
+
+def floats(count: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).standard_normal(count).astype(np.float32)
+
+
+@pytest.mark.parametrize("n", [-1, 0, 1, 2, 3, 4, 5, 100])
+def test_counted_loops(n: int) -> None:
+    x, y = floats(max(n, 1)), floats(max(n, 1), 1)
+    program = saxpy(fabric())
+    assert_engines_agree(program, launch(program, x, y, n))
+    program = dot(fabric(latencies="{fma: 4}"))
+    assert_engines_agree(program, launch(program, x, y, n))
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_exits_everywhere(counted: bool) -> None:
+    program = find(fabric(), counted=counted)
+    x, y = np.arange(100, 116, dtype=np.int32), np.zeros(16, np.int32)
+    trips = range(-1, 18) if counted else [0]
+    keys = [*range(100, 116), 7]
+    launches = [
+        launch(program, x, y, *((key, n) if counted else (key,)), cycle_limit=1000)
+        for n in trips
+        for key in keys
+    ]
+    assert_engines_agree(program, *launches)
+
+
+@pytest.mark.parametrize("counted", [False, True])
+def test_speculation_past_the_end_of_an_array(counted: bool) -> None:
+    program = find(fabric(scratchpad="{size_bytes: 128, banks: 4}"), counted=counted)
+    x, y = np.arange(100, 128, dtype=np.int32), np.zeros(4, np.int32)
+    n = (40,) if counted else ()
+    assert_engines_agree(program, *(launch(program, x, y, k, *n) for k in (100, 103, 104, 127, 9)))
+    x, y = np.arange(4, dtype=np.int32), np.zeros(28, np.int32)
+    assert_engines_agree(program, *(launch(program, x, y, k, *n) for k in (0, 2, 3, 4)))
+
+
+def test_faults_of_accesses() -> None:
+    program = saxpy(fabric())
+    assert_engines_agree(program, *(launch(program, floats(n), floats(8), 8) for n in range(1, 9)))
+
+
+@pytest.mark.parametrize("distance", [1, 8, 16])
+def test_bank_conflicts_and_predicates(distance: int) -> None:
+    program = pairs(fabric(), distance)
+    x = np.arange(10 + distance, dtype=np.int32)
+    assert_engines_agree(program, launch(program, x, np.zeros(10, np.int32), 10))
+    program = positive(fabric())
+    x = np.array([3, -1, 0, 2, -5], np.int32)
+    assert_engines_agree(program, launch(program, x, np.full(5, 9, np.int32), 5))
+
+
+@pytest.mark.parametrize("limit", range(0, 60, 3))
+def test_cycle_limits(limit: int) -> None:
+    program = dot(fabric(latencies="{fma: 4}"))
+    assert_engines_agree(program, launch(program, floats(9), floats(9), 9, cycle_limit=limit))
+    program = find(fabric())
+    x, y = np.arange(16, dtype=np.int32), np.zeros(16, np.int32)
+    assert_engines_agree(program, launch(program, x, y, 99, cycle_limit=limit))
+
+
+def test_branches() -> None:
+    program = choose(fabric())
+    assert_engines_agree(program, *(launch(program, n) for n in (-5, 0, 3, 99)))
+
+
+@pytest.mark.parametrize("name", sorted(FABRICS))
+@settings(max_examples=12, deadline=None, derandomize=True)
+@given(programs())
+def test_random_programs(name: str, source: tuple[object, ...]) -> None:
+    program, _ = compiled(source, FABRICS[name])
+    assert_engines_agree(program, launch(program, np.arange(WORDS, dtype=np.int32)))
+
+
+def samples() -> list[tuple[Program, Launch]]:
+    x, y = np.arange(100, 116, dtype=np.int32), np.zeros(16, np.int32)
+    found = [
+        (saxpy(fabric()), (floats(9), floats(9), 9)),
+        (dot(fabric(latencies="{fma: 4}")), (floats(6), floats(6), 6)),
+        (find(fabric()), (x, y, 107)),
+        (find(fabric(), counted=True), (x, y, 109, 12)),
+        (positive(fabric()), (x, y, 16)),
+        (pairs(fabric(), 8), (x, np.zeros(8, np.int32), 8)),
+        (choose(fabric()), (3,)),
+    ]
+    return [(program, launch(program, *args, cycle_limit=2000)) for program, args in found]
+
+
+def assert_mutants_agree(seed: int, count: int) -> None:
+    random = Random(seed)
+    originals = samples()
+    done = 0
+    while done < count:
+        program, given_launch = random.choice(originals)
+        mutant = mutated(program, random)
+        try:
+            mutant.entries  # noqa: B018 - decoding tells whether a PE can do it
+        except BundleError:
+            continue
+        assert_engines_agree(mutant, given_launch)
+        done += 1
+
+
+def test_programs_with_changed_words() -> None:
+    assert_mutants_agree(seed=1, count=60)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_many_programs_with_changed_words(seed: int) -> None:
+    assert_mutants_agree(seed, count=1_000)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(FABRICS))
+@settings(max_examples=400, deadline=None)
+@given(programs())
+def test_many_random_programs(name: str, source: tuple[object, ...]) -> None:
+    program, _ = compiled(source, FABRICS[name])
+    assert_engines_agree(program, launch(program, np.arange(WORDS, dtype=np.int32)))

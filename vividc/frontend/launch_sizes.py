@@ -1,0 +1,122 @@
+"""Sizes that are known at launch: an upper bound of an integer as a formula over launch inputs.
+
+An array of the kernel's own whose size follows from shapes and scalar parameters gets its place
+when the program is launched. The bound is exact for sums and products of them; of a choice it is
+the larger branch, of a difference the smaller subtrahend that the ranges prove.
+"""
+
+from __future__ import annotations
+
+from vividc.dfg.cfg import MAX_DIMENSION, Formula
+from vividc.frontend.ranges import Ranges
+from vividc.frontend.ssa import Int, Local, Op, Operand, WideFunction, WidePhi
+
+_LARGEST = 1 << 31
+_ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv"})
+"""What gives its operand, or less of one that is not negative."""
+_FEW = 1 << 10
+"""A constant bound is taken where there is no other up to here."""
+_DEPTH = 24
+_LONGEST = 200
+
+
+class LaunchSizes:
+    """Upper bounds of a function's integers."""
+
+    def __init__(self, function: WideFunction) -> None:
+        self._definitions = function.definitions
+        self._params = dict(function.params)
+        bounds = {name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name}
+        self._ranges = Ranges(function, bounds)
+        headers = self._ranges.flow.loops
+        self._counters = {phi.name for name in headers for phi in function.by_name[name].phis}
+
+    def bound(self, operand: Operand, block: str) -> Formula | None:
+        """What `operand` is at most while `block` runs; None: nothing known at launch bounds it."""
+        formula = self._bound(operand, block, False, _DEPTH)
+        return None if formula is None or len(formula) > _LONGEST else formula
+
+    def _bound(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+        formula = self._formula(operand, block, signed, depth)
+        if formula is None and depth:
+            high = self._ranges.at(operand, block)[1]
+            return (high,) if high <= _FEW else None
+        return formula
+
+    def _formula(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+        if isinstance(operand, Int):
+            return (operand.value,)
+        if not isinstance(operand, Local) or not depth or operand.name in self._counters:
+            return None
+        if operand.name in self._params:
+            wide = self._params[operand.name] == "i64"
+            return (("s:" if signed or wide else "u:") + operand.name,)
+        definition = self._definitions.get(operand.name)
+        if isinstance(definition, WidePhi):
+            values = [value for _, value in definition.incoming]
+            return self._all("max", values, block, depth)
+        if isinstance(definition, Op):
+            return self._of(definition, block, depth)
+        return None
+
+    def _of(self, op: Op, block: str, depth: int) -> Formula | None:
+        if op.source == "i1":
+            return (0,) if op.op == "sext" else (1,)
+        if op.op in _ALIASES:
+            return self._bound(op.args[0], block, op.op == "sext", depth - 1)
+        rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
+        rules |= {"add": self._sum, "or": self._sum, "select": self._choice, "call": self._call}
+        rule = rules.get(op.op)
+        return None if rule is None else rule(op, block, depth)
+
+    def _sum(self, op: Op, block: str, depth: int) -> Formula | None:
+        """A sum; of a disjunction with a constant the sum is a bound."""
+        right = op.args[1]
+        if op.op == "or" and not (isinstance(right, Int) and right.value >= 0):
+            return None
+        return self._all("+", op.args, block, depth)
+
+    def _difference(self, op: Op, block: str, depth: int) -> Formula | None:
+        low = self._ranges.at(op.args[1], block)[0]
+        left = self._bound(op.args[0], block, False, depth - 1)
+        return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
+
+    def _choice(self, op: Op, block: str, depth: int) -> Formula | None:
+        return self._all("max", op.args[1:], block, depth)
+
+    def _call(self, op: Op, block: str, depth: int) -> Formula | None:
+        if op.pred.startswith(("llvm.smax", "llvm.umax")):
+            return self._all("max", op.args, block, depth)
+        if op.pred.startswith(("llvm.smin", "llvm.umin")):
+            known = [self._bound(arg, block, False, depth - 1) for arg in op.args]
+            one, other = known
+            if one is None or other is None:
+                return one or other
+            return (*one, *other, "min")
+        return None
+
+    def _product(self, op: Op, block: str, depth: int) -> Formula | None:
+        left, right = op.args
+        if op.op == "shl":
+            if not isinstance(right, Int):
+                return None
+            right = Int(1 << right.value)
+        one, other = (self._bound(arg, block, False, depth - 1) for arg in (left, right))
+        if one is None or other is None:
+            return None
+        scaled = isinstance(right, Int) and right.value > 0
+        exact = all(len(factor) == 1 and isinstance(factor[0], str) for factor in (one, other))
+        if scaled or exact or all(self._ranges.at(arg, block)[0] >= 0 for arg in (left, right)):
+            return (*one, *other, "*")
+        return None
+
+    def _all(
+        self, operator: str, operands: list[Operand] | tuple[Operand, ...], block: str, depth: int
+    ) -> Formula | None:
+        formula: Formula = ()
+        for operand in operands:
+            bound = self._bound(operand, block, False, depth - 1)
+            if bound is None:
+                return None
+            formula = (*formula, *bound, operator) if formula else bound
+        return formula

@@ -1,0 +1,141 @@
+"""`np.dot`, `@` and `np.vdot` as loops: numba hands them to BLAS, which the array has not.
+
+For the host ours stand in where numba's cannot work, without scipy.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba.core import types
+from numba.extending import overload
+
+_TARGET = "vividc" if importlib.util.find_spec("scipy") is not None else "cpu"
+_overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = functools.partial(
+    overload, target=_TARGET
+)
+_SIZES = "incompatible array sizes for a product"
+
+
+def _product(a: Any, b: Any) -> Callable[..., Any] | None:
+    """The product of two arrays of floats; None: not one that numba has."""
+    if not isinstance(a, types.Array) or not isinstance(b, types.Array):
+        return None
+    if a.dtype != b.dtype or not isinstance(a.dtype, types.Float):
+        return None
+    return {(1, 1): _inner, (2, 1): _matrix_vector, (1, 2): _vector_matrix, (2, 2): _matrices}.get(
+        (a.ndim, b.ndim)
+    )
+
+
+def _inner(a: Any, b: Any) -> Any:
+    if a.shape[0] != b.shape[0]:
+        raise ValueError(_SIZES)
+    total = a.dtype.type(0)
+    for i in range(a.shape[0]):
+        total += a[i] * b[i]
+    return total
+
+
+def _matrix_vector(a: Any, b: Any) -> Any:
+    if a.shape[1] != b.shape[0]:
+        raise ValueError(_SIZES)
+    out = np.empty(a.shape[0], a.dtype)
+    for i in range(a.shape[0]):
+        total = a.dtype.type(0)
+        for k in range(a.shape[1]):
+            total += a[i, k] * b[k]
+        out[i] = total
+    return out
+
+
+def _vector_matrix(a: Any, b: Any) -> Any:
+    if a.shape[0] != b.shape[0]:
+        raise ValueError(_SIZES)
+    out = np.empty(b.shape[1], a.dtype)
+    for j in range(b.shape[1]):
+        total = a.dtype.type(0)
+        for k in range(a.shape[0]):
+            total += a[k] * b[k, j]
+        out[j] = total
+    return out
+
+
+def _matrices(a: Any, b: Any) -> Any:
+    if a.shape[1] != b.shape[0]:
+        raise ValueError(_SIZES)
+    out = np.empty((a.shape[0], b.shape[1]), a.dtype)
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            total = a.dtype.type(0)
+            for k in range(a.shape[1]):
+                total += a[i, k] * b[k, j]
+            out[i, j] = total
+    return out
+
+
+@_overload(np.dot)
+def _overload_dot(a: Any, b: Any) -> Any:
+    return _product(a, b)
+
+
+@_overload(operator.matmul)
+def _overload_matmul(a: Any, b: Any) -> Any:
+    return _product(a, b)
+
+
+@_overload(np.vdot)
+def _overload_vdot(a: Any, b: Any) -> Any:
+    both = isinstance(a, types.Array) and isinstance(b, types.Array) and a.ndim == b.ndim == 1
+    return _product(a, b) if both else None
+
+
+@_overload(np.dot)
+def _overload_dot_into(a: Any, b: Any, out: Any) -> Any:
+    product = _product(a, b)
+    if product is None or not isinstance(out, types.Array) or out.dtype != a.dtype:
+        return None
+    if product not in (_matrices, _matrix_vector, _vector_matrix):
+        return None
+    if product is _matrices:
+        return _matrices_into
+    return _matrix_vector_into if product is _matrix_vector else _vector_matrix_into
+
+
+def _matrices_into(a: Any, b: Any, out: Any) -> Any:
+    if a.shape[1] != b.shape[0] or out.shape != (a.shape[0], b.shape[1]):
+        raise ValueError(_SIZES)
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            total = a.dtype.type(0)
+            for k in range(a.shape[1]):
+                total += a[i, k] * b[k, j]
+            out[i, j] = total
+    return out
+
+
+def _matrix_vector_into(a: Any, b: Any, out: Any) -> Any:
+    if a.shape[1] != b.shape[0] or out.shape[0] != a.shape[0]:
+        raise ValueError(_SIZES)
+    for i in range(a.shape[0]):
+        total = a.dtype.type(0)
+        for k in range(a.shape[1]):
+            total += a[i, k] * b[k]
+        out[i] = total
+    return out
+
+
+def _vector_matrix_into(a: Any, b: Any, out: Any) -> Any:
+    if a.shape[0] != b.shape[0] or out.shape[0] != b.shape[1]:
+        raise ValueError(_SIZES)
+    for j in range(b.shape[1]):
+        total = a.dtype.type(0)
+        for k in range(a.shape[0]):
+            total += a[k] * b[k, j]
+        out[j] = total
+    return out

@@ -1,0 +1,61 @@
+"""One search over IIs: what was mapped, what was refuted, what is open."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from vividc.mapper.attempt import Attempt
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import MapRequest
+
+Strategy = Callable[[MapProblem, int, MapRequest, Deadline, int], Attempt]
+"""(problem, II, request, deadline of this try, number of earlier tries of this II)."""
+
+
+@dataclass
+class Campaign:
+    """State of one search over IIs; `began`, `improved`: when it began and when the best was found,
+    in seconds of the monotonic clock.
+    """
+
+    problem: MapProblem
+    request: MapRequest
+    strategy: Strategy
+    lower: int
+    best: Mapping | None = None
+    refuted: dict[int, str] = field(default_factory=dict)
+    tries: dict[int, int] = field(default_factory=dict)
+    began: float = field(default_factory=time.monotonic)
+    improved: float = field(default_factory=time.monotonic)
+
+    def try_ii(self, ii: int, deadline: Deadline) -> Attempt:
+        """One more try of `ii`; keeps what it found."""
+        count = self.tries.get(ii, 0)
+        attempt = self.strategy(self.problem, ii, self.request, deadline, count)
+        self.note(ii, attempt)
+        return attempt
+
+    def note(self, ii: int, attempt: Attempt) -> None:
+        """Keep what a try of `ii` found; a mapping no better than the best is dropped."""
+        self.tries[ii] = self.tries.get(ii, 0) + 1
+        if attempt.refuted_by is not None:
+            self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
+            self.refuted[ii] = attempt.refuted_by
+            self._raise_lower()
+        if attempt.mapping is not None and (self.best is None or ii < self.best.ii):
+            self.request.tell(f"II {ii}: mapped")
+            self.best = attempt.mapping
+            self.improved = time.monotonic()
+
+    def open_iis(self) -> list[int]:
+        """IIs that are neither refuted nor worse than the best."""
+        end = self.lower if self.best is None else self.best.ii
+        return [ii for ii in range(self.lower, end) if ii not in self.refuted]
+
+    def _raise_lower(self) -> None:
+        while self.lower in self.refuted:
+            self.lower += 1

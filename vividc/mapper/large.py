@@ -1,0 +1,118 @@
+"""Large graphs: some mapping soon, then smaller IIs by negotiation, then proofs for what is left.
+
+Each step has a fixed effort and a fixed seed, and a deadline only cuts the sequence off: a longer
+time limit goes the same way farther. The limit does not count the one compilation of the annealer.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from vividc.mapper.attempt import Attempt, map_negotiated, refute_cheaply
+from vividc.mapper.campaign import Campaign
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.negotiate import Effort, prepare
+from vividc.mapper.request import MapRequest
+
+_QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1)
+_FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
+_PROOF_S: Final = 2.0
+_SEEDS: Final = 3
+_NEAR: Final = 1
+_PATIENCE_LEAST_S, _PATIENCE_FACTOR = 4.0, 3.0
+
+
+def prepared(request: MapRequest) -> MapRequest:
+    """The request with the annealer compiled, and a deadline later by the time that took."""
+    spent_s = prepare(request.tell)
+    return replace(request, deadline=Deadline(request.deadline.at + spent_s))
+
+
+def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False) -> None:
+    """Find the least II that negotiation and the campaign's strategy reach in time.
+
+    A thrifty request stops when the best is within 1 of the bound and as much time again as three
+    times what it took to come there, 4 s at least, has brought nothing: closing such a gap takes a
+    proof that rarely ends.
+    """
+    _gain_foothold(campaign, limit)
+    if campaign.best is None or only_footholds:
+        return
+    _bisect(campaign)
+    _raise_bound(campaign)
+    _insist(campaign)
+
+
+def _negotiate(campaign: Campaign, ii: int, seed: int, effort: Effort) -> Attempt:
+    request = campaign.request
+    found = map_negotiated(campaign.problem, ii, request, _limit(campaign), seed, effort)
+    campaign.note(ii, found)
+    return found
+
+
+def _gain_foothold(campaign: Campaign, limit: int) -> None:
+    """A mapping a quarter above the bound, or farther above it."""
+    ii = math.ceil(_FIRST_FACTOR * campaign.lower)
+    while not campaign.request.deadline.passed:
+        ii = min(ii, limit)
+        if _negotiate(campaign, ii, 1, _QUICK).mapping is not None or ii == limit:
+            return
+        ii = math.ceil(_NEXT_FACTOR * ii)
+
+
+def _bisect(campaign: Campaign) -> None:
+    """Halve what is open below the best, as if all above an II that fails would map."""
+    low = campaign.lower
+    while campaign.best is not None and low < campaign.best.ii:
+        if campaign.request.deadline.passed:
+            return
+        middle = (low + campaign.best.ii) // 2
+        if _negotiate(campaign, middle, 1, Effort()).mapping is None:
+            low = middle + 1
+
+
+def _raise_bound(campaign: Campaign) -> None:
+    """Refute from below while that is easy."""
+    deadline = campaign.request.deadline
+    while campaign.open_iis():
+        before = campaign.lower
+        budget = deadline.within(_PROOF_S)
+        campaign.note(before, refute_cheaply(campaign.problem, before, campaign.request, budget))
+        if campaign.lower == before:
+            return
+
+
+def _insist(campaign: Campaign) -> None:
+    """The IIs just below the best, with other seeds and more effort each round, and the campaign's
+    own strategy.
+    """
+    turn = 0
+    while campaign.open_iis() and not _is_enough(campaign):
+        ii = campaign.open_iis()[-1]
+        turn += 1
+        effort = Effort(moves=Effort().moves * (1 + turn // 2), repairs=Effort().repairs * turn)
+        if any(
+            _negotiate(campaign, ii, _SEEDS * turn + seed, effort).mapping
+            for seed in range(_SEEDS)
+            if not _is_enough(campaign)
+        ):
+            turn = 0
+            continue
+        budget_s = _PROOF_S * 2**turn
+        campaign.try_ii(campaign.open_iis()[0], _limit(campaign).within(budget_s))
+
+
+def _is_enough(campaign: Campaign) -> bool:
+    return _limit(campaign).passed
+
+
+def _limit(campaign: Campaign) -> Deadline:
+    """The deadline, which a thrifty request brings forward when the gap is small."""
+    request, best = campaign.request, campaign.best
+    if not request.thrifty or best is None or best.ii - campaign.lower > _NEAR:
+        return request.deadline
+    reached_s = campaign.improved - campaign.began
+    patience_s = max(_PATIENCE_LEAST_S, _PATIENCE_FACTOR * reached_s)
+    return Deadline(min(request.deadline.at, campaign.improved + patience_s))

@@ -1,0 +1,153 @@
+"""Places and times of all nodes, and what they claim: compiled functions over `Places`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vividc.mapper.mrrg import Ints
+from vividc.mapper.negotiate.arrays import (
+    CONTROL,
+    FU,
+    MEMORY,
+    Array,
+    Edges,
+    Nodes,
+    Task,
+)
+from vividc.mapper.negotiate.compiled import compiled
+
+
+class Places(NamedTuple):
+    """The state: `pe` and `time` of each node; `counts` of claims: issue, completion and live-out
+    slots by PE, then banks and controller by slot; `at`: a node that issues in a slot, or -1;
+    `held` and `stored`: uses of constant-store entries by PE; `random`: one int64.
+    """
+
+    pe: Ints
+    time: Ints
+    counts: Ints
+    at: Ints
+    held: Ints
+    stored: Ints
+    random: Ints
+
+
+def new_places(task: Task, seed: int) -> Places:
+    """Nothing is placed yet: PE -1."""
+    count, array = len(task.nodes.latency), task.array
+    grid = array.pes * array.ii
+    return Places(
+        np.full(count, -1, dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
+        np.zeros(3 * grid + 2 * array.ii, dtype=np.int64),
+        np.full(grid, -1, dtype=np.int64),
+        array.held.copy(),
+        array.stored.copy(),
+        np.array([seed * 2_654_435_769 + 1], dtype=np.int64),
+    )
+
+
+@compiled
+def draw(random: Ints, below: int) -> int:
+    """The next number of a 64-bit linear congruential generator (Knuth), in 0 .. below - 1."""
+    random[0] = random[0] * 6364136223846793005 + 1442695040888963407
+    return int((random[0] >> 33) & 0x3FFFFFFF) % below
+
+
+@compiled
+def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> None:
+    """Add `by` (1 or -1) to all that `node` claims where it is."""
+    ii, grid = array.ii, array.pes * array.ii
+    pe = places.pe[node]
+    row, slot = pe * ii, places.time[node] % ii
+    kind = nodes.kind[node]
+    if kind & FU:
+        done = (places.time[node] + nodes.latency[node] - 1) % ii
+        places.counts[row + slot] += by
+        places.counts[grid + row + done] += by
+        if by > 0:
+            places.at[row + slot] = node
+        elif places.at[row + slot] == node:
+            places.at[row + slot] = -1
+        if kind & MEMORY:
+            places.counts[3 * grid + slot] += by
+        if kind & CONTROL:
+            places.counts[3 * grid + ii + done] += by
+    else:
+        places.counts[2 * grid + row + slot] += by
+    for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
+        key = nodes.key_items[at]
+        old = places.held[pe, key]
+        places.held[pe, key] = old + by
+        if old == 0:
+            places.stored[pe] += 1
+        elif old + by == 0:
+            places.stored[pe] -= 1
+
+
+@compiled
+def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
+    """Claims beyond capacity in the slots and the store that `node`, entered, claims."""
+    ii, grid = array.ii, array.pes * array.ii
+    pe = places.pe[node]
+    row, slot = pe * ii, places.time[node] % ii
+    kind = nodes.kind[node]
+    over = max(0, places.stored[pe] - array.room[pe])
+    if kind & FU:
+        done = (places.time[node] + nodes.latency[node] - 1) % ii
+        over += places.counts[row + slot] - 1 + places.counts[grid + row + done] - 1
+        if kind & MEMORY:
+            over += max(0, places.counts[3 * grid + slot] - array.banks)
+        if kind & CONTROL:
+            over += places.counts[3 * grid + ii + done] - 1
+    else:
+        over += places.counts[2 * grid + row + slot] - 1
+    return int(over)
+
+
+@compiled
+def broken(task: Task, places: Places) -> int:
+    """How much is wrong: claims beyond capacity and cycles that words or nodes come too early."""
+    nodes, edges, array = task
+    wrong = 0
+    for node in range(len(nodes.latency)):
+        wrong += excess(nodes, array, places, node)
+    for edge in range(len(edges.src)):
+        wrong += early(edges, array, places, edge)
+    return wrong
+
+
+@compiled
+def early(edges: Edges, array: Array, places: Places, edge: int) -> int:
+    """Cycles by which the end of an edge comes too early for its beginning."""
+    src, dst = edges.src[edge], edges.dst[edge]
+    gap = places.time[dst] - places.time[src]
+    if edges.routed[edge]:
+        return int(max(0, edges.ready[edge] + array.reach[places.pe[src], places.pe[dst]] - gap))
+    return int(max(0, edges.shift[edge] - gap))
+
+
+@compiled
+def window(edges: Edges, array: Array, places: Places, node: int, result: Ints) -> None:
+    """First and last time that keep all dependences as the other nodes lie, into `result`.
+
+    Without a limit on one side, II times are enough: they are all the slots.
+    """
+    first, last = 0, array.latest
+    free_below, free_above = True, True
+    for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+        edge = edges.of_items[at]
+        src, dst = edges.src[edge], edges.dst[edge]
+        if dst == node:
+            first = max(first, places.time[src] + edges.shift[edge])
+            free_below = False
+        else:
+            last = min(last, places.time[dst] - edges.shift[edge])
+            free_above = False
+    if free_above and not free_below:
+        last = min(last, first + array.ii + 1)
+    if free_below and not free_above:
+        first = max(first, last - array.ii - 1)
+    result[0], result[1] = first, last

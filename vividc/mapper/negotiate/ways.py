@@ -1,0 +1,280 @@
+"""Ways of words through the MRRG: a dynamic program over cycles, and the tree that its ways form.
+
+A word has one tree, from its result to all its reads; what is in the tree costs nothing more.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from vividc.mapper.negotiate.arrays import Task
+from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.places import Places
+from vividc.mapper.negotiate.traffic import (
+    DIRECT,
+    IN_TREE,
+    READ,
+    Graph,
+    Scratch,
+    Traffic,
+    claim,
+    crowds,
+    rip_up,
+)
+
+_FAR = 1e30
+_NO_WAY, _PART, _WHOLE = 0, 1, 2
+
+
+class Router(NamedTuple):
+    """All that routing reads and writes."""
+
+    graph: Graph
+    task: Task
+    places: Places
+    traffic: Traffic
+    scratch: Scratch
+
+
+class Aim(NamedTuple):
+    """One read of a word: `ready`: cycle of the result; `cycles`: from then to the read, on PE
+    `target`.
+    """
+
+    producer: int
+    ready: int
+    edge: int
+    cycles: int
+    target: int
+
+
+@compiled
+def route_round(router: Router, everything: bool) -> int:
+    """Rip up and route all words, or those that crowd others; returns how many have no way."""
+    lost = 0
+    for producer in range(len(router.task.nodes.latency)):
+        if everything or crowds(router.traffic, producer):
+            rip_up(router.traffic, router.task.array.ii, producer)
+            if not route(router, producer):
+                lost += 1
+    return lost
+
+
+@compiled
+def route(router: Router, producer: int) -> bool:
+    """Find ways for a word that has none, read by read in order of time; False: there are none."""
+    edges, places, scratch = router.task.edges, router.places, router.scratch
+    ready = places.time[producer] + router.task.nodes.latency[producer]
+    begin, stop = edges.sink_begin[producer], edges.sink_begin[producer + 1]
+    edge, cycles, found = -1, -1, True
+    for _ in range(begin, stop):
+        edge = _next_read(router, producer, edge, cycles)
+        cycles = places.time[edges.dst[edge]] + edges.ahead[edge] - ready
+        aim = Aim(producer, ready, edge, cycles, places.pe[edges.dst[edge]])
+        if cycles == 0 and aim.target == places.pe[producer]:
+            router.traffic.end[edge] = DIRECT
+        elif cycles < 0 or cycles >= scratch.cost.shape[0] or not _reach(router, aim):
+            found = False
+            break
+    if found:
+        found = _cut_stays(router, producer, ready)
+    for at in range(router.traffic.size[producer, 0]):
+        cell = router.traffic.cell[producer, at]
+        scratch.mark[cell[0], cell[1]] = 0
+    return found
+
+
+@compiled
+def _next_read(router: Router, producer: int, edge: int, cycles: int) -> int:
+    """The read after `edge`, which is `cycles` after the result, by time and number."""
+    edges, places = router.task.edges, router.places
+    ready = places.time[producer] + router.task.nodes.latency[producer]
+    best, best_cycles = -1, 1 << 30
+    for at in range(edges.sink_begin[producer], edges.sink_begin[producer + 1]):
+        other = edges.sink_items[at]
+        read = places.time[edges.dst[other]] + edges.ahead[other] - ready
+        later = edge < 0 or read > cycles or (read == cycles and other > edge)
+        if later and read < best_cycles:
+            best, best_cycles = other, read
+    return best
+
+
+@compiled
+def _reach(router: Router, aim: Aim) -> bool:
+    """Add a way to one read to the tree; False: there is none, or the tree has no room."""
+    outcome = _PART
+    while outcome == _PART:
+        _begin(router, aim)
+        for cycle in range(aim.cycles):
+            _spread(router, aim, cycle)
+        best = _arrival(router, aim)
+        if best < 0:
+            return False
+        outcome = _graft(router, aim, best)
+    return outcome == _WHOLE
+
+
+@compiled
+def _begin(router: Router, aim: Aim) -> None:
+    """What is in the tree costs nothing, what the result can enter its price."""
+    graph, scratch, price = router.graph, router.scratch, router.traffic.price
+    ii = router.task.array.ii
+    for cycle in range(aim.cycles + 1):
+        for location in range(len(graph.owner)):
+            in_tree = scratch.mark[cycle, location] & IN_TREE
+            scratch.cost[cycle, location] = 0.0 if in_tree else _FAR
+    pe = router.places.pe[aim.producer]
+    for at in range(graph.entry_begin[pe], graph.entry_begin[pe + 1]):
+        to = graph.entry_items[at]
+        total = price[graph.occupies[to] * ii + aim.ready % ii]
+        if graph.entering[to] >= 0:
+            total += price[graph.entering[to] * ii + (aim.ready - 1) % ii]
+        if total < scratch.cost[0, to]:
+            scratch.cost[0, to] = total
+            scratch.before[0, to] = -1
+
+
+@compiled
+def _spread(router: Router, aim: Aim, cycle: int) -> None:
+    """From all locations of a cycle from which the target is in reach to those of the next."""
+    graph, price = router.graph, router.traffic.price
+    cost, before, mark = router.scratch.cost, router.scratch.before, router.scratch.mark
+    hop, ii = router.task.array.hop, router.task.array.ii
+    slot, after = (aim.ready + cycle) % ii, (aim.ready + cycle + 1) % ii
+    for location in range(len(graph.owner)):
+        so_far = cost[cycle, location]
+        if so_far >= _FAR or hop[graph.owner[location], aim.target] > aim.cycles - cycle:
+            continue
+        leaving = so_far
+        if graph.leaving[location] >= 0 and not mark[cycle, location] & READ:
+            leaving += price[graph.leaving[location] * ii + slot]
+        for at in range(graph.move_begin[location], graph.move_begin[location + 1]):
+            to = graph.move_items[at]
+            total = so_far if to == location else leaving
+            if to != location and graph.entering[to] >= 0:
+                total += price[graph.entering[to] * ii + slot]
+            total += price[graph.occupies[to] * ii + after]
+            if total < cost[cycle + 1, to]:
+                cost[cycle + 1, to] = total
+                before[cycle + 1, to] = location
+
+
+@compiled
+def _arrival(router: Router, aim: Aim) -> int:
+    """The cheapest location at the time of the read from which the target reads, or -1."""
+    graph, ii = router.graph, router.task.array.ii
+    best, best_cost = -1, _FAR
+    for location in range(len(graph.owner)):
+        total = router.scratch.cost[aim.cycles, location]
+        if total >= best_cost:
+            continue
+        port = graph.leaving[location]
+        if port >= 0 and not router.scratch.mark[aim.cycles, location] & READ:
+            total += router.traffic.price[port * ii + (aim.ready + aim.cycles) % ii]
+        for at in range(graph.reader_begin[location], graph.reader_begin[location + 1]):
+            if graph.reader_items[at] == aim.target and total < best_cost:
+                best, best_cost = location, total
+    return best
+
+
+@compiled
+def _graft(router: Router, aim: Aim, best: int) -> int:
+    """Add the way that ends at `best` to the tree, or its first II cycles only: then the price of
+    the rest counts what those took, since a word that lives longer crowds its own successors.
+    """
+    graph, traffic, scratch = router.graph, router.traffic, router.scratch
+    producer, ii = aim.producer, router.task.array.ii
+    if traffic.size[producer, 0] + aim.cycles + 1 > traffic.cell.shape[1]:
+        return _NO_WAY
+    joins = _joins(scratch, best, aim.cycles)
+    location, cycle, outcome = best, aim.cycles, _WHOLE
+    if aim.cycles - joins > 2 * ii:
+        outcome = _PART
+        while cycle > joins + ii:
+            location, cycle = scratch.before[cycle, location], cycle - 1
+    else:
+        traffic.end[aim.edge] = best
+        _leave(router, producer, best, cycle, aim.ready)
+    while cycle > joins:
+        before = scratch.before[cycle, location]
+        scratch.mark[cycle, location] |= IN_TREE
+        cell = traffic.cell[producer, traffic.size[producer, 0]]
+        cell[0], cell[1], cell[2] = cycle, location, before
+        traffic.size[producer, 0] += 1
+        claim(traffic, ii, producer, graph.occupies[location], aim.ready + cycle)
+        if before != location and graph.entering[location] >= 0:
+            claim(traffic, ii, producer, graph.entering[location], aim.ready + cycle - 1)
+        if before != location and before >= 0:
+            _leave(router, producer, before, cycle - 1, aim.ready)
+        location, cycle = before, cycle - 1
+    return outcome
+
+
+@compiled
+def _joins(scratch: Scratch, location: int, cycle: int) -> int:
+    """The last cycle of a way that is in the tree already; -1: it begins at the result."""
+    while location >= 0 and not scratch.mark[cycle, location] & IN_TREE:
+        location, cycle = scratch.before[cycle, location], cycle - 1
+    return cycle
+
+
+@compiled
+def _leave(router: Router, producer: int, location: int, cycle: int, ready: int) -> None:
+    """Claim the port through which a word is read, once a cycle."""
+    port, mark = router.graph.leaving[location], router.scratch.mark
+    if port >= 0 and not mark[cycle, location] & READ:
+        mark[cycle, location] |= READ
+        claim(router.traffic, router.task.array.ii, producer, port, ready + cycle)
+
+
+@compiled
+def _cut_stays(router: Router, producer: int, ready: int) -> bool:
+    """A word that stays in a file for more than II cycles changes registers before its successor
+    comes. False if there is no room.
+    """
+    traffic, scratch, ii = router.traffic, router.scratch, router.task.array.ii
+    for at in range(traffic.size[producer, 0]):
+        cell = traffic.cell[producer, at]
+        scratch.before[cell[0], cell[1]] = cell[2]
+    for at in range(traffic.size[producer, 0]):
+        cell = traffic.cell[producer, at]
+        first, location = cell[0], cell[1]
+        if cell[2] == location or router.graph.leaving[location] < 0:
+            continue
+        last = _last_cycle(scratch, location, first)
+        while last - first >= ii:
+            first = _best_cut(router, location, first, ready)
+            if traffic.size[producer, 2] >= traffic.cut.shape[1]:
+                return False
+            cut = traffic.cut[producer, traffic.size[producer, 2]]
+            cut[0], cut[1] = first, location
+            traffic.size[producer, 2] += 1
+            _leave(router, producer, location, first - 1, ready)
+            claim(traffic, ii, producer, router.graph.entering[location], ready + first - 1)
+    return True
+
+
+@compiled
+def _last_cycle(scratch: Scratch, location: int, cycle: int) -> int:
+    """The last of the cycles from `cycle` on in which a word holds out at a location."""
+    while (
+        cycle + 1 < scratch.mark.shape[0]
+        and scratch.mark[cycle + 1, location] & IN_TREE
+        and scratch.before[cycle + 1, location] == location
+    ):
+        cycle += 1
+    return cycle
+
+
+@compiled
+def _best_cut(router: Router, location: int, first: int, ready: int) -> int:
+    """The latest of the cheapest cycles at which the word can be in another register."""
+    graph, price, ii = router.graph, router.traffic.price, router.task.array.ii
+    best, best_price = first + ii, _FAR
+    for cycle in range(first + ii, first, -1):
+        slot = (ready + cycle - 1) % ii
+        total = price[graph.leaving[location] * ii + slot]
+        total += price[graph.entering[location] * ii + slot]
+        if total < best_price:
+            best, best_price = cycle, total
+    return best

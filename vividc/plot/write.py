@@ -1,0 +1,42 @@
+"""Which file formats there are, by the ending of a path."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from vividc.errors import VividcError
+from vividc.plot.picture import Picture
+from vividc.plot.png import to_png
+from vividc.plot.svg import to_svg
+
+FORMATS: Final = (".svg", ".png")
+
+
+def check_picture_path(path: Path, option: str) -> None:
+    """Refuse a path whose ending names no picture format, before any work is done for it.
+
+    Raises
+    ------
+    VividcError
+        The ending is neither .svg nor .png.
+    """
+    if path.suffix.lower() not in FORMATS:
+        shown = f"the ending {path.suffix!r}" if path.suffix else "a name without ending"
+        raise VividcError(
+            f"{shown} names no picture format", loc=option, hint=f"end it in {' or '.join(FORMATS)}"
+        )
+
+
+def encode(picture: Picture, path: Path) -> bytes:
+    """What to write to `path`: SVG or PNG as its ending says.
+
+    Raises
+    ------
+    VividcError
+        See `check_picture_path` and `to_png`.
+    """
+    check_picture_path(path, str(path))
+    if path.suffix.lower() == ".png":
+        return to_png(picture)
+    return to_svg(picture).encode()

@@ -1,0 +1,69 @@
+"""Machine code of a program: from this process, from the user's cache, or compiled now."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from hashlib import sha256
+from itertools import count
+from threading import Lock
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.program import Program
+from vividc.sim.native import cache
+from vividc.sim.native.compiler import Native, host, loaded, object_code
+from vividc.sim.native.module import Plan, module_text, plan, spill_words
+from vividc.sim.native.state import image
+
+_KEPT: Final = 256
+_LOCK: Final = Lock()
+_known: OrderedDict[str, Native] = OrderedDict()
+_names = count()
+
+
+@dataclass(frozen=True, slots=True)
+class Compiled:
+    """A program ready to run.
+
+    Attributes
+    ----------
+    blank
+        Words of the context (see `layout`), and the image of the constant stores.
+    """
+
+    plan: Plan
+    blank: tuple[int, NDArray[np.uint32]]
+    native: Native
+
+
+def compiled(program: Program) -> Compiled:
+    """Compile a program, or find its machine code.
+
+    The code is known by a hash of the text it is compiled from and of what it is compiled for:
+    equal keys cannot mean different code.
+    """
+    planned = plan(program)
+    text = module_text(program, planned)
+    key = sha256(f"{host()}\n{text}".encode()).hexdigest()
+    words = planned.layout.spill + spill_words(planned)
+    return Compiled(planned, (words, image(program)), _native(key, text))
+
+
+def _native(key: str, text: str) -> Native:
+    with _LOCK:
+        if key in _known:
+            _known.move_to_end(key)
+            return _known[key]
+    code = cache.read(key)
+    if code is None:
+        code = object_code(text)
+        cache.write(key, code)
+    native = loaded(code, f"vividc.{next(_names)}")
+    with _LOCK:
+        _known[key] = native
+        if len(_known) > _KEPT:
+            _known.popitem(last=False)
+    return native

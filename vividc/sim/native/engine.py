@@ -1,0 +1,124 @@
+"""The native engine: runs a program's machine code in pieces, and leaves to the reference engine
+what the code cannot do.
+
+Regions of an irregular form, and every region in which something went wrong, run on the reference
+engine, from their first cycle: errors are the same because they come from there.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from typing import Final
+
+from vividc.program import Program
+from vividc.sim.engine import Launch, RegionRun, Run
+from vividc.sim.native.code import Compiled, compiled
+from vividc.sim.native.counts import Totals, activity
+from vividc.sim.native.fallback import Fallback
+from vividc.sim.native.layout import Place, Status
+from vividc.sim.native.state import MachineState, initial_state
+from vividc.sim.reference import ReferenceEngine, returned
+
+CYCLES_A_CALL: Final = 4_000_000
+"""Cycles between two looks at interrupts and progress: at most some tenths of a second."""
+ENTRIES_A_CALL: Final = 1_000_000
+_NEVER: Final = (1 << 62) - 1
+_WORD: Final = 1 << 32
+
+
+class NativeEngine:
+    """Runs the machine code of one program."""
+
+    def __init__(self, program: Program) -> None:
+        self._program = program
+        self._compiled = compiled(program)
+        self._fallback = Fallback(program, self._compiled.plan.layout)
+
+    @property
+    def irregular_regions(self) -> tuple[int, ...]:
+        """Regions whose words have no form to compile: the reference engine runs them."""
+        flows = self._compiled.plan.flows
+        return tuple(index for index, flow in enumerate(flows) if flow is None)
+
+    def run(self, launch: Launch) -> Run:
+        """Run the program once (see `Engine.run`)."""
+        if not _takes(self._program, launch):
+            return ReferenceEngine(self._program).run(launch)
+        return _Running(self._program, self._compiled, self._fallback, launch).run()
+
+
+def _takes(program: Program, launch: Launch) -> bool:
+    """Whether native code can take a launch: `simulate` makes no others."""
+    size = program.fabric.scratchpad.size_bytes
+    inside = all(0 <= first <= end <= size for first, end in launch.extents.values())
+    words = all(0 <= launch.inputs[row.key] < _WORD for row in program.launch)
+    fits = launch.memory.nbytes == size and 0 <= launch.cycle_limit < _NEVER
+    return inside and words and fits and sys.byteorder == "little"
+
+
+class _Running:
+    """One launch."""
+
+    def __init__(
+        self, program: Program, code: Compiled, fallback: Fallback, launch: Launch
+    ) -> None:
+        self._program = program
+        self._code = code
+        self._fallback = fallback
+        self._launch = launch
+        self._totals = [Totals() for _ in program.table]
+        self._state = initial_state(program, code.plan.layout, code.blank, launch)
+
+    def run(self) -> Run:
+        """Run to the end."""
+        snapshot = self._state.copy()
+        while True:
+            status = self._call(self._state, CYCLES_A_CALL, ENTRIES_A_CALL)
+            if self._launch.progress is not None and status is not Status.FAULT:
+                self._launch.progress(self._state.now)
+            if status is Status.DONE:
+                return self._result()
+            if status is Status.LIMIT:
+                self._fallback.demand_time(self._launch, self._state)
+            if status is Status.FAULT:
+                self._state = self._before_fault(snapshot)
+            if status in (Status.FAULT, Status.IRREGULAR):
+                region = int(self._state.context[Place.NEXT])
+                self._fallback.run_region(self._launch, self._state, self._totals[region])
+            if not self._state.context[Place.RESUME]:
+                snapshot = self._state.copy()
+
+    def _call(self, state: MachineState, cycles: int, entries: int) -> Status:
+        context = state.context
+        context[Place.BUDGET] = state.now + cycles
+        context[Place.ENTRY_STOP] = min(int(context[Place.ENTRIES]) + entries, _NEVER)
+        arrays = (context, state.constants, state.memory)
+        return Status(self._code.native(*(array.ctypes.data for array in arrays)))
+
+    def _before_fault(self, state: MachineState) -> MachineState:
+        """The snapshot `state`, run up to the region in which something went wrong."""
+        target = int(self._state.context[Place.ENTRIES])
+        while int(state.context[Place.ENTRIES]) < target:
+            self._call(state, CYCLES_A_CALL, target - int(state.context[Place.ENTRIES]))
+        return state
+
+    def _result(self) -> Run:
+        state, plan = self._state, self._code.plan
+        for counts, first, totals in zip(plan.counts, plan.layout.sums, self._totals, strict=True):
+            if counts is not None:
+                counts.add_to(totals, state.context[first:])
+        return Run(
+            cycles=int(state.context[Place.CYCLE]),
+            switch_cycles=int(state.context[Place.SWITCH_CYCLES]),
+            memory=state.scratchpad.copy(),
+            value=returned(self._program, partial(state.word_at, plan.layout)),
+            regions=tuple(_region_run(totals) for totals in self._totals),
+            activity=activity(self._totals),
+            engine="native",
+        )
+
+
+def _region_run(totals: Totals) -> RegionRun:
+    issued = dict(sorted(totals.issued.items()))
+    return RegionRun(totals.entries, totals.iterations, totals.cycles, totals.stalls, issued)

@@ -1,0 +1,110 @@
+"""One region on the reference engine, in the middle of a native run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vividc.program import Program
+from vividc.sim.engine import Launch
+from vividc.sim.native.counts import Totals
+from vividc.sim.native.layout import BITS, Layout, Place
+from vividc.sim.native.state import MachineState
+from vividc.sim.predecode import RegionCode, State, StateMap, predecode
+from vividc.sim.reference import iterations
+from vividc.sim.region_run import RegionState, Tile
+
+
+class Fallback:
+    """Runs what native code leaves to the reference engine."""
+
+    def __init__(self, program: Program, layout: Layout) -> None:
+        self._program = program
+        self._layout = layout
+        self._cells = StateMap(program.fabric)
+        self._regions: tuple[RegionCode, ...] | None = None
+
+    def run_region(self, launch: Launch, machine: MachineState, totals: Totals) -> None:
+        """Run the region that is next, and count it.
+
+        Raises
+        ------
+        SimulationError
+            The program did something the machine forbids, or the cycle limit was reached.
+        """
+        if self._regions is None:
+            self._regions = predecode(self._program, self._cells)
+        region = self._regions[int(machine.context[Place.NEXT])]
+        tile = self._tile(launch, machine)
+        tile.entries += 1
+        run = RegionState(tile, region, iterations(region.row, tile.trip))
+        run.run()
+        self._count(totals, tile, run, region)
+        following = region.row.branch if run.branch else region.row.next
+        switches = 0
+        if following is not None:
+            switches = self._program.fabric.controller.switch_cycles
+            tile.cycle += switches
+            tile.check_limit(region.index)
+        machine.context[Place.NEXT] = -1 if following is None else following
+        machine.context[Place.SWITCH_CYCLES] += switches
+        self._write_back(tile, machine)
+
+    def demand_time(self, launch: Launch, machine: MachineState) -> None:
+        """Raise the error of a run that went past its limit in the region that is next."""
+        tile = self._tile(launch, machine)
+        tile.cycle = launch.cycle_limit + 1
+        tile.check_limit(int(machine.context[Place.NEXT]))
+
+    def _tile(self, launch: Launch, machine: MachineState) -> Tile:
+        return Tile(
+            program=self._program,
+            cells=self._cells,
+            state=self._words(machine),
+            memory=machine.scratchpad.tolist(),
+            cycle_limit=launch.cycle_limit,
+            progress=launch.progress,
+            extents=launch.extents,
+            trip=int(machine.context[Place.TRIP]),
+            cycle=int(machine.context[Place.CYCLE]),
+            entries=int(machine.context[Place.ENTRIES]),
+        )
+
+    def _words(self, machine: MachineState) -> State:
+        cells = self._cells
+        state: State = [None] * cells.volatile + machine.constants.tolist() + [1]
+        for constant, bit in self._layout.bits.items():
+            if not machine.is_set(self._layout, bit):
+                state[cells.constant(constant.pe, constant.entry)] = None
+        return state
+
+    def _write_back(self, tile: Tile, machine: MachineState) -> None:
+        machine.context[Place.TRIP] = tile.trip
+        machine.context[Place.CYCLE] = tile.cycle
+        machine.context[Place.ENTRIES] = tile.entries
+        machine.scratchpad[:] = tile.memory
+        words = tile.state[self._cells.volatile : self._cells.true]
+        machine.constants[:] = [word or 0 for word in words]
+        for constant, bit in self._layout.bits.items():
+            if tile.state[self._cells.constant(constant.pe, constant.entry)] is not None:
+                place = self._layout.valid_word(bit)
+                machine.context[place] |= np.uint64(1 << bit % BITS).astype(np.int64)
+
+    def _count(self, totals: Totals, tile: Tile, run: RegionState, region: RegionCode) -> None:
+        totals.entries += 1
+        totals.iterations += run.iterations
+        totals.cycles += run.cycle + run.stalls
+        totals.stalls += run.stalls
+        for count in region.counts:
+            issues = run.issues_of(count.time)
+            if issues:
+                totals.issued[count.op] += issues
+                totals.register_reads += count.first_register_reads
+                totals.register_reads += (issues - 1) * count.register_reads
+                totals.constant_reads += count.first_constant_reads
+                totals.constant_reads += (issues - 1) * count.constant_reads
+        totals.link_words += tile.link_words
+        totals.register_reads += tile.register_reads
+        totals.register_writes += tile.register_writes
+        totals.constant_writes += tile.constant_writes
+        totals.scratchpad_reads += tile.scratchpad_reads
+        totals.scratchpad_writes += tile.scratchpad_writes

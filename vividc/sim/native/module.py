@@ -1,0 +1,115 @@
+"""A whole program as one LLVM module.
+
+    i32 run(ptr context, ptr constants, ptr memory) -> Status
+
+runs regions from the context's NEXT on, until the program ends or there is something for the caller
+to do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from vividc.program import Program
+from vividc.sim.native.body import Machine
+from vividc.sim.native.counts import RegionCounts, region_counts
+from vividc.sim.native.layout import Layout, Place, Status, layout
+from vividc.sim.native.operations import DECLARATIONS
+from vividc.sim.native.region import ARGUMENTS, region_function
+from vividc.sim.native.schedule import schedule
+from vividc.sim.native.text import Code
+from vividc.sim.native.trace import RegionFlow, trace
+
+ENTRY: Final = "run"
+_DECLARATIONS: Final = (
+    "declare i64 @llvm.smin.i64(i64, i64)\ndeclare i64 @llvm.smax.i64(i64, i64)\n" + DECLARATIONS
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is known of a program before it is compiled.
+
+    Attributes
+    ----------
+    flows
+        Of each region; None: the reference engine runs it.
+    counts
+        What the sums of each region tell.
+    """
+
+    flows: tuple[RegionFlow | None, ...]
+    counts: tuple[RegionCounts | None, ...]
+    layout: Layout
+
+
+def plan(program: Program) -> Plan:
+    """Analyse the words of a program."""
+    flows = tuple(trace(program, index) for index in range(len(program.table)))
+    counts = tuple(None if flow is None else region_counts(flow) for flow in flows)
+    sizes = [0 if one is None else len(one.classes) for one in counts]
+    return Plan(flows, counts, layout(program, sizes))
+
+
+def module_text(program: Program, planned: Plan) -> str:
+    """LLVM IR of the program."""
+    scratchpad = program.fabric.scratchpad
+    machine = Machine(planned.layout, scratchpad.size_bytes, scratchpad.banks)
+    switch_cycles = program.fabric.controller.switch_cycles
+    regions = [
+        region_function(
+            index, flow, () if counts is None else counts.classes, machine, switch_cycles
+        )
+        for index, (flow, counts) in enumerate(zip(planned.flows, planned.counts, strict=True))
+    ]
+    return "\n".join([_DECLARATIONS, *regions, _dispatch(len(regions))])
+
+
+def spill_words(planned: Plan) -> int:
+    """Words that the largest suspended loop takes in the context: an upper bound."""
+    return max((_carried(flow) for flow in planned.flows if flow is not None), default=0)
+
+
+def _dispatch(regions: int) -> str:
+    code = Code()
+    code.start("entry")
+    code.do("br label %next")
+    code.start("next")
+    region = code.load("i64", "%context", Place.NEXT)
+    targets = " ".join(f"i64 {index}, label %check{index}" for index in range(regions))
+    code.do(f"switch i64 {region}, label %done [ {targets} ]")
+    for index in range(regions):
+        _call(code, index)
+    for status in (Status.DONE, Status.STOPPED):
+        code.start(status.name.lower())
+        code.do(f"ret i32 {status:d}")
+    code.start("suspended")
+    cycle = code.load("i64", "%context", Place.CYCLE)
+    code.store("i64", cycle, "%context", Place.NOW)
+    code.do(f"ret i32 {Status.SUSPENDED:d}")
+    return "\n".join([f"define i32 @{ENTRY}({ARGUMENTS}) {{", *code.lines, "}", ""])
+
+
+def _call(code: Code, index: int) -> None:
+    code.start(f"check{index}")
+    entries = code.load("i64", "%context", Place.ENTRIES)
+    stop = code.load("i64", "%context", Place.ENTRY_STOP)
+    stopped = code.value(f"icmp sge i64 {entries}, {stop}")
+    code.do(f"br i1 {stopped}, label %stopped, label %time{index}")
+    code.start(f"time{index}")
+    cycle = code.load("i64", "%context", Place.CYCLE)
+    budget = code.load("i64", "%context", Place.BUDGET)
+    late = code.value(f"icmp sgt i64 {cycle}, {budget}")
+    code.do(f"br i1 {late}, label %suspended, label %call{index}")
+    code.start(f"call{index}")
+    call = f"call i32 @region{index}(ptr %context, ptr %constants, ptr %memory)"
+    status = code.value(call)
+    done = code.value(f"icmp eq i32 {status}, 0")
+    code.do(f"br i1 {done}, label %next, label %leave{index}")
+    code.start(f"leave{index}")
+    code.do(f"ret i32 {status}")
+
+
+def _carried(flow: RegionFlow) -> int:
+    return sum(schedule(flow).depth) + 2 * len(flow.captures) + 16
