@@ -12,6 +12,7 @@ import vividc
 from vividc.cli import options
 from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
 from vividc.cli.files import check_output
+from vividc.cli.job_report import print_job
 from vividc.cli.reference import (
     Mismatch,
     Tolerance,
@@ -21,6 +22,7 @@ from vividc.cli.reference import (
     scalars_unpacked,
 )
 from vividc.cli.report import percent, print_json, print_table, progress
+from vividc.launch import JobResult
 from vividc.program import Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
 
@@ -72,6 +74,12 @@ MISMATCH: Final = 5
     show_default=True,
     help="What runs the words: native code, the reference engine, or what is done first.",
 )
+@click.option(
+    "--fabric",
+    metavar="F",
+    help="An accelerator (vivid, vivid-unit, or a YAML file): spread the loop over prange over its "
+    "tiles. [default: one tile]",
+)
 @options.as_json
 def command(
     program: Path,
@@ -83,6 +91,7 @@ def command(
     atol: float,
     cycle_limit: int,
     engine: str,
+    fabric: str | None,
     as_json: bool,
 ) -> None:
     """Run a program on the machine, cycle by cycle.
@@ -100,14 +109,19 @@ def command(
     expected = None
     if check:
         expected = _with_value(*run_reference(find_kernel(loaded, program, kernel), arguments))
-    result = _simulate(loaded, arguments, cycle_limit, engine)
+    result = _simulate(loaded, arguments, cycle_limit, engine, fabric)
     if outputs is not None:
         write_results(outputs, arguments, result.value)
     wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
     if as_json:
-        print_json(SCHEMA, _as_object(loaded, result, outputs, expected is not None, wrong))
+        body = _as_object(loaded, result, outputs, expected is not None, wrong)
+        print_json(SCHEMA, body if fabric is None else {**body, "fabric": fabric})
     else:
-        _print(loaded, result, outputs, expected is not None, wrong)
+        if isinstance(result, JobResult):
+            print_job(loaded, str(fabric), result)
+        else:
+            _print_regions(loaded, result)
+        _print_outcome(loaded, result, outputs, expected is not None, wrong)
     for item in wrong:
         click.echo(f"vividc: mismatch: {item}", err=True)
     if wrong:
@@ -115,9 +129,17 @@ def command(
 
 
 def _simulate(
-    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str
-) -> Result:
+    program: Program,
+    arguments: dict[str, Array],
+    cycle_limit: int,
+    engine: str,
+    fabric: str | None,
+) -> Result | JobResult:
     values = scalars_unpacked(arguments, program.params)
+    if fabric is not None:
+        return vividc.simulate(
+            program, *values, fabric=fabric, cycle_limit=cycle_limit, engine=engine
+        )
     with progress(f"simulating {program.name}") as show:
         report = None if show is None else lambda cycles: show(f"{program.name}: {cycles:,} cycles")
         return vividc.simulate(
@@ -131,7 +153,7 @@ def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:
 
 def _compare(
     arguments: dict[str, Array],
-    result: Result,
+    result: Result | JobResult,
     expected: dict[str, Array] | None,
     tolerance: Tolerance,
 ) -> list[Mismatch]:
@@ -141,7 +163,11 @@ def _compare(
 
 
 def _as_object(
-    program: Program, result: Result, outputs: Path | None, checked: bool, wrong: list[Mismatch]
+    program: Program,
+    result: Result | JobResult,
+    outputs: Path | None,
+    checked: bool,
+    wrong: list[Mismatch],
 ) -> dict[str, object]:
     return {
         "kernel": program.name,
@@ -154,9 +180,7 @@ def _as_object(
     }
 
 
-def _print(
-    program: Program, result: Result, outputs: Path | None, checked: bool, wrong: list[Mismatch]
-) -> None:
+def _print_regions(program: Program, result: Result) -> None:
     stats = result.stats
     columns = ("region", "kind", "II", "entries", "iterations", "cycles", "stalls", "use")
     rows = [
@@ -175,6 +199,15 @@ def _print(
     title = f"{program.name} on {program.fabric_name}"
     print_table(title, columns, rows, numeric="II entries iterations cycles stalls use")
     click.echo(f"cycles: {result.cycles} ({stats['switch_cycles']} between regions)")
+
+
+def _print_outcome(
+    program: Program,
+    result: Result | JobResult,
+    outputs: Path | None,
+    checked: bool,
+    wrong: list[Mismatch],
+) -> None:
     if result.value is not None:
         click.echo(f"value: {result.value}")
     if checked and not wrong:

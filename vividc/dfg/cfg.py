@@ -81,7 +81,7 @@ class Param:
     ndim: int = 0
     flat: bool = False
     words: int = 1
-    longest: int = 0
+    longest: int = field(default=0, compare=False)
 
     @property
     def max_dimension(self) -> int:
