@@ -377,3 +377,50 @@ def test_gaussian_blending_over_the_rows_of_a_block() -> None:
     # Our exp is within 2 ulp, and multiplications and additions are contracted.
     np.testing.assert_allclose(out, expected, rtol=1e-4, atol=1e-5)
     assert len(result.stats["tiles"]) == 16
+
+
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1], int32)")
+def sometimes(x, y, limit):
+    for i in prange(x.shape[0]):
+        for j in range(x.shape[1]):
+            if x[i, j] > limit:
+                y[i, j] = x[i, j]
+
+
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1], int32)")
+def evens(x, y, limit):
+    for i in prange(x.shape[0]):
+        for j in range(0, x.shape[1], 2):
+            y[i, j] = x[i, j] + limit
+
+
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1], int32)")
+def backwards(x, y, limit):
+    for i in prange(x.shape[0]):
+        for j in range(x.shape[1] - 1, -1, -1):
+            y[i, j] = x[i, j] + limit
+
+
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1], int32)")
+def stops(x, y, limit):
+    for i in prange(x.shape[0]):
+        for j in range(x.shape[1]):
+            if x[i, j] < limit:
+                break
+            y[i, j] = x[i, j]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "arrays_moved_in"),
+    [(sometimes, 2), (evens, 2), (backwards, 1), (stops, 2)],
+    ids=lambda item: getattr(item, "name", None),
+)
+def test_only_what_is_written_as_a_whole_is_not_moved_in(
+    kernel: Any, arrays_moved_in: int, programs: Any
+) -> None:
+    x, y = ints(100, 32, 12), ints(100, 32, 12)
+    expected = y.copy()
+    kernel(x, expected, 20)
+    result = vividc.simulate(programs(kernel), x, y, 20, fabric="vivid")
+    assert (y == expected).all()
+    assert result.stats["steps"]["move in"] == arrays_moved_in * result.stats["runs"]

@@ -8,9 +8,20 @@ import networkx as nx
 
 from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions
-from vividc.dfg.loops import Loop, block_graph, find_loops
+from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
 from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import ANY, CHOICE, CONST, COUNTER, INDEX, INPUT, STEPS, UNION, Term
+from vividc.dfg.parallel import (
+    ANY,
+    CHOICE,
+    CLAMPS,
+    CONST,
+    COUNTER,
+    INDEX,
+    INPUT,
+    STEPS,
+    UNION,
+    Term,
+)
 from vividc.dfg.words import signed
 
 Fact = tuple[int, bool]
@@ -60,6 +71,7 @@ class TermTable:
         self._values = {i.id: i for b in function.blocks for i in definitions(b)}
         self._loops = {loop.header: loop for loop in find_loops(function)}
         self._facts = _facts_of_blocks(function)
+        self._dominators = dominators(block_graph(function), function.blocks[0].name)
 
     def facts(self, block: str) -> frozenset[Fact]:
         """What is decided wherever a block runs."""
@@ -81,6 +93,39 @@ class TermTable:
     def anything(self) -> int:
         """The term of which nothing is known."""
         return self._add(Term(ANY, word=_WORD_BITS))
+
+    def counters_around(self, block: str, outermost: Loop) -> tuple[int, ...] | None:
+        """Terms of the variables of the loops within `outermost` around a block that runs in every
+        iteration of all of them; None if it does not, or a loop ends otherwise than by its test.
+        """
+        around = [
+            loop
+            for loop in self._loops.values()
+            if block in loop.blocks and loop.blocks < outermost.blocks
+        ]
+        around.sort(key=lambda loop: len(loop.blocks))
+        counters = []
+        inside = block
+        for loop in (*around, outermost):
+            if any(inside not in self._dominators[latch] for latch in loop.latches):
+                return None
+            inside = loop.header
+            if loop is outermost:
+                break
+            counter = self._counter(self._blocks[loop.header], loop)
+            if counter is None or loop.exits != ((loop.header, self._left(loop)),):
+                return None
+            facts = self.facts(loop.header)
+            counters.append(self._unclamped(self.of(Ref(counter[0].id), facts)))
+        return tuple(counters)
+
+    def _left(self, loop: Loop) -> str:
+        return self._blocks[loop.header].branch.otherwise or ""
+
+    def _unclamped(self, number: int) -> int:
+        while self.terms[number].op in CLAMPS:
+            number = self.terms[number].args[0]
+        return number
 
     def _add(self, term: Term) -> int:
         if term not in self._numbers:

@@ -74,7 +74,11 @@ def _has_arity(term: Term) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """A load or store: byte offset in the array = (term << shift) + offset."""
+    """A load or store: byte offset in the array = (term << shift) + offset.
+
+    `counters`: terms of the variables of the loops inside the parallel one that are around a store
+    which happens in every iteration of all of them; None if it may not happen.
+    """
 
     array: str
     is_store: bool
@@ -82,6 +86,7 @@ class Access:
     shift: int
     offset: int
     width: int
+    counters: tuple[int, ...] | None = None
     loc: SourceLoc | None = field(default=None, compare=False)
 
 

@@ -209,6 +209,7 @@ def _accesses(function: Function, loop: Loop, table: TermTable) -> Iterator[Acce
                 shift=instr.shift,
                 offset=instr.offset,
                 width=instr.width,
+                counters=table.counters_around(block.name, loop) if in_body else None,
                 loc=instr.loc,
             )
 

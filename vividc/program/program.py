@@ -257,6 +257,7 @@ def _parallel_faults(program: Program) -> Iterator[str]:
     count = len(parallel.terms)
     used = [parallel.first, parallel.last, *(item.start for item in parallel.reductions)]
     used += [access.term for access in parallel.accesses]
+    used += [term for access in parallel.accesses for term in access.counters or ()]
     in_table = all(0 <= number < count for number in used)
     if not in_table or not is_well_formed(parallel.terms):
         yield "its description of the parallel loop is not in order"

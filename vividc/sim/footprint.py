@@ -102,6 +102,16 @@ def whole_loop(parallel: Parallel, inputs: Mapping[str, int]) -> dict[str, int]:
     return chunk_inputs(parallel, first, last, start_words(parallel, inputs), True)
 
 
+def chunk_intervals(
+    parallel: Parallel, inputs: Mapping[str, int], first: int, last: int
+) -> list[Interval | None]:
+    """The values of each term in the iterations from `first` to before `last`; None: it has none
+    there.
+    """
+    words = {**inputs, FIRST: first & WORD_MASK, LAST: last & WORD_MASK}
+    return _intervals(parallel.terms, words, (first, last - 1))
+
+
 def touched(
     parallel: Parallel,
     inputs: Mapping[str, int],
@@ -118,8 +128,7 @@ def touched(
     sizes
         Bytes of each array.
     """
-    words = {**inputs, FIRST: first & WORD_MASK, LAST: last & WORD_MASK}
-    known = _intervals(parallel.terms, words, (first, last - 1))
+    known = chunk_intervals(parallel, inputs, first, last)
     found = dict.fromkeys(sizes, Touch())
     for access in parallel.accesses:
         part = _bytes(access, known[access.term], sizes[access.array])

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from vividc.arch import Accelerator, Scratchpad
 from vividc.errors import ArgumentError, SourceLoc
 from vividc.program import WORD_BYTES, Program
+from vividc.sim.coverage import written_whole
 from vividc.sim.footprint import Touch, loop_bounds, touched
 
 Interval = tuple[int, int]
@@ -16,11 +17,15 @@ Interval = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """Iterations `first` to before `last`, and what they touch of each array, in bytes."""
+    """Iterations `first` to before `last`, and what they touch of each array, in bytes.
+
+    `overwritten`: arrays of whose slice every byte is written, and none is read.
+    """
 
     first: int
     last: int
     touches: ReadOnly[str, Touch]
+    overwritten: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +74,23 @@ class Cut:
         parallel = self.program.parallel
         if parallel is not None:
             touches = touched(parallel, self.inputs, self.sizes, first, last)
-            return Chunk(first, last, touches)
+            whole = written_whole(parallel, self.inputs, first, last)
+            over = {n for n, part in whole.items() if _is_overwritten(touches[n], part)}
+            return Chunk(first, last, touches, frozenset(over))
         stored = self.program.stored_arrays
-        whole = {name: (0, size) if size else None for name, size in self.sizes.items()}
-        return Chunk(
-            first, last, {n: Touch(w, w if n in stored else None) for n, w in whole.items()}
-        )
+        touches = {name: _whole(size, name in stored) for name, size in self.sizes.items()}
+        return Chunk(first, last, touches)
+
+
+def _whole(size: int, is_stored: bool) -> Touch:
+    part = (0, size) if size else None
+    return Touch(part, part if is_stored else None)
+
+
+def _is_overwritten(touch: Touch, written: Interval) -> bool:
+    if touch.loads is not None or touch.stores is None:
+        return False
+    return written[0] <= touch.stores[0] and touch.stores[1] <= written[1]
 
 
 def plan_chunks(cut: Cut, length: int | None) -> Plan:

@@ -215,6 +215,9 @@ class _Builder:
             start, _ = part = aligned(hull)
             address = self._address(name, half, start)
             self._set(inputs, extents, name, address, part)
+            if name in chunk.overwritten:
+                moves += before
+                continue
             view = self._view(name, hull)
             moves.append(self._job.move_in(tile, view, address + hull[0] - start, after=before))
         stores = {}
