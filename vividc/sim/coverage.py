@@ -74,12 +74,14 @@ def _part(
     affine = _affine(terms, known, own[0].term)
     if affine is None or len(set(counters)) < len(counters):
         return None
-    if {symbol for symbol, _ in affine.factors} != {_INDEX, *counters}:
+    factors = dict(affine.factors)
+    if not factors.keys() <= {_INDEX, *counters}:
         return None
     size = ends[-1] - own[0].offset
     start = (affine.constant << own[0].shift) + own[0].offset
     strides = []
-    for symbol, factor in affine.factors:
+    for symbol in (_INDEX, *counters):
+        factor = factors.get(symbol, 0)
         begin, step, count = _run(terms, known, symbol, chunk)
         if count <= 0:
             return None
@@ -87,9 +89,9 @@ def _part(
         start += (factor * begin << own[0].shift) + min(0, stride * (count - 1))
         strides.append((abs(stride), count))
     for stride, count in sorted(strides):
-        if count > 1 and stride != size:
+        if count > 1 and stride not in (0, size):
             return None
-        size *= count
+        size *= count if stride else 1
     return (start, start + size)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vividc.arch import Accelerator, Scratchpad
 from vividc.errors import ArgumentError, SourceLoc
@@ -100,7 +100,7 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
     ----------
     length
         Iterations of a chunk; None: as many as fit, but at least two chunks for each tile if the
-        slices are double-buffered.
+        slices are double-buffered, which they are not if a single iteration would not fit then.
 
     Raises
     ------
@@ -120,12 +120,17 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
     else:
         most = max(1, -(-count // (tiles * (2 if cut.double_buffer else 1))))
         plan = _longest(cut, first, last, most)
+        if _need(cut, plan) > cut.scratchpad.size_bytes and plan.copies > 1:
+            plan = _longest(replace(cut, double_buffer=False), first, last, most)
+        _demand_fit(cut, plan, 1)
     _refuse_conflicts(cut, plan)
     return plan
 
 
 def _longest(cut: Cut, first: int, last: int, most: int) -> Plan:
-    """The plan with the longest chunks that fit: bisection over a few chunks, then all."""
+    """The plan with the longest chunks that fit: bisection over a few chunks, then all. Chunks of
+    one iteration may not fit either.
+    """
     low, high = 1, most
     while low < high:
         middle = (low + high + 1) // 2
@@ -136,7 +141,6 @@ def _longest(cut: Cut, first: int, last: int, most: int) -> Plan:
     while True:
         plan = _plan(cut, first, last, low)
         if _need(cut, plan) <= cut.scratchpad.size_bytes or low == 1:
-            _demand_fit(cut, plan, low)
             return plan
         low = max(1, low * 3 // 4)
 
