@@ -26,6 +26,9 @@ UNION: Final = "union"
 CHOICE: Final = "choice"
 COUNTER: Final = "counter"
 STEPS: Final = "steps"
+WIDE_LOW: Final = "add.low"
+WIDE_HIGH: Final = "add.high"
+"""Ways to combine the two words of a sum of 64 bits."""
 CLAMPS: Final = ("lt", "le", "gt", "ge", "ult", "eq")
 
 
@@ -97,7 +100,8 @@ class Reduction:
     Attributes
     ----------
     op
-        Opcode's name of what combines two partial results; of a comparison: `partial` replaces
+        Opcode's name of what combines two partial results, `WIDE_LOW` or `WIDE_HIGH`; of a
+        comparison: `partial` replaces
         `total` if `op(partial, total)` (`swapped`: `op(total, partial)`) is `taken`.
     identity
         The word with which all chunks but the first start; None: all start alike.

@@ -12,8 +12,21 @@ from vividc.dfg.cfg_edit import definitions, uses, with_blocks
 from vividc.dfg.footprint_terms import TermTable
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import ANY, FIRST, INDEX, LAST, START, Access, Parallel, Reduction, Term
+from vividc.dfg.parallel import (
+    ANY,
+    FIRST,
+    INDEX,
+    LAST,
+    START,
+    WIDE_HIGH,
+    WIDE_LOW,
+    Access,
+    Parallel,
+    Reduction,
+    Term,
+)
 from vividc.dfg.reductions import FoundReduction, reduction_of
+from vividc.dfg.wide_sums import is_wide_sum
 from vividc.errors import KernelError, SourceLoc
 
 _HINT = "write `for i in prange(n)`, or with a start, around everything that the kernel does"
@@ -121,20 +134,40 @@ def _inside(function: Function, loop: Loop) -> frozenset[int]:
 def _reductions(
     function: Function, loop: Loop, header: Block, index: Phi
 ) -> tuple[FoundReduction, ...]:
-    found = []
+    found: list[FoundReduction] = []
     for phi in header.phis:
-        if phi.id == index.id:
+        if phi.id == index.id or any(item.phi == phi.id for item in found):
             continue
         item = reduction_of(function, loop, phi)
-        if item is None:
+        pair = () if item is not None else _wide_sum(function, loop, header, phi)
+        if item is None and not pair:
             raise KernelError(
                 "an iteration of the loop over prange needs what an earlier one computed",
                 loc=phi.loc or header.branch.loc,
-                hint="only a sum, product, minimum or maximum in one variable of 32 bits, which "
-                "nothing else in the loop reads, can be combined; np.int32 makes an integer one",
+                hint="only a sum, product, minimum or maximum in one variable, which nothing else "
+                "in the loop reads, can be combined, and but for a sum it has 32 bits: np.int32 "
+                "makes such integers",
             )
-        found.append(item)
+        found += pair if item is None else (item,)
     return tuple(found)
+
+
+def _wide_sum(
+    function: Function, loop: Loop, header: Block, phi: Phi
+) -> tuple[FoundReduction, ...]:
+    """The words, low and high, of the sum of 64 bits that a phi is one of; none if it is not."""
+    for other in header.phis:
+        for low, high in ((phi, other), (other, phi)):
+            if low is not high and is_wide_sum(function, loop, low, high):
+                return (
+                    FoundReduction(low.id, _start(loop, low), Reduction(WIDE_LOW, 0, 0)),
+                    FoundReduction(high.id, _start(loop, high), Reduction(WIDE_HIGH, 0, 0)),
+                )
+    return ()
+
+
+def _start(loop: Loop, phi: Phi) -> Value:
+    return next(value for source, value in phi.incoming if source not in loop.blocks)
 
 
 def _result(function: Function, loop: Loop, found: tuple[FoundReduction, ...]) -> int | None:
@@ -148,16 +181,32 @@ def _result(function: Function, loop: Loop, found: tuple[FoundReduction, ...]) -
         for value in uses(block):
             if not isinstance(value, Ref) or value.id not in inside:
                 continue
-            returned = block.branch.target is None and block.branch.value == value
-            if value.id not in own or not returned or block.branch.high is not None:
+            returned = block.branch.target is None and value in (
+                block.branch.value,
+                block.branch.high,
+            )
+            if value.id not in own or not returned or not _is_whole(block, found, own):
                 raise KernelError(
                     "what the loop over prange computes is used after it",
                     loc=block.branch.loc or _first_loc(block),
-                    hint="return the sum, minimum or maximum as it is, in 32 bits, and go on with "
-                    "it on the host",
+                    hint="return the sum, minimum or maximum as it is, and go on with it on the "
+                    "host",
                 )
-            result = own[value.id]
+            if block.branch.value == value:
+                result = own[value.id]
     return result
+
+
+def _is_whole(block: Block, found: tuple[FoundReduction, ...], own: dict[int, int]) -> bool:
+    """Whether a reduction is returned as what it is: one word, or low and high word of a sum."""
+    low, high = block.branch.value, block.branch.high
+    if not isinstance(low, Ref) or low.id not in own:
+        return False
+    item = found[own[low.id]]
+    if item.how.op != WIDE_LOW:
+        return high is None and item.how.op != WIDE_HIGH
+    partner = found[own[low.id] + 1]
+    return high is None or high == Ref(partner.phi)
 
 
 def _first_loc(block: Block) -> SourceLoc | None:

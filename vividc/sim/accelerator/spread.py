@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
 from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import Reduction
+from vividc.dfg.parallel import WIDE_LOW, Reduction
 from vividc.dfg.semantics import evaluate
 from vividc.errors import ArgumentError
 from vividc.program import WORD_BYTES, Program
@@ -104,6 +104,8 @@ class Spread:
 
 def combined(how: Reduction, total: int, partial: int) -> int:
     """A reduction's total with one more partial result."""
+    if how.op == WIDE_LOW:
+        return (total + partial) % (1 << 64)
     op = Opcode(how.op)
     if how.taken is None:
         return evaluate(op, (total, partial))
