@@ -112,6 +112,30 @@ def wide_total(x, start):
     return result
 
 
+@vividc.kernel("int64(int32[::1])")
+def wide_least(x):
+    best = 5
+    for i in prange(len(x)):
+        best = min(best, x[i])
+    return best
+
+
+@vividc.kernel("int64(uint8[::1])")
+def bytes_total(x):
+    result = 0
+    for i in prange(len(x)):
+        result += x[i]
+    return result
+
+
+@vividc.kernel("int32(uint8[::1])")
+def least_byte(x):
+    best = np.int32(300)
+    for i in prange(len(x)):
+        best = min(best, np.int32(x[i]))
+    return best
+
+
 @vividc.kernel("int64(uint8[:, ::1])")
 def count_bytes(x):
     found = 0
@@ -170,6 +194,10 @@ CASES: list[tuple[Any, Callable[[], tuple[Any, ...]]]] = [
     (count_above, lambda: (ints(100, 90, 100), 50)),
     (largest, lambda: (floats(20_000),)),
     (wide_total, lambda: (ints(1 << 31, 5000), -(1 << 40))),
+    (wide_least, lambda: (ints(1 << 20, 5000) - (1 << 19),)),
+    (wide_least, lambda: (ints(1 << 20, 5000) + 9,)),
+    (bytes_total, lambda: (ints(256, 5000, dtype=np.uint8),)),
+    (least_byte, lambda: (ints(256, 5000, dtype=np.uint8) | 8,)),
     (count_bytes, lambda: (ints(256, 90, 100, dtype=np.uint8),)),
     (total, lambda: (floats(20_000), 0.0)),
     (blend, lambda: (RNG.random((9, 4)).astype(np.float32), floats(20, 16, 2), pixels(20), 9)),

@@ -204,7 +204,7 @@ def _is_whole(block: Block, found: tuple[FoundReduction, ...], own: dict[int, in
         return False
     item = found[own[low.id]]
     if item.how.op != WIDE_LOW:
-        return high is None and item.how.op != WIDE_HIGH
+        return high in (None, Const(0)) and item.how.op != WIDE_HIGH
     partner = found[own[low.id] + 1]
     return high is None or high == Ref(partner.phi)
 

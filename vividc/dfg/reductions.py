@@ -154,6 +154,6 @@ def _by_comparison(item: Instr, ids: frozenset[int], tests: dict[int, Instr]) ->
     swapped = own[0]  # total is the first operand of the comparison
     taken = _among(item.operands[2], ids)  # the new one is chosen where the test holds
     ordered = not test.op.value.startswith("fcmp.u")
-    if ordered is not taken:
+    if test.op.value.startswith("fcmp") and ordered is not taken:
         return None  # a NaN would replace the total, and the order of iterations would matter
     return Reduction(test.op.value, None, 0, swapped=swapped, taken=taken)

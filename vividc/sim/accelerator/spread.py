@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
@@ -15,7 +16,7 @@ from vividc.dfg.opcodes import Opcode
 from vividc.dfg.parallel import WIDE_LOW, Reduction
 from vividc.dfg.semantics import evaluate
 from vividc.errors import ArgumentError
-from vividc.program import WORD_BYTES, Program
+from vividc.program import WORD_BYTES, Program, joined
 from vividc.sim.accelerator.chunks import Chunk, Cut, Interval, Plan, aligned, plan_chunks, slack
 from vividc.sim.accelerator.job import Job
 from vividc.sim.accelerator.result import JobResult
@@ -95,11 +96,15 @@ class Spread:
             return None
         if parallel is None or parallel.result is None:
             return result.values[self.runs[0]]
+        how = parallel.reductions[parallel.result]
         words = [result.words[run] for run in self.runs]
-        total = words[0]
-        for word in words[1:]:
-            total = combined(parallel.reductions[parallel.result], total, word)
-        return returned(dtype, total)
+        if how.op == WIDE_LOW:
+            return returned(dtype, functools.reduce(functools.partial(combined, how), words))
+        # Words: a 64-bit integer that one word holds comes back extended.
+        lows = [word & _WORD_MASK for word in words]
+        total = functools.reduce(functools.partial(combined, how), lows)
+        has_high = self.program.return_high is not None
+        return returned(dtype, total if has_high else joined(dtype, total, None))
 
 
 def combined(how: Reduction, total: int, partial: int) -> int:
