@@ -107,6 +107,8 @@ def main(
     tables: tuple[str, ...], fabrics: tuple[str, ...], time_limit: float, output: Path | None
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
     for table in tables:
         title = engines.TITLE if table == ENGINES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)

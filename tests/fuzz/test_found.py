@@ -47,3 +47,20 @@ def program(c, n):
 """
     verdict = judge(source, 20034, tmp_path)
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_byte_extended_to_half_a_word_is_compared_with_its_sign(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {}
+FIXED = True
+
+@kernel('int32(uint16, int8)')
+def program(m16, q):
+    if np.int32(m16) >> 7 <= q:
+        return np.int32(1)
+    return np.int32(0)
+"""
+    verdict = judge(source, 50601, tmp_path)
+    assert verdict.kind == "agrees", verdict.text
