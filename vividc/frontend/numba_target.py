@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numba
 from llvmlite import binding, ir
 from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types, typing
 from numba.core.codegen import Codegen, CodeLibrary
@@ -269,14 +270,16 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for ranges, tuples, integer operators and float remainders."""
-        if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
-            return functools.partial(_range_iterator, self, sig)
-        if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
-            return functools.partial(_range_next, self, sig)
+        iteration = _RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
+        if iteration is not None:
+            return functools.partial(iteration, self, sig)
         operation = getattr(fn, "typing_key", None)
         division = real_division(operation, sig.args)
         if division is not None:
             return functools.partial(division, self, sig)
+        if operation is numba.prange:
+            general = super().get_function(fn, sig, _firstcall)
+            return functools.partial(_parallel_range, self, sig, general)
         if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
             return functools.partial(_ours, pick, self, sig)
         if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
@@ -290,6 +293,7 @@ def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: A
 
 
 _I64 = ir.IntType(64)
+_WORD_MAX = (1 << 31) - 1
 _RANGE = ir.LiteralStructType([_I64, _I64, _I64])
 
 
@@ -312,6 +316,26 @@ def _range_iterator(context: _Context, sig: Any, builder: ir.IRBuilder, args: An
     return iterator._getvalue()
 
 
+def _parallel_range(
+    context: _Context, sig: Any, general: Any, builder: ir.IRBuilder, args: Any, *_: Any
+) -> Any:
+    """A parallel loop counts in words: its bounds are cut off where no loop gets to."""
+    return general(
+        builder,
+        [_as_word(builder, arg, type_) for arg, type_ in zip(args, sig.args, strict=True)],
+    )
+
+
+def _as_word(builder: ir.IRBuilder, value: Any, type_: Any) -> Any:
+    """The nearest signed word of an integer of 64 bits."""
+    if value.type != _I64 or not type_.signed:
+        return value
+    for limit, beyond in ((_WORD_MAX, ">"), (-_WORD_MAX - 1, "<")):
+        is_beyond = builder.icmp_signed(beyond, value, _I64(limit))
+        value = builder.select(is_beyond, _I64(limit), value)
+    return value
+
+
 def _range_next(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
     implementation = iternext_impl(RefType.UNTRACKED)(_range_step)
     return implementation(context, builder, sig, args)
@@ -330,6 +354,12 @@ def _range_step(context: _Context, builder: ir.IRBuilder, sig: Any, args: Any, r
     # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
     # iterator.
     builder.store(builder.add(value, step, flags=["nsw"]), field[0])
+
+
+_RANGE_RULES: dict[tuple[str, type], Any] = {
+    ("getiter", types.RangeType): _range_iterator,
+    ("iternext", types.RangeIteratorType): _range_next,
+}
 
 
 class _Descriptor(TargetDescriptor):  # type: ignore[misc]
