@@ -49,6 +49,7 @@ from vividc.frontend.numba_arrays import (
 )
 from vividc.frontend.numba_integer import integer_operator
 from vividc.frontend.numba_real import real_division
+from vividc.frontend.prange import parallel_range
 from vividc.frontend.subscripts import marked_subscripts
 
 TARGET_NAME = "vividc"
@@ -279,7 +280,7 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
             return functools.partial(division, self, sig)
         if operation is numba.prange:
             general = super().get_function(fn, sig, _firstcall)
-            return functools.partial(_parallel_range, self, sig, general)
+            return functools.partial(parallel_range, sig, general)
         if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
             return functools.partial(_ours, pick, self, sig)
         if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
@@ -293,7 +294,6 @@ def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: A
 
 
 _I64 = ir.IntType(64)
-_WORD_MAX = (1 << 31) - 1
 _RANGE = ir.LiteralStructType([_I64, _I64, _I64])
 
 
@@ -314,26 +314,6 @@ def _range_iterator(context: _Context, sig: Any, builder: ir.IRBuilder, args: An
     iterator = cgutils.create_struct_proxy(sig.return_type)(context, builder)
     iterator.iter = builder.bitcast(slot, iterator.iter.type)
     return iterator._getvalue()
-
-
-def _parallel_range(
-    context: _Context, sig: Any, general: Any, builder: ir.IRBuilder, args: Any, *_: Any
-) -> Any:
-    """A parallel loop counts in words: its bounds are cut off where no loop gets to."""
-    return general(
-        builder,
-        [_as_word(builder, arg, type_) for arg, type_ in zip(args, sig.args, strict=True)],
-    )
-
-
-def _as_word(builder: ir.IRBuilder, value: Any, type_: Any) -> Any:
-    """The nearest signed word of an integer of 64 bits."""
-    if value.type != _I64 or not type_.signed:
-        return value
-    for limit, beyond in ((_WORD_MAX, ">"), (-_WORD_MAX - 1, "<")):
-        is_beyond = builder.icmp_signed(beyond, value, _I64(limit))
-        value = builder.select(is_beyond, _I64(limit), value)
-    return value
 
 
 def _range_next(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:

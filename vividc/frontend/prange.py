@@ -1,4 +1,4 @@
-"""Where a kernel's source has loops over `numba.prange`."""
+"""Loops over `numba.prange`: where a kernel's source has them, and how their bounds reach LLVM."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numba
+from llvmlite import ir
+
+_I64 = ir.IntType(64)
+_WORD_MAX = (1 << 31) - 1
 
 
 def prange_lines(py_func: Callable[..., Any]) -> frozenset[int]:
@@ -38,3 +42,21 @@ def _value(expression: ast.expr, known: dict[str, Any]) -> Any:
     if isinstance(expression, ast.Attribute):
         return getattr(_value(expression.value, known), expression.attr, None)
     return None
+
+
+def parallel_range(sig: Any, general: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:
+    """Numba's lowering, `general`, of a range whose bounds are cut off where no loop gets to: a
+    parallel loop counts in words.
+    """
+    pairs = zip(args, sig.args, strict=True)
+    return general(builder, [_as_word(builder, arg, type_) for arg, type_ in pairs])
+
+
+def _as_word(builder: ir.IRBuilder, value: Any, type_: Any) -> Any:
+    """The nearest signed word of a signed integer of 64 bits."""
+    if value.type != _I64 or not type_.signed:
+        return value
+    for limit, beyond in ((_WORD_MAX, ">"), (-_WORD_MAX - 1, "<")):
+        is_beyond = builder.icmp_signed(beyond, value, _I64(limit))
+        value = builder.select(is_beyond, _I64(limit), value)
+    return value
