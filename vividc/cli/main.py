@@ -18,6 +18,7 @@ from vividc.cli import (
     compile_command,
     disasm_command,
     map_command,
+    render_command,
     simulate_command,
     verify_command,
 )
@@ -87,5 +88,12 @@ def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""
 
 
-for _module in (compile_command, simulate_command, map_command, verify_command, disasm_command):
+for _module in (
+    compile_command,
+    simulate_command,
+    map_command,
+    verify_command,
+    disasm_command,
+    render_command,
+):
     main.add_command(_module.command)

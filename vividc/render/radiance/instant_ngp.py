@@ -159,10 +159,12 @@ def _interpolate(level: Level, place: Float32Array) -> Float32Array:
 
 def _index(level: Level, node: Int64Array) -> Int64Array:
     """Return the table row of each node [n, 3]."""
+    rows: Int64Array
     entries = len(level.table)
     if level.dense:
-        rows: Int64Array = node @ np.array([1, level.resolution, level.resolution**2])
-        return rows % entries
+        rows = node @ np.array([1, level.resolution, level.resolution**2]) % entries
+        return rows
     mixed = node.astype(np.uint32) * _PRIMES
     hashed = mixed[:, 0] ^ mixed[:, 1] ^ mixed[:, 2]
-    return (hashed & np.uint32(entries - 1)).astype(np.int64)
+    rows = (hashed & np.uint32(entries - 1)).astype(np.int64)
+    return rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ _DIRECTION_TERMS = 3 + 6 * _DIRECTION_FREQUENCIES
 _GROUP = 32
 """Samples of one network that are multiplied at once; groups are padded to this length."""
 _GROUPS_AT_ONCE = 128
+_Network = Callable[[Int64Array, Float32Array, Layer], Float32Array]
+"""One half of a network: (network of each group [G], inputs [G, n, i], layer) to [G, n, o]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,14 +132,6 @@ def positional_encoding(values: Float32Array, frequencies: int) -> Float32Array:
         scaled = values * np.float32(2**power)
         parts += [np.sin(scaled), np.cos(scaled)]
     return np.concatenate(parts, axis=1)
-
-
-class _Network:
-    """Type of the two halves of a network."""
-
-    def __call__(
-        self, networks: Int64Array, inputs: Float32Array, layer: Layer
-    ) -> Float32Array: ...
 
 
 def _by_network(

@@ -111,9 +111,10 @@ def occupied_samples(march: March, origin: Float32Array, directions: Float32Arra
     entry, leave = box_span(march, origin, directions)
     rays = np.flatnonzero(leave > entry)
     steps = (np.arange(march.samples, dtype=np.float32) + _HALF) * np.float32(march.step)
-    distance = entry[rays, None] + steps[None, :]
+    distance: Float32Array = entry[rays, None] + steps[None, :]
     ray, place = np.nonzero(distance <= leave[rays, None])
-    points = origin + distance[ray, place, None] * directions[rays[ray]]
+    along: Float32Array = distance[ray, place, None]
+    points: Float32Array = origin + along * directions[rays[ray]]
     shape = np.array(march.occupied.shape, dtype=np.float32)
     cell = np.floor(in_box(march.box, points) * shape).astype(np.int64)
     inside = ((cell >= 0) & (cell < march.occupied.shape)).all(axis=1)
@@ -124,7 +125,8 @@ def occupied_samples(march: March, origin: Float32Array, directions: Float32Arra
 
 def in_box(box: Float32Array, points: Float32Array) -> Float32Array:
     """Return points [n, 3] in coordinates of the box, 0 to 1."""
-    return (points - box[0]) / (box[1] - box[0])
+    place: Float32Array = (points - box[0]) / (box[1] - box[0])
+    return place
 
 
 def box_span(

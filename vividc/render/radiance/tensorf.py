@@ -107,7 +107,7 @@ def read_tensorf(archive: Archive) -> TensoRF:
         An array is missing, of another shape, or not finite.
     """
     resolution = [int(nodes) for nodes in archive.integers("grid_res", (3,))]
-    if min(resolution) < 2:
+    if min(resolution) <= 1:
         raise archive.error(f"grid_res {resolution} has fewer than two nodes along an axis")
     hidden = archive.floats("mlp_w1", (None, None)).shape[0]
     shapes = ((hidden, _INPUTS), (hidden, hidden), (3, hidden))
