@@ -44,7 +44,7 @@ def test_an_ii_below_a_bound_is_infeasible() -> None:
 
 
 def test_an_ii_that_only_routing_forbids_is_refuted() -> None:
-    """Each of three operations reads those before it: on three PEs in a row some word has no way."""
+    """Each of three operations reads those before it: on three PEs in a row a word has no way."""
     g = GraphBuilder("triangle")
     iv, one = g.source(Opcode.IV), g.const(1)
     first = g.op(Opcode.ADD, iv, one)
