@@ -40,7 +40,7 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
     program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
     compile_s = time.perf_counter() - start
     start = time.perf_counter()
-    result = vividc.simulate(program, *workload.fresh())
+    result = vividc.simulate(program, *workload.fresh(), engine="reference")
     simulate_s = time.perf_counter() - start
     loops = [region for region in program.regions if region.kind == "loop"]
     done = transformations(program)
@@ -107,6 +107,8 @@ def main(
     tables: tuple[str, ...], fabrics: tuple[str, ...], time_limit: float, output: Path | None
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
+    if output is not None:
+        output.mkdir(parents=True, exist_ok=True)
     for table in tables:
         title = engines.TITLE if table == ENGINES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)

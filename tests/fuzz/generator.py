@@ -36,6 +36,9 @@ OWN = (
 SCALARS = {
     "n": "int32",
     "m": "uint32",
+    "m8": "uint8",
+    "m16": "uint16",
+    "n16": "int16",
     "p": "int64",
     "q": "int8",
     "r": "uint64",

@@ -35,6 +35,9 @@ VARIABLES = {
     "k": (-(2**50), 2**50),
     "y": (0, 255),
 }
+SCALARS = (("m", "uint32"), ("m8", "uint8"), ("m16", "uint16"), ("n16", "int16"))
+"""Parameters of types that have no other."""
+
 UNSIGNED = (
     "({a} + {b})",
     "({a} - {b})",
@@ -100,7 +103,7 @@ def leaf(at: Context) -> Value:
         low, high = VARIABLES[name]
         return Value(f"np.int64({name})" if name == "y" else name, low, high)
     if kind < 0.25:
-        return typed(*at.random.choice([("m", "uint32"), *at.items]))
+        return typed(*at.random.choice([*SCALARS, *at.items]))
     if kind < 0.45 and at.places.counters:
         counter = at.random.choice(at.places.counters)
         return Value(counter.name, -4, counter.most)

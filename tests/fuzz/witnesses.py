@@ -158,9 +158,19 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> Non
             first = first or [result, *mine]
             compare(f"{what}, against as written", [result, *mine], first)
         if program is not None:
-            mine = deepcopy(args)
-            result = vividc.simulate(program, *mine).value
-            compare(f"simulator, {simulate}", [result, *mine], first)
+            _simulate(program, args, f"simulator, {simulate}", first)
+
+
+def _simulate(program: Program, args: list[object], what: str, expected: list[object]) -> None:
+    """Demands the results of both engines, and that the engines count the same."""
+    counts = []
+    for engine in ("reference", "native"):
+        mine = deepcopy(args)
+        result = vividc.simulate(program, *mine, engine=engine)
+        compare(f"{what}, {engine} engine", [result.value, *mine], expected)
+        counts.append({**result.stats, "engine": ""})
+    if counts[0] != counts[1]:
+        raise Difference(f"{what}: the engines count {counts[0]} and {counts[1]}")
 
 
 def stays_inside(source: str, seed: int, folder: Path) -> bool:

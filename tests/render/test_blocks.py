@@ -114,10 +114,16 @@ def test_blocks_shrink_as_the_list_grows(length: int, heights: list[int]) -> Non
     assert [launch.block.height for launch in launches] == heights
 
 
-def test_a_list_too_long_for_one_row_is_refused_with_sizes() -> None:
-    with pytest.raises(SceneError, match="904 splats") as raised:
-        cut_launches(one_tile(904), Crop(0, 0, 16, 16))
-    assert "8136 words and 64 words for one row of 16 pixels" in str(raised.value)
+def test_blocks_become_narrower_than_a_tile_where_no_row_fits() -> None:
+    launches = cut_launches(one_tile(905), Crop(0, 0, 16, 16))
+    assert {(launch.block.width, launch.block.height) for launch in launches} == {(8, 1)}
+    assert sum(launch.block.pixels for launch in launches) == 256
+
+
+def test_a_list_too_long_for_one_pixel_is_refused_with_sizes() -> None:
+    with pytest.raises(SceneError, match="910 splats") as raised:
+        cut_launches(one_tile(910), Crop(0, 0, 16, 16))
+    assert "8190 words and 4 words for the pixel" in str(raised.value)
     assert "8192 words" in str(raised.value)
 
 
@@ -132,9 +138,21 @@ def test_mic_crop_is_reassembled_from_its_launches(mic_tiles: TileLists) -> None
     np.testing.assert_array_equal(image, over_background(blend_image(mic_tiles, crop).rgbt))
 
 
-def test_mic_head_does_not_fit(mic_tiles: TileLists) -> None:
-    with pytest.raises(SceneError, match="3275 splats"):
-        cut_launches(mic_tiles, Crop(80, 16, 16, 16))
+def test_every_tile_of_mic_fits_the_scratchpad(mic_tiles: TileLists) -> None:
+    whole = Crop(0, 0, mic_tiles.width, mic_tiles.height)
+    launches = cut_launches(mic_tiles, whole)
+    assert max(launch.words for launch in launches) <= SPM_WORDS
+    assert sum(launch.block.pixels for launch in launches) == whole.pixels
+
+
+def test_mic_head_is_cut_into_smaller_blocks_of_the_same_picture(mic_tiles: TileLists) -> None:
+    crop = Crop(80, 16, 16, 16)
+    assert int(mic_tiles.lengths[1, 5]) == 3275
+    launches = cut_launches(mic_tiles, crop)
+    assert len(launches) > 1
+    blended = [blend_block(launch.splats, launch.block).rgbt.ravel() for launch in launches]
+    expected = over_background(blend_image(mic_tiles, crop).rgbt)
+    np.testing.assert_array_equal(assemble(crop, launches, blended), expected)
 
 
 def test_assemble_refuses_what_was_not_cut_from_the_crop() -> None:

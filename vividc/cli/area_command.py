@@ -41,7 +41,7 @@ SCHEMA = "vividc.area/1"
 @options.as_json
 def command(fabric: str, tiles: int, costs: str, node: float | None, as_json: bool) -> None:
     """Print the area of so many tiles of a fabric, with the kind of each figure."""
-    report = area(arch.load(fabric), load_costs(costs), tiles=tiles, node_nm=node)
+    report = area(arch.load_tile(fabric), load_costs(costs), tiles=tiles, node_nm=node)
     if as_json:
         print_json(SCHEMA, report)
     else:

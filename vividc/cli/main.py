@@ -19,6 +19,7 @@ from vividc.cli import (
     compile_command,
     disasm_command,
     map_command,
+    render_command,
     simulate_command,
     verify_command,
 )
@@ -95,5 +96,6 @@ for _module in (
     verify_command,
     disasm_command,
     area_command,
+    render_command,
 ):
     main.add_command(_module.command)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vividc.mapper.cpsat import (
     Prepared,
@@ -20,6 +20,7 @@ from vividc.mapper.cpsat import (
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort, negotiate
+from vividc.mapper.plain_core import named_anew, plain_core
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
@@ -34,7 +35,8 @@ _SCHEDULE_S_PER_NODE = 0.02
 _ROUTE_S = 2.0
 _ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
-_LARGE = 64
+_MOST_DOUBLINGS = 16
+_LARGE = 40
 _KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
 """(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
@@ -79,10 +81,6 @@ def map_decoupled(
     seed = first_seed
     seen: list[dict[int, int]] = []
     while not deadline.passed:
-        if is_large(task):
-            found = map_negotiated(task, ii, request, deadline, seed + 1)
-            if found.mapping is not None:
-                return found
         start = _schedule(task, ii, request, deadline, seed)
         seed += 1
         if start is None or start in seen:
@@ -93,7 +91,8 @@ def map_decoupled(
         slack = seed // _WIDEN_AFTER % 2
         request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
         budget_s = _ROUTE_S + len(task.dfg.placed) * _ROUTE_S_PER_NODE
-        share = deadline.within(budget_s * 2 ** (seed // len(_KINDS)))
+        turn = min(seed // len(_KINDS), _MOST_DOUBLINGS)
+        share = deadline.within(budget_s * 2**turn)
         search = Search(share, 1, seed, light=True)
         attempt = _joint(fixed(task, ii, start, slack), search)
         if attempt.mapping is not None:
@@ -110,15 +109,19 @@ def map_negotiated(
     effort: Effort | None = None,
 ) -> Attempt:
     """Annealed places and negotiated routes, without a solver: for large graphs."""
-    if not task.fabric.is_plain:
+    core = plain_core(task.fabric)
+    if core is None:
         return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
-    return Attempt(mapping=negotiate(task, ii, seed, deadline, effort))
+    mapping = negotiate(replace(task, fabric=core), ii, seed, deadline, effort)
+    return OPEN if mapping is None else Attempt(mapping=named_anew(task, mapping))
 
 
 def is_large(task: MapProblem) -> bool:
-    """Whether placing and routing by constraints takes longer than by negotiation."""
-    return len(task.dfg.placed) >= _LARGE
+    """Whether placing and routing by constraints takes longer than by negotiation, which some
+    fabrics leave no choice about.
+    """
+    return len(task.dfg.placed) >= _LARGE and plain_core(task.fabric) is not None
 
 
 def refute_by_folding(

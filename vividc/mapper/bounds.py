@@ -24,6 +24,7 @@ from vividc.mapper.dependences import (
 from vividc.mapper.mapping import Bound
 from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.reach_bounds import island_bounds, unreachable_bounds
 
 _MAX_HALL_SETS = 256
 _SHOWN = 6
@@ -42,11 +43,16 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     never = placement_bounds(problem) + lifetime_bounds(problem)
     if never:
         return never
+    candidates = {node.id: frozenset(usable_pes(problem, node)) for node in problem.dfg.placed}
+    never = unreachable_bounds(problem, candidates, no_ii(problem))
+    if never:
+        return never
     if len(problem.dfg.operations) >= no_ii(problem):
         crowded = tuple(bound for bound in issue_bounds(problem) if bound.ii >= no_ii(problem))
         if crowded:  # no need to look at the paths of a graph that is far too large
             return crowded
     found = [
+        *island_bounds(problem, candidates),
         *recurrence_bounds(problem),
         *issue_bounds(problem),
         *occupancy_bounds(problem),

@@ -21,6 +21,8 @@ _KINDS: Final = {
     "stages": "the controller's stages",
     "placement": "a node that no PE can take",
     "lifetime": "a word that lives too long",
+    "island": "PEs that no links join",
+    "reach": "a word that cannot get to its reader",
 }
 _SCHEDULE_ONLY: Final = "modulo scheduling"
 

@@ -20,6 +20,10 @@ _QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1)
 _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
 _PROOF_S: Final = 2.0
 _SEEDS: Final = 3
+_SOLVER_S: Final = 400.0
+"""Seconds for the solver in the first round, of a graph of one node: it is the better the smaller
+the graph.
+"""
 _NEAR: Final = 1
 _PATIENCE_LEAST_S, _PATIENCE_FACTOR = 4.0, 3.0
 
@@ -47,7 +51,7 @@ def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False
 
 def _negotiate(campaign: Campaign, ii: int, seed: int, effort: Effort) -> Attempt:
     request = campaign.request
-    found = map_negotiated(campaign.problem, ii, request, _limit(campaign), seed, effort)
+    found = map_negotiated(campaign.problem, ii, request, limit_of(campaign), seed, effort)
     campaign.note(ii, found)
     return found
 
@@ -92,23 +96,36 @@ def _insist(campaign: Campaign) -> None:
     while campaign.open_iis() and not _is_enough(campaign):
         ii = campaign.open_iis()[-1]
         turn += 1
-        effort = Effort(moves=Effort().moves * (1 + turn // 2), repairs=Effort().repairs * turn)
-        if any(
-            _negotiate(campaign, ii, _SEEDS * turn + seed, effort).mapping
-            for seed in range(_SEEDS)
-            if not _is_enough(campaign)
-        ):
+        if _try_seeds(campaign, ii, turn):
             turn = 0
             continue
-        budget_s = _PROOF_S * 2**turn
-        campaign.try_ii(campaign.open_iis()[0], _limit(campaign).within(budget_s))
+        budget_s = turn * _SOLVER_S / len(campaign.problem.dfg.placed)
+        campaign.try_ii(campaign.open_iis()[0], limit_of(campaign).within(budget_s))
+
+
+def try_only(campaign: Campaign, ii: int) -> None:
+    """One II by negotiation, some seeds."""
+    for turn in range(1, _SEEDS):
+        if campaign.best is None:
+            _try_seeds(campaign, ii, turn)
+
+
+def _try_seeds(campaign: Campaign, ii: int, turn: int) -> bool:
+    """As many seeds as rounds, up to `_SEEDS`, with effort that grows; whether one maps."""
+    effort = Effort(moves=Effort().moves * (1 + turn // 2), repairs=Effort().repairs * turn)
+    for seed in range(min(turn, _SEEDS)):
+        if _is_enough(campaign):
+            return False
+        if _negotiate(campaign, ii, _SEEDS * turn + seed, effort).mapping is not None:
+            return True
+    return False
 
 
 def _is_enough(campaign: Campaign) -> bool:
-    return _limit(campaign).passed
+    return limit_of(campaign).passed
 
 
-def _limit(campaign: Campaign) -> Deadline:
+def limit_of(campaign: Campaign) -> Deadline:
     """The deadline, which a thrifty request brings forward when the gap is small."""
     request, best = campaign.request, campaign.best
     if not request.thrifty or best is None or best.ii - campaign.lower > _NEAR:

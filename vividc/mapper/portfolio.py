@@ -17,7 +17,8 @@ from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.campaign import Campaign, Strategy
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.distances import hop_distances
-from vividc.mapper.large import prepared, search_large
+from vividc.mapper.foothold import gain_foothold, needs_foothold
+from vividc.mapper.large import prepared, search_large, try_only
 from vividc.mapper.mapping import Bound, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
@@ -67,9 +68,12 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     if request.ii is not None:
         impossible = _only(campaign, request.ii)
         return _result(campaign, bounds, name, began, infeasible=impossible)
+    jointly = strategy is _try_jointly
     if is_large(problem):
-        search_large(campaign, ii_limit(problem), only_footholds=strategy is _try_jointly)
-    if campaign.open_iis() or campaign.best is None:
+        search_large(campaign, ii_limit(problem), only_footholds=jointly)
+    elif needs_foothold(problem) and not jointly:
+        gain_foothold(campaign, ii_limit(problem))
+    if campaign.best is None or jointly or not is_large(problem):
         _climb(campaign)
         _descend(campaign)
     exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
@@ -86,7 +90,9 @@ def _only(campaign: Campaign, ii: int) -> bool:
     if ii < campaign.lower:
         campaign.refuted[ii] = f"the lower bound {campaign.lower}"
         return True
-    while not request.deadline.passed:
+    if is_large(campaign.problem) and campaign.strategy is not _try_jointly:
+        try_only(campaign, ii)
+    while campaign.best is None and not request.deadline.passed:
         before = request.deadline.remaining_s
         if campaign.try_ii(ii, request.deadline).decided:
             break

@@ -8,6 +8,7 @@ of least cost (Ahuja, Magnanti and Orlin 1993, section 9.4), which is integral.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -15,7 +16,7 @@ import networkx as nx
 
 from vividc.mapper.dependences import Dependence, dependences, earliest_starts
 from vividc.mapper.mapping import Bound
-from vividc.mapper.mrrg import build_mrrg
+from vividc.mapper.mrrg import MRRG, build_mrrg
 from vividc.mapper.problem import MapProblem
 
 _SHOWN: Final = 6
@@ -30,12 +31,15 @@ def pressure_bounds(problem: MapProblem, least: int, beyond: int) -> tuple[Bound
     Each II is refuted by itself, since more cycles give more room but loop-carried words live
     longer. A word is in (cycles from result to last read) places at least: it needs none in its
     first cycle if it is read from the output register then. And it is read by at most one FU on
-    each PE that reads a place in a cycle, so k reads, of which the output register serves one, need
-    (k - 1) / (PEs that read one place) places.
+    each PE that reads a place in a cycle, so k reads, of which the output register serves the first
+    ones, need k / (PEs that read one place) - 1 places. Where output registers are open they are
+    places like registers.
     """
     graph = build_mrrg(problem.fabric)
     places = sum(graph.resources[int(r)].capacity for r in dict.fromkeys(graph.occupies.tolist()))
-    readers = max((len(graph.readers[at]) for at in range(graph.locations)), default=1)
+    if problem.fabric.routing.open_outputs:
+        places += len(problem.fabric.pes)
+    readers = _readers(problem, graph)
     edges = dependences(problem.dfg, problem.fabric)
     if len(problem.dfg.placed) > _MOST_NODES:
         return ()
@@ -60,9 +64,14 @@ def least_life(problem: MapProblem, ii: int) -> int:
     """Least sum over words of the places that each must take, over all schedules of `ii`, which
     must not be below the RecMII.
     """
-    graph = build_mrrg(problem.fabric)
-    readers = max((len(graph.readers[at]) for at in range(graph.locations)), default=1)
+    readers = _readers(problem, build_mrrg(problem.fabric))
     return _least_life(problem, dependences(problem.dfg, problem.fabric), ii, -1, readers)
+
+
+def _readers(problem: MapProblem, graph: MRRG) -> int:
+    """PEs that read one place, an output register included."""
+    seen = Counter(pe for row in problem.fabric.outputs_seen_by for pe in row)
+    return max([len(graph.readers[at]) for at in range(graph.locations)] + list(seen.values()))
 
 
 def _least_life(
@@ -128,7 +137,7 @@ def _reads(problem: MapProblem, edges: Sequence[Dependence], word: int, readers:
         for edge in edges
         if edge.src == word and edge.routed and problem.dfg.by_id[edge.dst].uses_fu
     }
-    return -(-(max(len(by_fus), 1) - 1) // readers)
+    return max(-(-len(by_fus) // readers) - 1, 0)
 
 
 def _life(starts: dict[int, int], edge: Dependence, ii: int) -> int:

@@ -8,10 +8,15 @@ from typing import Final, cast
 from vividc.errors import VividcError
 from vividc.mapper.portfolio import auto, cpsat, decoupled
 from vividc.mapper.request import Mapper
+from vividc.mapper.windows import with_windows
 
 ENTRY_POINT_GROUP: Final = "vividc.mappers"
 
-BUILT_IN: Final[dict[str, Mapper]] = {"auto": auto, "cpsat": cpsat, "decoupled": decoupled}
+BUILT_IN: Final[dict[str, Mapper]] = {
+    "auto": with_windows(auto),
+    "cpsat": cpsat,
+    "decoupled": decoupled,
+}
 
 
 def mapper_names() -> tuple[str, ...]:

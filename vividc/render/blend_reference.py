@@ -6,9 +6,11 @@ rasteriser, forward pass.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.crop import Crop, check_inside, tiles_meeting
@@ -35,28 +37,84 @@ class Blended:
         [height, width] int32 list entries looked at, including the one that stopped the pixel.
     blended
         [height, width] int32 entries that contributed colour.
+    exponentials
+        [height, width] int32 entries for which exp was needed.
     """
 
     rgbt: Float32Array
     evaluated: Int32Array
     blended: Int32Array
+    exponentials: Int32Array
 
 
-def blend_image(tiles: TileLists, crop: Crop | None = None) -> Blended:
-    """Blend the whole image, or only `crop` (pixels of the image the lists were made for)."""
+def _float32_exp(values: Float32Array) -> Float32Array:
+    return np.exp(values)
+
+
+@dataclass(frozen=True, slots=True)
+class BlendOptions:
+    """Switches of the reference.
+
+    Attributes
+    ----------
+    lookahead
+        Lookahead Culling II: entries whose exponent is below ln(1 / (255 opacity)) - `margin` are
+        culled before exp, which is not taken of them.
+    margin
+        How much below that an exponent must be. From 1e-5 on, more than exp, log and a product
+        can err in float32, the picture is the same to the last bit; a negative margin culls
+        entries that would be seen.
+    exponential
+        Takes exponents, float32 [n] of at most 0, to their exp: the place for a quantised one.
+    """
+
+    lookahead: bool = False
+    margin: float = 1e-5
+    exponential: Callable[[Float32Array], Float32Array] = _float32_exp
+
+
+EXACT = BlendOptions()
+
+
+def exponent_threshold(opacity: Float32Array, margin: float) -> Float32Array:
+    """Return the least exponent of a visible entry of each `opacity` [n], lowered by `margin`.
+
+    alpha = opacity exp(power) < 1/255 where power < ln(1 / (255 opacity)); +inf at opacity 0.
+    """
+    with np.errstate(divide="ignore"):
+        exponent = np.log(ALPHA_MIN / opacity)
+    threshold: Float32Array = exponent - np.float32(margin)
+    return threshold
+
+
+def blend_image(
+    tiles: TileLists,
+    crop: Crop | None = None,
+    options: BlendOptions = EXACT,
+    progress: Callable[[float], None] | None = None,
+) -> Blended:
+    """Blend the whole image, or only `crop` (pixels of the image the lists were made for).
+
+    `progress` is called with the share of pixels that are done, 0 to 1.
+    """
     area = Crop(0, 0, tiles.width, tiles.height) if crop is None else crop
     check_inside(area, tiles.width, tiles.height)
     rgbt = np.zeros((area.height, area.width, 4), dtype=np.float32)
     evaluated = np.zeros((area.height, area.width), dtype=np.int32)
-    blended = np.zeros_like(evaluated)
+    blended, exponentials = np.zeros_like(evaluated), np.zeros_like(evaluated)
+    done = 0
     for tile_x, tile_y, part in tiles_meeting(area):
-        block = blend_block(tiles.tile(tile_x, tile_y), part)
+        block = blend_block(tiles.tile(tile_x, tile_y), part, options)
         place = part.rows_and_columns_in(area)
         rgbt[place], evaluated[place], blended[place] = block.rgbt, block.evaluated, block.blended
-    return Blended(rgbt, evaluated, blended)
+        exponentials[place] = block.exponentials
+        done += part.pixels
+        if progress is not None:
+            progress(done / area.pixels)
+    return Blended(rgbt, evaluated, blended, exponentials)
 
 
-def blend_block(splats: Splats, block: Crop) -> Blended:
+def blend_block(splats: Splats, block: Crop, options: BlendOptions = EXACT) -> Blended:
     """Blend depth-sorted `splats` over the pixels of `block` (image pixel indices).
 
     For each splat in order: skip if power > 0 or alpha < 1/255; stop the pixel, without adding,
@@ -66,12 +124,15 @@ def blend_block(splats: Splats, block: Crop) -> Blended:
     transmittance = np.ones(block.pixels, dtype=np.float32)
     evaluated = np.zeros(block.pixels, dtype=np.int32)
     blended = np.zeros(block.pixels, dtype=np.int32)
+    exponentials = np.zeros(block.pixels, dtype=np.int32)
     live = np.ones(block.pixels, dtype=np.bool_)
     colour = np.stack((splats.red, splats.green, splats.blue), axis=1)
     for start in range(0, len(splats), _LIST_CHUNK):
-        alphas = _alphas(splats, block, slice(start, start + _LIST_CHUNK))
-        for alpha, rgb in zip(alphas, colour[start : start + _LIST_CHUNK], strict=True):
+        chunk = slice(start, start + _LIST_CHUNK)
+        alphas, needed = _alphas(splats, block, chunk, options)
+        for alpha, need, rgb in zip(alphas, needed, colour[chunk], strict=True):
             evaluated += live
+            exponentials += live & need
             remaining = transmittance * (_ONE - alpha)
             hit = live & (alpha >= ALPHA_MIN)
             stopped = hit & (remaining < TRANSMITTANCE_MIN)
@@ -85,7 +146,8 @@ def blend_block(splats: Splats, block: Crop) -> Blended:
             break
     shape = (block.height, block.width)
     rgbt = np.concatenate((accumulated, transmittance[:, None]), axis=1)
-    return Blended(rgbt.reshape(*shape, 4), evaluated.reshape(shape), blended.reshape(shape))
+    counts = (count.reshape(shape) for count in (evaluated, blended, exponentials))
+    return Blended(rgbt.reshape(*shape, 4), *counts)
 
 
 def over_background(rgbt: Float32Array, background: float = 1.0) -> Float32Array:
@@ -93,8 +155,13 @@ def over_background(rgbt: Float32Array, background: float = 1.0) -> Float32Array
     return rgbt[..., :3] + rgbt[..., 3:] * np.float32(background)
 
 
-def _alphas(splats: Splats, block: Crop, chunk: slice) -> Float32Array:
-    """Return alpha of the splats of `chunk` at each pixel, [n, pixels]; 0 where power > 0."""
+def _alphas(
+    splats: Splats, block: Crop, chunk: slice, options: BlendOptions
+) -> tuple[Float32Array, npt.NDArray[np.bool_]]:
+    """Return alpha of the splats of `chunk` at each pixel [n, pixels], and where exp was needed.
+
+    Alpha is 0 where it was not: where power > 0 or, with lookahead, below the threshold.
+    """
     pixel_x = np.arange(block.x0, block.x0 + block.width, dtype=np.float32)
     pixel_y = np.arange(block.y0, block.y0 + block.height, dtype=np.float32)
     dx = splats.mean_x[chunk, None, None] - pixel_x[None, None, :]
@@ -104,6 +171,11 @@ def _alphas(splats: Splats, block: Crop, chunk: slice) -> Float32Array:
         for array in (splats.conic_a, splats.conic_b, splats.conic_c, splats.opacity)
     )
     power = -_HALF * (a * dx * dx + c * dy * dy) - b * dx * dy
-    # exp of a positive power is never used; the clamp only keeps it from overflowing.
-    alpha = np.minimum(ALPHA_MAX, opacity * np.exp(np.minimum(power, np.float32(0))))
-    return np.where(power > 0, np.float32(0), alpha).reshape(len(alpha), block.pixels)
+    needed = ~(power > 0)
+    if options.lookahead:
+        needed &= power >= exponent_threshold(opacity, options.margin)
+    peak = np.broadcast_to(opacity, power.shape)[needed]
+    alpha = np.zeros_like(power)
+    alpha[needed] = np.minimum(ALPHA_MAX, peak * options.exponential(power[needed]))
+    shape = (len(alpha), block.pixels)
+    return alpha.reshape(shape), needed.reshape(shape)

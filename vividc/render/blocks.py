@@ -10,6 +10,7 @@ import numpy as np
 
 from vividc.render.arrays import Float32Array
 from vividc.render.blend_reference import over_background
+from vividc.render.block_cull import seen_in
 from vividc.render.crop import Crop, check_inside, tiles_meeting
 from vividc.render.errors import SceneError
 from vividc.render.splat import Splats, TileLists
@@ -22,7 +23,7 @@ _PIXEL_WORDS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlendLaunch:
-    """One launch of the blending kernel: the depth-sorted list of one tile over some pixels.
+    """One launch of the blending kernel: a depth-sorted list of splats over some pixels.
 
     `block` is in pixels of the whole image, within one screen tile.
     """
@@ -65,28 +66,47 @@ def cut_launches(
     """Return the launches that together cover `crop` exactly once, by tile rows.
 
     Each covers one tile's part of the crop, or a band of its rows where the whole part does
-    not fit the scratchpad.
+    not fit the scratchpad. Where not even a row fits beside the tile's list, the list is reduced to
+    what can be seen in the part, and the part halved until it fits: the picture is the same.
 
     Raises
     ------
     SceneError
-        A tile's list is so long that not even one row of pixels fits beside it.
+        So many splats are seen at one pixel that their list does not fit.
     """
     check_inside(crop, tiles.width, tiles.height)
     launches: list[BlendLaunch] = []
     for tile_x, tile_y, part in tiles_meeting(crop):
-        splats = tiles.tile(tile_x, tile_y)
-        rows = _rows_that_fit(len(splats), part, spm_words)
-        if rows < 1:
-            raise SceneError(
-                f"tile ({tile_x}, {tile_y}) has {len(splats)} splats: their "
-                f"{_list_words(len(splats))} words and {_PIXEL_WORDS * part.width} words for one "
-                f"row of {part.width} pixels exceed the {spm_words} words of the scratchpad",
-                hint="choose another crop, a larger scratchpad, or a larger image (fewer splats "
-                "share a tile)",
-            )
-        launches += [BlendLaunch(splats, band) for band in _bands(part, rows)]
+        launches += _cut_block(tiles.tile(tile_x, tile_y), part, spm_words)
     return tuple(launches)
+
+
+def _cut_block(splats: Splats, block: Crop, spm_words: int) -> list[BlendLaunch]:
+    rows = _rows_that_fit(len(splats), block, spm_words)
+    if rows >= 1:
+        return [BlendLaunch(splats, band) for band in _bands(block, rows)]
+    seen = seen_in(splats, block)
+    if len(seen) < len(splats):
+        return _cut_block(seen, block, spm_words)
+    if block.pixels == 1:
+        raise SceneError(
+            f"{len(splats)} splats are seen at pixel ({block.x0}, {block.y0}): their "
+            f"{_list_words(len(splats))} words and {_PIXEL_WORDS} words for the pixel exceed the "
+            f"{spm_words} words of the scratchpad",
+            hint="choose another crop, a larger scratchpad, or a larger image (fewer splats "
+            "share a pixel)",
+        )
+    return [launch for half in _halves(block) for launch in _cut_block(splats, half, spm_words)]
+
+
+def _halves(block: Crop) -> tuple[Crop, Crop]:
+    """Return the two halves of a block of at least two pixels, cut across its longer side."""
+    x0, y0, width, height = block.x0, block.y0, block.width, block.height
+    if width >= height:
+        left = width // 2
+        return Crop(x0, y0, left, height), Crop(x0 + left, y0, width - left, height)
+    top = height // 2
+    return Crop(x0, y0, width, top), Crop(x0, y0 + top, width, height - top)
 
 
 def assemble(

@@ -16,6 +16,7 @@ from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess, window
 
 _BROKEN, _LATE, _HOP, _CYCLE, _TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
+_MOVE_KNOT_BELOW = 15
 _MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
 """Of 100 moves, which change the PE and which the time."""
 
@@ -40,7 +41,11 @@ def anneal(task: Task, places: Places, heat: Heat, moves: int) -> None:
 
 @compiled
 def _step(task: Task, places: Places, heat: float, node: int, scratch: Ints) -> None:
-    nodes, array = task.nodes, task.array
+    nodes, edges, array = task
+    knot = edges.knot_begin[node + 1] - edges.knot_begin[node]
+    if knot > 1 and draw(places.random, 100) < _MOVE_KNOT_BELOW:
+        _shift_knot(task, places, heat, node)
+        return
     old_pe, old_time = places.pe[node], places.time[node]
     pe, time = propose(task, places, node, scratch)
     if pe == old_pe and time == old_time:
@@ -71,6 +76,42 @@ def _step(task: Task, places: Places, heat: float, node: int, scratch: Ints) -> 
     enter(nodes, array, places, node, 1)
     if other >= 0:
         enter(nodes, array, places, other, 1)
+
+
+@compiled
+def _shift_knot(task: Task, places: Places, heat: float, node: int) -> None:
+    """Move all nodes of a recurrence in time: where it has no slack, none can move alone."""
+    ii = task.array.ii
+    by = 1 + draw(places.random, max(1, ii // 2))
+    if draw(places.random, 2) == 0:
+        by = -by
+    begin, end = task.edges.knot_begin[node], task.edges.knot_begin[node + 1]
+    for at in range(begin, end):
+        time = places.time[task.edges.knot_items[at]] + by
+        if time < 0 or time > task.array.latest:
+            return
+    before = _knot_cost(task, places, begin, end)
+    _delay(task, places, begin, end, by)
+    change = _knot_cost(task, places, begin, end) - before
+    if change > 0 and draw(places.random, 1 << 24) >= math.exp(-change / heat) * (1 << 24):
+        _delay(task, places, begin, end, -by)
+
+
+@compiled
+def _knot_cost(task: Task, places: Places, begin: int, end: int) -> float:
+    total = 0.0
+    for at in range(begin, end):
+        total += _cost(task, places, task.edges.knot_items[at])
+    return total
+
+
+@compiled
+def _delay(task: Task, places: Places, begin: int, end: int, by: int) -> None:
+    for at in range(begin, end):
+        node = task.edges.knot_items[at]
+        enter(task.nodes, task.array, places, node, -1)
+        places.time[node] += by
+        enter(task.nodes, task.array, places, node, 1)
 
 
 @compiled

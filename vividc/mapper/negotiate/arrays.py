@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +37,8 @@ class Edges(NamedTuple):
     - `ready` cycles beyond its result.
 
     `of`: edges at each node but self loops; `sink`: routed edges out of a node; `fed`: producers of
-    what a node reads, itself not counted. `ahead` = II * distance.
+    what a node reads, itself not counted; `knot`: all nodes of a node's recurrences, itself among
+    them. `ahead` = II * distance.
     """
 
     src: Ints
@@ -51,6 +53,8 @@ class Edges(NamedTuple):
     sink_items: Ints
     fed_begin: Ints
     fed_items: Ints
+    knot_begin: Ints
+    knot_items: Ints
 
 
 class Array(NamedTuple):
@@ -131,7 +135,7 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
             sinks[src].append(index)
             if src != dst:
                 fed[dst][src] = None
-    packed = [Rows.of(rows) for rows in (of, sinks, fed)]
+    packed = [Rows.of(rows) for rows in (of, sinks, fed, _knots(ends, len(number)))]
     return Edges(
         ints(src for src, _ in ends),
         ints(dst for _, dst in ends),
@@ -141,6 +145,16 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
         np.array([e.routed for e in found], dtype=np.uint8),
         *(part for rows in packed for part in (rows.begin, rows.items)),
     )
+
+
+def _knots(ends: Sequence[tuple[int, int]], nodes: int) -> list[list[int]]:
+    """By node: the strongly connected component that it is in."""
+    graph = nx.DiGraph(ends)
+    knots = [[node] for node in range(nodes)]
+    for component in nx.strongly_connected_components(graph):
+        for node in component:
+            knots[node] = sorted(component)
+    return knots
 
 
 def _array(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vividc.arch import Fabric, load
+from vividc.arch import Fabric, load_tile
 from vividc.arch.costs import Cost, CostTable, PartShares
 from vividc.errors import ArchError
 from vividc.sim.costs.components import logic, storage_bits
@@ -56,7 +56,7 @@ def calibrate(table: CostTable) -> Calibration:
     """
     point = table.calibration
     try:
-        fabric = load(point.fabric)
+        fabric = load_tile(point.fabric)
     except ArchError as error:
         raise ArchError(error.reason, loc=table.place, hint=error.hint) from error
     bank = table.bank(fabric.scratchpad.size_bytes // fabric.scratchpad.banks)

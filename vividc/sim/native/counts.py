@@ -9,15 +9,15 @@ after its operation issues moves with every issue whose move is before the regio
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vividc.dfg.opcodes import MEMORY
-from vividc.sim.engine import Activity
+from vividc.sim.engine import Activity, RegionRun
 from vividc.sim.native.layout import Sum
 from vividc.sim.native.trace import Constant, FlowOp, Move, RegionFlow, Result
 
@@ -53,22 +53,39 @@ _DIRECT: Final = {
 }
 
 
-@dataclass
-class Totals:
-    """Sums over all runs of one region, however they were run."""
+_TIMES: Final = ("entries", "iterations", "cycles", "stalls")
+_ACTIVITY: Final = tuple(Activity.__dataclass_fields__)
+_FIELDS: Final = (*_TIMES, *_ACTIVITY)
 
-    entries: int = 0
-    iterations: int = 0
-    cycles: int = 0
-    stalls: int = 0
-    issued: Counter[str] = field(default_factory=Counter)
-    link_words: int = 0
-    register_reads: int = 0
-    register_writes: int = 0
-    constant_reads: int = 0
-    constant_writes: int = 0
-    scratchpad_reads: int = 0
-    scratchpad_writes: int = 0
+
+class Totals:
+    """Sums over all runs of one region, however they were run.
+
+    Parameters
+    ----------
+    fields
+        Values of `_FIELDS`: entries, iterations, cycles, stalls, and the fields of `Activity`.
+    issued
+        Issues by opcode name, all positive.
+    """
+
+    __slots__ = ("fields", "issued")
+
+    def __init__(
+        self, fields: Sequence[int] = (0,) * len(_FIELDS), issued: Mapping[str, int] | None = None
+    ) -> None:
+        self.fields = fields
+        self.issued = {} if issued is None else issued
+
+    def __add__(self, other: Totals) -> Totals:
+        fields = [a + b for a, b in zip(self.fields, other.fields, strict=True)]
+        return Totals(fields, Counter(self.issued) + Counter(other.issued))
+
+    def region_run(self) -> RegionRun:
+        """The part of a run's result."""
+        entries, iterations, cycles, stalls = self.fields[: len(_TIMES)]
+        issued = dict(sorted(self.issued.items()))
+        return RegionRun(entries, iterations, cycles, stalls, issued, activity([self]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,24 +96,21 @@ class RegionCounts:
     ----------
     classes
         Sums beside the fixed ones.
-    names
-        Fields of `Totals`, and issues by opcode.
+    ops
+        Names of the opcodes that issue.
     matrix
-        int64 [names, sums].
+        int64 [`_FIELDS` and opcodes, sums].
     """
 
     classes: tuple[CountClass, ...]
-    names: tuple[str, ...]
+    ops: tuple[str, ...]
     matrix: NDArray[np.int64]
 
-    def add_to(self, totals: Totals, sums: Vector) -> None:
-        """Add what the code of the region counted; `sums` begins with the region's."""
+    def totals(self, sums: Vector) -> Totals:
+        """What the code of the region counted; `sums` begins with the region's."""
         values = (self.matrix @ sums[: self.matrix.shape[1]]).tolist()
-        for name, value in zip(self.names, values, strict=True):
-            if not name.startswith(_ISSUED):
-                setattr(totals, name, getattr(totals, name) + value)
-            elif value:
-                totals.issued[name.removeprefix(_ISSUED)] += value
+        issues = zip(self.ops, values[len(_FIELDS) :], strict=True)
+        return Totals(values[: len(_FIELDS)], {op: count for op, count in issues if count})
 
 
 def count_classes(flow: RegionFlow) -> tuple[CountClass, ...]:
@@ -116,10 +130,12 @@ def region_counts(flow: RegionFlow) -> RegionCounts:
     """What the sums of a region tell."""
     classes = count_classes(flow)
     unit = np.identity(len(Sum) + len(classes), np.int64)
-    found: dict[str, Vector] = {name: unit[place] for name, place in _DIRECT.items()}
+    found: dict[str, Vector] = dict.fromkeys(_FIELDS, 0 * unit[0])
+    found |= {name: unit[place] for name, place in _DIRECT.items()}
     of_class = dict(zip(classes, unit[len(Sum) :], strict=True))
     _Counter(flow, unit, of_class, found).count()
-    return RegionCounts(classes, tuple(found), np.array([*found.values()]))
+    ops = tuple(name.removeprefix(_ISSUED) for name in found if name.startswith(_ISSUED))
+    return RegionCounts(classes, ops, np.array([*found.values()]))
 
 
 class _Counter:
@@ -182,8 +198,8 @@ class _Counter:
 
 def activity(totals: Sequence[Totals]) -> Activity:
     """The activity of a whole run."""
-    names = Activity.__dataclass_fields__
-    return Activity(**{name: sum(getattr(total, name) for total in totals) for name in names})
+    columns = zip(*(total.fields[len(_TIMES) :] for total in totals), strict=True)
+    return Activity(*map(sum, columns))
 
 
 def _most(flow: RegionFlow, op: FlowOp) -> int:

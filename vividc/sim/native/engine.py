@@ -12,7 +12,7 @@ from functools import partial
 from typing import Final
 
 from vividc.program import Program
-from vividc.sim.engine import Launch, RegionRun, Run
+from vividc.sim.engine import Launch, Run
 from vividc.sim.native.code import Compiled, compiled
 from vividc.sim.native.counts import Totals, activity
 from vividc.sim.native.fallback import Fallback
@@ -68,13 +68,16 @@ class _Running:
         self._code = code
         self._fallback = fallback
         self._launch = launch
-        self._totals = [Totals() for _ in program.table]
-        self._state = initial_state(program, code.plan.layout, code.blank, launch)
+        self._elsewhere: dict[int, Totals] = {}  # of regions that ran on the reference engine
+        self._state = self._initial()
+
+    def _initial(self) -> MachineState:
+        return initial_state(self._program, self._code.plan.layout, self._code.blank, self._launch)
 
     def run(self) -> Run:
         """Run to the end."""
-        snapshot = self._state.copy()
-        spans = Spans(self._code.plan, self._totals, self._launch.observer)
+        snapshot: MachineState | None = None  # the start
+        spans = Spans(self._code.plan, self._elsewhere, self._launch.observer)
         entries = ENTRIES_A_CALL if self._launch.observer is None else 1
         while True:
             spans.before(self._state)
@@ -87,20 +90,23 @@ class _Running:
             if status is Status.LIMIT:
                 self._fallback.demand_time(self._launch, self._state)
             if status is Status.FAULT:
-                self._state = self._before_fault(snapshot)
+                self._state = self._before_fault(snapshot or self._initial())
             if status in (Status.FAULT, Status.IRREGULAR):
-                region = int(self._state.context[Place.NEXT])
-                self._fallback.run_region(self._launch, self._state, self._totals[region])
+                self._run_elsewhere()
             spans.after(self._state)
             if not self._state.context[Place.RESUME]:
                 snapshot = self._state.copy()
+
+    def _run_elsewhere(self) -> None:
+        region = int(self._state.context[Place.NEXT])
+        done = self._fallback.run_region(self._launch, self._state)
+        self._elsewhere[region] = self._elsewhere.get(region, Totals()) + done
 
     def _call(self, state: MachineState, cycles: int, entries: int) -> Status:
         context = state.context
         context[Place.BUDGET] = state.now + cycles
         context[Place.ENTRY_STOP] = min(int(context[Place.ENTRIES]) + entries, _NEVER)
-        arrays = (context, state.constants, state.memory)
-        return Status(self._code.native(*(array.ctypes.data for array in arrays)))
+        return Status(self._code.native(*state.pointers))
 
     def _before_fault(self, state: MachineState) -> MachineState:
         """The snapshot `state`, run up to the region in which something went wrong."""
@@ -111,27 +117,18 @@ class _Running:
 
     def _result(self) -> Run:
         state, plan = self._state, self._code.plan
-        for counts, first, totals in zip(plan.counts, plan.layout.sums, self._totals, strict=True):
-            if counts is not None:
-                counts.add_to(totals, state.context[first:])
+        totals = [
+            Totals() if counts is None else counts.totals(state.context[first:])
+            for counts, first in zip(plan.counts, plan.layout.sums, strict=True)
+        ]
+        for region, done in self._elsewhere.items():
+            totals[region] += done
         return Run(
             cycles=int(state.context[Place.CYCLE]),
             switch_cycles=int(state.context[Place.SWITCH_CYCLES]),
             memory=state.scratchpad.copy(),
             value=returned(self._program, partial(state.word_at, plan.layout)),
-            regions=tuple(_region_run(totals) for totals in self._totals),
-            activity=activity(self._totals),
+            regions=tuple(total.region_run() for total in totals),
+            activity=activity(totals),
             engine="native",
         )
-
-
-def _region_run(totals: Totals) -> RegionRun:
-    issued = dict(sorted(totals.issued.items()))
-    return RegionRun(
-        totals.entries,
-        totals.iterations,
-        totals.cycles,
-        totals.stalls,
-        issued,
-        activity([totals]),
-    )

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import astuple
+
 import numpy as np
 
 from vividc.program import Program
-from vividc.sim.engine import Launch
+from vividc.sim.engine import Activity, Launch
 from vividc.sim.native.counts import Totals
 from vividc.sim.native.layout import BITS, Layout, Place
 from vividc.sim.native.state import MachineState
@@ -23,8 +26,8 @@ class Fallback:
         self._cells = StateMap(program.fabric)
         self._regions: tuple[RegionCode, ...] | None = None
 
-    def run_region(self, launch: Launch, machine: MachineState, totals: Totals) -> None:
-        """Run the region that is next, and count it.
+    def run_region(self, launch: Launch, machine: MachineState) -> Totals:
+        """Run the region that is next; what it counts.
 
         Raises
         ------
@@ -38,7 +41,6 @@ class Fallback:
         tile.entries += 1
         run = RegionState(tile, region, iterations(region.row, tile.trip))
         run.run()
-        self._count(totals, tile, run, region)
         following = region.row.branch if run.branch else region.row.next
         switches = 0
         if following is not None:
@@ -48,6 +50,7 @@ class Fallback:
         machine.context[Place.NEXT] = -1 if following is None else following
         machine.context[Place.SWITCH_CYCLES] += switches
         self._write_back(tile, machine)
+        return _totals(tile, run, region)
 
     def demand_time(self, launch: Launch, machine: MachineState) -> None:
         """Raise the error of a run that went past its limit in the region that is next."""
@@ -89,22 +92,24 @@ class Fallback:
                 place = self._layout.valid_word(bit)
                 machine.context[place] |= np.uint64(1 << bit % BITS).astype(np.int64)
 
-    def _count(self, totals: Totals, tile: Tile, run: RegionState, region: RegionCode) -> None:
-        totals.entries += 1
-        totals.iterations += run.iterations
-        totals.cycles += run.cycle + run.stalls
-        totals.stalls += run.stalls
-        for count in region.counts:
-            issues = run.issues_of(count.time)
-            if issues:
-                totals.issued[count.op] += issues
-                totals.register_reads += count.first_register_reads
-                totals.register_reads += (issues - 1) * count.register_reads
-                totals.constant_reads += count.first_constant_reads
-                totals.constant_reads += (issues - 1) * count.constant_reads
-        totals.link_words += tile.link_words
-        totals.register_reads += tile.register_reads
-        totals.register_writes += tile.register_writes
-        totals.constant_writes += tile.constant_writes
-        totals.scratchpad_reads += tile.scratchpad_reads
-        totals.scratchpad_writes += tile.scratchpad_writes
+
+def _totals(tile: Tile, run: RegionState, region: RegionCode) -> Totals:
+    issued: Counter[str] = Counter()
+    registers, constants = tile.register_reads, 0
+    for count in region.counts:
+        issues = run.issues_of(count.time)
+        if issues:
+            issued[count.op] += issues
+            registers += count.first_register_reads + (issues - 1) * count.register_reads
+            constants += count.first_constant_reads + (issues - 1) * count.constant_reads
+    activity = Activity(
+        link_words=tile.link_words,
+        register_reads=registers,
+        register_writes=tile.register_writes,
+        constant_reads=constants,
+        constant_writes=tile.constant_writes,
+        scratchpad_reads=tile.scratchpad_reads,
+        scratchpad_writes=tile.scratchpad_writes,
+    )
+    times = (1, run.iterations, run.cycle + run.stalls, run.stalls)
+    return Totals((*times, *astuple(activity)), issued)

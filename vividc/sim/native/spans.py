@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from vividc.sim.engine import Observer, RegionSpan
 from vividc.sim.native.counts import Totals
@@ -14,9 +14,11 @@ from vividc.sim.native.state import MachineState
 class Spans:
     """What a run of a region took: the difference between the sums before and after it."""
 
-    def __init__(self, plan: Plan, totals: Sequence[Totals], observer: Observer | None) -> None:
+    def __init__(
+        self, plan: Plan, elsewhere: Mapping[int, Totals], observer: Observer | None
+    ) -> None:
         self._plan = plan
-        self._totals = totals
+        self._elsewhere = elsewhere
         self._observer = observer
         self._region = self._start = self._switches = self._entries = 0
         self._sums = (0, 0)
@@ -47,8 +49,8 @@ class Spans:
 
     def _counted(self, state: MachineState) -> tuple[int, int]:
         """Iterations and stalls of the region, in native code and on the reference engine."""
-        totals = self._totals[self._region]
-        iterations, stalls = totals.iterations, totals.stalls
+        done = self._elsewhere.get(self._region, Totals()).region_run()
+        iterations, stalls = done.iterations, done.bank_stalls
         if self._plan.counts[self._region] is not None:
             first = self._plan.layout.sums[self._region]
             iterations += int(state.context[first + Sum.ITERATIONS])

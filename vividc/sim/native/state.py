@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vividc.program import Home, Program
 from vividc.sim.engine import Launch
-from vividc.sim.native.layout import BITS, EXTENT_WORDS, MEMORY_SLACK_BYTES, Layout, Place
+from vividc.sim.native.layout import BITS, MEMORY_SLACK_BYTES, Layout, Place
 from vividc.sim.native.trace import Constant
 
 _SLACK = MEMORY_SLACK_BYTES // 4
@@ -37,6 +37,11 @@ class MachineState:
     def scratchpad(self) -> NDArray[np.uint32]:
         """A view of the scratchpad."""
         return self.memory[:-_SLACK]
+
+    @property
+    def pointers(self) -> tuple[int, int, int]:
+        """Addresses of the arrays."""
+        return self.context.ctypes.data, self.constants.ctypes.data, self.memory.ctypes.data
 
     @property
     def now(self) -> int:
@@ -82,14 +87,15 @@ def initial_state(
     context = np.zeros(blank[0], np.int64)
     context[Place.CYCLE_LIMIT] = launch.cycle_limit
     everywhere = (0, program.fabric.scratchpad.size_bytes)
-    for name, number in layout.arrays.items():
+    words: list[int] = []
+    for name in layout.arrays:
         first, end = launch.extents.get(name, everywhere)
-        bounds = (max(0, end - first - width + 1) for width in (1, 2, 4))
-        place = layout.extents + EXTENT_WORDS * number
-        context[place : place + EXTENT_WORDS] = (first, *bounds)
+        size = end - first
+        words += (first, size, max(0, size - 1), max(0, size - 3))
+    context[layout.extents : layout.extents + len(words)] = words
     constants = blank[1].copy()
-    for row in program.launch:
-        constants[row.pe * layout.entries + row.entry] = launch.inputs[row.key]
+    places = [row.pe * layout.entries + row.entry for row in program.launch]
+    constants[places] = [launch.inputs[row.key] for row in program.launch]
     memory = np.zeros(launch.memory.size + _SLACK, np.uint32)
     memory[:-_SLACK] = launch.memory
     return MachineState(context, constants, memory)

@@ -1,0 +1,69 @@
+"""The policy for large graphs: nearer step by step, and when a thrifty request has enough."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.mapper.random_graphs import random_loop
+from vividc import arch
+from vividc.mapper import map_dfg
+from vividc.mapper.attempt import OPEN, Attempt, map_decoupled
+from vividc.mapper.campaign import Campaign
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.large import limit_of
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import MapRequest
+from vividc.mapper.verify import verify
+
+TILE = arch.load("vivid-tile")
+
+
+def campaign(best: int, lower: int, *, thrifty: bool) -> Campaign:
+    request = MapRequest(None, Deadline.after(1000.0), thrifty=thrifty)
+    made = Campaign(MapProblem(random_loop(1, 4), TILE), request, lambda *_: OPEN, lower)
+    made.note(best, Attempt(mapping=Mapping(best, {}, {})))
+    return made
+
+
+@pytest.mark.parametrize(
+    ("best", "thrifty", "early"), [(6, True, True), (7, True, False), (6, False, False)]
+)
+def test_a_thrifty_request_stops_early_only_within_one_of_the_bound(
+    best: int, thrifty: bool, early: bool
+) -> None:
+    search = campaign(best, 5, thrifty=thrifty)
+    assert (limit_of(search).at < search.request.deadline.at) is early
+
+
+def test_a_mapping_no_better_than_the_best_is_dropped() -> None:
+    search = campaign(6, 5, thrifty=False)
+    search.note(8, Attempt(mapping=Mapping(8, {}, {})))
+    assert search.best is not None
+    assert search.best.ii == 6
+
+
+def test_what_is_found_is_told_with_ever_smaller_iis() -> None:
+    lines: list[str] = []
+    dfg = random_loop(21, 60, (8, 2, 1))
+    result = map_dfg(dfg, TILE, time_limit_s=60, thrifty=True, workers=1, progress=lines.append)
+    assert result.mapping is not None
+    assert verify(dfg, TILE, result.mapping) == []
+    mapped = [int(line.split()[1][:-1]) for line in lines if line.endswith("mapped")]
+    assert mapped == sorted(mapped, reverse=True)
+    assert mapped[-1] == result.ii
+
+
+def test_many_tries_of_an_ii_do_not_overflow_the_budget() -> None:
+    problem = MapProblem(random_loop(1, 4), TILE)
+    request = MapRequest(None, Deadline.after(20.0), 1)
+    attempt = map_decoupled(problem, 4, request, request.deadline, first_seed=9000)
+    assert attempt.mapping is not None
+
+
+def test_one_ii_of_a_large_graph() -> None:
+    dfg = random_loop(21, 60, (8, 2, 1))
+    result = map_dfg(dfg, TILE, ii=30, time_limit_s=60, workers=1)
+    assert result.ii == 30
+    assert result.mapping is not None
+    assert verify(dfg, TILE, result.mapping) == []

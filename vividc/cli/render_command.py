@@ -1,0 +1,222 @@
+"""`vividc render`: a picture of a trained scene, and how good it is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+
+from vividc.cli import options
+from vividc.cli.files import check_output
+from vividc.cli.report import print_json, print_table
+from vividc.render import (
+    METHODS,
+    Camera,
+    Picture,
+    ReferenceOptions,
+    Scene,
+    SceneError,
+    View,
+    orbit_camera,
+    psnr,
+    read_scene,
+    read_views,
+    render_reference,
+    ssim,
+    write_png,
+)
+from vividc.render.arrays import Float32Array
+from vividc.render.blend_reference import BlendOptions
+
+SCHEMA: Final = "vividc.render/1"
+ENGINES: Final = ("reference",)
+_DEFAULT_SIZE: Final = (800, 800)
+MIN_SSIM_PX: Final = 11
+_LARGEST_PX: Final = 8192
+
+
+def _size(
+    _ctx: click.Context, _param: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    """Return width and height of `WxH`."""
+    if value is None:
+        return None
+    match = re.fullmatch(r"([0-9]{1,6})[xX]([0-9]{1,6})", value)
+    if match is None:
+        raise click.BadParameter(f"{value} is not a size like 800x800.")
+    width, height = int(match[1]), int(match[2])
+    if not (1 <= width <= _LARGEST_PX and 1 <= height <= _LARGEST_PX):
+        raise click.BadParameter(f"{value}: sides are 1 to {_LARGEST_PX} pixels.")
+    return width, height
+
+
+@click.command("render")
+@click.argument("scene", metavar="SCENE", type=options.FILE)
+@click.option(
+    "--method", type=click.Choice(METHODS), help="What the scene must be; told by the file else."
+)
+@click.option(
+    "--views",
+    "views_file",
+    type=options.FILE,
+    metavar="V",
+    help="Cameras and pictures: transforms.json, or npz. Without: a camera around the scene.",
+)
+@click.option("--view", "view_index", type=int, metavar="N", help="Number of the view, from 0.")
+@click.option(
+    "--size",
+    callback=_size,
+    metavar="WxH",
+    help="Pixels of the picture; without: the view's, or 800x800.",
+)
+@click.option(
+    "--azimuth", type=float, default=30.0, show_default=True, help="Degrees; without --views."
+)
+@click.option(
+    "--elevation", type=float, default=20.0, show_default=True, help="Degrees; without --views."
+)
+@click.option(
+    "--up",
+    type=click.Choice(["+x", "-x", "+y", "-y", "+z", "-z"]),
+    default="+z",
+    show_default=True,
+    help="The scene's axis that points up; without --views.",
+)
+@click.option(
+    "--lookahead",
+    type=click.Choice(["on", "off"]),
+    default="on",
+    show_default=True,
+    help="Lookahead Culling: colour networks (I) or exp (II) only where they count.",
+)
+@click.option(
+    "--exponent-margin",
+    type=float,
+    default=BlendOptions().margin,
+    show_default=True,
+    metavar="M",
+    help="3DGS: keep exponents down to ln(1 / (255 opacity)) - M.",
+)
+@click.option(
+    "--engine", type=click.Choice(ENGINES), default=ENGINES[0], show_default=True, help="Renderer."
+)
+@click.option("-o", "--output", type=options.FILE, metavar="P.png", help="Write the picture.")
+@options.as_json
+def command(
+    scene: Path,
+    method: str | None,
+    views_file: Path | None,
+    view_index: int | None,
+    size: tuple[int, int] | None,
+    azimuth: float,
+    elevation: float,
+    up: str,
+    lookahead: str,
+    exponent_margin: float,
+    engine: str,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Render SCENE (3DGS .ply; npz of KiloNeRF, Instant-NGP, TensoRF) and compare with the truth.
+
+    The reference engine computes in float32 on the host.
+    """
+    if output is not None:
+        check_output(output, "-o")
+    if not np.isfinite(exponent_margin):
+        raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
+    view = _view(views_file, view_index)
+    found, model = read_scene(scene, method)
+    camera = _camera(model, view, size, (azimuth, elevation, up))
+    switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
+    with _bar(f"rendering {camera.width}x{camera.height}") as progress:
+        picture = render_reference(model, camera, switches, progress)
+    if output is not None:
+        write_png(output, picture.image)
+    truth = None if view is None else view.truth_at(camera.width, camera.height)
+    body = _body(picture, camera, truth)
+    body = {"scene": str(scene), "method": found, "engine": engine, "lookahead": lookahead} | body
+    if as_json:
+        print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
+    else:
+        _print(body, None if view is None else view.name, output)
+
+
+def _view(views_file: Path | None, index: int | None) -> View | None:
+    if views_file is None:
+        if index is not None:
+            raise SceneError("there are no views", loc="--view", hint="give --views as well")
+        return None
+    views = read_views(views_file)
+    number = index or 0
+    if not 0 <= number < len(views):
+        raise SceneError(
+            f"there is no view {number}: {views_file} has {len(views)}, from 0", loc="--view"
+        )
+    return views[number]
+
+
+def _camera(
+    scene: Scene,
+    view: View | None,
+    size: tuple[int, int] | None,
+    orbit: tuple[float, float, str],
+) -> Camera:
+    if view is None:
+        return orbit_camera(scene, *orbit, *(size or _DEFAULT_SIZE))
+    return view.camera if size is None else view.camera_at(*size)
+
+
+def _body(picture: Picture, camera: Camera, truth: Float32Array | None) -> dict[str, object]:
+    shown = np.clip(picture.image, 0, 1)
+    structure = truth is not None and min(truth.shape[:2]) >= MIN_SSIM_PX
+    return {
+        "width": camera.width,
+        "height": camera.height,
+        "psnr_truth_db": None if truth is None else psnr(shown, truth),
+        "ssim_truth": ssim(shown, truth) if structure and truth is not None else None,
+        "counts": picture.counts,
+        "seconds": round(picture.seconds, 3),
+    }
+
+
+def _print(body: dict[str, object], view: str | None, output: Path | None) -> None:
+    rows = [
+        ("method", body["method"]),
+        ("size", f"{body['width']}x{body['height']}"),
+        ("view", "a camera around the scene" if view is None else view),
+        ("PSNR against the truth", _decibel(body["psnr_truth_db"])),
+        ("SSIM against the truth", _ratio(body["ssim_truth"])),
+    ]
+    counts = body["counts"]
+    if isinstance(counts, dict):
+        rows += [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
+    rows += [("seconds", body["seconds"]), ("written", output)]
+    print_table(str(body["scene"]), ("", "value"), rows, numeric="value")
+
+
+def _decibel(value: object) -> str | None:
+    return f"{value:.2f} dB" if isinstance(value, float) else None
+
+
+def _ratio(value: object) -> str | None:
+    return f"{value:.4f}" if isinstance(value, float) else None
+
+
+@contextmanager
+def _bar(title: str) -> Iterator[Callable[[float], None] | None]:
+    """Show a progress bar on stderr; None unless stderr is a terminal."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield None
+        return
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda share: bar.update(task, completed=share)

@@ -1,0 +1,183 @@
+"""A graph that is small for its array is mapped to a rectangle of it first.
+
+A mapping to a rectangle of PEs, with the links between them, is a mapping to the whole array: an
+array does no worse than a smaller one that it contains, and takes no longer.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from vividc.arch.fabric import Fabric, Link
+from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.mapping import Mapping, MapResult, Place, Refutation, Status, Step
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import Mapper, MapRequest
+
+_WORTH_WINDOWS = 16
+"""PEs of an array from which on rectangles are tried."""
+
+_LEAST = 16
+"""PEs of the smallest window."""
+
+_TIGHTEST = 4
+"""Windows begin where operations need this many times the array's bound."""
+
+_NARROWEST = 4
+_ROOM = 1.2
+_GROWTH = 1.5
+_AMPLE = 2
+_SHARE = 0.3
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of an array as a fabric of its own; `pes` and `links` are the ids in the array of
+    those that it numbers from 0.
+    """
+
+    fabric: Fabric
+    pes: tuple[int, ...]
+    links: tuple[int, ...]
+
+    def embed(self, mapping: Mapping) -> Mapping:
+        """A mapping to the window as one to the array."""
+        places = {n: Place(self.pes[p.pe], p.time) for n, p in mapping.places.items()}
+        routes = {
+            index: tuple(self._embedded(step) for step in route)
+            for index, route in mapping.routes.items()
+        }
+        return Mapping(mapping.ii, places, routes)
+
+    def _embedded(self, step: Step) -> Step:
+        index = self.links[step.index] if step.kind == "link" else step.index
+        return Step(step.kind, self.pes[step.pe], index, step.time)
+
+
+def window(fabric: Fabric, top: int, left: int, rows: int, cols: int) -> Window:
+    """The rectangle of `rows` x `cols` PEs whose north-west corner is at (`top`, `left`)."""
+    inside = [
+        pe for pe in fabric.pes if top <= pe.row < top + rows and left <= pe.col < left + cols
+    ]
+    number = {pe.id: index for index, pe in enumerate(inside)}
+    links = [link for link in fabric.links if link.src in number and link.dst in number]
+    part = replace(
+        fabric,
+        name=f"{fabric.name}[{top}:{top + rows},{left}:{left + cols}]",
+        rows=rows,
+        cols=cols,
+        pes=tuple(
+            replace(pe, id=number[pe.id], row=pe.row - top, col=pe.col - left) for pe in inside
+        ),
+        links=tuple(Link(i, number[k.src], number[k.dst]) for i, k in enumerate(links)),
+        source="",
+    )
+    return Window(part, tuple(pe.id for pe in inside), tuple(link.id for link in links))
+
+
+def with_windows(mapper: Mapper) -> Mapper:
+    """`mapper`, which tries windows of a large array before the array itself."""
+
+    def run(problem: MapProblem, request: MapRequest) -> MapResult:
+        began = time.monotonic()
+        bound = _bound_if_worthwhile(problem, request)
+        if bound is None:
+            return mapper(problem, request)
+        best: Mapping | None = None
+        for part, its_bound in _windows(problem, bound):
+            if best is not None and its_bound >= best.ii:
+                continue
+            found = _in_window(mapper, problem, part, request)
+            if found is not None and (best is None or found.ii < best.ii):
+                best = found
+            if best is not None and best.ii <= bound:
+                break
+        if best is not None and best.ii <= bound:
+            return _at_bound(problem, best, began)
+        return _better(mapper(problem, request), best)
+
+    return run
+
+
+def _bound_if_worthwhile(problem: MapProblem, request: MapRequest) -> int | None:
+    """The array's bound; None where windows do not apply."""
+    fixed = problem.allowed or problem.resident
+    if len(problem.fabric.pes) <= _WORTH_WINDOWS or fixed or request.ii is not None:
+        return None
+    bound = mii(all_bounds(problem))
+    return bound if bound <= problem.fabric.controller.contexts else None
+
+
+def _windows(problem: MapProblem, bound: int) -> Iterator[tuple[Window, int]]:
+    """Windows with their bounds, each clearly larger than the one before: at first some for a
+    mapping at all, from those on which the bound is no larger than on the array a few.
+    """
+    fabric = problem.fabric
+    least = sum(fabric.occupancy(node) for node in problem.dfg.operations) / bound
+    area, ample = 0.0, 0
+    for rows, cols in _shapes(fabric):
+        size = rows * cols
+        if size < max(_LEAST, least / _TIGHTEST) or size < _GROWTH * area or ample > _AMPLE:
+            continue
+        part, its_bound = _best_corner(problem, rows, cols)
+        if its_bound <= bound and size < _ROOM * least:
+            continue
+        if its_bound <= fabric.controller.contexts:
+            yield part, its_bound
+            area = size
+            ample += its_bound <= bound
+
+
+def _best_corner(problem: MapProblem, rows: int, cols: int) -> tuple[Window, int]:
+    """The window of a size in that corner of the array where its bound is least."""
+    fabric = problem.fabric
+    corners = dict.fromkeys(
+        (top, left) for top in (0, fabric.rows - rows) for left in (0, fabric.cols - cols)
+    )
+    found = []
+    for top, left in corners:
+        part = window(fabric, top, left, rows, cols)
+        found.append((part, mii(all_bounds(replace(problem, fabric=part.fabric)))))
+        if len({(pe.classes, pe.registers, pe.constants) for pe in fabric.pes}) == 1:
+            break
+    return min(found, key=lambda item: item[1])
+
+
+def _shapes(fabric: Fabric) -> list[tuple[int, int]]:
+    """Sizes of windows, by area and then from square to long: squares, nearly so, and strips of
+    full height or width (memory PEs may line one side).
+    """
+    rows, cols = fabric.rows, fabric.cols
+    found = set()
+    for side in range(1, max(rows, cols) + 1):
+        found |= {(side, side), (side, side + 1), (side + 1, side)}
+        if side >= _NARROWEST:
+            found |= {(rows, side), (side, cols)}
+    clipped = {(min(height, rows), min(width, cols)) for height, width in found}
+    return sorted(clipped - {(rows, cols)}, key=lambda s: (s[0] * s[1], abs(s[0] - s[1]), s))
+
+
+def _in_window(
+    mapper: Mapper, problem: MapProblem, part: Window, request: MapRequest
+) -> Mapping | None:
+    deadline = request.deadline.within(request.deadline.remaining_s * _SHARE)
+    request.tell(f"trying the window {part.fabric.name}")
+    result = mapper(replace(problem, fabric=part.fabric), replace(request, deadline=deadline))
+    return None if result.mapping is None else part.embed(result.mapping)
+
+
+def _at_bound(problem: MapProblem, mapping: Mapping, began: float) -> MapResult:
+    bounds = all_bounds(problem)
+    wall_s = time.monotonic() - began
+    return MapResult("optimal", mapping.ii, mii(bounds), bounds, mapping, "auto", wall_s)
+
+
+def _better(result: MapResult, best: Mapping | None) -> MapResult:
+    """The array's result with the window's mapping where that is better."""
+    if best is None or (result.ii is not None and result.ii <= best.ii):
+        return result
+    refuted: tuple[Refutation, ...] = tuple(r for r in result.refuted if r.ii < best.ii)
+    status: Status = "optimal" if result.lower_bound >= best.ii else "feasible"
+    return replace(result, status=status, ii=best.ii, mapping=best, refuted=refuted)

@@ -1,0 +1,21 @@
+"""The ray-marched models: KiloNeRF, Instant-NGP and TensoRF, rendered in float32."""
+
+from vividc.render.radiance.instant_ngp import InstantNGP
+from vividc.render.radiance.kilonerf import KiloNeRF
+from vividc.render.radiance.layers import Layer, linear
+from vividc.render.radiance.occupancy import March, pixel_rays
+from vividc.render.radiance.tensorf import TensoRF
+from vividc.render.radiance.volume import MarchCounts, RadianceField, render_field
+
+__all__ = [
+    "InstantNGP",
+    "KiloNeRF",
+    "Layer",
+    "March",
+    "MarchCounts",
+    "RadianceField",
+    "TensoRF",
+    "linear",
+    "pixel_rays",
+    "render_field",
+]
