@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from vividc import arch
+from vividc.arch import Accelerator, Fabric
 from vividc.arch.costs import DEFAULT_TABLE, load_costs
 from vividc.cli import options
 from vividc.cli.energy_report import print_area
@@ -19,10 +20,8 @@ SCHEMA = "vividc.area/1"
 @click.option(
     "--tiles",
     type=click.IntRange(1, 4096),
-    default=1,
-    show_default=True,
     metavar="N",
-    help="Tiles.",
+    help="Tiles. [default: the accelerator's, or 1]",
 )
 @click.option(
     "--costs",
@@ -39,10 +38,17 @@ SCHEMA = "vividc.area/1"
     help="Node to scale to, 7 to 45. [default: the table's]",
 )
 @options.as_json
-def command(fabric: str, tiles: int, costs: str, node: float | None, as_json: bool) -> None:
-    """Print the area of so many tiles of a fabric, with the kind of each figure."""
-    report = area(arch.load_tile(fabric), load_costs(costs), tiles=tiles, node_nm=node)
+def command(fabric: str, tiles: int | None, costs: str, node: float | None, as_json: bool) -> None:
+    """Print the area of a tile, or of an accelerator's tiles, with the kind of each figure."""
+    machine = arch.load(fabric)
+    tile, count = (machine, 1) if isinstance(machine, Fabric) else _tiles(machine)
+    report = area(tile, load_costs(costs), tiles=tiles or count, node_nm=node)
     if as_json:
         print_json(SCHEMA, report)
     else:
         print_area(report)
+
+
+def _tiles(accelerator: Accelerator) -> tuple[Fabric, int]:
+    """A tile of an accelerator, of which the others are mirror images, and how many there are."""
+    return accelerator.fabric, len(accelerator.tiles)

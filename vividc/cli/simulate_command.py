@@ -117,8 +117,7 @@ def command(
     result = _simulate(loaded, arguments, cycle_limit, engine, views) if job is None else job
     if outputs is not None:
         write_results(outputs, arguments, result.value)
-    if isinstance(result, Result):
-        views.write(loaded, result)
+    views.write(loaded, result, fabric)
     wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
     if as_json:
         body = _as_object(loaded, result, outputs, expected is not None, wrong)
@@ -135,26 +134,23 @@ def command(
 def _refuse_nonsense(kernel: str | None, check: bool, fabric: str | None, views: Views) -> None:
     if kernel is not None and not check:
         raise click.UsageError("--kernel needs --check")
-    if fabric is not None and (views.files or views.costs is not None):
-        raise click.UsageError(
-            "--energy, --trace, --vcd, --plot and --roofline show one tile's run, not --fabric's"
-        )
+    if fabric is not None and {"vcd", "plot"} & views.files.keys():
+        raise click.UsageError("--vcd and --plot show the cycles of one tile, not --fabric's")
 
 
 def _shown(
     program: Program, result: Result | JobResult, fabric: str | None, views: Views
 ) -> dict[str, object]:
-    if isinstance(result, JobResult):
-        return {"fabric": fabric}
-    return views.as_object(program, result)
+    shown = views.as_object(program, result, fabric)
+    return {**shown, "fabric": fabric} if isinstance(result, JobResult) else shown
 
 
 def _print(program: Program, result: Result | JobResult, fabric: str | None, views: Views) -> None:
     if isinstance(result, JobResult):
         print_job(program, str(fabric), result)
-        return
-    _print_regions(program, result)
-    views.print(program, result)
+    else:
+        _print_regions(program, result)
+    views.print(program, result, fabric)
 
 
 def _simulate(

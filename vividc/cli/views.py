@@ -11,18 +11,22 @@ from typing import Any, Final, TypeVar
 
 import click
 
+from vividc.arch import load_accelerator
 from vividc.arch.costs import DEFAULT_TABLE, CostTable, load_costs
 from vividc.cli import options
 from vividc.cli.energy_report import print_energy
 from vividc.cli.files import check_output, write_whole
 from vividc.errors import VividcError
+from vividc.launch import JobResult
 from vividc.plot import Picture, check_picture_path, encode
 from vividc.program import Program
 from vividc.sim import Result
-from vividc.sim.costs import EnergyReport, energy, work_of
+from vividc.sim.costs import EnergyReport, energy, work_of, work_of_job
 from vividc.sim.view import (
     Timeline,
     heat_map,
+    job_roofline,
+    job_trace,
     record,
     roofline,
     run_trace,
@@ -92,38 +96,59 @@ class Views:
         if self.plot is not None:
             _draw(self.plot, heat_map(recording))
 
-    def write(self, program: Program, result: Result) -> None:
-        """Write what the run itself tells."""
+    def write(self, program: Program, result: Result | JobResult, fabric: str | None) -> None:
+        """Write what the run itself tells; `fabric`: the accelerator of a job."""
         if self.trace is not None:
-            trace = run_trace(program, self.timeline.spans, dropped=self.timeline.dropped)
+            trace = self._trace_of(program, result, fabric)
             _write(self.trace, json.dumps(trace, allow_nan=False) + "\n")
         if self.roofline is not None:
-            points = tile_points(result.stats, program.name)
-            title = f"{program.name} on {program.fabric_name}: roofline"
-            peak = len(program.fabric.pes)
-            _draw(self.roofline, roofline(points, peak, [tile_roof(program)], title))
+            _draw(self.roofline, _roofline_of(program, result, fabric))
 
-    def energy(self, program: Program, result: Result) -> EnergyReport | None:
+    def energy(
+        self, program: Program, result: Result | JobResult, fabric: str | None
+    ) -> EnergyReport | None:
         """The run's energy, if asked for."""
         if self.costs is None:
             return None
-        work = work_of(result.stats)
+        if isinstance(result, JobResult):
+            tiles = len(load_accelerator(str(fabric)).tiles)
+            work = work_of_job(result.stats, tiles)
+        else:
+            work = work_of(result.stats)
         return energy(work, program.fabric, self.costs, node_nm=self.node_nm)
 
-    def as_object(self, program: Program, result: Result) -> dict[str, object]:
+    def as_object(
+        self, program: Program, result: Result | JobResult, fabric: str | None
+    ) -> dict[str, object]:
         """What the JSON object says of the views."""
         return {
-            "energy": self.energy(program, result),
+            "energy": self.energy(program, result, fabric),
             "views": {name: str(path) for name, path in self.files.items()},
         }
 
-    def print(self, program: Program, result: Result) -> None:
+    def print(self, program: Program, result: Result | JobResult, fabric: str | None) -> None:
         """Tell people."""
-        report = self.energy(program, result)
+        report = self.energy(program, result, fabric)
         if report is not None:
             print_energy(report)
         for path in self.files.values():
             click.echo(f"written: {path}")
+
+    def _trace_of(
+        self, program: Program, result: Result | JobResult, fabric: str | None
+    ) -> dict[str, object]:
+        if isinstance(result, JobResult):
+            clock = program.fabric.clock_ghz
+            return job_trace(result.events, name=str(fabric), clock_ghz=clock)
+        return run_trace(program, self.timeline.spans, dropped=self.timeline.dropped)
+
+
+def _roofline_of(program: Program, result: Result | JobResult, fabric: str | None) -> Picture:
+    if isinstance(result, JobResult):
+        return job_roofline(load_accelerator(str(fabric)), result.stats, program.name)
+    points = tile_points(result.stats, program.name)
+    title = f"{program.name} on {program.fabric_name}: roofline"
+    return roofline(points, len(program.fabric.pes), [tile_roof(program)], title)
 
 
 def view_options(command: Callable[..., _R]) -> Callable[..., _R]:

@@ -11,6 +11,7 @@ from vividc.program import WORD_BYTES, Program
 from vividc.sim.accelerator.functional import Outcome
 from vividc.sim.accelerator.steps import Execute, Step, kind_of
 from vividc.sim.accelerator.timing import Timing
+from vividc.sim.accounting import by_kind, cycles_by_use
 from vividc.sim.engine import Run
 
 
@@ -34,7 +35,8 @@ class TileStats(TypedDict):
 
 class JobStats(TypedDict):
     """A whole job. `tiles`: those that ran something. `cycles`, `stalls` and `operations` are sums
-    over them; `bytes`: at each level; `busy`: cycles that DRAM and NoC were busy.
+    over them, `operations_by_class` the last of these by latency class and precision; `bytes`: at
+    each level; `busy`: cycles that DRAM and NoC were busy.
     """
 
     cycles: int
@@ -45,6 +47,7 @@ class JobStats(TypedDict):
     cycles_by_use: dict[str, int]
     stalls: dict[str, int]
     operations: dict[str, int]
+    operations_by_class: dict[str, dict[str, int]]
     bytes: dict[str, int]
     busy: dict[str, int]
     utilization: float
@@ -79,6 +82,7 @@ def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobSta
         cycles_by_use=_summed(tile["cycles"] for tile in tiles),
         stalls=_summed(tile["stalls"] for tile in tiles),
         operations=dict(sorted(operations.items())),
+        operations_by_class=by_kind(operations),
         bytes=_bytes(outcome, timing),
         busy=dict(timing.busy),
         utilization=operations.total() / whole if whole else 0.0,
@@ -109,20 +113,11 @@ def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> T
 
 
 def _uses(program: Program, run: Run) -> dict[str, int]:
-    """The cycles of a run, bank stalls left out. K iterations of a loop take (K - 1) II + span
-    cycles: K II of them steady.
-    """
-    found = dict.fromkeys(_USES, 0)
-    for row, region in zip(program.table, run.regions, strict=True):
-        own = region.cycles - region.bank_stalls
-        if row.kind == "straight":
-            found["straight"] += own
-            continue
-        steady = min(region.iterations * row.ii, own)
-        found["steady"] += steady
-        found["prologue_epilogue"] += own - steady
+    """The cycles of a run, bank stalls left out."""
+    pairs = zip(program.table, run.regions, strict=True)
+    found = _summed(cycles_by_use(row, region) for row, region in pairs)
     found["switch"] = run.switch_cycles
-    return found
+    return {use: found[use] for use in _USES}
 
 
 def _bytes(outcome: Outcome, timing: Timing) -> dict[str, int]:

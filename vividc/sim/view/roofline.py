@@ -19,7 +19,7 @@ _WIDTH: Final = 460.0
 _HEIGHT: Final = 300.0
 _LEGEND: Final = 220.0
 _FONT: Final = 9.0
-_LABEL_AT: Final = 0.3
+_LABEL_AT: Final = 0.75
 _LEAST_SHARE: Final = 0.01
 _MOST_POINTS: Final = 12
 _COLOURS: Final = ("vermilion", "blue", "green", "purple", "orange", "sky", "grey")
@@ -167,8 +167,9 @@ class _Chart:
             yield Line((foot, (self.x(knee), self.y(peak))), stroke_width=1.6)
             text = f"{roof.name}: {roof.bytes_per_cycle:g} bytes a cycle"
             at = low * (knee / low) ** _LABEL_AT
-            place = (self.x(at) + 8, self.y(at * roof.bytes_per_cycle) + 8)
-            yield Text(*place, text, _FONT)
+            # Above the slope: points lie below it.
+            place = (self.x(at) - 8, self.y(at * roof.bytes_per_cycle) - 6)
+            yield Text(*place, text, _FONT, "end")
 
     def points(self, points: Sequence[Point]) -> Iterator[Shape]:
         """A disc each; the first is the largest."""
