@@ -40,7 +40,7 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
     program = vividc.compile(workload.kernel(), fabric=fabric, time_limit_s=time_limit_s)
     compile_s = time.perf_counter() - start
     start = time.perf_counter()
-    result = vividc.simulate(program, *workload.fresh())
+    result = vividc.simulate(program, *workload.fresh(), engine="reference")
     simulate_s = time.perf_counter() - start
     loops = [region for region in program.regions if region.kind == "loop"]
     done = transformations(program)

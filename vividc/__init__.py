@@ -1,6 +1,6 @@
 """vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays."""
 
-from vividc import arch, dfg, lang, mapper, program
+from vividc import arch, dfg, lang, launch, mapper, program
 from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
@@ -22,6 +22,7 @@ __all__ = [
     "dfg",
     "kernel",
     "lang",
+    "launch",
     "load",
     "load_ll",
     "mapper",

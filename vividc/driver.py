@@ -8,12 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from vividc import arch
+from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.delivery import deliver, residents, variable_homes
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
 from vividc.dfg.normalize import normalize
+from vividc.dfg.parallel import Parallel
+from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
@@ -72,7 +75,7 @@ class CompileOptions:
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
     kernel: KernelFunction | LLKernel,
-    fabric: str | Fabric = "vivid-tile",
+    fabric: str | Fabric | Accelerator = "vivid-tile",
     mapper: str = "auto",
     time_limit_s: float = 60.0,
     *,
@@ -85,14 +88,15 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     flatten: Choices | None = None,
     progress: Progress | None = None,
 ) -> Program:
-    """Compiles `kernel` for one tile.
+    """Compiles `kernel` for a tile, or for the tiles of an accelerator.
 
     Parameters
     ----------
     kernel
         A Python function decorated with `kernel`, or a C function from `load_ll`.
     fabric
-        A fabric, a preset's name, or a YAML file.
+        A fabric or an accelerator, a preset's name, or a YAML file. For an accelerator the loop
+        over `numba.prange` becomes one that a launch can spread over the tiles.
     mapper, time_limit_s, strict_fp, contract, reassociate, progress
         See `CompileOptions`.
     transform
@@ -108,40 +112,54 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     ------
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
-    machine = _checked(kernel, fabric, time_limit_s)
+    loaded = _checked(kernel, fabric, time_limit_s)
+    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(
         mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
     )
-    function, told = _lowered(kernel, strict_fp)
+    function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     program = _compile_stages(function, machine, options)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
-    return replace(program, warnings=(*told, *program.warnings))
+    return replace(program, warnings=(*told, *program.warnings), parallel=parallel)
 
 
-def _checked(kernel: object, fabric: str | Fabric, time_limit_s: float) -> Fabric:
-    """The fabric to compile for; arguments that make no sense are refused."""
+def _checked(
+    kernel: object, fabric: str | Fabric | Accelerator, time_limit_s: float
+) -> Fabric | Accelerator:
+    """The machine to compile for; arguments that make no sense are refused."""
     hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
     demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
-    demand_type(fabric, (str, Fabric), "the fabric", "give a preset, a YAML file or a Fabric")
+    hint = "give a preset, a YAML file or a Fabric"
+    demand_type(fabric, (str, Fabric, Accelerator), "the fabric", hint)
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
-    demand_programmable(machine)
+    demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
     check_time_limit(time_limit_s)
     return machine
 
 
 def _lowered(
-    kernel: KernelFunction | LLKernel, strict_fp: bool
-) -> tuple[Function, tuple[str, ...]]:
-    """The kernel in SSA form, and the frontend's warnings, which are given too."""
+    kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
+) -> tuple[Function, Parallel | None, tuple[str, ...]]:
+    """The kernel in SSA form, its loop to spread, and the frontend's warnings, given too."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
-        function = kernel.lower(strict_fp=strict_fp)
+        function, parallel = _cut(kernel, strict_fp, spread)
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
     told = (str(w.message) for w in caught if issubclass(w.category, VividcWarning))
-    return function, tuple(told)
+    return function, parallel, tuple(told)
+
+
+def _cut(
+    kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
+) -> tuple[Function, Parallel | None]:
+    """The function, with its loop over `prange` cut if it is to be spread over tiles."""
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) and spread else frozenset()
+    if not lines or not isinstance(kernel, KernelFunction):
+        return kernel.lower(strict_fp=strict_fp), None
+    return cut_parallel_loop(kernel.lower(strict_fp=strict_fp, spread=True), lines)
 
 
 def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:

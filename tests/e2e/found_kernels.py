@@ -77,9 +77,9 @@ def tiny_literal(a):
     return a * 1e-60
 
 
-@vividc.kernel("float32(float32[::1], float32[::1])")
-def numpy_dot(a, b):
-    return np.dot(a, b)
+@vividc.kernel("float32(float32[::1])")
+def euclidean_norm(a):
+    return np.linalg.norm(a)
 
 
 @vividc.kernel("int32(int32[::1], int32)")

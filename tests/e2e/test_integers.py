@@ -60,7 +60,7 @@ def test_rotations_and_small_products() -> None:
 
 
 def test_a_loop_divides_by_a_parameter_in_a_few_cycles() -> None:
-    """Its reciprocal is computed once, before the loop."""
-    [loop] = [r for r in vividc.compile(k.by_a_parameter).regions if r.kind == "loop"]
-    assert loop.ii is not None
-    assert loop.ii <= 4
+    """Its reciprocal is computed once, before the loop, which there may be one of for zero."""
+    loops = [r for r in vividc.compile(k.by_a_parameter).regions if r.kind == "loop"]
+    assert loops
+    assert all(loop.ii is not None and loop.ii <= 4 for loop in loops)

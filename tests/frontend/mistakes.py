@@ -283,3 +283,9 @@ def unknown_math(x, n):
 def inverse(x, n):
     np.linalg.inv(x)  # here
     x[0] = n
+
+
+@mistake("axis out of bounds", "an axis that")
+def sum_along_no_axis(x, n):
+    m = np.zeros((4, 4), np.float32)
+    x[:4] = m.sum(axis=2)  # here: any

@@ -125,11 +125,15 @@ def test_comparisons_decide_and_refine_soundly(data: st.DataObject, type_: str, 
         assert low <= a <= high
 
 
-@given(st.data(), st.sampled_from(["sext", "zext", "trunc"]))
-def test_conversions_keep_the_value(data: st.DataObject, name: str) -> None:
-    source, target = ("i64", "i32") if name == "trunc" else ("i32", "i64")
+WIDTHS = [("i8", "i16"), ("i8", "i32"), ("i16", "i64"), ("i32", "i64"), ("i1", "i8"), ("i1", "i64")]
+
+
+@given(st.data(), st.sampled_from(["sext", "zext", "trunc"]), st.sampled_from(WIDTHS))
+def test_conversions_keep_the_value(data: st.DataObject, name: str, types: tuple[str, str]) -> None:
+    source, target = reversed(types) if name == "trunc" else types
     interval, value = data.draw(interval_and_value(source))
-    result = unsigned(value, source) if name == "zext" else wrapped(value, target)
+    result = unsigned(value, source) if name == "zext" else wrapped(value, source)
+    result = unsigned(result, target) if width(target) < 32 else wrapped(result, target)
     low, high = evaluate(Op("r", name, target, (), source=source), (interval,))
     assert low <= result <= high
 

@@ -47,3 +47,58 @@ def program(c, n):
 """
     verdict = judge(source, 20034, tmp_path)
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_base_address_may_be_a_variable_of_a_flattened_nest_in_blocks(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'c': ('L', 'M')}
+FIXED = True
+
+@kernel('uint8(uint8[::1], float32[::1], int32[:, ::1], int32[::1], int32)')
+def program(a, b, c, d, n):
+    for i1 in range(1, 8 - 1):
+        c[i1 - 1, 2 * i1 + 1 & 15], c[i1, i1 - 1 & 15] = (0, 0)
+        for i2 in range(16 - 1, 1, -1):
+            pass
+    return np.uint8(32767 * d[12])
+"""
+    verdict = judge(source, 770004, tmp_path, simulate="blocks")
+    assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_byte_extended_to_half_a_word_is_compared_with_its_sign(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {}
+FIXED = True
+
+@kernel('int32(uint16, int8)')
+def program(m16, q):
+    if np.int32(m16) >> 7 <= q:
+        return np.int32(1)
+    return np.int32(0)
+"""
+    verdict = judge(source, 50601, tmp_path)
+    assert verdict.kind == "agrees", verdict.text
+
+
+def test_an_own_array_of_halves_is_addressed_by_masked_bytes(tmp_path: Path) -> None:
+    # LLVM makes a choice between bytes 2 and (q << 1) & 6 of the two elements.
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {}
+FIXED = True
+
+@kernel('int32(int32, int8, int32)')
+def program(n, q, nK):
+    half = np.full(4, -3, np.int16)
+    for i in range(1, nK):
+        half[i & 3] -= (i | half[(3 - i) & 3]) >> 16
+    return np.int32(half[1] if n > half[1] else half[q & 3])
+"""
+    verdict = judge(source, 50622, tmp_path)
+    assert verdict.kind == "agrees", verdict.text

@@ -9,6 +9,7 @@ import pytest
 from brute_force import minimum_ii
 from ortools.sat.python.cp_model import FEASIBLE, OPTIMAL, CpSolver
 from random_graphs import random_loop
+from test_drop_one_options import OPTION_FAMILIES
 from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric
@@ -62,7 +63,8 @@ _FABRICS = (
 
 
 def test_each_family_is_known_here() -> None:
-    assert {family.__name__ for family in CONSTRAINT_FAMILIES} == _OBJECTION.keys() | _REDUNDANT
+    known = {*_OBJECTION, *_REDUNDANT, *OPTION_FAMILIES}
+    assert {family.__name__ for family in CONSTRAINT_FAMILIES} == known
 
 
 @pytest.mark.parametrize("family", _OBJECTION)

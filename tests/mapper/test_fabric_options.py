@@ -69,7 +69,9 @@ def test_a_damaged_mapping_is_reported_or_still_runs(name: str) -> None:
 
 @pytest.mark.parametrize("name", FABRICS)
 def test_the_verifier_reports_no_loop_that_could_be_run(name: str) -> None:
-    """ "route" is left out: the replay takes from a step little more than its slot."""
+    """It is not too strict. "route" is left out, since the replay takes from a step little more
+    than its slot, and "driver": a place that keeps a word may be given the same word again.
+    """
     rng = random.Random(name)
     for seed in _SEEDS:
         dfg, fabric, result = _mapped(name, seed)
@@ -77,7 +79,7 @@ def test_the_verifier_reports_no_loop_that_could_be_run(name: str) -> None:
             assert result.mapping is not None
             mutant = _damaged(rng, fabric, result.mapping)
             found = violations(dfg, fabric, mutant)
-            if found and all(violation.kind != "route" for violation in found):
+            if found and not {violation.kind for violation in found} & {"route", "driver"}:
                 with pytest.raises(Broken):
                     replay(dfg, fabric, mutant, _ITERATIONS)
 
@@ -124,7 +126,7 @@ def _chain(length: int, *, distance: int = 0) -> DFG:
 
 
 def _kinds(dfg: DFG, fabric: Fabric, mapping: Mapping) -> list[str]:
-    return [violation.kind for violation in violations(dfg, fabric, mapping)]
+    return sorted(violation.kind for violation in violations(dfg, fabric, mapping))
 
 
 def test_a_held_word_waits_until_the_next_completion() -> None:

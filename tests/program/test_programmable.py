@@ -34,9 +34,8 @@ def test_compile_refuses_with_the_options_named() -> None:
 @pytest.mark.parametrize(
     ("yaml", "option"),
     [
-        ("routing: {hops: 2}", "`routing.hops: 2`"),
+        ("routing: {hops: 0}", "`routing.hops: 0`"),
         ("pe: {register_file: {rotating: true}}", "`register_file.rotating: true`"),
-        ("occupancy: {fmul: 4}", "`occupancy.fmul: 4`"),
     ],
 )
 def test_each_option_is_named(yaml: str, option: str) -> None:
@@ -50,3 +49,8 @@ def test_defaults_said_aloud_are_accepted() -> None:
     text = "extends: vivid-tile\nrouting: {hops: 1, output: pulse, moves: false}\n"
     demand_programmable(load_text(text + "occupancy: {fmul: 1}\n"))
     demand_programmable(load("king-4x4"))
+
+
+def test_several_links_a_cycle_and_busy_fus_are_accepted() -> None:
+    demand_programmable(load("hycube-4x4"))
+    demand_programmable(load_text("extends: vivid-tile\noccupancy: {fmul: 4}\n"))

@@ -33,7 +33,7 @@ EXECUTED = [
     for op, info in OPCODES.items()
     if info.latency_class not in (LatencyClass.SOURCE, LatencyClass.SINK, LatencyClass.GENERIC)
 ]
-FABRICS = ("vivid-tile", "mesh-1x1", "mesh-1x2", "torus-4x4")
+FABRICS = ("vivid-tile", "mesh-1x1", "mesh-1x2", "torus-4x4", "hycube-3x3")
 
 
 @cache
@@ -75,7 +75,7 @@ def entries(draw: st.DrawFn, fabric: Fabric) -> Entry:
     captures = st.sampled_from(layout.capture_sources[1:])
     return Entry(
         draw(st.none() | issue),
-        tuple(draw(drive) for _ in range(layout.links)),
+        tuple(draw(st.sampled_from(layout.link_sources)) for _ in range(layout.links)),
         tuple(draw(register) for _ in range(layout.reads)),
         tuple(draw(st.builds(Write, drive, register)) for _ in range(layout.writes)),
         draw(st.none() | st.builds(Capture, captures, constant, stage, st.booleans())),

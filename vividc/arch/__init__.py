@@ -1,18 +1,40 @@
 """The fabric a program runs on: data read from YAML, with the shipped fabrics as presets."""
 
+from vividc.arch.accelerator import DMA, DRAM, Accelerator, Configuration, NoC, Orientation
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
 from vividc.arch.layers import family_names, preset_names
-from vividc.arch.load import load, load_text
+from vividc.arch.load import load as load_tile
+from vividc.arch.load import load_text
+from vividc.arch.load_machine import (
+    accelerator_names,
+    load,
+    load_accelerator,
+    load_accelerator_text,
+)
+from vividc.arch.reflect import is_isomorphism, reflected, reflection
 
 __all__ = [
+    "DMA",
+    "DRAM",
     "PE",
+    "Accelerator",
+    "Configuration",
     "Controller",
     "Fabric",
     "Link",
+    "NoC",
+    "Orientation",
     "Routing",
     "Scratchpad",
+    "accelerator_names",
     "family_names",
+    "is_isomorphism",
     "load",
+    "load_accelerator",
+    "load_accelerator_text",
     "load_text",
+    "load_tile",
     "preset_names",
+    "reflected",
+    "reflection",
 ]

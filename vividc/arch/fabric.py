@@ -185,9 +185,7 @@ class Fabric:
 
     @property
     def is_plain(self) -> bool:
-        """Whether words travel and FUs work as in ViViD, the defaults of every option: what
-        programs can be made for.
-        """
+        """Whether words travel and FUs work as in ViViD, the defaults of every option."""
         files = any(pe.rotating or pe.written_by_fu for pe in self.pes)
         busy = any(cycles > 1 for cycles in self.occupancies.values())
         return self.routing == Routing() and not files and not busy

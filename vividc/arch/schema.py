@@ -80,7 +80,9 @@ def indices(spec: int | str | list[int | str], count: int) -> tuple[int, ...]:
     return tuple(sorted(found))
 
 
-class _Model(BaseModel):
+class StrictModel(BaseModel):
+    """No unknown keys, no conversions."""
+
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, populate_by_name=True)
 
 
@@ -96,21 +98,21 @@ _Coordinates = Annotated[list[int], PlainValidator(_check_coordinates)]
 _Executes = Annotated[Literal["all"] | list[Compute], PlainValidator(_check_executes)]
 
 
-class LinkSpec(_Model):
+class LinkSpec(StrictModel):
     """A directed link between two PEs, each as [row, col]."""
 
     src: _Coordinates = Field(alias="from")
     dst: _Coordinates = Field(alias="to")
 
 
-class LinksSpec(_Model):
+class LinksSpec(StrictModel):
     """Links beside those of the topology."""
 
     extra: list[LinkSpec] = []
     removed: list[LinkSpec] = []
 
 
-class RegisterFileLayer(_Model):
+class RegisterFileLayer(StrictModel):
     """Register file of a PE, as far as one layer sets it."""
 
     registers: _Registers | None = None
@@ -120,7 +122,7 @@ class RegisterFileLayer(_Model):
     written_by: WrittenBy | None = None
 
 
-class PELayer(_Model):
+class PELayer(StrictModel):
     """What a PE is made of, as far as one layer sets it."""
 
     memory: bool | None = None
@@ -129,7 +131,7 @@ class PELayer(_Model):
     constants: _Constants | None = None
 
 
-class RoutingLayer(_Model):
+class RoutingLayer(StrictModel):
     """How words travel, as far as one layer sets it."""
 
     hops: Annotated[int, Field(ge=0, le=16)] | None = None
@@ -138,7 +140,7 @@ class RoutingLayer(_Model):
     moves: bool | None = None
 
 
-class OccupancyLayer(_Model):
+class OccupancyLayer(StrictModel):
     """Cycles for which an operation of a class keeps its FU."""
 
     int_: _Latency | None = Field(None, alias="int")
@@ -154,7 +156,7 @@ class OccupancyLayer(_Model):
     generic: _Latency | None = None
 
 
-class At(_Model):
+class At(StrictModel):
     """PEs by rows and columns: those in one of the rows and one of the columns."""
 
     rows: IndexSet = "all"
@@ -167,7 +169,7 @@ class Override(PELayer):
     at: At
 
 
-class LatenciesLayer(_Model):
+class LatenciesLayer(StrictModel):
     """Cycles per latency class; `all` and `float` set several at once, a class by its name wins."""
 
     all_: _Latency | None = Field(None, alias="all")
@@ -185,14 +187,14 @@ class LatenciesLayer(_Model):
     generic: _Latency | None = None
 
 
-class ScratchpadLayer(_Model):
+class ScratchpadLayer(StrictModel):
     """The tile's memory, as far as one layer sets it."""
 
     size_bytes: Annotated[int, Field(ge=4, le=2**30)] | None = None
     banks: Annotated[int, Field(ge=1, le=1024)] | None = None
 
 
-class ControllerLayer(_Model):
+class ControllerLayer(StrictModel):
     """The tile controller, as far as one layer sets it."""
 
     contexts: Annotated[int, Field(ge=1, le=65536)] | None = None
@@ -201,7 +203,7 @@ class ControllerLayer(_Model):
     max_stages: Annotated[int, Field(ge=1, le=1024)] | None = None
 
 
-class Layer(_Model):
+class Layer(StrictModel):
     """One YAML text."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")] | None = None
@@ -221,7 +223,7 @@ class Layer(_Model):
     clock_ghz: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = None
 
 
-class RegisterFileSpec(_Model):
+class RegisterFileSpec(StrictModel):
     """Size and ports of a register file."""
 
     registers: _Registers
@@ -231,7 +233,7 @@ class RegisterFileSpec(_Model):
     written_by: WrittenBy | None = None
 
 
-class PESpec(_Model):
+class PESpec(StrictModel):
     """What every PE is made of unless an override says otherwise."""
 
     memory: bool
@@ -240,7 +242,7 @@ class PESpec(_Model):
     constants: _Constants
 
 
-class LatenciesSpec(_Model):
+class LatenciesSpec(StrictModel):
     """Cycles of every latency class."""
 
     int_: _Latency = Field(alias="int")
@@ -256,14 +258,14 @@ class LatenciesSpec(_Model):
     generic: _Latency
 
 
-class ScratchpadSpec(_Model):
+class ScratchpadSpec(StrictModel):
     """Capacity and banks."""
 
     size_bytes: int
     banks: int
 
 
-class ControllerSpec(_Model):
+class ControllerSpec(StrictModel):
     """Parameters of the tile controller."""
 
     contexts: int
@@ -272,7 +274,7 @@ class ControllerSpec(_Model):
     max_stages: int
 
 
-class Spec(_Model):
+class Spec(StrictModel):
     """A whole fabric after `extends` was resolved."""
 
     name: str

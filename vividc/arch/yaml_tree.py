@@ -12,6 +12,10 @@ Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 Path = tuple[str | int, ...]
 
 _MAX_CHARACTERS = 1_000_000
+_HINTS = {
+    "fabric": "start with `extends: vivid-tile`, or see docs/fabric-yaml.md",
+    "cost table": "copy a shipped one: see docs/energy.md",
+}
 _SCALAR_TAGS = frozenset(
     f"tag:yaml.org,2002:{kind}" for kind in ("null", "bool", "int", "float", "str")
 )
@@ -33,8 +37,8 @@ class Tree:
         return self.places[()]
 
 
-def parse(text: str, file: str) -> Tree:
-    """Read one YAML document whose top level is a mapping.
+def parse(text: str, file: str, what: str = "fabric") -> Tree:
+    """Read one YAML document whose top level is a mapping; `what` names it in messages.
 
     Only what a fabric needs is accepted: mappings with text keys, lists, and scalars. Aliases are
     refused, as they could make a small text expand without bound.
@@ -50,9 +54,9 @@ def parse(text: str, file: str) -> Tree:
     if not isinstance(root, yaml.MappingNode):
         line = 1 if root is None else root.start_mark.line + 1
         raise ArchError(
-            "a fabric is a YAML mapping",
+            f"a {what} is a YAML mapping",
             loc=f"{file}:{line}",
-            hint="start with `extends: vivid-tile`, or see docs/fabric-yaml.md",
+            hint=_HINTS.get(what),
         )
     walker = _Walker(file)
     data = walker.mapping(root, ())

@@ -15,6 +15,7 @@ import click
 
 from vividc import __version__
 from vividc.cli import (
+    area_command,
     compile_command,
     disasm_command,
     map_command,
@@ -94,6 +95,7 @@ for _module in (
     map_command,
     verify_command,
     disasm_command,
+    area_command,
     render_command,
 ):
     main.add_command(_module.command)

@@ -66,7 +66,7 @@ def command(
         check_picture_path(plot, "--plot")
         check_output(plot, "--plot")
     the_dfg = dfg.load(graph, unknown_ops=unknown_ops)
-    the_fabric = arch.load(fabric)
+    the_fabric = arch.load_tile(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
         result = map_dfg(the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report)
     document = mapping_to_json(result, the_dfg, the_fabric)

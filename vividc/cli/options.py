@@ -22,6 +22,14 @@ def positive(ctx: click.Context, param: click.Parameter, value: float) -> float:
     return value
 
 
+def node(_ctx: click.Context, _param: click.Parameter, value: float | None) -> float | None:
+    """Refuse a node that energies and areas cannot be scaled to."""
+    if value is not None and not _NODES_NM[0] <= value <= _NODES_NM[1]:
+        raise click.BadParameter(f"{value} is not a node from {_NODES_NM[0]} to {_NODES_NM[1]} nm.")
+    return value
+
+
+_NODES_NM = (7, 45)
 FILE = click.Path(path_type=Path, dir_okay=False)
 
 fabric = click.option(

@@ -11,7 +11,9 @@ import numpy as np
 import vividc
 from vividc.cli import options
 from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
+from vividc.cli.cycle_progress import cycle_progress
 from vividc.cli.files import check_output
+from vividc.cli.job_report import print_job
 from vividc.cli.reference import (
     Mismatch,
     Tolerance,
@@ -21,8 +23,11 @@ from vividc.cli.reference import (
     scalars_unpacked,
 )
 from vividc.cli.report import percent, print_json, print_table, progress
+from vividc.cli.views import Views, view_options
+from vividc.launch import JobResult
 from vividc.program import Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
+from vividc.sim.run import simulate
 
 SCHEMA = "vividc.simulate/1"
 MISMATCH: Final = 5
@@ -72,6 +77,13 @@ MISMATCH: Final = 5
     show_default=True,
     help="What runs the words: native code, the reference engine, or what is done first.",
 )
+@view_options
+@click.option(
+    "--fabric",
+    metavar="F",
+    help="An accelerator (vivid, vivid-unit, or a YAML file): spread the loop over prange over its "
+    "tiles. [default: one tile]",
+)
 @options.as_json
 def command(
     program: Path,
@@ -83,15 +95,16 @@ def command(
     atol: float,
     cycle_limit: int,
     engine: str,
+    fabric: str | None,
     as_json: bool,
+    views: Views,
 ) -> None:
     """Run a program on the machine, cycle by cycle.
 
     With --check, floats may differ by ATOL + RTOL * |reference| and integers not at all; a mismatch
     gives exit code 5.
     """
-    if kernel is not None and not check:
-        raise click.UsageError("--kernel needs --check")
+    _refuse_nonsense(kernel, check, fabric, views)
     if outputs is not None:
         check_output(outputs, "--outputs")
     loaded = vividc.load(program)
@@ -100,28 +113,74 @@ def command(
     expected = None
     if check:
         expected = _with_value(*run_reference(find_kernel(loaded, program, kernel), arguments))
-    result = _simulate(loaded, arguments, cycle_limit, engine)
+    job = None if fabric is None else _simulate_job(loaded, arguments, cycle_limit, engine, fabric)
+    result = _simulate(loaded, arguments, cycle_limit, engine, views) if job is None else job
     if outputs is not None:
         write_results(outputs, arguments, result.value)
+    if isinstance(result, Result):
+        views.write(loaded, result)
     wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
     if as_json:
-        print_json(SCHEMA, _as_object(loaded, result, outputs, expected is not None, wrong))
+        body = _as_object(loaded, result, outputs, expected is not None, wrong)
+        print_json(SCHEMA, {**body, **_shown(loaded, result, fabric, views)})
     else:
-        _print(loaded, result, outputs, expected is not None, wrong)
+        _print(loaded, result, fabric, views)
+        _print_outcome(loaded, result, outputs, expected is not None, wrong)
     for item in wrong:
         click.echo(f"vividc: mismatch: {item}", err=True)
     if wrong:
         raise click.exceptions.Exit(MISMATCH)
 
 
+def _refuse_nonsense(kernel: str | None, check: bool, fabric: str | None, views: Views) -> None:
+    if kernel is not None and not check:
+        raise click.UsageError("--kernel needs --check")
+    if fabric is not None and (views.files or views.costs is not None):
+        raise click.UsageError(
+            "--energy, --trace, --vcd, --plot and --roofline show one tile's run, not --fabric's"
+        )
+
+
+def _shown(
+    program: Program, result: Result | JobResult, fabric: str | None, views: Views
+) -> dict[str, object]:
+    if isinstance(result, JobResult):
+        return {"fabric": fabric}
+    return views.as_object(program, result)
+
+
+def _print(program: Program, result: Result | JobResult, fabric: str | None, views: Views) -> None:
+    if isinstance(result, JobResult):
+        print_job(program, str(fabric), result)
+        return
+    _print_regions(program, result)
+    views.print(program, result)
+
+
 def _simulate(
-    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str
+    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, views: Views
 ) -> Result:
     values = scalars_unpacked(arguments, program.params)
-    with progress(f"simulating {program.name}") as show:
-        report = None if show is None else lambda cycles: show(f"{program.name}: {cycles:,} cycles")
+    views.record(program, values)
+    observer = None if views.trace is None else views.timeline.add
+    with cycle_progress(f"simulating {program.name}") as report:
+        return simulate(
+            program,
+            *values,
+            progress=report,
+            cycle_limit=cycle_limit,
+            engine=engine,
+            observer=observer,
+        )
+
+
+def _simulate_job(
+    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, fabric: str
+) -> JobResult:
+    values = scalars_unpacked(arguments, program.params)
+    with progress(f"simulating {program.name} on {fabric}"):
         return vividc.simulate(
-            program, *values, progress=report, cycle_limit=cycle_limit, engine=engine
+            program, *values, fabric=fabric, cycle_limit=cycle_limit, engine=engine
         )
 
 
@@ -131,7 +190,7 @@ def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:
 
 def _compare(
     arguments: dict[str, Array],
-    result: Result,
+    result: Result | JobResult,
     expected: dict[str, Array] | None,
     tolerance: Tolerance,
 ) -> list[Mismatch]:
@@ -141,7 +200,11 @@ def _compare(
 
 
 def _as_object(
-    program: Program, result: Result, outputs: Path | None, checked: bool, wrong: list[Mismatch]
+    program: Program,
+    result: Result | JobResult,
+    outputs: Path | None,
+    checked: bool,
+    wrong: list[Mismatch],
 ) -> dict[str, object]:
     return {
         "kernel": program.name,
@@ -154,9 +217,7 @@ def _as_object(
     }
 
 
-def _print(
-    program: Program, result: Result, outputs: Path | None, checked: bool, wrong: list[Mismatch]
-) -> None:
+def _print_regions(program: Program, result: Result) -> None:
     stats = result.stats
     columns = ("region", "kind", "II", "entries", "iterations", "cycles", "stalls", "use")
     rows = [
@@ -175,6 +236,15 @@ def _print(
     title = f"{program.name} on {program.fabric_name}"
     print_table(title, columns, rows, numeric="II entries iterations cycles stalls use")
     click.echo(f"cycles: {result.cycles} ({stats['switch_cycles']} between regions)")
+
+
+def _print_outcome(
+    program: Program,
+    result: Result | JobResult,
+    outputs: Path | None,
+    checked: bool,
+    wrong: list[Mismatch],
+) -> None:
     if result.value is not None:
         click.echo(f"value: {result.value}")
     if checked and not wrong:

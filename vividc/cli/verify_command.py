@@ -56,7 +56,7 @@ def _read(mapping: Path, graph: Path | None, fabric: str | None) -> MapResult:
         return read_result(data, str(mapping))
     the_dfg = dfg.load(graph) if graph is not None else _of(read_result(data).subject).dfg
     own = read_result(data).subject if fabric is None else None
-    the_fabric = arch.load(fabric) if fabric is not None else _of(own).fabric
+    the_fabric = arch.load_tile(fabric) if fabric is not None else _of(own).fabric
     return mapping_from_json(data, the_dfg, the_fabric)
 
 

@@ -18,8 +18,10 @@ from vividc.dfg.words import SIGN_BIT, WORD_MASK
 from vividc.errors import SourceLoc
 
 MAX_DIMENSION = 1 << 14
-"""No dimension of words may be larger: ranges of indices are proved with `Param.max_dimension`, a
-launch checks it."""
+"""No dimension of words may be larger: ranges of indices are proved with `Param.limit`, a launch
+checks it."""
+MAX_SPREAD = 1 << 24
+"""The first dimension of an array of a kernel that is spread over tiles may be as large as this."""
 MAX_ELEMENTS = 1 << 29
 """No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 
@@ -70,7 +72,8 @@ class Param:
     `flat`: an array of any number of dimensions, whose elements the kernel counts in C order (as C
     does, which knows no shapes).
     `words` 2: a scalar of 64 bits, of which the host supplies both words; else its value must fit
-    one (the launch checks it).
+    one (the launch checks it). `longest`: the most elements along the first dimension; 0: as many
+    as along the others.
     """
 
     name: str
@@ -78,6 +81,7 @@ class Param:
     ndim: int = 0
     flat: bool = False
     words: int = 1
+    longest: int = field(default=0, compare=False)
 
     @property
     def max_dimension(self) -> int:
@@ -85,6 +89,10 @@ class Param:
         the same memory.
         """
         return MAX_DIMENSION * (4 // self.dtype.size_bytes if self.ndim == 1 else 1)
+
+    def limit(self, axis: int) -> int:
+        """The most elements along a dimension, the first of which may be cut at launch."""
+        return self.longest if self.longest and axis == 0 else self.max_dimension
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from vividc.dfg.cfg import Block, Branch, Const, Function, Phi, Ref, Value
+from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.opcodes import Type
 
 
@@ -20,6 +20,11 @@ def defined_types(block: Block) -> dict[int, Type]:
     """Type of each value that `block` defines, by id."""
     phis = {phi.id: phi.type for phi in block.phis}
     return phis | {instr.id: instr.type for instr in block.instrs}
+
+
+def definitions(block: Block) -> tuple[Phi | Instr, ...]:
+    """Phis, then instructions."""
+    return (*block.phis, *block.instrs)
 
 
 def fresh_name(function: Function, stem: str) -> str:

@@ -85,6 +85,7 @@ _RAISES = (
     ("empty sequence", "start from the first element and write the loop: best = x[0]"),
     ("cannot assign slice", "write the loop over the elements"),
     ("total size of new array", "index with i * columns + j instead"),
+    ("axis", "name an axis that the array has"),
     ("division", "test the divisor before"),
     ("AssertionError", "test the condition on the host, or return a flag"),
 )

@@ -166,23 +166,31 @@ def as_signed(interval: Interval, bits: int) -> Interval:
     return (low - 2 * half, high - 2 * half) if low >= half else (-half, half - 1)
 
 
+def _unsigned(interval: Interval, bits: int) -> Interval:
+    """Signed values of a type of less than a word as they are kept: without sign."""
+    low, high = interval
+    if low < 0 <= high:
+        return (0, 2**bits - 1)
+    return (low + 2**bits, high + 2**bits) if low < 0 else interval
+
+
 def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
     """A signed operation on a type of less than a word."""
     bits = width(op.type)
     key = _name(op)
     low, high = _RULES[key](op, *(as_signed(operand, bits) for operand in operands))
-    if not contains((-(2 ** (bits - 1)), 2 ** (bits - 1)), (low, high)) or low < 0 <= high:
+    if not contains((-(2 ** (bits - 1)), 2 ** (bits - 1)), (low, high)):
         return full(op.type)
-    return (low + 2**bits, high + 2**bits) if low < 0 else (low, high)
+    return _unsigned((low, high), bits)
 
 
 def _convert(op: Op, a: Interval) -> Interval:
     if op.op == "trunc":
         return a if contains(full(op.type), a) else full(op.type)
-    half = 2 ** (width(op.source) - 1)
-    if op.op == "sext" and a[1] >= half:  # only types of less than a word have such values
-        return (-half, half - 1) if half > 1 else (-a[1], -a[0])
-    if op.op == "sext" or a[0] >= 0:
+    if op.op == "sext":
+        signed = as_signed(a, width(op.source)) if width(op.source) < _WORD else a
+        return _unsigned(signed, width(op.type)) if width(op.type) < _WORD else signed
+    if a[0] >= 0:
         return a
     modulus = 2 ** width(op.source)
     return (a[0] + modulus, a[1] + modulus) if a[1] < 0 else (0, modulus - 1)

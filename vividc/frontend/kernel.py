@@ -8,16 +8,18 @@ import functools
 import inspect
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numba
 from numba.core import sigutils, types
 from numba.core.typing import Signature
 
-from vividc.dfg.cfg import DType, Function, Param
+from vividc.dfg.cfg import MAX_SPREAD, DType, Function, Param
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
+from vividc.frontend.prange import prange_lines
 
 _DTYPES = {
     types.float32: DType.F32,
@@ -66,7 +68,7 @@ class KernelFunction(Callee):
         self._args, self._return_type = _parse(signature, self.loc)
         self.signature = Signature(self._return_type, self._args, None)
         self.params = _params(py_func, self._args, self.loc)
-        self._lowered: dict[bool, Function] = {}
+        self._lowered: dict[tuple[bool, bool], Function] = {}
 
     @property
     def loc(self) -> SourceLoc:
@@ -97,30 +99,39 @@ class KernelFunction(Callee):
         )
         return jit(self.py_func)
 
-    def lower(self, strict_fp: bool = False) -> Function:
+    @property
+    def prange_lines(self) -> frozenset[int]:
+        """Lines in which loops over `numba.prange` begin."""
+        return prange_lines(self.py_func)
+
+    def lower(self, strict_fp: bool = False, spread: bool = False) -> Function:
         """The kernel as SSA words, once per option.
 
         Parameters
         ----------
         strict_fp
             Refuse float64 arithmetic; else it runs in float32 with a warning for each line.
+        spread
+            Arrays may be long: a launch cuts them into pieces.
 
         Raises
         ------
         KernelError
             The kernel uses something that cannot be compiled.
         """
-        if strict_fp not in self._lowered:
-            self._lowered[strict_fp] = lower(
+        key = (strict_fp, spread)
+        if key not in self._lowered:
+            longest = MAX_SPREAD if spread else 0
+            self._lowered[key] = lower(
                 self.py_func,
                 self.name,
-                self.params,
+                tuple(replace(p, longest=longest) if p.ndim else p for p in self.params),
                 self._args,
                 self._return_type,
                 self.loc,
                 strict_fp=strict_fp,
             )
-        return self._lowered[strict_fp]
+        return self._lowered[key]
 
 
 def kernel(

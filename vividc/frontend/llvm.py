@@ -196,7 +196,7 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
     stride = str(item)
     count = "1"
     for axis in range(param.ndim):
-        inputs.append(f'i32 range(i32 0, {param.max_dimension + 1}) %"{x}.shape{axis}"')
+        inputs.append(f'i32 range(i32 0, {param.limit(axis) + 1}) %"{x}.shape{axis}"')
         body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
         body.append(f'%".{x}.count{axis}" = mul nuw nsw i64 {count}, %".{x}.shape{axis}"')
         count = f'%".{x}.count{axis}"'

@@ -270,6 +270,9 @@ def in_words(
     size = held.element_bytes
     if size == _WORD_BYTES or held.is_spaced:
         return terms, offset
+    if size < _WORD_BYTES:  # numba's accesses are aligned, whatever the form of their terms
+        spread = _WORD_BYTES // size
+        return tuple((value, stride * spread) for value, stride in terms), offset * spread
     terms = tuple(_unscaled(function, value, stride) for value, stride in terms)
     if any(number % size for number in (offset, *(stride for _, stride in terms))):
         raise KernelError(f"the bytes of an array of {held.element}", loc=loc, hint=_DTYPE_HINT)

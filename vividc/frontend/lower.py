@@ -264,7 +264,7 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
     bounds = {}
     for param in params:
         for axis in range(param.ndim):
-            bounds[f"{param.name}.shape{axis}"] = (0, param.max_dimension)
+            bounds[f"{param.name}.shape{axis}"] = (0, param.limit(axis))
     return bounds
 
 

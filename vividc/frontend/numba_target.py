@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numba
 from llvmlite import binding, ir
 from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types, typing
 from numba.core.codegen import Codegen, CodeLibrary
@@ -48,6 +49,7 @@ from vividc.frontend.numba_arrays import (
 )
 from vividc.frontend.numba_integer import integer_operator
 from vividc.frontend.numba_real import real_division
+from vividc.frontend.prange import parallel_range
 from vividc.frontend.subscripts import marked_subscripts
 
 TARGET_NAME = "vividc"
@@ -269,14 +271,16 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for ranges, tuples, integer operators and float remainders."""
-        if fn == "getiter" and isinstance(sig.args[0], types.RangeType):
-            return functools.partial(_range_iterator, self, sig)
-        if fn == "iternext" and isinstance(sig.args[0], types.RangeIteratorType):
-            return functools.partial(_range_next, self, sig)
+        iteration = _RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
+        if iteration is not None:
+            return functools.partial(iteration, self, sig)
         operation = getattr(fn, "typing_key", None)
         division = real_division(operation, sig.args)
         if division is not None:
             return functools.partial(division, self, sig)
+        if operation is numba.prange:
+            general = super().get_function(fn, sig, _firstcall)
+            return functools.partial(parallel_range, sig, general)
         if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
             return functools.partial(_ours, pick, self, sig)
         if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
@@ -330,6 +334,12 @@ def _range_step(context: _Context, builder: ir.IRBuilder, sig: Any, args: Any, r
     # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
     # iterator.
     builder.store(builder.add(value, step, flags=["nsw"]), field[0])
+
+
+_RANGE_RULES: dict[tuple[str, type], Any] = {
+    ("getiter", types.RangeType): _range_iterator,
+    ("iternext", types.RangeIteratorType): _range_next,
+}
 
 
 class _Descriptor(TargetDescriptor):  # type: ignore[misc]

@@ -1,6 +1,7 @@
-"""`np.dot`, `@` and `np.vdot` as loops: numba hands them to BLAS, which the array has not.
+"""`np.dot`, `@`, `np.vdot` and `np.outer` as loops: numba hands the former to BLAS, which the array
+has not, and makes the latter from reshaped arrays, whose sizes are known too late.
 
-For the host ours stand in where numba's cannot work, without scipy.
+For the host our products stand in where numba's cannot work, without scipy.
 """
 
 from __future__ import annotations
@@ -14,11 +15,13 @@ from typing import Any
 import numpy as np
 from numba.core import types
 from numba.extending import overload
+from numba.np.arraymath import check_axis_bounds
+from numba.np.numpy_support import as_dtype
 
 _TARGET = "vividc" if importlib.util.find_spec("scipy") is not None else "cpu"
-_overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = functools.partial(
-    overload, target=_TARGET
-)
+_Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+_overload: Callable[..., _Decorator] = functools.partial(overload, target=_TARGET)
+_overload_here: Callable[..., _Decorator] = functools.partial(overload, target="vividc")
 _SIZES = "incompatible array sizes for a product"
 
 
@@ -139,3 +142,34 @@ def _vector_matrix_into(a: Any, b: Any, out: Any) -> Any:
             total += a[k] * b[k, j]
         out[j] = total
     return out
+
+
+@_overload_here(np.outer)
+def _overload_outer(a: Any, b: Any) -> Any:
+    """The products of two vectors, in numpy's type for them."""
+    if not all(isinstance(x, types.Array) and x.ndim == 1 for x in (a, b)):
+        return None
+    kind = np.result_type(as_dtype(a.dtype), as_dtype(b.dtype)).type
+
+    def outer(a: Any, b: Any) -> Any:
+        out = np.empty((a.shape[0], b.shape[0]), kind)
+        for i in range(a.shape[0]):
+            for j in range(b.shape[0]):
+                out[i, j] = a[i] * b[j]
+        return out
+
+    return outer
+
+
+@_overload_here(check_axis_bounds)
+def _overload_check(a: Any, axis: Any) -> Any:
+    """Numba's check before a sum along an axis, but for its message, which it formats."""
+
+    def check(a: Any, axis: Any) -> None:
+        if axis < -a.ndim or axis >= a.ndim:
+            raise ValueError("axis out of bounds")
+
+    def nothing(a: Any, axis: Any) -> None:
+        pass
+
+    return check if isinstance(axis, types.Integer) else nothing

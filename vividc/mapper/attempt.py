@@ -118,8 +118,10 @@ def map_negotiated(
 
 
 def is_large(task: MapProblem) -> bool:
-    """Whether placing and routing by constraints takes longer than by negotiation."""
-    return len(task.dfg.placed) >= _LARGE
+    """Whether placing and routing by constraints takes longer than by negotiation, which some
+    fabrics leave no choice about.
+    """
+    return len(task.dfg.placed) >= _LARGE and plain_core(task.fabric) is not None
 
 
 def refute_by_folding(

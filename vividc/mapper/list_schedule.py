@@ -273,7 +273,7 @@ class _Schedule:
             raise _Stuck(node, self._why_stuck(node))
         cost = self._try(node, option.pe, option.time)
         assert cost is not None, "a trial placement does not repeat"
-        self.horizon = max(self.horizon, option.time + self.fabric.latency(node))
+        self.horizon = max(self.horizon, option.time + end_after_start(self.fabric, node))
 
     def _best_option(self, node: Node) -> _Option | None:
         """Try places in the order of the best they could give; stop when no other can be better."""
@@ -358,7 +358,7 @@ class _Schedule:
             yield "live_out", pe, time
             return
         done = time + self.fabric.latency(node)
-        yield "issue", pe, time
+        yield from (("issue", pe, time + k) for k in range(self.fabric.occupancy(node)))
         yield "completion", pe, done
         if node.control is not None:
             yield "control", 0, done

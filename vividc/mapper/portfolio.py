@@ -17,6 +17,7 @@ from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.campaign import Campaign, Strategy
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.distances import hop_distances
+from vividc.mapper.foothold import gain_foothold, needs_foothold
 from vividc.mapper.large import prepared, search_large, try_only
 from vividc.mapper.mapping import Bound, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
@@ -70,6 +71,8 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     jointly = strategy is _try_jointly
     if is_large(problem):
         search_large(campaign, ii_limit(problem), only_footholds=jointly)
+    elif needs_foothold(problem) and not jointly:
+        gain_foothold(campaign, ii_limit(problem))
     if campaign.best is None or jointly or not is_large(problem):
         _climb(campaign)
         _descend(campaign)

@@ -9,6 +9,7 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.dfg.opcodes import Opcode
 from vividc.errors import MappingFailed
+from vividc.mapper.distances import cycles_for
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
 
@@ -34,8 +35,10 @@ def end_after_start(fabric: Fabric, node: Node) -> int:
     """Cycles of the region that `node` needs from its issue on, itself alone."""
     if node.op is Opcode.LIVE_OUT:
         return 1
-    latency = fabric.latency(node)
-    return latency if node.control is None else latency + fabric.controller.control_latency
+    latency = max(fabric.latency(node), fabric.occupancy(node))
+    if node.control is None:
+        return latency
+    return max(latency, fabric.latency(node) + fabric.controller.control_latency)
 
 
 class Heights:
@@ -168,7 +171,9 @@ def _ends(problem: MapProblem) -> dict[int, int]:
 
 
 def _hops(fabric: Fabric) -> list[list[int]]:
-    """Hops between PEs; as many as there are PEs where no links lead."""
+    """Cycles between PEs, links passed one a cycle or as many as the fabric permits; as many as
+    there are PEs where no links lead.
+    """
     count = len(fabric.pes)
     hops = [[0 if a == b else count for b in range(count)] for a in range(count)]
     for start in range(count):
@@ -179,7 +184,8 @@ def _hops(fabric: Fabric) -> list[list[int]]:
             frontier = [pe for pe in reached if hops[start][pe] > distance]
             for pe in frontier:
                 hops[start][pe] = distance
-    return hops
+    a_cycle = fabric.routing.hops
+    return [[h if h == count else cycles_for(h, a_cycle) for h in row] for row in hops]
 
 
 def _topological(problem: MapProblem) -> tuple[int, ...]:

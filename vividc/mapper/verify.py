@@ -195,6 +195,7 @@ def _completes_within_length(case: Case) -> Iterator[Violation]:
             end = case.ready(node.id) + case.fabric.controller.control_latency
         else:
             end = case.ready(node.id)
+        end = max(end, place.time + case.fabric.occupancies.get(node.latency_class, 1))
         if end > case.ii:
             text = f"{case.show(node.id)} ends after {end} cycles; the region has {case.ii}"
             yield Violation("straight", text, (node.id,))

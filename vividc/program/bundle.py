@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from vividc.dfg.cfg import DType, LocalArray, Param
+from vividc.dfg.parallel import Parallel
 from vividc.errors import BundleError
 from vividc.program.tables import (
     DebugRow,
@@ -81,6 +82,7 @@ class Manifest:
     warnings: tuple[str, ...]
     locals: tuple[LocalArray, ...] = ()
     loops: tuple[LoopReport, ...] = ()
+    parallel: Parallel | None = None
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

@@ -28,6 +28,7 @@ from vividc.program.layout import (
     WordLayout,
     word_layout,
 )
+from vividc.program.wires import check_wires
 from vividc.program.words import USES
 
 
@@ -70,6 +71,8 @@ def decode(fabric: Fabric, words: NDArray[np.uint32]) -> list[list[Entry]]:
                 reason = f"context {context} uses {missing[0]}, which PE {pe} does not have"
                 raise BundleError(reason, hint="compile the kernel again for this fabric")
             entries.append(known[key])
+        if fabric.routing.hops > 1:
+            check_wires(fabric, entries, context)
         table.append(entries)
     return table
 
@@ -92,7 +95,7 @@ class _Reader:
     def entry(self) -> Entry:
         layout = self._layout
         drive = layout.drive_sources
-        links = tuple(self._select(f"link{k}", drive) for k in range(layout.links))
+        links = tuple(self._select(f"link{k}", layout.link_sources) for k in range(layout.links))
         reads = tuple(self._value(f"read{j}.register") for j in range(layout.reads))
         writes = tuple(
             Write(self._select(f"write{j}", drive), self._value(f"write{j}.register"))

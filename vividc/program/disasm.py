@@ -121,6 +121,8 @@ def _operand(operand: Operand, entry: Entry, fabric: Fabric, pe: int) -> str:
 def _select(select: Select, entry: Entry, fabric: Fabric, pe: int) -> str:
     if select.kind is Sel.LINK:
         return f"link<-{fabric.links_to[pe][select.index].src}"
+    if select.kind is Sel.WIRE:
+        return f"wire<-{fabric.links_to[pe][select.index].src}"
     if select.kind is Sel.RF:
         return f"r{entry.reads[select.index]}"
     if select.kind is Sel.CONST:

@@ -22,6 +22,7 @@ class Sel(Enum):
     CONST = "const"
     IV = "iv"
     LINK = "link"
+    WIRE = "wire"
     RF = "rf"
 
 
@@ -38,8 +39,9 @@ class Use(Enum):
 class Select:
     """A multiplexer's setting.
 
-    `index` is the PE's incoming link (its place in `Fabric.links_to`) for LINK, the read port for
-    RF, the constant-store entry for CONST, and 0 otherwise.
+    `index` is the PE's incoming link (its place in `Fabric.links_to`) for LINK and for WIRE (the
+    word that is driven onto it in the same cycle), the read port for RF, the constant-store entry
+    for CONST, and 0 otherwise.
     """
 
     kind: Sel
@@ -49,7 +51,7 @@ class Select:
         return f"{self.kind.value}{self.index}" if self.kind in _INDEXED else self.kind.value
 
 
-_INDEXED: Final = frozenset({Sel.CONST, Sel.LINK, Sel.RF})
+_INDEXED: Final = frozenset({Sel.CONST, Sel.LINK, Sel.WIRE, Sel.RF})
 NOTHING: Final = Select(Sel.NONE)
 
 
@@ -155,7 +157,7 @@ def _structure_faults(entry: Entry, fabric: Fabric, pe: int) -> Iterator[str]:
 
 
 def _select_faults(select: Select, entry: Entry, fabric: Fabric, pe: int) -> Iterator[str]:
-    if select.kind is Sel.LINK and select.index >= len(fabric.links_to[pe]):
+    if select.kind in (Sel.LINK, Sel.WIRE) and select.index >= len(fabric.links_to[pe]):
         yield f"incoming link {select.index}"
     if select.kind is not Sel.RF:
         return

@@ -16,7 +16,7 @@ field                  meaning
 ``a b c p .source``    operand multiplexer: `WordLayout.operand_sources`
 ``a b c p .const``     constant-store entry the operand reads when its source is CONST
 ``a b c p .first``     1: in iteration 0 read entry ``.first_const`` instead
-``link{k}.source``     outgoing link k: `WordLayout.drive_sources`
+``link{k}.source``     outgoing link k: `WordLayout.link_sources`
 ``read{j}.register``   register on RF read port j
 ``write{j}.source``    RF write port j: `WordLayout.drive_sources`; 0: no write
 ``write{j}.register``  register it writes
@@ -75,15 +75,16 @@ class WordLayout:
     ----------
     fields
         Every field; they are adjacent and do not overlap.
-    operand_sources, drive_sources, capture_sources
-        What each code of an operand's, of a link's or register write's, and of the constant-store
-        write port's ``source`` field selects.
+    operand_sources, link_sources, drive_sources, capture_sources
+        What each code of an operand's, of a link's, of a register write's, and of the constant-
+        store write port's ``source`` field selects.
     links, reads, writes
         Outgoing links, RF read ports and RF write ports of the largest PE.
     """
 
     fields: tuple[Field, ...]
     operand_sources: tuple[Select, ...]
+    link_sources: tuple[Select, ...]
     drive_sources: tuple[Select, ...]
     capture_sources: tuple[Select, ...]
     links: int
@@ -121,19 +122,22 @@ def word_layout(fabric: Fabric) -> WordLayout:
     operand = (none, Select(Sel.OUT), Select(Sel.CONST), Select(Sel.IV), *carried)
     drive = (none, Select(Sel.RES), *carried)
     capture = (none, Select(Sel.OUT), *carried)
-    widths = _widths(fabric, (len(operand), len(drive), len(capture)), links_out, (reads, writes))
+    passes = range(links_in if fabric.routing.hops > 1 else 0)
+    link = (*drive, *(Select(Sel.WIRE, k) for k in passes))
+    codes = (len(operand), len(link), len(drive), len(capture))
+    widths = _widths(fabric, codes, links_out, (reads, writes))
     fields = []
     offset = 0
     for name, width in widths:
         fields.append(Field(name, offset, width))
         offset += width
-    return WordLayout(tuple(fields), operand, drive, capture, links_out, reads, writes)
+    return WordLayout(tuple(fields), operand, link, drive, capture, links_out, reads, writes)
 
 
 def _widths(
-    fabric: Fabric, codes: tuple[int, int, int], links: int, ports: tuple[int, int]
+    fabric: Fabric, codes: tuple[int, int, int, int], links: int, ports: tuple[int, int]
 ) -> Iterator[tuple[str, int]]:
-    operand, drive, capture = (_width(count) for count in codes)
+    operand, link, drive, capture = (_width(count) for count in codes)
     stage = _width(fabric.controller.max_stages)
     entry = _width(max(pe.constants for pe in fabric.pes))
     register = _width(max(pe.registers for pe in fabric.pes))
@@ -144,7 +148,7 @@ def _widths(
         yield from ((f"{name}.source", operand), (f"{name}.const", entry))
         yield from ((f"{name}.first", 1), (f"{name}.first_const", entry))
     for k in range(links):
-        yield (f"link{k}.source", drive)
+        yield (f"link{k}.source", link)
     for j in range(ports[0]):
         yield (f"read{j}.register", register)
     for j in range(ports[1]):

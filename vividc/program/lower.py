@@ -41,6 +41,13 @@ _USES = {
 }
 
 
+def _passes_on(previous: Step | None, step: Step) -> bool:
+    """The word takes both links in one cycle."""
+    if previous is None or step.time != previous.time:
+        return False
+    return previous.kind == "link" and step.kind == "link"
+
+
 @dataclass(frozen=True)
 class LoweredRegion:
     """Entries by (slot, PE), idle ones absent, and the debug rows of the region."""
@@ -144,16 +151,31 @@ class _Lowering:
 
     def route(self, edge_index: int, edge: Edge) -> None:
         """Drive the links and write the registers of one edge's route."""
-        steps = self._mapping.routes.get(edge_index, ())
         source = self._mapping.places[edge.src]
-        ready = source.time + self._fabric.latency(self._region.dfg.by_id[edge.src])
+        time = source.time + self._fabric.latency(self._region.dfg.by_id[edge.src])
         previous: Step | None = None
-        for time, step in enumerate(steps, start=ready):
+        hops = 1
+        for step in self._steps(edge_index, edge):
+            hops = hops + 1 if _passes_on(previous, step) else 1
+            time += previous is not None and hops == 1
             if step.time != time:
                 raise self._fail(f"route of edge {edge_index} is at cycle {step.time}, not {time}")
+            if step.kind == "link" and hops > self._fabric.routing.hops:
+                raise self._fail(f"the word of edge {edge_index} passes {hops} links in a cycle")
             self._occupy(edge.src, step)
             self._advance(source.pe if previous is None else previous.pe, previous, step)
             previous = step
+
+    def _steps(self, edge_index: int, edge: Edge) -> tuple[Step, ...]:
+        """The route; () where the consumer reads the producer's output register, said or not."""
+        steps = self._mapping.routes.get(edge_index, ())
+        if not any(step.kind == "out" for step in steps):
+            return steps
+        source = self._mapping.places[edge.src]
+        ready = source.time + self._fabric.latency(self._region.dfg.by_id[edge.src])
+        if steps != (Step("out", source.pe, 0, ready),):
+            raise self._fail(f"the word of edge {edge_index} stays in an output register")
+        return ()
 
     def _occupy(self, node: int, step: Step) -> None:
         """No two words may be in one place in one slot."""
@@ -174,7 +196,10 @@ class _Lowering:
         if step.kind == "reg" and holds:
             return
         cell = self._cell(pe, step.time - 1)
-        select = Select(Sel.RES) if previous is None else self._read(cell, previous)
+        if previous is not None and _passes_on(previous, step):
+            select = Select(Sel.WIRE, self._read(cell, previous).index)
+        else:
+            select = Select(Sel.RES) if previous is None else self._read(cell, previous)
         if step.kind == "reg":
             cell.write(step.index, select)
             return
@@ -268,7 +293,7 @@ class _Lowering:
         if node.is_source:
             return Select(Sel.CONST, self._stores.index(place.pe, node))
         arrival = place.time + self._mapping.ii * edge.distance
-        steps = self._mapping.routes.get(index, ())
+        steps = self._steps(index, edge)
         if not steps:
             producer = self._mapping.places[edge.src]
             if (producer.pe, producer.time + self._fabric.latency(node)) != (place.pe, arrival):

@@ -47,7 +47,7 @@ def place_arrays(
         raise ArgumentError(
             f"the arrays need {needed * WORD_BYTES} bytes and the scratchpad has "
             f"{scratchpad.size_bytes}: "
-            + ", ".join(f"{name} {words * WORD_BYTES}" for name, words in arrays),
+            + ", ".join(f"{name} {words * WORD_BYTES}" for name, words in arrays if words),
             hint="run the kernel on pieces of the arrays that fit together",
         )
     wishes = banks or {}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
 from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
+from vividc.dfg.parallel import Parallel, is_well_formed
 from vividc.errors import BundleError, VividcError, demand_type
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
@@ -60,6 +61,8 @@ class Program:
         Arrays of the kernel's own, which lie in the scratchpad behind the arguments.
     loops
         What became of the loops of the source, innermost first (`vividc compile --explain`).
+    parallel
+        The loop that a launch spreads over the tiles of an accelerator, if there is one.
     """
 
     name: str
@@ -80,6 +83,7 @@ class Program:
     warnings: tuple[str, ...] = ()
     locals: tuple[LocalArray, ...] = ()
     loops: tuple[LoopReport, ...] = ()
+    parallel: Parallel | None = None
 
     @property
     def fabric_name(self) -> str:
@@ -168,6 +172,7 @@ def _manifest(program: Program) -> Manifest:
         warnings=program.warnings,
         locals=program.locals,
         loops=program.loops,
+        parallel=program.parallel,
     )
 
 
@@ -215,6 +220,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         warnings=manifest.warnings,
         locals=manifest.locals,
         loops=manifest.loops,
+        parallel=manifest.parallel,
     )
 
 
@@ -230,14 +236,35 @@ def _faults(program: Program) -> Iterator[str]:
     yield from _store_faults(program)
     unknown = {item.key for item in program.launch} - _input_keys(program.params)
     unknown -= {f"&{local.name}" for local in program.locals}
+    unknown -= frozenset() if program.parallel is None else program.parallel.input_keys
     if unknown:
         yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
     if (program.returns is None) is not (program.return_home is None):
         yield "its return type and its return value disagree"
     if program.return_high is not None and program.returns not in WIDE_DTYPES:
         yield "its return value has more words than its return type"
+    yield from _parallel_faults(program)
     if len(program.entries) != contexts:
         yield "its configuration memory is incomplete"
+
+
+def _parallel_faults(program: Program) -> Iterator[str]:
+    """A table whose rows refer to earlier rows, and arrays that there are."""
+    parallel = program.parallel
+    if parallel is None:
+        return
+    arrays = {param.name for param in program.params if param.ndim}
+    count = len(parallel.terms)
+    used = [parallel.first, parallel.last, *(item.start for item in parallel.reductions)]
+    used += [access.term for access in parallel.accesses]
+    used += [term for access in parallel.accesses for term in access.counters or ()]
+    in_table = all(0 <= number < count for number in used)
+    if not in_table or not is_well_formed(parallel.terms):
+        yield "its description of the parallel loop is not in order"
+    if any(access.array not in arrays for access in parallel.accesses):
+        yield "its parallel loop uses an array that it has not"
+    if parallel.result is not None and not 0 <= parallel.result < len(parallel.reductions):
+        yield "it returns a reduction that it has not"
 
 
 def _store_faults(program: Program) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from vividc.arch.fabric import Fabric, Routing
+from vividc.arch.fabric import Fabric
 from vividc.errors import ArchError
 
 
@@ -16,9 +16,9 @@ def demand_programmable(fabric: Fabric) -> None:
     ArchError
         With each such option as its YAML has it.
     """
-    if fabric.is_plain:
-        return
     options = ", ".join(_beyond_words(fabric))
+    if not options:
+        return
     raise ArchError(
         f"programs cannot be made for fabric {fabric.name}: its configuration word has no fields "
         f"for {options}",
@@ -29,9 +29,9 @@ def demand_programmable(fabric: Fabric) -> None:
 
 
 def _beyond_words(fabric: Fabric) -> Iterator[str]:
-    routing, default = fabric.routing, Routing()
-    if routing.hops != default.hops:
-        yield f"`routing.hops: {routing.hops}`"
+    routing = fabric.routing
+    if not routing.hops:
+        yield "`routing.hops: 0`"
     if routing.holds:
         yield "`routing.output: hold`"
     if routing.shared:
@@ -42,6 +42,3 @@ def _beyond_words(fabric: Fabric) -> Iterator[str]:
         yield "`register_file.rotating: true`"
     if any(pe.written_by_fu for pe in fabric.pes):
         yield "`register_file.written_by: fu`"
-    for latency_class, cycles in fabric.occupancies.items():
-        if cycles > 1:
-            yield f"`occupancy.{latency_class.value}: {cycles}`"

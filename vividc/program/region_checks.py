@@ -25,10 +25,12 @@ def stages_of(region: Region, mapping: Mapping) -> int:
 
 
 def span_of(region: Region, mapping: Mapping, fabric: Fabric) -> int:
-    """Cycles from an iteration's first issue to its last completion, control latency included."""
+    """Cycles from an iteration's first issue to its last completion, control latency and FUs that
+    are still busy included.
+    """
     if region.kind == "straight":
         return mapping.ii
-    return max((_end(node, mapping, fabric) for node in region.dfg.placed), default=1)
+    return max((_idle(node, mapping, fabric) for node in region.dfg.placed), default=1)
 
 
 def control_node(region: Region, control: Control) -> Node | None:
@@ -48,6 +50,12 @@ def _end(node: Node, mapping: Mapping, fabric: Fabric) -> int:
     return time + fabric.latency(node) + extra
 
 
+def _idle(node: Node, mapping: Mapping, fabric: Fabric) -> int:
+    """First cycle in which `node` neither causes anything nor keeps its FU."""
+    busy = fabric.occupancy(node) if node.uses_fu else 1
+    return max(_end(node, mapping, fabric), mapping.places[node.id].time + busy)
+
+
 def _faults(region: Region, mapping: Mapping, fabric: Fabric) -> Iterator[str]:
     if mapping.ii < 1:
         yield f"its II is {mapping.ii}"
@@ -59,7 +67,7 @@ def _faults(region: Region, mapping: Mapping, fabric: Fabric) -> Iterator[str]:
     yield from _control_faults(region, mapping, fabric)
     if region.kind == "straight":
         for node in region.dfg.placed:
-            if _end(node, mapping, fabric) > mapping.ii:
+            if _idle(node, mapping, fabric) > mapping.ii:
                 yield f"node {node.id} is not done after the region's {mapping.ii} cycles"
     yield from _variable_faults(region, mapping)
     yield from _exit_faults(region, mapping, fabric)

@@ -35,7 +35,7 @@ def _values(layout: WordLayout, entry: Entry) -> Iterator[tuple[str, int]]:
     if entry.issue is not None:
         yield from _issue_values(layout, entry.issue)
     for k, select in enumerate(entry.links):
-        yield f"link{k}.source", _code(layout.drive_sources, select)
+        yield f"link{k}.source", _code(layout.link_sources, select)
     for j, register in enumerate(entry.reads):
         yield f"read{j}.register", register
     for j, write in enumerate(entry.writes):

@@ -3,7 +3,8 @@
 from vividc.sim.engine import Activity, Engine, EngineFactory, Launch, Progress, RegionRun, Run
 from vividc.sim.native import NativeEngine
 from vividc.sim.reference import ReferenceEngine
-from vividc.sim.run import CYCLE_LIMIT, Result, simulate
+from vividc.sim.run import CYCLE_LIMIT, Result
+from vividc.sim.simulate import simulate
 from vividc.sim.stats import RegionStats, Stats, statistics
 from vividc.sim.tile import AUTO, ENGINES, Tile, TileResult
 

@@ -30,7 +30,8 @@ class AutoEngine:
     def run(self, launch: Launch) -> Run:
         """Run the program once (see `Engine.run`)."""
         engine, left = self._engine, self._left
-        if left > 0 and isinstance(engine, ReferenceEngine):
+        # A trial that is given up would tell an observer of regions that run again.
+        if left > 0 and launch.observer is None and isinstance(engine, ReferenceEngine):
             if launch.cycle_limit <= left:
                 return self._counted(engine.run(launch))
             try:

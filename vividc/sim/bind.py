@@ -22,6 +22,7 @@ from vividc.program import (
     Program,
     place_arrays,
 )
+from vividc.sim.footprint import whole_loop
 
 Array = NDArray[np.generic]
 
@@ -93,21 +94,7 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
         C-contiguous, that overlaps another, or is read-only but written; a scalar out of range;
         arrays that do not fit the scratchpad.
     """
-    values = _by_name(program, args, kwargs)
-    arrays: dict[str, Array] = {}
-    inputs: dict[str, int] = {}
-    for param in program.params:
-        if param.ndim:
-            array = _array(program, param, values[param.name])
-            arrays[param.name] = array
-            if not param.flat:
-                inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
-        else:
-            word = _scalar(param, values[param.name])
-            inputs[param.name] = word & _WORD_MASK
-            if param.words > 1:
-                inputs[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
-    _refuse_overlap(arrays)
+    arrays, inputs = arguments(program, args, kwargs)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
     locals_ = tuple(local.at_launch(inputs) for local in program.locals)
     sizes += [(local.name, local.words) for local in locals_]
@@ -120,6 +107,61 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
     for local in locals_:
         _place_local(local, addresses[local.name], memory, inputs)
     return Bound(memory, inputs, arrays, addresses, locals_)
+
+
+def arguments(
+    program: Program, args: Sequence[object], kwargs: Mapping[str, object]
+) -> tuple[dict[str, Array], dict[str, int]]:
+    """The arrays by parameter name, and the launch words that do not depend on where they lie.
+
+    Raises
+    ------
+    ArgumentError
+        As for `bind`, without regard to the scratchpad.
+    """
+    values = _by_name(program, args, kwargs)
+    arrays: dict[str, Array] = {}
+    inputs: dict[str, int] = {}
+    for param in program.params:
+        if param.ndim:
+            array = _array(program, param, values[param.name])
+            arrays[param.name] = array
+            if not param.flat:
+                inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
+        else:
+            inputs.update(_scalar_words(param, values[param.name]))
+    _refuse_overlap(arrays)
+    if program.parallel is not None:
+        inputs |= whole_loop(program.parallel, inputs)
+    return arrays, inputs
+
+
+def scalar_inputs(program: Program, values: Mapping[str, object]) -> dict[str, int]:
+    """The launch words of the scalar parameters.
+
+    Raises
+    ------
+    ArgumentError
+        A scalar is missing, surplus, of the wrong kind or out of range.
+    """
+    scalars = [param for param in program.params if not param.ndim]
+    missing = [param.name for param in scalars if param.name not in values]
+    surplus = sorted(set(values) - {param.name for param in scalars})
+    if missing or surplus:
+        what = f"misses {', '.join(missing)}" if missing else f"has no scalar {surplus[0]!r}"
+        raise ArgumentError(f"{program.name} {what}")
+    inputs: dict[str, int] = {}
+    for param in scalars:
+        inputs.update(_scalar_words(param, values[param.name]))
+    return inputs
+
+
+def _scalar_words(param: Param, value: object) -> dict[str, int]:
+    word = _scalar(param, value)
+    words = {param.name: word & _WORD_MASK}
+    if param.words > 1:
+        words[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
+    return words
 
 
 def _place_local(
@@ -186,9 +228,10 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(
             "the kernel writes this array, and it is read-only", loc=where, hint="pass a copy"
         )
-    if not param.flat and max(value.shape) > param.max_dimension:
+    limits = tuple(param.limit(axis) for axis in range(param.ndim))
+    if not param.flat and any(n > most for n, most in zip(value.shape, limits, strict=True)):
         raise ArgumentError(
-            f"a dimension of {value.shape} is larger than {param.max_dimension}",
+            f"a dimension of {value.shape} is larger than {max(limits)}",
             loc=where,
             hint="run the kernel on pieces of the array",
         )

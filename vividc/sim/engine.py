@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import astuple, dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +13,33 @@ from vividc.program import Program
 
 Progress = Callable[[int], None]
 """Called now and then with the cycles run so far."""
+
+
+@dataclass(frozen=True, slots=True)
+class RegionSpan:
+    """One run of one region.
+
+    Attributes
+    ----------
+    region
+        Its row in the region table.
+    start, end
+        First cycle, and the cycle after the last.
+    iterations
+        Live iterations.
+    bank_stalls
+        Cycles among them that the tile stood still.
+    """
+
+    region: int
+    start: int
+    end: int
+    iterations: int
+    bank_stalls: int
+
+
+Observer = Callable[[RegionSpan], None]
+"""Called after each run of a region, in order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +57,8 @@ class Launch:
     extents
         First byte and end of each array, by name; an access to it elsewhere is an error. An array
         that is not named may be anywhere in the scratchpad.
+    observer
+        Told of every run of a region; it costs the native engine a call each.
     """
 
     memory: NDArray[np.uint32]
@@ -37,36 +66,12 @@ class Launch:
     cycle_limit: int
     extents: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     progress: Progress | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class RegionRun:
-    """Activity of one region, summed over all its runs.
-
-    Attributes
-    ----------
-    entries
-        Times the region ran.
-    iterations
-        Live iterations; speculative ones that an exit killed are not among them.
-    cycles
-        Cycles of the region, stalls included.
-    bank_stalls
-        Cycles the tile stood still because accesses met in a bank.
-    issued
-        Operations issued, by opcode name, those of killed iterations included.
-    """
-
-    entries: int
-    iterations: int
-    cycles: int
-    bank_stalls: int
-    issued: Mapping[str, int]
+    observer: Observer | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Activity:
-    """Words that moved, over the whole run; what moved nothing valid is not counted.
+    """Words that moved, in a region or a whole run; what moved nothing valid is not counted.
 
     Attributes
     ----------
@@ -87,6 +92,40 @@ class Activity:
     constant_writes: int = 0
     scratchpad_reads: int = 0
     scratchpad_writes: int = 0
+
+    @staticmethod
+    def total(parts: Iterable[Activity]) -> Activity:
+        """The sum of `parts`."""
+        counts = [astuple(part) for part in parts]
+        return Activity(*map(sum, zip(*counts, strict=True)))
+
+
+@dataclass(frozen=True, slots=True)
+class RegionRun:
+    """Activity of one region, summed over all its runs.
+
+    Attributes
+    ----------
+    entries
+        Times the region ran.
+    iterations
+        Live iterations; speculative ones that an exit killed are not among them.
+    cycles
+        Cycles of the region, stalls included.
+    bank_stalls
+        Cycles the tile stood still because accesses met in a bank.
+    issued
+        Operations issued, by opcode name, those of killed iterations included.
+    activity
+        Words that moved.
+    """
+
+    entries: int
+    iterations: int
+    cycles: int
+    bank_stalls: int
+    issued: Mapping[str, int]
+    activity: Activity = Activity()
 
 
 @dataclass(frozen=True, slots=True)

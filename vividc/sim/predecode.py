@@ -15,6 +15,7 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 from vividc.dfg.semantics import SEMANTICS
 from vividc.program import Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
+from vividc.program.wires import driver
 
 _MEMORY_NAMES = frozenset(op.value for op in MEMORY)
 
@@ -203,7 +204,7 @@ class _Coder:
             self._fabric.links_from[pe][k].id
             for pe, entry in enumerate(entries)
             for k, select in enumerate(entry.links)
-            if select.kind is not Sel.NONE
+            if driver(self._fabric, entries, pe, select)[1].kind is not Sel.NONE
         )
 
     def slot(self, slot: int, entries: list[Entry], fades: frozenset[int]) -> Slot:
@@ -211,7 +212,7 @@ class _Coder:
         ops = [
             self._op(slot, pe, entry) for pe, entry in enumerate(entries) if entry.issue is not None
         ]
-        links = [move for pe, entry in enumerate(entries) for move in self._links(pe, entry)]
+        links = [move for pe in range(len(entries)) for move in self._links(pe, entries)]
         writes = [move for pe, entry in enumerate(entries) for move in self._writes(pe, entry)]
         return Slot(
             alu=tuple(op for op in ops if _group(op) == "alu"),
@@ -280,14 +281,16 @@ class _Coder:
             case Sel.IV:
                 assert entry.issue is not None
                 return cells.iv(entry.issue.stage)
-            case Sel.NONE:
-                raise AssertionError("decode lets no used operand select nothing")
+            case Sel.NONE | Sel.WIRE:
+                raise AssertionError("decode lets no used operand select nothing, or a wire")
 
-    def _links(self, pe: int, entry: Entry) -> Iterator[tuple[int, int, bool]]:
-        for k, select in enumerate(entry.links):
-            if select.kind is not Sel.NONE:
+    def _links(self, pe: int, entries: list[Entry]) -> Iterator[tuple[int, int, bool]]:
+        """Links with what drives them; a register is read for the first of a cycle's links only."""
+        for k, select in enumerate(entries[pe].links):
+            at, driven_by, _ = driver(self._fabric, entries, pe, select)
+            if driven_by.kind is not Sel.NONE:
                 target = self._fabric.links_from[pe][k].id
-                yield self._cell(pe, select, entry), target, select.kind is Sel.RF
+                yield self._cell(at, driven_by, entries[at]), target, select.kind is Sel.RF
 
     def _writes(self, pe: int, entry: Entry) -> Iterator[tuple[int, int, bool]]:
         for write in entry.writes:

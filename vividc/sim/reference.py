@@ -15,18 +15,19 @@ import numpy as np
 
 from vividc.errors import SimulationError
 from vividc.program import Home, Program, RegionRow, joined
-from vividc.sim.engine import Activity, Launch, RegionRun, Run
+from vividc.sim.engine import Activity, Launch, RegionRun, RegionSpan, Run
 from vividc.sim.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.region_run import RegionState, Tile
+from vividc.sim.region_run import RegionState, Tile, Watch
 
 _UNBOUNDED: Final = sys.maxsize
 
 
 class ReferenceEngine:
-    """Runs the decoded words of one program."""
+    """Runs the decoded words of one program; `watch` sees every cycle."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, watch: Watch | None = None) -> None:
         self._program = program
+        self._watch = watch
         self._cells = StateMap(program.fabric)
         self._regions = predecode(program, self._cells)
 
@@ -40,19 +41,25 @@ class ReferenceEngine:
             cycle_limit=launch.cycle_limit,
             progress=launch.progress,
             extents=launch.extents,
+            watch=self._watch,
         )
         totals = [_Totals() for _ in self._regions]
         index: int | None = 0
         switches = 0
         while index is not None:
             region = self._regions[index]
+            start = tile.cycle
             done = self._run_region(tile, region)
-            totals[index].add(done, region)
+            totals[index].add(done, region, tile.take_activity())
+            if launch.observer is not None:
+                spent = (start, tile.cycle, done.iterations, done.stalls)
+                launch.observer(RegionSpan(index, *spent))
             index = region.row.branch if done.branch else region.row.next
             if index is not None:
                 switches += self._program.fabric.controller.switch_cycles
                 tile.cycle += self._program.fabric.controller.switch_cycles
                 tile.check_limit(region.index)
+        regions = tuple(total.region_run() for total in totals)
         return Run(
             cycles=tile.cycle,
             switch_cycles=switches,
@@ -60,8 +67,8 @@ class ReferenceEngine:
             value=returned(
                 self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]
             ),
-            regions=tuple(total.region_run() for total in totals),
-            activity=_activity(tile, totals),
+            regions=regions,
+            activity=Activity.total(region.activity for region in regions),
         )
 
     def _run_region(self, tile: Tile, region: RegionCode) -> RegionState:
@@ -128,15 +135,17 @@ class _Totals:
         self.cycles = 0
         self.stalls = 0
         self.issued: Counter[str] = Counter()
+        self.activity = Activity()
         self.register_reads = 0
         self.constant_reads = 0
 
-    def add(self, done: RegionState, region: RegionCode) -> None:
-        """Count one run of the region."""
+    def add(self, done: RegionState, region: RegionCode, moved: Activity) -> None:
+        """Count one run of the region; `moved`: what the tile counted meanwhile."""
         self.entries += 1
         self.iterations += done.iterations
         self.cycles += done.cycle + done.stalls
         self.stalls += done.stalls
+        self.activity = Activity.total((self.activity, moved))
         for count in region.counts:
             issues = done.issues_of(count.time)
             if issues == 0:
@@ -149,16 +158,6 @@ class _Totals:
     def region_run(self) -> RegionRun:
         """The sums as a result."""
         issued = dict(sorted(self.issued.items()))
-        return RegionRun(self.entries, self.iterations, self.cycles, self.stalls, issued)
-
-
-def _activity(tile: Tile, totals: list[_Totals]) -> Activity:
-    return Activity(
-        link_words=tile.link_words,
-        register_reads=tile.register_reads + sum(total.register_reads for total in totals),
-        register_writes=tile.register_writes,
-        constant_reads=sum(total.constant_reads for total in totals),
-        constant_writes=tile.constant_writes,
-        scratchpad_reads=tile.scratchpad_reads,
-        scratchpad_writes=tile.scratchpad_writes,
-    )
+        operands = Activity(register_reads=self.register_reads, constant_reads=self.constant_reads)
+        activity = Activity.total((self.activity, operands))
+        return RegionRun(self.entries, self.iterations, self.cycles, self.stalls, issued, activity)

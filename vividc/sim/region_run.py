@@ -6,12 +6,12 @@ import sys
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 from vividc.dfg.words import loaded, stored
 from vividc.errors import CycleLimit, SimulationError
 from vividc.program import Program, Use, trapped
-from vividc.sim.engine import Progress
+from vividc.sim.engine import Activity, Progress
 from vividc.sim.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
 
 _ENDLESS: Final = sys.maxsize
@@ -20,9 +20,36 @@ _WORD_MASK: Final = 0xFFFFFFFF
 _WORD_BYTES: Final = 4
 _RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
 _SIGN_BIT: Final = 0x80000000
+_COUNTERS: Final = (
+    "link_words",
+    "register_reads",
+    "register_writes",
+    "constant_writes",
+    "scratchpad_reads",
+    "scratchpad_writes",
+)
 
 Completion = tuple[int, int | None]
 """(PE, word of the result); a store completes with no word."""
+
+
+class Watch(Protocol):
+    """Sees every cycle before it happens."""
+
+    def see(
+        self, cycle: int, region: RegionCode, slot: Slot, newest: int, limit: int, state: State
+    ) -> None:
+        """Look at a cycle; nothing may be changed.
+
+        Parameters
+        ----------
+        cycle
+            Since the launch, stalls included.
+        newest, limit
+            Iteration of stage 0; iterations from `limit` on are dead.
+        state
+            The words that PEs can read in this cycle (see `predecode.StateMap`).
+        """
 
 
 @dataclass
@@ -36,6 +63,7 @@ class Tile:
     cycle_limit: int
     progress: Progress | None
     extents: Mapping[str, tuple[int, int]]
+    watch: Watch | None = None
     trip: int = 0
     cycle: int = 0
     entries: int = 0
@@ -45,6 +73,13 @@ class Tile:
     constant_writes: int = 0
     scratchpad_reads: int = 0
     scratchpad_writes: int = 0
+
+    def take_activity(self) -> Activity:
+        """What was counted since the last call; operands' reads are counted elsewhere."""
+        counted = Activity(**{name: getattr(self, name) for name in _COUNTERS})
+        for name in _COUNTERS:
+            setattr(self, name, 0)
+        return counted
 
     def check_limit(self, region: int, cycles: int = 0) -> None:
         """Stop a run whose time, `cycles` of region `region` included, exceeds the limit.
@@ -134,8 +169,16 @@ class RegionState:
                 self._resolve()
             if self.cycle >= self._end:
                 return
+            if self._tile.watch is not None:
+                self._look(slot, newest)
             self._cycle(slot, newest)
             self.cycle += 1
+
+    def _look(self, slot: Slot, newest: int) -> None:
+        tile = self._tile
+        assert tile.watch is not None
+        now = tile.cycle + self.cycle + self.stalls
+        tile.watch.see(now, self._region, slot, newest, self._limit, self._state)
 
     def _resolve(self) -> None:
         """An exit node's result acts: later iterations are dead from now on, or it goes on."""

@@ -8,7 +8,7 @@ from typing import Final
 from vividc.errors import demand_type
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
-from vividc.sim.engine import Launch, Progress
+from vividc.sim.engine import Launch, Observer, Progress
 from vividc.sim.stats import Stats, statistics
 from vividc.sim.tile import AUTO, Tile
 
@@ -40,6 +40,7 @@ def simulate(
     progress: Progress | None = None,
     cycle_limit: int = CYCLE_LIMIT,
     engine: str = AUTO,
+    observer: Observer | None = None,
     **kwargs: object,
 ) -> Result:
     """Run a program; arrays the kernel writes are updated in place, but only if the run succeeds.
@@ -56,6 +57,8 @@ def simulate(
     engine
         Name of the engine, a key of `tile.ENGINES`, or "auto": the one that is done first. Results
         are the same; `stats` says which ran.
+    observer
+        Told of every run of a region, in order; see `sim.view.Timeline`.
 
     Raises
     ------
@@ -67,7 +70,7 @@ def simulate(
     demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
     tile = Tile(program, engine)
     bound = bind(program, args, kwargs)
-    launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress)
+    launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress, observer)
     run = tile.run(launch)
     bound.copy_back(run.memory, program.stored_arrays)
     value = None

@@ -14,6 +14,7 @@ COLUMN, ROW = floats(3), floats(5)
 BYTES = np.arange(200, 217).astype(np.uint8)
 NONE = floats(0)
 ONE = floats(1)
+LARGE = np.full((9, 4), 2**31 - 7, np.int32)
 
 
 @construct("float32(float32[::1], float32[::1])", V, W, mapped=True)
@@ -285,3 +286,42 @@ def loop_that_never_ends_if_entered(x):
     while x[0] == 0:
         x[1] += 1
     return x[1]
+
+
+@construct("void(float32[:, ::1], float32[::1], float32[::1])", MATRIX, ROW, COLUMN, mapped=True)
+def sums_of_columns_and_rows(m, row, column):
+    row[:] = m.sum(axis=0)
+    column[:] = np.sum(m, 1) - m.sum() + row.sum(axis=-1)
+
+
+@construct("void(int32[:, ::1], int32[::1], int32[::1])", LARGE, words(*range(4)), words(*range(9)))
+def sums_along_an_axis_that_outgrow_a_word(m, high, low):
+    sums = m.sum(0)
+    for j in range(len(sums)):
+        high[j] = sums[j] >> 16
+    low[:] = np.sum(m, axis=-1)
+
+
+@construct("float32(float32[:, :, ::1])", floats(3, 4, 5))
+def sums_of_a_cube(x):
+    middle = x.sum(axis=1)
+    return middle[2, 4] - middle[0, 1] + x.sum(axis=(0, 1))[3]
+
+
+@construct("int32(bool[:, ::1])", floats(5, 7) > 0)
+def longest_row_of_flags(m):
+    return np.int32(np.max(m.sum(axis=1)))
+
+
+@construct("void(float32[::1], float32[::1], float32[:, ::1])", COLUMN, ROW, MATRIX, mapped=True)
+def outer_product(x, y, m):
+    m[:] = np.outer(x, y)
+
+
+@construct(
+    "float32(float32[::1], uint8[::1], int32[:, ::1])", COLUMN, BYTES, np.ones((17, 17), np.int32)
+)
+def outer_products_of_other_types(x, b, m):
+    m += np.outer(b, b)
+    t = np.outer(x, b.astype(np.float32))
+    return t[2, 16] + t[0, 1]

@@ -16,6 +16,7 @@ from tests.sim.test_against_interpreter import FABRICS, compiled
 from vividc.errors import BundleError
 from vividc.program import Program
 from vividc.sim import Launch
+from vividc.sim.native import loop
 
 
 def floats(count: int, seed: int = 0) -> np.ndarray:
@@ -104,6 +105,12 @@ def samples() -> list[tuple[Program, Launch]]:
         (choose(fabric()), (3,)),
     ]
     return [(program, launch(program, *args, cycle_limit=2000)) for program, args in found]
+
+
+def test_loops_too_large_for_a_steady_body(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(loop, "STEADY_OPS", 0)
+    for program, given_launch in samples():
+        assert_engines_agree(program, given_launch)
 
 
 def assert_mutants_agree(seed: int, count: int) -> None:

@@ -116,3 +116,23 @@ def test_fma_whose_sum_is_halfway_rounds_once() -> None:
     a, b = 0x3F800001, 0x3F800001  # (1 + 2**-23)**2 = 1 + 2**-22 + 2**-46
     triples = [(a, b, word) for word in (0x33800000, 0xB3800000, 0x80000000, 0xBF800002)]
     assert_operations_agree(np.array(triples, np.uint32), "halfway")
+
+
+def test_a_product_and_a_sum_are_not_fused() -> None:
+    """Two roundings, also where LLVM sees both operations."""
+    code = Code()
+    code.start("entry")
+    words = [code.load("i32", "%operands", port) for port in range(PORTS)]
+    product = lower(code, Opcode.FMUL, words[:2])
+    code.store("i32", lower(code, Opcode.FADD, (product, words[2])), "%results")
+    code.do("ret i32 0")
+    head = "define i32 @run(ptr %results, ptr %counts, ptr %operands) {"
+    run = loaded(
+        object_code("\n".join([DECLARATIONS, head, *code.lines, "}", ""])), "two roundings"
+    )
+    result = np.zeros(1, np.uint32)
+    for triple in random_words(np.random.default_rng(3), 500):
+        run(result.ctypes.data, 0, triple.ctypes.data)
+        a, b, c = triple.tolist()
+        product_word = SEMANTICS[Opcode.FMUL](a, b)
+        assert int(result[0]) == SEMANTICS[Opcode.FADD](product_word, c)

@@ -85,7 +85,7 @@ class Totals:
         """The part of a run's result."""
         entries, iterations, cycles, stalls = self.fields[: len(_TIMES)]
         issued = dict(sorted(self.issued.items()))
-        return RegionRun(entries, iterations, cycles, stalls, issued)
+        return RegionRun(entries, iterations, cycles, stalls, issued, activity([self]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from vividc.sim.native.code import Compiled, compiled
 from vividc.sim.native.counts import Totals, activity
 from vividc.sim.native.fallback import Fallback
 from vividc.sim.native.layout import Place, Status
+from vividc.sim.native.spans import Spans
 from vividc.sim.native.state import MachineState, initial_state
 from vividc.sim.reference import ReferenceEngine, returned
 
@@ -76,11 +77,15 @@ class _Running:
     def run(self) -> Run:
         """Run to the end."""
         snapshot: MachineState | None = None  # the start
+        spans = Spans(self._code.plan, self._elsewhere, self._launch.observer)
+        entries = ENTRIES_A_CALL if self._launch.observer is None else 1
         while True:
-            status = self._call(self._state, CYCLES_A_CALL, ENTRIES_A_CALL)
+            spans.before(self._state)
+            status = self._call(self._state, CYCLES_A_CALL, entries)
             if self._launch.progress is not None and status is not Status.FAULT:
                 self._launch.progress(self._state.now)
             if status is Status.DONE:
+                spans.after(self._state)
                 return self._result()
             if status is Status.LIMIT:
                 self._fallback.demand_time(self._launch, self._state)
@@ -88,6 +93,7 @@ class _Running:
                 self._state = self._before_fault(snapshot or self._initial())
             if status in (Status.FAULT, Status.IRREGULAR):
                 self._run_elsewhere()
+            spans.after(self._state)
             if not self._state.context[Place.RESUME]:
                 snapshot = self._state.copy()
 

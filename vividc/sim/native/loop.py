@@ -17,7 +17,7 @@ from vividc.sim.native.text import FALSE
 
 _ENDLESS: Final = 1 << 62
 """Iterations of a loop that only its exit node ends."""
-_STEADY_OPS: Final = 400
+STEADY_OPS: Final = 400
 """Loops with more operations have no steady body of their own: it would double the compile time."""
 
 
@@ -212,7 +212,7 @@ class _Loop:
     def _bodies(self, values: dict[Key, str], time: str) -> list[tuple[str, dict[Key, str]]]:
         """The bodies; the last block of each, and its values at the end."""
         code = self._code
-        if len(self._flow.ops) > _STEADY_OPS:
+        if len(self._flow.ops) > STEADY_OPS:
             return [self._one_body("general", values, time)]
         began = code.value(f"icmp sgt i64 {values['body',]}, {self._plan.stages}")
         goes_on = code.value(f"icmp slt i64 {values['body',]}, {values['limit',]}")

@@ -306,11 +306,12 @@ class _Tracer:
 
     def _before(self, slot: int, pe: int, select: Select) -> tuple[int, int, Select] | None:
         """What drove a link or wrote a register: (cycles before, PE, its selection)."""
-        if select.kind is Sel.LINK:
+        if select.kind in (Sel.LINK, Sel.WIRE):
+            back = 1 if select.kind is Sel.LINK else 0
             link = self._fabric.links_to[pe][select.index]
             port = self._fabric.links_from[link.src].index(link)
-            driven = self._contexts[(slot - 1) % self._row.ii][link.src].links[port]
-            return None if driven.kind is Sel.NONE else (1, link.src, driven)
+            driven = self._contexts[(slot - back) % self._row.ii][link.src].links[port]
+            return None if driven.kind is Sel.NONE else (back, link.src, driven)
         if select.kind is not Sel.RF:
             return None
         register = self._register(slot, pe, select)

@@ -1,0 +1,159 @@
+"""The loop over prange is cut at two inputs, and its reductions are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from numba import prange
+
+import vividc
+from vividc.dfg.cfg import Input
+from vividc.dfg.cfg_edit import uses
+from vividc.dfg.parallel import FIRST, LAST, Parallel
+from vividc.dfg.parallel_loop import cut_parallel_loop
+from vividc.errors import KernelError
+
+
+def cut(kernel: Any) -> tuple[Any, Parallel]:
+    return cut_parallel_loop(kernel.lower(spread=True), kernel.prange_lines)
+
+
+@vividc.kernel("void(int32[::1], int32)")
+def outer(x, n):
+    for i in numba.prange(2, n):
+        for j in prange(3):
+            x[3 * i + j] = j
+
+
+def test_the_outermost_loop_is_cut() -> None:
+    function, parallel = cut(outer)
+    values = [v for b in function.blocks for v in uses(b)]
+    values += [v for b in function.blocks for phi in b.phis for _, v in phi.incoming]
+    inputs = {v.key for v in values if isinstance(v, Input)}
+    assert {FIRST, LAST} <= inputs
+    assert "n" not in inputs
+    assert [parallel.terms[t].op for t in (parallel.first, parallel.last)] == ["const", "input"]
+    assert parallel.loc is not None
+    assert parallel.loc.line in outer.prange_lines
+    assert [(a.array, a.is_store, a.width) for a in parallel.accesses] == [("x", True, 4)]
+
+
+@vividc.kernel("int32(int32[::1], int32)")
+def adds(x, start):
+    s = start
+    for i in prange(len(x)):
+        if x[i] > 3:
+            s += x[i]
+        s -= np.int32(1)
+    return s
+
+
+@vividc.kernel("float32(float32[:, ::1])")
+def products(x):
+    s = np.float32(2)
+    for i in prange(x.shape[0]):
+        for j in range(x.shape[1]):
+            s *= x[i, j]
+    return s
+
+
+@vividc.kernel("float32(float32[::1])")
+def least(x):
+    s = np.float32(7)
+    for i in prange(len(x)):
+        s = min(s, x[i])
+    return s
+
+
+@vividc.kernel("int32(int32[::1])")
+def parity(x):
+    s = np.int32(0)
+    for i in prange(len(x)):
+        s ^= x[i]
+    return s
+
+
+@pytest.mark.parametrize(
+    ("kernel", "op", "identity"),
+    [
+        (adds, "add", 0),
+        (products, "fmul", 0x3F800000),
+        (least, "fcmp.olt", None),
+        (parity, "xor", 0),
+    ],
+    ids=lambda item: getattr(item, "name", None),
+)
+def test_reductions(kernel: Any, op: str, identity: int | None) -> None:
+    _, parallel = cut(kernel)
+    (reduction,) = parallel.reductions
+    assert (reduction.op, reduction.identity, parallel.result) == (op, identity, 0)
+
+
+@vividc.kernel("int32(int32[::1])")
+def last(x):
+    s = np.int32(0)
+    for i in prange(len(x)):
+        s = x[i]
+    return s
+
+
+@vividc.kernel("int32(int32[::1])")
+def mixed(x):
+    s = np.int32(0)
+    for i in prange(len(x)):
+        s = (s + x[i]) * np.int32(3)
+    return s
+
+
+@vividc.kernel("int32(int32[::1])")
+def twice(x):
+    s = np.int32(1)
+    for _i in prange(len(x)):
+        s += s
+    return s
+
+
+@vividc.kernel("int32(int32[::1])")
+def indexed(x):
+    s = np.int32(0)
+    for _i in prange(len(x)):
+        s += x[s & 3]
+    return s
+
+
+@vividc.kernel("float32(float32[::1])")
+def nan_wins(x):
+    s = np.float32(0)
+    for i in prange(len(x)):
+        s = s if s >= x[i] else x[i]
+    return s
+
+
+@pytest.mark.parametrize("kernel", [last, mixed, twice, indexed, nan_wins], ids=lambda k: k.name)
+def test_what_is_no_reduction_is_refused(kernel: Any) -> None:
+    with pytest.raises(KernelError, match=r"what an earlier one computed|used after it"):
+        cut(kernel)
+
+
+@vividc.kernel("void(int32[::1], uint32)")
+def unsigned(x, n):
+    for i in prange(n):
+        x[i] = 1
+
+
+def test_unsigned_bounds_are_marked() -> None:
+    _, parallel = cut(unsigned)
+    assert parallel.is_unsigned
+
+
+@vividc.kernel("void(int32[::1], int32)")
+def no_prange(x, n):
+    for i in range(n):
+        x[i] = 1
+
+
+def test_range_is_not_prange() -> None:
+    assert no_prange.prange_lines == frozenset()

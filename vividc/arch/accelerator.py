@@ -1,0 +1,96 @@
+"""The accelerator around the tiles, as data: tiles by place, DRAM, NoC, DMA engines, configuration.
+
+`docs/accelerator.md` gives the timing rules that these parameters feed; nothing here is an
+algorithm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from vividc.arch.fabric import Fabric
+
+Orientation = Literal["nw", "ne", "sw", "se"]
+
+
+@dataclass(frozen=True, slots=True)
+class DRAM:
+    """The main memory: one channel.
+
+    Attributes
+    ----------
+    bytes_per_cycle
+        Bandwidth of the channel.
+    latency
+        Cycles from the last byte leaving the channel to its arrival at the NoC.
+    granule_bytes
+        Smallest access: a burst moves whole aligned granules. A power of two.
+    """
+
+    bytes_per_cycle: int
+    latency: int
+    granule_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class NoC:
+    """The network between the DMA engines and the tiles: bandwidth in bytes a cycle over all tiles,
+    latency in cycles.
+    """
+
+    bytes_per_cycle: int
+    latency: int
+
+
+@dataclass(frozen=True, slots=True)
+class DMA:
+    """The DMA engines: `setup_cycles` before each transfer, then bursts of up to `burst_bytes`."""
+
+    engines: int
+    setup_cycles: int
+    burst_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """How programs get into the tiles: `entries_per_cycle` over one stream for all tiles. Without
+    `double_buffered` memories a tile cannot run while it is loaded.
+    """
+
+    entries_per_cycle: int
+    double_buffered: bool
+
+
+@dataclass(frozen=True)
+class Accelerator:
+    """Tiles and what feeds them, built by `vividc.arch.load`; `source` is its YAML text.
+
+    Attributes
+    ----------
+    tiles
+        Fabric of each tile, row by row. A tile's place in its 2x2 cluster says on which two edges
+        its load/store units are: each is a reflection of the north-west one.
+    """
+
+    name: str
+    rows: int
+    cols: int
+    tiles: tuple[Fabric, ...]
+    dram: DRAM
+    noc: NoC
+    dma: DMA
+    configuration: Configuration
+    source: str = ""
+
+    def orientation(self, tile: int) -> Orientation:
+        """The outer corner of tile number `tile` within its 2x2 cluster."""
+        row, col = divmod(tile, self.cols)
+        if row % 2 == 0:
+            return "nw" if col % 2 == 0 else "ne"
+        return "sw" if col % 2 == 0 else "se"
+
+    @property
+    def fabric(self) -> Fabric:
+        """The north-west tile, for which programs are mapped."""
+        return self.tiles[0]

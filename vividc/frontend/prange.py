@@ -1,0 +1,62 @@
+"""Loops over `numba.prange`: where a kernel's source has them, and how their bounds reach LLVM."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numba
+from llvmlite import ir
+
+_I64 = ir.IntType(64)
+_WORD_MAX = (1 << 31) - 1
+
+
+def prange_lines(py_func: Callable[..., Any]) -> frozenset[int]:
+    """Lines of the function's file in which a loop over `prange` begins; none without source."""
+    try:
+        lines, first = inspect.getsourcelines(py_func)
+    except (OSError, TypeError):
+        return frozenset()
+    tree = ast.parse(textwrap.dedent("".join(lines)))
+    names = inspect.getclosurevars(py_func)
+    known = {**names.builtins, **names.globals, **names.nonlocals}
+    return frozenset(first + node.lineno - 1 for node in _loops(tree) if _is_prange(node, known))
+
+
+def _loops(tree: ast.AST) -> Iterator[ast.For]:
+    return (node for node in ast.walk(tree) if isinstance(node, ast.For))
+
+
+def _is_prange(loop: ast.For, known: dict[str, Any]) -> bool:
+    return isinstance(loop.iter, ast.Call) and _value(loop.iter.func, known) is numba.prange
+
+
+def _value(expression: ast.expr, known: dict[str, Any]) -> Any:
+    """What a name, or an attribute of one, means to the kernel."""
+    if isinstance(expression, ast.Name):
+        return known.get(expression.id)
+    if isinstance(expression, ast.Attribute):
+        return getattr(_value(expression.value, known), expression.attr, None)
+    return None
+
+
+def parallel_range(sig: Any, general: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:
+    """Numba's lowering, `general`, of a range whose bounds are cut off where no loop gets to: a
+    parallel loop counts in words.
+    """
+    pairs = zip(args, sig.args, strict=True)
+    return general(builder, [_as_word(builder, arg, type_) for arg, type_ in pairs])
+
+
+def _as_word(builder: ir.IRBuilder, value: Any, type_: Any) -> Any:
+    """The nearest signed word of a signed integer of 64 bits."""
+    if value.type != _I64 or not type_.signed:
+        return value
+    for limit, beyond in ((_WORD_MAX, ">"), (-_WORD_MAX - 1, "<")):
+        is_beyond = builder.icmp_signed(beyond, value, _I64(limit))
+        value = builder.select(is_beyond, _I64(limit), value)
+    return value

@@ -1,0 +1,330 @@
+"""`Job`: the host's way to say what the accelerator does, step by step, with dependencies."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Sequence
+from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.arch import Accelerator
+from vividc.errors import ArgumentError, demand_type
+from vividc.program import WORD_BYTES, Program
+from vividc.program.reflect import reflected_program
+from vividc.sim.accelerator.memory import Buffers
+from vividc.sim.accelerator.result import JobResult
+from vividc.sim.accelerator.simulate import simulate_steps
+from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer
+from vividc.sim.bind import scalar_inputs
+from vividc.sim.run import CYCLE_LIMIT
+from vividc.sim.tile import AUTO
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """An array argument of a run: where it lies in the tile's scratchpad, and its shape."""
+
+    address: int
+    shape: tuple[int, ...]
+
+
+class Job:
+    """A launch graph under construction. Every method that adds a step returns its number, for the
+    `after` of others.
+
+    Steps of one tile run in the order in which they were added; all else is ordered by `after`
+    only. A graph whose result would depend on timing is refused when it is simulated.
+
+    Parameters
+    ----------
+    fabric
+        An accelerator, a preset's name, or a YAML file.
+    """
+
+    def __init__(self, fabric: str | os.PathLike[str] | Accelerator = "vivid") -> None:
+        self.accelerator: Accelerator = (
+            fabric if isinstance(fabric, Accelerator) else arch.load_accelerator(fabric)
+        )
+        self._steps: list[Step] = []
+        self._buffers = Buffers()
+        self._held: dict[int, tuple[Program, int]] = {}
+        self._images: dict[tuple[int, str], Program] = {}
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps so far."""
+        return tuple(self._steps)
+
+    def move_in(
+        self,
+        tiles: int | Sequence[int],
+        source: NDArray[np.generic],
+        address: int,
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """Copy an array, contiguous or strided, from DRAM to byte `address` of the scratchpads.
+
+        Raises
+        ------
+        ArgumentError
+            Tiles, address or array are not such as the accelerator has.
+        """
+        where = self._tiles(tiles)
+        array = _array(source)
+        self._fits(address, array.nbytes, where)
+        pieces = self._buffers.pieces(array)
+        return self._add(
+            Transfer("move in", where, address, pieces, array, after=self._after(after))
+        )
+
+    def gather(
+        self,
+        tiles: int | Sequence[int],
+        source: NDArray[np.generic],
+        indices: NDArray[np.generic],
+        address: int,
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """Copy `source[indices]`, whole rows of a C-contiguous array, to the scratchpads. The
+        engine reads the indices from DRAM when the step runs.
+
+        Raises
+        ------
+        ArgumentError
+            As for `move_in`, or the indices are not one-dimensional 32-bit integers.
+        """
+        where = self._tiles(tiles)
+        array, chosen = _array(source), _array(indices)
+        if not array.flags.c_contiguous or array.ndim == 0:
+            raise ArgumentError("a gather's source is a C-contiguous array")
+        if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
+            raise ArgumentError("a gather's indices are one dimension of int32 or uint32")
+        row = array[:1].nbytes if len(array) else array.itemsize
+        self._fits(address, row * len(chosen), where)
+        offset = self._buffers.pieces(array)
+        step = Transfer(
+            "gather",
+            where,
+            address,
+            offset,
+            array,
+            self._buffers.pieces(chosen),
+            chosen,
+            self._after(after),
+        )
+        return self._add(step)
+
+    def move_out(
+        self,
+        tile: int,
+        address: int,
+        target: NDArray[np.generic],
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """Copy from byte `address` of a tile's scratchpad to an array, contiguous or strided.
+
+        Raises
+        ------
+        ArgumentError
+            As for `move_in`, or the array is read-only.
+        """
+        where = self._tiles(tile)
+        array = _array(target)
+        if not array.flags.writeable:
+            raise ArgumentError("the target of a move out is read-only", hint="pass a copy")
+        self._fits(address, array.nbytes, where)
+        pieces = self._buffers.pieces(array)
+        return self._add(
+            Transfer("move out", where, address, pieces, array, after=self._after(after))
+        )
+
+    def configure(
+        self, tiles: int | Sequence[int], program: Program, *, after: Sequence[int] = ()
+    ) -> int:
+        """Load a program into tiles; they switch to it together, at their next run.
+
+        Raises
+        ------
+        ArgumentError
+            The program was not compiled for the accelerator's north-west tile.
+        """
+        where = self._tiles(tiles)
+        images = tuple(self._image(program, tile) for tile in where)
+        number = self._add(Configure(where, images, self._after(after)))
+        self._held.update({tile: (program, number) for tile in where})
+        return number
+
+    def run(
+        self, tile: int, program: Program, *, after: Sequence[int] = (), **arguments: object
+    ) -> int:
+        """Run a program on a tile; it is loaded first if the tile does not hold it.
+
+        Parameters
+        ----------
+        arguments
+            The kernel's arguments by name: scalars, and `At` for arrays.
+
+        Raises
+        ------
+        ArgumentError
+            Arguments are missing, of the wrong kind, or outside the scratchpad.
+        """
+        demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
+        where = self._tiles(tile)
+        inputs, extents = _bound(program, arguments)
+        for name, (start, end) in extents.items():
+            if start % WORD_BYTES:
+                raise ArgumentError(f"array {name} starts at {start}, not at a multiple of 4")
+            self._fits(start, end - start, where, f"array {name}")
+        return self.execute(tile, program, inputs, extents, after=after)
+
+    def execute(
+        self,
+        tile: int,
+        program: Program,
+        inputs: ReadOnly[str, int],
+        extents: ReadOnly[str, tuple[int, int]],
+        stores: ReadOnly[str, tuple[int, int]] | None = None,
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """As `run`, with the launch words, the places of all arrays, and of what is written (None:
+        all of each array that the kernel writes) given by the caller.
+        """
+        if stores is None:
+            stores = {name: extents[name] for name in program.stored_arrays & extents.keys()}
+        if tile not in self._held or self._held[tile][0] is not program:
+            self.configure(tile, program)
+        configured = self._held[tile][1]
+        image = self._image(program, tile)
+        return self._add(
+            Execute(tile, image, inputs, extents, stores, configured, self._after(after))
+        )
+
+    def simulate(
+        self, *, engine: str = AUTO, cycle_limit: int = CYCLE_LIMIT, threads: int | None = None
+    ) -> JobResult:
+        """Carry the job out; arrays are written only if all of it succeeds.
+
+        Parameters
+        ----------
+        cycle_limit
+            Cycles after which a run of a tile is given up.
+        threads
+            Tiles simulated at the same time; None: one for each core.
+
+        Raises
+        ------
+        ArgumentError
+            The graph's result would depend on timing: two steps use the same bytes, at least one
+            of them writes, and nothing orders them.
+        SimulationError
+            A program broke a rule of the machine, or ran past `cycle_limit`.
+        """
+        return simulate_steps(
+            self.accelerator, self.steps, self._buffers, engine, cycle_limit, threads
+        )
+
+    def _add(self, step: Step) -> int:
+        self._steps.append(step)
+        return len(self._steps) - 1
+
+    def _after(self, after: Sequence[int]) -> tuple[int, ...]:
+        for number in after:
+            if not 0 <= number < len(self._steps):
+                raise ArgumentError(f"there is no step {number} to come after")
+        return tuple(sorted(set(after)))
+
+    def _tiles(self, tiles: int | Sequence[int]) -> tuple[int, ...]:
+        chosen = (tiles,) if isinstance(tiles, int) else tuple(tiles)
+        count = len(self.accelerator.tiles)
+        if not chosen or len(set(chosen)) < len(chosen):
+            raise ArgumentError("a step names its tiles once each")
+        for tile in chosen:
+            if not 0 <= tile < count:
+                raise ArgumentError(f"there is no tile {tile}: they are 0 to {count - 1}")
+        return chosen
+
+    def _fits(
+        self, address: int, size: int, tiles: tuple[int, ...], what: str = "the array"
+    ) -> None:
+        room = min(self.accelerator.tiles[tile].scratchpad.size_bytes for tile in tiles)
+        if address < 0 or address + size > room:
+            raise ArgumentError(
+                f"{what} would lie at bytes {address} to {address + size}, and the scratchpad has "
+                f"{room}"
+            )
+
+    def _image(self, program: Program, tile: int) -> Program:
+        corner = self.accelerator.orientation(tile)
+        key = (id(program), corner)
+        if key not in self._images:
+            home = self.accelerator.fabric
+            if not arch.is_isomorphism(program.fabric, home, tuple(range(len(home.pes)))):
+                raise ArgumentError(
+                    f"{program.name} was compiled for {program.fabric_name}, and the tiles of "
+                    f"{self.accelerator.name} are {home.name}",
+                    hint=f"compile it with fabric={self.accelerator.name!r}",
+                )
+            places = arch.reflection(home, corner)
+            self._images[key] = reflected_program(program, self.accelerator.tiles[tile], places)
+            self._images[id(program), ""] = program  # keeps the id from being used again
+        return self._images[key]
+
+
+def _array(value: object) -> NDArray[np.generic]:
+    if not isinstance(value, np.ndarray):
+        raise ArgumentError(f"expected a numpy array, got {type(value).__name__}")
+    if value.dtype.kind not in "biuf" or value.itemsize > WORD_BYTES:
+        raise ArgumentError(f"the accelerator has no elements of {value.dtype}")
+    return value
+
+
+def _bound(
+    program: Program, arguments: dict[str, object]
+) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
+    """Launch words and places of arrays."""
+    scalars = {name: value for name, value in arguments.items() if not isinstance(value, At)}
+    inputs = scalar_inputs(program, scalars)
+    extents: dict[str, tuple[int, int]] = {}
+    end = 0
+    for param in program.params:
+        if not param.ndim:
+            continue
+        place = arguments.get(param.name)
+        if not isinstance(place, At) or len(place.shape) != param.ndim:
+            raise ArgumentError(
+                f"array {param.name} of {program.name} is given as At(address, shape) with "
+                f"{param.ndim} dimension(s)"
+            )
+        size = math.prod(place.shape) * param.dtype.size_bytes
+        extents[param.name] = (place.address, place.address + size)
+        inputs |= _array_words(param.name, place)
+        end = max(end, -(-(place.address + size) // WORD_BYTES) * WORD_BYTES)
+    for name, start, size in _locals(program, inputs, end):
+        extents[name] = (start, start + size)
+        inputs[f"&{name}"] = start
+    return inputs, extents
+
+
+def _array_words(name: str, place: At) -> dict[str, int]:
+    words = {f"{name}.shape{axis}": size for axis, size in enumerate(place.shape)}
+    return {f"&{name}": place.address, **words}
+
+
+def _locals(
+    program: Program, inputs: ReadOnly[str, int], end: int
+) -> Iterator[tuple[str, int, int]]:
+    """The kernel's own arrays lie behind its arguments."""
+    for local in program.locals:
+        size = WORD_BYTES * local.at_launch(inputs).words
+        yield local.name, end, size
+        end += size

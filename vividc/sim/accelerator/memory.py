@@ -1,0 +1,113 @@
+"""DRAM as the host's numpy arrays: where the bytes of a view lie, and working copies of what is
+written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.lib.array_utils import byte_bounds
+from numpy.typing import NDArray
+
+from vividc.sim.accelerator.steps import Array, Piece
+
+
+class Buffers:
+    """The arrays that views are of, numbered in the order in which they are first seen. Each starts
+    at a burst boundary of DRAM.
+    """
+
+    def __init__(self) -> None:
+        self._roots: list[Array] = []
+        self._numbers: dict[int, int] = {}
+
+    def number(self, view: Array) -> int:
+        """Number of the array that `view` is of."""
+        root = _root(view)
+        if id(root) not in self._numbers:
+            self._numbers[id(root)] = len(self._roots)
+            self._roots.append(root)
+        return self._numbers[id(root)]
+
+    def root(self, number: int) -> Array:
+        """The array of a number."""
+        return self._roots[number]
+
+    def pieces(self, view: Array) -> tuple[Piece, ...]:
+        """The contiguous runs of bytes of `view` in DRAM, in C order of its elements."""
+        number = self.number(view)
+        base = byte_bounds(self._roots[number])[0]
+        start = view.__array_interface__["data"][0] - base
+        if view.size == 0:
+            return ()
+        axes = list(zip(view.shape, view.strides, strict=True))
+        run = view.itemsize
+        while axes and (axes[-1][1] == run or axes[-1][0] == 1):
+            run *= axes.pop()[0]
+        return tuple(Piece(number, start + offset, run) for offset in _offsets(axes))
+
+    def rows(self, view: Array, indices: NDArray[np.int64]) -> tuple[Piece, ...]:
+        """The places of `view[indices]`, row by row."""
+        number = self.number(view)
+        start = view.__array_interface__["data"][0] - byte_bounds(self._roots[number])[0]
+        row = view[:1].nbytes
+        return tuple(Piece(number, start + row * int(index), row) for index in indices)
+
+
+class Working:
+    """DRAM during a simulation: arrays that are written are copies until `commit`."""
+
+    def __init__(self, buffers: Buffers, written: set[int]) -> None:
+        self._buffers = buffers
+        self._copies = {number: _flat(buffers.root(number)).copy() for number in written}
+
+    def read(self, view: Array) -> Array:
+        """`view` as it is in DRAM now."""
+        number = self._buffers.number(view)
+        if number not in self._copies:
+            return view
+        return self._on_copy(view, number)
+
+    def write(self, view: Array, raw: NDArray[np.uint8]) -> None:
+        """Give `view` in DRAM the elements whose bytes are `raw`, in C order."""
+        copy = self._on_copy(view, self._buffers.number(view))
+        copy[...] = raw.view(view.dtype).reshape(view.shape)
+
+    def commit(self, views: list[Array]) -> None:
+        """Write the views, as they are in DRAM, into the caller's arrays."""
+        for view in views:
+            view[...] = self._on_copy(view, self._buffers.number(view))
+
+    def _on_copy(self, view: Array, number: int) -> Array:
+        root = self._buffers.root(number)
+        offset = view.__array_interface__["data"][0] - byte_bounds(root)[0]
+        return np.ndarray(view.shape, view.dtype, self._copies[number].data, offset, view.strides)
+
+
+def _root(view: Array) -> Array:
+    while isinstance(view.base, np.ndarray):
+        view = view.base
+    return view
+
+
+def _flat(root: Array) -> NDArray[np.uint8]:
+    """All bytes of an array, whatever its strides."""
+    low, high = byte_bounds(root)
+    if root.flags.c_contiguous:
+        return root.reshape(-1).view(np.uint8)
+    first = root.__array_interface__["data"][0] - low
+    whole = np.zeros(high - low, np.uint8)
+    copy = np.ndarray(root.shape, root.dtype, whole.data, first, root.strides)
+    copy[...] = root
+    return whole
+
+
+def _offsets(axes: list[tuple[int, int]]) -> Iterator[int]:
+    if not axes:
+        yield 0
+        return
+    (count, stride), inner = axes[0], axes[1:]
+    for index in range(count):
+        for offset in _offsets(inner):
+            yield index * stride + offset

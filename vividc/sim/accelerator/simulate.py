@@ -1,0 +1,48 @@
+"""A launch graph carried out: checked, computed, timed, counted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from vividc.arch import Accelerator
+from vividc.sim.accelerator.accounting import job_stats
+from vividc.sim.accelerator.functional import Outcome, carry_out
+from vividc.sim.accelerator.hazards import check_order, predecessors
+from vividc.sim.accelerator.memory import Buffers
+from vividc.sim.accelerator.result import JobResult
+from vividc.sim.accelerator.steps import Execute, Step
+from vividc.sim.accelerator.timing import schedule
+from vividc.sim.bind import returned
+
+
+def simulate_steps(
+    accelerator: Accelerator,
+    steps: Sequence[Step],
+    buffers: Buffers,
+    engine: str,
+    cycle_limit: int,
+    threads: int | None,
+) -> JobResult:
+    """Carry a graph out (see `Job.simulate`)."""
+    waits = predecessors(steps)
+    check_order(steps, waits)
+    outcome = carry_out(accelerator, steps, waits, buffers, engine, cycle_limit, threads)
+    timing = schedule(accelerator, steps, waits, outcome)
+    return JobResult(
+        cycles=timing.cycles,
+        value=None,
+        values=_values(steps, outcome),
+        words={n: run.value for n, run in outcome.runs.items() if run.value is not None},
+        stats=job_stats(steps, outcome, timing),
+        events=timing.events,
+    )
+
+
+def _values(steps: Sequence[Step], outcome: Outcome) -> dict[int, int | float | bool | None]:
+    values: dict[int, int | float | bool | None] = {}
+    for number, run in outcome.runs.items():
+        step = steps[number]
+        assert isinstance(step, Execute)
+        word, dtype = run.value, step.program.returns
+        values[number] = None if word is None or dtype is None else returned(dtype, word)
+    return values

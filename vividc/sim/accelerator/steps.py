@@ -1,0 +1,121 @@
+"""What an accelerator can be told to do: the steps of a launch graph, and their results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.program import Program
+
+Array = NDArray[np.generic]
+Kind = Literal["move in", "gather", "configure", "run", "move out"]
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A contiguous run of `size` bytes in DRAM, from byte `offset` of array number `buffer`."""
+
+    buffer: int
+    offset: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transfer:
+    """Moves pieces of DRAM to or from one place in the scratchpads, where they lie one after the
+    other.
+
+    Attributes
+    ----------
+    tiles
+        Where it goes; several tiles get the same words at the same time. A move out has one.
+    address
+        First byte in the scratchpad.
+    index_pieces
+        Where a gather's indices lie: they are read first, and go no further than the engine.
+    view
+        The array whose elements move, as the caller gave it (gather: its chosen rows).
+    after
+        Steps that must be done before.
+    """
+
+    kind: Literal["move in", "gather", "move out"]
+    tiles: tuple[int, ...]
+    address: int
+    pieces: tuple[Piece, ...]
+    view: Array
+    index_pieces: tuple[Piece, ...] = ()
+    indices: Array | None = None
+    after: tuple[int, ...] = ()
+
+    @property
+    def size(self) -> int:
+        """Bytes that arrive."""
+        return sum(piece.size for piece in self.pieces)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Configure:
+    """Streams a program into the configuration memories of tiles.
+
+    `programs`: that of each tile in `tiles`, mirrored as the tile is.
+    """
+
+    tiles: tuple[int, ...]
+    programs: tuple[Program, ...]
+    after: tuple[int, ...] = ()
+
+    @property
+    def entries(self) -> int:
+        """What is written: an entry for each PE and context, and each word of a constant table."""
+        contexts = sum(len(p.fabric.pes) * len(p.words) for p in self.programs)
+        return contexts + sum(len(loc.contents or ()) for p in self.programs for loc in p.locals)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Execute:
+    """Runs the program that a tile holds.
+
+    Attributes
+    ----------
+    inputs
+        Word of each launch key.
+    extents
+        First byte and end of each array in the scratchpad.
+    stores
+        First byte and end of what the run may write of each array it writes.
+    configured_by
+        The `Configure` that brought the program.
+    """
+
+    tile: int
+    program: Program
+    inputs: ReadOnly[str, int]
+    extents: ReadOnly[str, tuple[int, int]]
+    stores: ReadOnly[str, tuple[int, int]]
+    configured_by: int
+    after: tuple[int, ...] = ()
+
+    @property
+    def launch_words(self) -> int:
+        """Constant-store entries that the tile controller writes before the first cycle."""
+        return int(self.program.images_set.sum()) + len(self.program.launch)
+
+
+Step = Transfer | Configure | Execute
+
+
+def tiles_of(step: Step) -> tuple[int, ...]:
+    """The tiles that a step touches."""
+    return (step.tile,) if isinstance(step, Execute) else step.tiles
+
+
+def kind_of(step: Step) -> Kind:
+    """What a step does, in words."""
+    if isinstance(step, Transfer):
+        return step.kind
+    return "configure" if isinstance(step, Configure) else "run"
