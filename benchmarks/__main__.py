@@ -120,7 +120,8 @@ def main(
     for table in tables:
         title = TITLES[table] if table in TITLES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
-        command = f"python -m benchmarks --table {table} {on} --time-limit {time_limit:g}"
+        command = f"python -m benchmarks --table {table}"
+        command += "" if table == QUALITY else f" {on} --time-limit {time_limit:g}"
         lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
         if table in NOTES:
             lines += [*NOTES[table], ""]
