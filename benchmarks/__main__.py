@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, general, render_kernels
+from benchmarks import c_kernels, engines, general, quality, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -84,11 +84,19 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 
 
 ENGINES = "engines"
-CHOICES = (*TABLES, ENGINES)
+QUALITY = "quality"
+CHOICES = (*TABLES, ENGINES, QUALITY)
+TITLES = {ENGINES: engines.TITLE, QUALITY: quality.TITLE}
+NOTES = {ENGINES: engines.NOTES, QUALITY: quality.NOTES}
+ON_THE_HOST = "float32 on the host"
 
 
 def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
     """A table on one fabric, its header first."""
+    if table == QUALITY:
+        yield from quality.HEADER.splitlines()
+        yield from quality.rows()
+        return
     if table == ENGINES:
         yield from engines.HEADER.splitlines()
         yield from engines.rows(fabric, time_limit_s)
@@ -110,13 +118,14 @@ def main(
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
     for table in tables:
-        title = engines.TITLE if table == ENGINES else TABLES[table][0]
+        title = TITLES[table] if table in TITLES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
-        command = f"python -m benchmarks --table {table} {on} --time-limit {time_limit:g}"
+        command = f"python -m benchmarks --table {table}"
+        command += "" if table == QUALITY else f" {on} --time-limit {time_limit:g}"
         lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
-        if table == ENGINES:
-            lines += [*engines.NOTES, ""]
-        for fabric in fabrics:
+        if table in NOTES:
+            lines += [*NOTES[table], ""]
+        for fabric in (ON_THE_HOST,) if table == QUALITY else fabrics:
             lines += [f"## {fabric}", ""]
             click.echo("\n".join(lines[-2:]))
             for line in lines_of(table, fabric, time_limit):

@@ -81,6 +81,35 @@ def cut_launches(
     return tuple(launches)
 
 
+def cut_small_launches(
+    tiles: TileLists, crop: Crop, spm_words: int, side: int = 8
+) -> tuple[BlendLaunch, ...]:
+    """Return launches of at most `side` x `side` pixels, each with what can be seen in it alone.
+
+    They cover `crop` exactly once; the pictures are those of `cut_launches`, with less work. The
+    list of a block in which nothing can be seen is empty.
+
+    Raises
+    ------
+    SceneError
+        So many splats are seen at one pixel that their list does not fit.
+    """
+    check_inside(crop, tiles.width, tiles.height)
+    launches: list[BlendLaunch] = []
+    for tile_x, tile_y, part in tiles_meeting(crop):
+        splats = tiles.tile(tile_x, tile_y)
+        for block in _blocks(part, side):
+            launches += _cut_block(seen_in(splats, block), block, spm_words)
+    return tuple(launches)
+
+
+def _blocks(part: Crop, side: int) -> Iterator[Crop]:
+    right, bottom = part.x0 + part.width, part.y0 + part.height
+    for y0 in range(part.y0, bottom, side):
+        for x0 in range(part.x0, right, side):
+            yield Crop(x0, y0, min(side, right - x0), min(side, bottom - y0))
+
+
 def _cut_block(splats: Splats, block: Crop, spm_words: int) -> list[BlendLaunch]:
     rows = _rows_that_fit(len(splats), block, spm_words)
     if rows >= 1:

@@ -16,7 +16,9 @@ from vividc.render.scenes import Scene
 _FIELD_OF_VIEW = math.radians(40)
 _PERCENTILES = (5, 95)
 """Of Gaussians' centres: strays must not shrink the rest."""
-_ROOM = 1.2
+_SIGMAS = 3
+_CLEAR = 0.25
+"""World units before the scene: nearer than 0.2, Gaussians are cut off."""
 _STEEPEST = 89.0
 _AXES = {
     f"{sign}{axis}": (value, index)
@@ -60,7 +62,7 @@ def orbit_camera(
     right = np.cross(axis, back)
     right /= np.linalg.norm(right)
     focal = 0.5 * min(width, height) / math.tan(0.5 * _FIELD_OF_VIEW)
-    distance = _ROOM * radius / math.sin(0.5 * _FIELD_OF_VIEW)
+    distance = max(radius / math.sin(0.5 * _FIELD_OF_VIEW), radius + _CLEAR)
     pose = np.eye(4)
     pose[:3, :3] = np.stack((right, np.cross(back, right), back), axis=1)
     pose[:3, 3] = centre + distance * back
@@ -69,11 +71,12 @@ def orbit_camera(
 
 def _extent(scene: Scene) -> tuple[Float64Array, float]:
     """Return the middle of a scene [3], and half the diagonal of what matters of it."""
+    around = 0.0
     if not isinstance(scene, Gaussians):
         low, high = scene.march.box.astype(np.float64)
     elif len(scene) == 0:
         low, high = -np.ones(3), np.ones(3)
     else:
         low, high = np.percentile(scene.means.astype(np.float64), _PERCENTILES, axis=0)
-    radius = 0.5 * float(np.linalg.norm(high - low))
-    return 0.5 * (low + high), max(radius, 1e-3)
+        around = _SIGMAS * float(np.percentile(scene.scales.max(axis=1), _PERCENTILES[1]))
+    return 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low)) + around

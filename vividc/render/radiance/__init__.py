@@ -5,7 +5,7 @@ from vividc.render.radiance.kilonerf import KiloNeRF
 from vividc.render.radiance.layers import Layer, linear
 from vividc.render.radiance.occupancy import March, pixel_rays
 from vividc.render.radiance.tensorf import TensoRF
-from vividc.render.radiance.volume import MarchCounts, RadianceField, render_field
+from vividc.render.radiance.volume import MarchCounts, RadianceField, render_field, render_rays
 
 __all__ = [
     "InstantNGP",
@@ -18,4 +18,5 @@ __all__ = [
     "linear",
     "pixel_rays",
     "render_field",
+    "render_rays",
 ]

@@ -134,11 +134,12 @@ def box_span(
 ) -> tuple[Float32Array, Float32Array]:
     """Return where each ray enters and leaves the box (slabs; Kay and Kajiya 1986), [n] each.
 
-    A ray within the plane of a face gives 0/0 there, which bounds nothing.
+    A ray along the plane of a face gives 0/0 there; that bounds nothing, as the other face.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         low = (march.box[0] - origin) / directions
         high = (march.box[1] - origin) / directions
+    low, high = np.where(np.isnan(low), -high, low), np.where(np.isnan(high), -low, high)
     entry: Float32Array = np.fmax.reduce(np.fmin(low, high), axis=1)
     leave: Float32Array = np.fmin.reduce(np.fmax(low, high), axis=1)
     near, far = np.float32(march.near), np.float32(march.far)

@@ -115,7 +115,7 @@ def render_field(
     counts = MarchCounts()
     for first in range(0, pixels, _RAYS_AT_ONCE):
         directions = pixel_rays(camera, first, min(_RAYS_AT_ONCE, pixels - first))
-        part, cost = _render_rays(field, camera.position, directions, lookahead, layer)
+        part, cost = render_rays(field, camera.position, directions, lookahead, layer)
         rgbt[first : first + len(part)] = part
         counts += cost
         if progress is not None:
@@ -123,13 +123,17 @@ def render_field(
     return rgbt.reshape(camera.height, camera.width, 4), counts
 
 
-def _render_rays(
+def render_rays(
     field: RadianceField,
     origin: Float32Array,
     directions: Float32Array,
-    lookahead: bool,
-    layer: Layer,
+    lookahead: bool = True,
+    layer: Layer = linear,
 ) -> tuple[Float32Array, MarchCounts]:
+    """Render rays from `origin` [3] along unit `directions` [n, 3]: r, g, b, T [n, 4], and counts.
+
+    See `render_field`.
+    """
     samples = occupied_samples(field.march, origin, directions)
     count = len(samples.ray)
     if count == 0:

@@ -1,0 +1,131 @@
+"""The quality table: the float32 references of the four methods against held-out photographs.
+
+The photographs are not in the repository: they are looked for beside the checkout, in
+`../shared/scenes`. Without them the scenes of `scenes/mic` are compared with their reference
+renders alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import mean
+
+import numpy as np
+
+from vividc.render import (
+    Camera,
+    Picture,
+    ReferenceOptions,
+    Scene,
+    View,
+    orbit_camera,
+    psnr,
+    read_scene,
+    read_views,
+    render_reference,
+    ssim,
+)
+
+TITLE = "Quality of the float32 references"
+NOTES = (
+    "PSNR and SSIM are of the clipped picture over white; mean (least to greatest) over the views.",
+    "`render` is the independent float64 render that came with the model. Work is of all views:",
+    "of Gaussians, exps that Lookahead Culling II takes, and avoids; of the others, colour",
+    "samples that Lookahead Culling I takes, and avoids. `same`: without lookahead, the first view",
+    "is the same to the last bit.",
+)
+HEADER = (
+    "| scene | method | against | size | views | PSNR dB | SSIM | taken | avoided | same "
+    "| s a view |\n|---|---|---|---|---|---|---|---|---|---|---|"
+)
+_ROOT = Path(__file__).resolve().parents[1]
+_MIC = _ROOT / "scenes" / "mic"
+SHARED = _ROOT.parent / "shared" / "scenes"
+MODELS = {
+    "mic_3dgs_sh3.ply": "ref_gs.npz",
+    "mic_kilonerf.npz": "ref_kilo.npz",
+    "mic_ngp_hash.npz": "ref_ngp.npz",
+    "mic_tensorf_vm.npz": "ref_tf.npz",
+}
+"""Each model of `scenes/mic`, and its reference renders."""
+_TRUTHS = ("mic_200.npz", "mic_400.npz")
+_WITHOUT = ReferenceOptions(lookahead=False)
+_ORBIT = (30.0, 20.0, "-y", 400, 400)
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One view: the picture, and how near it is to what it is compared with."""
+
+    picture: Picture
+    psnr_db: float
+    ssim: float
+
+
+def rows() -> Iterator[str]:
+    """Yield the lines of the table, as they are measured."""
+    for model, renders in MODELS.items():
+        method, scene = read_scene(_MIC / model)
+        yield _row("mic", method, "render", scene, read_views(_MIC / renders))
+        for truth in _TRUTHS:
+            if (SHARED / "mic" / truth).is_file():
+                views = read_views(SHARED / "mic" / truth)
+                yield _row("mic", method, "photographs", scene, views)
+    for file in sorted((SHARED / "playbot").glob("*.npz")):
+        method, scene = read_scene(file)
+        yield _lookahead_row(file.stem, method, scene, orbit_camera(scene, *_ORBIT))
+    if not SHARED.is_dir():
+        yield f"\nNo photographs: `../{SHARED.relative_to(_ROOT.parent)}` is not there."
+
+
+def compare(scene: Scene, views: Sequence[View]) -> Iterator[Compared]:
+    """Render each view and compare it with its picture."""
+    for view in views:
+        truth = view.truth()
+        if truth is None:
+            continue
+        picture = render_reference(scene, view.camera)
+        shown, truth = np.clip(picture.image, 0, 1), np.clip(truth, 0, 1)
+        yield Compared(picture, psnr(shown, truth), ssim(shown, truth))
+
+
+def _row(name: str, method: str, against: str, scene: Scene, views: Sequence[View]) -> str:
+    results = list(compare(scene, views))
+    camera = views[0].camera
+    quality = [result.psnr_db for result in results]
+    cells = (
+        *(name, method, against, f"{camera.width}x{camera.height}", len(results)),
+        f"{mean(quality):.2f} ({min(quality):.2f} to {max(quality):.2f})",
+        f"{mean(result.ssim for result in results):.4f}",
+        *_work([result.picture for result in results]),
+        _same(scene, camera, results[0].picture),
+        f"{mean(result.picture.seconds for result in results):.1f}",
+    )
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _lookahead_row(name: str, method: str, scene: Scene, camera: Camera) -> str:
+    """Return a row of a scene without photographs."""
+    picture = render_reference(scene, camera)
+    cells = (
+        *(name, method, "-", f"{camera.width}x{camera.height}", 1, "-", "-", *_work([picture])),
+        *(_same(scene, camera, picture), f"{picture.seconds:.1f}"),
+    )
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _same(scene: Scene, camera: Camera, picture: Picture) -> str:
+    without = render_reference(scene, camera, _WITHOUT)
+    return "yes" if np.array_equal(without.image, picture.image) else "NO"
+
+
+def _work(pictures: Sequence[Picture]) -> tuple[str, str]:
+    """Return how much was computed, and the share that was avoided."""
+    counts = [picture.counts for picture in pictures]
+    pair = ("exponentials", "evaluated")
+    if pair[0] not in counts[0]:
+        pair = ("colour_samples", "density_samples")
+    taken, all_of_them = (sum(count[name] for count in counts) for name in pair)
+    return f"{taken:,}", f"{1 - taken / all_of_them:.1%}"
