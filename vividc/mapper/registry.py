@@ -6,6 +6,7 @@ from importlib.metadata import entry_points
 from typing import Final, cast
 
 from vividc.errors import VividcError
+from vividc.mapper.ims import ims
 from vividc.mapper.portfolio import auto, cpsat, decoupled
 from vividc.mapper.request import Mapper
 from vividc.mapper.sat_kms import sat_kms
@@ -19,6 +20,7 @@ BUILT_IN: Final[dict[str, Mapper]] = {
     "cpsat": cpsat,
     "decoupled": decoupled,
     "sat-kms": sat_kms,
+    "ims": ims,
     "spr": spr,
 }
 

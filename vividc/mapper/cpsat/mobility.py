@@ -13,7 +13,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 from typing import Final
 
-from ortools.sat.python.cp_model import CpModel, IntVar
+from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr
 
 from vividc.mapper.cpsat.constraints import (
     accesses_fit_banks,
@@ -74,6 +74,7 @@ class MobilityModel:
         for family in _FAMILIES:
             family(model, problem, variables)
         _one_completion(model, problem, variables)
+        _lives_last_one_ii(model, problem, variables)
         output = _outputs(model, problem, variables) if problem.fabric.routing.shared else {}
         for edge in problem.dependences:
             if edge.routed:
@@ -123,6 +124,24 @@ def _one_completion(model: CpModel, problem: Prepared, v: Variables) -> None:
         if node in operations
     )
     at_most(model, grouped(users), 1)
+
+
+def _lives_last_one_ii(model: CpModel, problem: Prepared, v: Variables) -> None:
+    """0 <= start[dst] + II * distance - start[src] - latency <= II: redundant beside C3, but over
+    integers, along which bounds travel.
+    """
+    starts: dict[int, IntVar] = {}
+    for node in problem.nodes:
+        window = problem.windows[node.id]
+        start = model.new_int_var(window.first, window.last, f"time[{node.id}]")
+        keys = [key for key in v.start if key[0] == node.id]
+        literals = [v.start[key] for key in keys]
+        model.add(start == LinearExpr.weighted_sum(literals, [time for _, _, time in keys]))
+        starts[node.id] = start
+    for edge in problem.dependences:
+        if edge.routed:
+            life = starts[edge.dst] + problem.ii * edge.distance - starts[edge.src] - edge.latency
+            model.add_linear_constraint(life, 0, problem.ii)
 
 
 def _outputs(
