@@ -15,7 +15,6 @@ from typing import Final
 from vividc.mapper.attempt import OPEN, Attempt
 from vividc.mapper.cpsat import MobilityModel, Search, fixed, place_and_route
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.mapping import MapResult, Place
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
@@ -36,7 +35,7 @@ def _try_ii(
 ) -> Attempt:
     for stages in _EXTRA_STAGES:
         part = deadline.within(deadline.remaining_s / (len(_EXTRA_STAGES) - stages))
-        model = MobilityModel.of(problem, ii, _hops_of_a_path(problem, ii) + stages * ii, part)
+        model = MobilityModel.of(problem, ii, stages * ii, part)
         if model is None:
             continue
         for number in range(_PLACEMENTS):
@@ -49,18 +48,6 @@ def _try_ii(
                 return attempt
             model.exclude(places)
     return OPEN
-
-
-def _hops_of_a_path(problem: MapProblem, ii: int) -> int:
-    """Cycles by which links lengthen the longest path if it changes PEs at every other operation;
-    0 where a neighbour reads a result without one.
-    """
-    if problem.fabric.routing.shared:
-        return 0
-    nodes = [node.id for node in problem.dfg.placed]
-    steps = [replace(e, separation=1) for e in dependences(problem.dfg, problem.fabric)]
-    depth = earliest_starts(nodes, (e for e in steps if not e.distance), ii) or {}
-    return (max(depth.values(), default=0) + 1) // 2
 
 
 def _route(problem: MapProblem, ii: int, places: dict[int, Place], deadline: Deadline) -> Attempt:

@@ -63,7 +63,7 @@ class MobilityModel:
         is too large for the time there is.
         """
         problem = windowed(task, ii, slack)
-        near = _delays(problem)
+        near = _near(problem)
         at_once = max(len(row) for row in near)
         widest = max((len(w.times) for w in problem.windows.values()), default=1)
         literals = len(problem.starts) * at_once * min(widest, ii)
@@ -99,20 +99,20 @@ class MobilityModel:
         self.model.add_bool_or([~literal for literal in chosen])
 
 
-def _delays(problem: Prepared) -> tuple[dict[int, int], ...]:
-    """By consumer PE: producer PEs within reach, and the cycles after its result that a word takes:
-    0 on the PE itself and from output registers that it reads, 1 over links.
+def _near(problem: Prepared) -> tuple[dict[int, bool], ...]:
+    """By consumer PE: producer PEs whose results it can read in the cycle in which they are ready,
+    itself first, and whether the word can wait, in a register of either, or only while it is the
+    last result of its producer's PE.
     """
     fabric = problem.fabric
-    hops, a_cycle = hop_distances(fabric), hops_a_cycle(fabric)
+    hops, a_cycle = hop_distances(fabric), max(fabric.routing.hops, 0)
     found = []
     for pe in fabric.pes:
-        seen = dict.fromkeys(fabric.outputs_seen_by[pe.id], 0)
-        if fabric.routing.hops:
-            for other in fabric.pes:
-                if cycles_for(hops[other.id][pe.id], a_cycle) == 1:
-                    seen.setdefault(other.id, 1)
-        found.append(seen)
+        near = {pe.id: True} | dict.fromkeys(fabric.outputs_seen_by[pe.id][1:], False)
+        for other in fabric.pes:
+            if cycles_for(hops[other.id][pe.id], a_cycle) == 1:
+                near[other.id] = True
+        found.append(near)
     return tuple(found)
 
 
@@ -180,7 +180,7 @@ def _consumer_near_producer(
     problem: Prepared,
     v: Variables,
     edge: Dependence,
-    near: tuple[dict[int, int], ...],
+    near: tuple[dict[int, bool], ...],
     output: dict[tuple[int, int, int], IntVar],
 ) -> None:
     """C3: x[dst,p,t] => x[src,q,t'] for a PE q near p and a time t' in time for it, at most II
@@ -191,11 +191,11 @@ def _consumer_near_producer(
             continue
         read = time + problem.ii * edge.distance
         ways = []
-        for origin, delay in near[pe].items():
-            if origin != pe and delay == 0:
+        for origin, waits in near[pe].items():
+            if not waits:
                 ways += [output[key] for key in [(edge.src, origin, read)] if key in output]
                 continue
-            for life in range(delay, problem.ii + 1):
+            for life in range(problem.ii + 1):
                 key = (edge.src, origin, read - edge.latency - life)
                 if key in v.start:
                     ways.append(v.start[key])

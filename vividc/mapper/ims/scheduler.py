@@ -15,6 +15,7 @@ from typing import Final
 from vividc.dfg.ir import Edge, Node
 from vividc.mapper.attempt import OPEN, Attempt
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.distances import FAR
 from vividc.mapper.dependences import Dependence, dependences, earliest_starts, longest_tails
 from vividc.mapper.ims.table import ReservationTable
 from vividc.mapper.ims.words import Result, Words
@@ -58,6 +59,7 @@ class _Schedule:
         self.problem, self.ii = problem, ii
         self.graph: MRRG = build_mrrg(problem.fabric)
         self.reach: Ints = reach(self.graph, len(problem.fabric.pes))
+        self.farthest = int(self.reach[self.reach < FAR].max(initial=0))
         self.table = ReservationTable(problem, ii)
         self.words = Words(self.graph, ii)
         nodes = [node.id for node in problem.dfg.placed]
@@ -89,10 +91,12 @@ class _Schedule:
         return None if left else self._mapping()
 
     def _find_place(self, node: Node) -> bool:
-        """The first free slot within II cycles whose operands have ways to it, on the nearest PE."""
+        """The first free slot whose operands have ways to it, on the nearest PE: within II cycles,
+        and those that a word takes across the array.
+        """
         earliest = self._earliest(node.id)
         candidates = self._nearest_first(node)
-        for time in range(earliest, earliest + self.ii):
+        for time in range(earliest, earliest + self.ii + self.farthest):
             for pe in candidates:
                 place = Place(pe, time)
                 if self._is_in_range(place) and self._in_time(node.id, place):

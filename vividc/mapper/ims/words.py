@@ -48,7 +48,7 @@ class Words:
         if time == result.ready and pe == result.pe:
             way: Way | None = ()
         else:
-            way = self._search(result, pe, time) if time > result.ready else None
+            way = self._search(result, pe, time) if time >= result.ready else None
         if way is None:
             return False
         self.ways[edge] = (result.word, way)
@@ -110,10 +110,9 @@ class Words:
     def _search(self, result: Result, pe: int, time: int) -> Way | None:
         """Dijkstra (1959) forward in time; cells of the word's tree cost nothing."""
         tree = self._tree[result.word]
-        starts = [(0, (at, result.ready + 1), None) for at in self.graph.entries[result.pe]]
         heap: list[tuple[int, Cell, Cell | None]] = []
-        for cost, cell, before in starts:
-            self._push(heap, result.word, cost, before, cell)
+        for location in self.graph.entries[result.pe]:
+            self._push(heap, result.word, 0, None, (location, result.ready))
         origin: dict[Cell, Cell | None] = {}
         while heap:
             cost, cell, sender = heapq.heappop(heap)
