@@ -56,9 +56,7 @@ class ModelHandle:
 
     def on_link(self, link: int, word: int | None = None) -> LinearExprT:
         """Slots in which a link carries a word (of one producer, or any)."""
-        return self._sum(
-            self.variables.link, lambda key: key[1] == link and word in (None, key[0])
-        )
+        return self._sum(self.variables.link, lambda key: key[1] == link and word in (None, key[0]))
 
     def held(self, pe: int, slot: int) -> LinearExprT:
         """Words that the registers of a PE hold in a slot."""

@@ -6,7 +6,6 @@ import math
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 from typing import Final
 
 from ortools.sat.python.cp_model import IntVar, LinearExpr, LinearExprT
@@ -86,7 +85,7 @@ def _steps(task: MapProblem, mapping: Mapping) -> set[tuple[int, Step, bool]]:
     """(word, step, whether an FU moved it there) of all words, each once however many read it."""
     found = set()
     for edge, route in mapping.routes.items():
-        for before, step in pairwise([None, *route]):
+        for before, step in zip((None, *route), route, strict=False):
             here = (step.kind, step.pe, step.index)
             stays = before is not None and (before.kind, before.pe, before.index) == here
             by_fu = step.kind == "out" or (
@@ -114,7 +113,9 @@ def _hint(joint: JointModel, problem: Prepared, mapping: Mapping) -> None:
     """Start the solver at the mapping: all starts, and where its words are."""
     v = joint.variables
     for (node, pe, time), literal in v.start.items():
-        joint.model.add_hint(literal, (pe, time) == (mapping.places[node].pe, mapping.places[node].time))
+        joint.model.add_hint(
+            literal, (pe, time) == (mapping.places[node].pe, mapping.places[node].time)
+        )
     edges = problem.task.dfg.edges
     steps = [(edges[i].src, step) for i, route in mapping.routes.items() for step in route]
     links = {(word, step.index, step.time) for word, step in steps if step.kind == "link"}
@@ -133,7 +134,7 @@ def _complete_hint(joint: JointModel, search: Search) -> None:
     known = run(model, search, lambda value: [value(variable) for variable in variables])
     if known.value is None:
         return
-    model.clear_hints()
+    model.clear_hints()  # type: ignore[no-untyped-call]
     for variable, value in zip(variables, known.value, strict=True):
         model.add_hint(variable, value)
 
@@ -162,7 +163,9 @@ def hops(handle: ModelHandle) -> LinearExprT:
 def length(handle: ModelHandle) -> LinearExprT:
     """Cycles from the start of an iteration to its last result."""
     problem = handle.problem
-    latest = max((problem.windows[n.id].last + problem.latency[n.id] for n in problem.nodes), default=0)
+    latest = max(
+        (problem.windows[n.id].last + problem.latency[n.id] for n in problem.nodes), default=0
+    )
     end = handle.model.new_int_var(0, latest, "length")
     for node in problem.nodes:
         handle.model.add(end >= handle.start(node.id) + problem.latency[node.id])

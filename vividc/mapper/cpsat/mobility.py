@@ -31,7 +31,7 @@ from vividc.mapper.cpsat.variables import Variables, new_variables
 from vividc.mapper.cpsat.ways import at_most, grouped
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.dependences import Dependence
-from vividc.mapper.distances import cycles_for, hop_distances, hops_a_cycle
+from vividc.mapper.distances import cycles_for, hop_distances
 from vividc.mapper.mapping import Place
 from vividc.mapper.problem import MapProblem
 
@@ -144,9 +144,7 @@ def _lives_last_one_ii(model: CpModel, problem: Prepared, v: Variables) -> None:
             model.add_linear_constraint(life, 0, problem.ii)
 
 
-def _outputs(
-    model: CpModel, problem: Prepared, v: Variables
-) -> dict[tuple[int, int, int], IntVar]:
+def _outputs(model: CpModel, problem: Prepared, v: Variables) -> dict[tuple[int, int, int], IntVar]:
     """O[v,p,t]: the word of v is still in the output register of p, where it was made; any other
     completion there ends that.
     """

@@ -9,14 +9,17 @@ readers that the result no longer reaches in time are displaced, as violated suc
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping as ReadOnly
 from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import Edge, Node
 from vividc.mapper.attempt import OPEN, Attempt
+from vividc.mapper.bounds import usable_pes
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.distances import FAR
 from vividc.mapper.dependences import Dependence, dependences, earliest_starts, longest_tails
+from vividc.mapper.distances import FAR
 from vividc.mapper.ims.table import ReservationTable
 from vividc.mapper.ims.words import Result, Words
 from vividc.mapper.mapping import Mapping, MapResult, Place
@@ -24,7 +27,6 @@ from vividc.mapper.mrrg import MRRG, Ints, build_mrrg, reach
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.upward import attempt_of, core_for, search_upward
-from vividc.mapper.verify import violations
 
 _BUDGET_RATIO: Final = 6
 """Scheduling steps per operation before the II grows (Rau 1994, section 4.3)."""
@@ -49,19 +51,32 @@ def _try_ii(
         return OPEN  # nothing is random: it would fail again
     request.tell(f"II {ii}: iterative modulo scheduling")
     core = replace(problem, fabric=core_for(problem.fabric, "ims"))
-    return attempt_of(problem, _Schedule(core, ii).run(deadline))
+    less: Counter[int] = Counter()
+    for _ in range(_NAMINGS):
+        schedule = _Schedule(core, ii, less)
+        mapping = schedule.run(deadline)
+        if mapping is not None or not schedule.words.crowded:
+            return attempt_of(problem, mapping)
+        less.update(schedule.words.crowded)
+    return OPEN
+
+
+_NAMINGS: Final = 6
+"""Schedules of an II, each with a register less in the files whose words found no names before:
+slots count words, and arcs on a circle may need one more register than the fullest slot has words.
+"""
 
 
 class _Schedule:
     """One II's partial schedule."""
 
-    def __init__(self, problem: MapProblem, ii: int) -> None:
+    def __init__(self, problem: MapProblem, ii: int, less: ReadOnly[int, int]) -> None:
         self.problem, self.ii = problem, ii
         self.graph: MRRG = build_mrrg(problem.fabric)
         self.reach: Ints = reach(self.graph, len(problem.fabric.pes))
         self.farthest = int(self.reach[self.reach < FAR].max(initial=0))
         self.table = ReservationTable(problem, ii)
-        self.words = Words(self.graph, ii)
+        self.words = Words(self.graph, ii, less)
         nodes = [node.id for node in problem.dfg.placed]
         self.edges: dict[int, list[tuple[int, Edge, Dependence]]] = {node: [] for node in nodes}
         placed = [(i, e) for i, e in enumerate(problem.dfg.edges) if e.src in self.edges]
@@ -201,17 +216,10 @@ class _Schedule:
             ways = (self.reach[at, pe] if comes else self.reach[pe, at] for at, comes in near)
             return int(sum(ways)), used.count(pe), pe
 
-        return sorted(self.problem.candidates(node), key=cost)
+        return sorted(usable_pes(self.problem, node), key=cost)
 
     def _mapping(self) -> Mapping | None:
         routes = self.words.steps()
         if routes is None:
             return None
-        mapping = Mapping(self.ii, dict(self.table.places), routes)
-        task = self.problem
-        broken = violations(
-            task.dfg, task.fabric, mapping, allowed=task.allowed, resident=task.resident
-        )
-        # Only a word that stays longer than II in a file is not fully checked while it is routed:
-        # cutting its stay takes ports that may be in use.
-        return None if broken else mapping
+        return Mapping(self.ii, dict(self.table.places), routes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from vividc.mapper.mapping import Step
@@ -34,10 +34,17 @@ class Words:
     ----------
     ways
         (word, cells) of each routed edge, by edge index.
+    crowded
+        Register files whose words `steps` found no names for, as locations.
     """
 
-    def __init__(self, graph: MRRG, ii: int) -> None:
+    def __init__(self, graph: MRRG, ii: int, less: Mapping[int, int]) -> None:
+        """`less`: registers to leave alone, by location."""
         self.graph, self.ii = graph, ii
+        self.crowded: list[int] = []
+        self._room = [resource.capacity for resource in graph.resources]
+        for location, count in less.items():
+            self._room[int(graph.occupies[location])] -= count
         self.ways: dict[int, tuple[int, Way]] = {}
         self._tree: dict[int, dict[Cell, Cell | None]] = defaultdict(dict)
         self._claimed: dict[int, frozenset[Cell]] = defaultdict(frozenset)
@@ -85,60 +92,85 @@ class Words:
 
     def _claims(self, way: Way) -> Iterator[Cell]:
         """(resource, cycle) of a way, its last read included."""
-        for before, cell in zip((None, *way), way, strict=False):
-            yield from self._move(before, cell)
+        yield from self._moves(way)
         for location, cycle in way[-1:]:
             yield from self._read(location, cycle)
 
-    def _move(self, before: Cell | None, cell: Cell) -> Iterator[Cell]:
+    def _moves(self, way: Way) -> Iterator[Cell]:
+        stay = 0
+        for before, cell in zip((None, *way), way, strict=False):
+            stay = _stay(stay, before, cell)
+            yield from self._move(before, cell, stay)
+
+    def _move(self, before: Cell | None, cell: Cell, stay: int) -> Iterator[Cell]:
+        """Claims of one move; a word that has stayed for II cycles is written to another register:
+        then the next iteration's word wants the place.
+        """
+        location, cycle = cell
         origin = NONE if before is None else before[0]
-        for resource, after in self.graph.claims(origin, cell[0]):
-            yield resource, cell[1] - 1 + after
+        for resource, after in self.graph.claims(origin, location):
+            yield resource, cycle - 1 + after
+        if stay and stay % self.ii == 0:
+            yield int(self.graph.entering[location]), cycle - 1
+            yield from self._read(location, cycle - 1)
 
     def _read(self, location: int, cycle: int) -> Iterator[Cell]:
         port = int(self.graph.leaving[location])
         if port != NONE:
             yield port, cycle
 
-    def _are_free(self, word: int, claims: Iterable[Cell]) -> bool:
+    def _are_free(self, word: int, claims: Iterable[Cell], way: Way = ()) -> bool:
+        """Whether there is room for claims beside all others and those of the way so far: a word
+        that is under way for II cycles meets itself.
+        """
+        own: Counter[Cell] = Counter()
+        if len(way) >= self.ii:
+            new = {claim for claim in self._moves(way) if claim not in self._claimed[word]}
+            own.update((resource, cycle % self.ii) for resource, cycle in new)
         return all(
-            claim in self._claimed[word]
-            or self._uses[claim[0], claim[1] % self.ii] < self.graph.resources[claim[0]].capacity
+            claim in self._claimed[word] or self._uses[spot] + own[spot] < self._room[claim[0]]
             for claim in claims
+            for spot in ((claim[0], claim[1] % self.ii),)
         )
 
     def _search(self, result: Result, pe: int, time: int) -> Way | None:
         """Dijkstra (1959) forward in time; cells of the word's tree cost nothing."""
         tree = self._tree[result.word]
-        heap: list[tuple[int, Cell, Cell | None]] = []
+        heap: list[tuple[int, Cell, Cell]] = []
         for location in self.graph.entries[result.pe]:
-            self._push(heap, result.word, 0, None, (location, result.ready))
+            self._push(heap, result.word, 0, None, (location, result.ready), 0)
         origin: dict[Cell, Cell | None] = {}
+        stays: dict[Cell, int] = {}
         while heap:
             cost, cell, sender = heapq.heappop(heap)
             if cell in origin:
                 continue
             origin[cell] = None if sender == cell else sender
+            stays[cell] = _stay(stays.get(sender, 0), origin[cell], cell)
             location, cycle = cell
             if cycle == time:
-                if pe in self.graph.readers[location] and self._are_free(
-                    result.word, self._read(location, cycle)
-                ):
-                    return _back(origin, cell)
+                way = _back(origin, cell)
+                last = self._read(location, cycle)
+                if pe in self.graph.readers[location] and self._are_free(result.word, last, way):
+                    return way
                 continue
+            way = _back(origin, cell) if cycle - result.ready + 1 >= self.ii else ()
             for onward in self.graph.moves[location]:
                 after = (onward, cycle + 1)
                 if after not in origin and tree.get(after, cell) == cell:
-                    self._push(heap, result.word, cost, cell, after)
+                    stay = _stay(stays[cell], cell, after)
+                    self._push(heap, result.word, cost, cell, after, stay, way)
         return None
 
     def _push(
         self,
-        heap: list[tuple[int, Cell, Cell | None]],
+        heap: list[tuple[int, Cell, Cell]],
         word: int,
         cost: int,
         before: Cell | None,
         cell: Cell,
+        stay: int,
+        way: Way = (),
     ) -> None:
         """Offer a cell, if its claims are free and nothing else drives it for this word."""
         tree = self._tree[word]
@@ -146,10 +178,9 @@ class Words:
             if tree[cell] == before:
                 heapq.heappush(heap, (cost, cell, before or cell))
             return
-        if not self._are_free(word, self._move(before, cell)):
+        if not self._are_free(word, self._move(before, cell, stay), way):
             return
-        stays = before is not None and before[0] == cell[0]
-        heapq.heappush(heap, (cost + (_WAIT if stays else _MOVE), cell, before or cell))
+        heapq.heappush(heap, (cost + (_WAIT if stay else _MOVE), cell, before or cell))
 
     def _register_names(self) -> dict[tuple[int, Cell], int] | None:
         names: dict[tuple[int, Cell], int] = {}
@@ -161,11 +192,12 @@ class Words:
             room = self.graph.resources[int(self.graph.occupies[location])].capacity
             chosen = allocate(here, self.ii, room)
             if chosen is None:
-                return None
+                self.crowded.append(location)
+                continue
             for stay, name in zip(here, chosen, strict=True):
                 for cycle in range(stay.first, stay.last + 1):
                     names[stay.word, (location, cycle)] = name
-        return names
+        return None if self.crowded else names
 
     def _stays(self, word: int, tree: dict[Cell, Cell | None]) -> Iterator[tuple[int, Stay]]:
         """Runs of cycles in one register file, cut after II cycles: then the word of the next
@@ -189,6 +221,11 @@ class Words:
         if location < self.graph.links:
             return Step("link", pe, location, cycle)
         return Step("reg", pe, names[word, cell], cycle)
+
+
+def _stay(stay: int, before: Cell | None, cell: Cell) -> int:
+    """Cycles for which a word has been in the register file of `cell`, 0 on a link."""
+    return stay + 1 if before is not None and before[0] == cell[0] else 0
 
 
 def _back(origin: dict[Cell, Cell | None], cell: Cell) -> Way:
