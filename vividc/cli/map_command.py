@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import get_args
 
@@ -16,7 +17,7 @@ from vividc.cli.files import check_output, write_whole
 from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
-from vividc.mapper import MapResult, map_dfg, mapping_to_json
+from vividc.mapper import OBJECTIVES, MapResult, map_dfg, mapping_to_json
 from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
@@ -27,6 +28,11 @@ SCHEMA = "vividc.map/1"
 @options.fabric
 @options.mapper
 @click.option("--ii", type=click.IntRange(min=1), metavar="N", help="Try this II only.")
+@click.option(
+    "--objective",
+    type=click.Choice(tuple(OBJECTIVES)),
+    help="Minimise this at the II found: registers used, links driven, or the schedule's length.",
+)
 @click.option(
     "--unknown-ops",
     type=click.Choice(get_args(dfg.UnknownOps)),
@@ -50,6 +56,7 @@ def command(
     fabric: str,
     mapper: str,
     ii: int | None,
+    objective: str | None,
     unknown_ops: dfg.UnknownOps,
     time_limit_s: float,
     output: Path | None,
@@ -68,7 +75,9 @@ def command(
     the_dfg = dfg.load(graph, unknown_ops=unknown_ops)
     the_fabric = arch.load_tile(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
-        result = map_dfg(the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report)
+        result = map_dfg(
+            the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report, objective=objective
+        )
     document = mapping_to_json(result, the_dfg, the_fabric)
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
@@ -101,6 +110,7 @@ def _as_object(
             {"name": bound.name, "ii": bound.ii, "reason": bound.reason} for bound in result.bounds
         ],
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
+        "objective": None if result.objective is None else asdict(result.objective),
         "utilization": _utilization(result, graph, fabric),
         "wall_s": result.wall_s,
         "mapping": document["mapping"],
@@ -120,7 +130,7 @@ def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -
     use = None if used is None else percent(used)
     columns = ("operations", "PEs", "II", "lower bound", "status", "use", "seconds", "mapper")
     sizes = (len(graph.operations), len(fabric.pes))
-    row = (*sizes, result.ii, result.lower_bound, result.status, use)
+    row = (*sizes, result.ii, result.lower_bound, result.claim, use)
     timed = (*row, f"{result.wall_s:.1f}", result.mapper)
     print_table(f"{graph.name} on {fabric.name}", columns, [timed])
     click.echo(result.explain())

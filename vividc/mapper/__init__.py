@@ -5,11 +5,13 @@ of it.
 from vividc.mapper.api import check_time_limit, map_dfg
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.certificate import Finding, check_certificate
+from vividc.mapper.cpsat import OBJECTIVES, Extension, ModelHandle
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import (
     Bound,
     Mapping,
     MapResult,
+    Objective,
     Place,
     Refutation,
     Status,
@@ -25,14 +27,18 @@ from vividc.mapper.verify_case import Violation
 
 __all__ = [
     "ENTRY_POINT_GROUP",
+    "OBJECTIVES",
     "Bound",
     "Deadline",
+    "Extension",
     "Finding",
     "MapProblem",
     "MapRequest",
     "MapResult",
     "Mapper",
     "Mapping",
+    "ModelHandle",
+    "Objective",
     "Place",
     "Progress",
     "Refutation",

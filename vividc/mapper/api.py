@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping as ReadOnly
 from dataclasses import replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError, demand_type
+from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import MapResult, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
-from vividc.mapper.registry import find_mapper
+from vividc.mapper.registry import find_mapper, takes_constraints
 from vividc.mapper.request import MapRequest, Progress
 from vividc.mapper.verify import violations
 
 _SHOWN = 5
+_SHARE_BEFORE = 0.6
+"""Share of the time for the II, where something is to be minimised after it."""
+_SHARE_EXTENDED = 0.85
+"""The same where only a caller's constraints may ask for it."""
 
 
 def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
@@ -30,6 +36,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     workers: int = 2,
     progress: Progress | None = None,
     thrifty: bool = False,
+    extend: Extension | None = None,
+    objective: str | None = None,
 ) -> MapResult:
     """Map a loop's DFG onto a fabric with the least II that can be found, and say what was proved
     about it.
@@ -39,7 +47,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     dfg, fabric
         What to map onto what. The DFG is taken to be well-formed (`vividc.dfg.check`).
     mapper
-        "auto", "cpsat" (joint model only), "decoupled", or a registered one.
+        "auto", "cpsat" (joint model only), "decoupled", "sat-kms", "ims", "spr", or a registered
+        one.
     ii
         The only II to try. None: the least.
     time_limit_s
@@ -55,17 +64,23 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     thrifty
         Do not use the whole limit on a large graph when its II is within 1 of the bound and nothing
         better has been found for a while.
+    extend
+        Called with a `ModelHandle` for each model that is built; adds constraints, and may ask for
+        something to be minimised. Only for mappers that solve the joint model.
+    objective
+        What to minimise at the II, with what is left of the time: "registers", "hops" or "length".
 
     Returns
     -------
     MapResult
-        "optimal" only if every smaller II was refuted; "infeasible" only if no II (or not the given
+        "optimal" (within the added constraints, if there are any) only if every smaller II was refuted; "infeasible" only if no II (or not the given
         one) works. Every mapping in it has passed `verify`.
 
     Raises
     ------
     VividcError
-        Unknown mapper, or an II, time limit or worker count that makes no sense.
+        Unknown mapper or objective, or an II, time limit or worker count that makes no sense, or
+        constraints for a mapper that takes none.
     InternalError
         The mapper returned an illegal mapping.
     """
@@ -73,11 +88,48 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
     _check(ii, time_limit_s, workers)
     run = find_mapper(mapper)
+    _check_door(mapper, extend, objective)
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
-    request = MapRequest(ii, Deadline.after(time_limit_s), workers, progress, thrifty)
+    deadline = Deadline.after(time_limit_s)
+    share = 1.0 if extend is None else _SHARE_EXTENDED
+    first = deadline.within(time_limit_s * (share if objective is None else _SHARE_BEFORE))
+    request = MapRequest(ii, first, workers, progress, thrifty, extend)
+    began = time.monotonic()
     result = run(problem, request)
+    if result.mapping is not None and (extend is not None or objective is not None):
+        _confirm(problem, result)
+        result = _minimised(problem, result, objective, replace(request, deadline=deadline))
+        result = replace(result, wall_s=time.monotonic() - began)
     _confirm(problem, result)
     return _about(result, Subject(dfg, fabric))
+
+
+def _minimised(
+    problem: MapProblem, result: MapResult, objective: str | None, request: MapRequest
+) -> MapResult:
+    if result.mapping is None:
+        return result
+    request.tell(f"II {result.ii}: minimising {objective or 'what was added'}")
+    search = Search(request.deadline, request.workers)
+    mapping, found = minimise(problem, result.mapping, objective, request.extend, search)
+    return replace(result, mapping=mapping, objective=found)
+
+
+def _check_door(mapper: str, extend: Extension | None, objective: str | None) -> None:
+    if objective is not None and objective not in OBJECTIVES:
+        known = ", ".join(OBJECTIVES)
+        raise VividcError(
+            f"unknown objective {objective!r}", loc="objective", hint=f"choose one of: {known}"
+        )
+    if extend is None:
+        return
+    if not callable(extend):
+        raise VividcError(
+            "extend is not callable", loc="extend", hint="pass a function of a ModelHandle"
+        )
+    if not takes_constraints(mapper):
+        hint = "use one that solves the joint model: auto, cpsat or decoupled"
+        raise VividcError(f"mapper {mapper!r} takes no constraints", loc="extend", hint=hint)
 
 
 def check_time_limit(time_limit_s: float) -> None:

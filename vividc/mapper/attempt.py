@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.mapper.cpsat import (
+    Extension,
     Prepared,
     ScheduleOptions,
     Search,
@@ -94,7 +95,7 @@ def map_decoupled(
         turn = min(seed // len(_KINDS), _MOST_DOUBLINGS)
         share = deadline.within(budget_s * 2**turn)
         search = Search(share, 1, seed, light=True)
-        attempt = _joint(fixed(task, ii, start, slack), search)
+        attempt = _joint(fixed(task, ii, start, slack), search, request.extend)
         if attempt.mapping is not None:
             return attempt
     return OPEN
@@ -142,6 +143,8 @@ def refute_by_folding(
 def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
     """Time, place and route in one model, with windows that grow until they are complete."""
     complete = complete_slack(task, ii)
+    if request.extend is not None:  # what is added may ask for longer schedules: all of them
+        complete = ii * task.fabric.controller.max_stages
     slack = min(max(ii // 2, 1), complete)
     while not deadline.passed:
         problem = windowed(task, ii, slack)
@@ -150,7 +153,8 @@ def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadli
         request.tell(f"II {ii}: joint model with slack {slack}, {problem.size} Booleans")
         last = slack >= complete
         share = deadline if last else deadline.within(deadline.remaining_s / 2)
-        attempt = _joint(problem, Search(share, request.workers, light=not last))
+        search = Search(share, request.workers, light=not last)
+        attempt = _joint(problem, search, request.extend)
         if attempt.mapping is not None or last:
             return attempt
         slack = min(2 * slack, complete)
@@ -174,15 +178,16 @@ def _options(ii: int, seed: int) -> ScheduleOptions:
     return ScheduleOptions(easy_life, slack, turn, spread=turn % 2 == 0)
 
 
-def _joint(problem: Prepared, search: Search) -> Attempt:
+def _joint(problem: Prepared, search: Search, extend: Extension | None) -> Attempt:
     """ "Refuted" is passed on for all windows alike; only complete ones may use it."""
     if not _buildable(problem, search.deadline):
         return OPEN
-    outcome = place_and_route(problem, search)
+    outcome = place_and_route(problem, search, extend=extend)
     if outcome.value is not None:
         return Attempt(mapping=outcome.value)
     if outcome.verdict == "refuted":
-        return Attempt(refuted_by="the complete model of time, place and route")
+        added = "" if extend is None else " with the added constraints"
+        return Attempt(refuted_by=f"the complete model of time, place and route{added}")
     return OPEN
 
 

@@ -30,6 +30,8 @@ _SCHEDULE_ONLY: Final = "modulo scheduling"
 def explain(result: MapResult) -> str:
     """A few lines for a person: the outcome, what binds it, all bounds, and what was refuted."""
     lines = [_headline(result), *(f"  {line}" for line in _binding(result))]
+    if result.objective is not None:
+        lines.append(f"  minimised: {result.objective}")
     lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in result.bounds]
     lines += [f"  II {item.ii} refuted by {item.by}" for item in result.refuted]
     return "\n".join(lines)
@@ -42,7 +44,7 @@ def _headline(result: MapResult) -> str:
     )
     if result.status == "timeout":
         what += f", proved lower bound {result.lower_bound}"
-    return f"{result.status}: {what}"
+    return f"{result.claim}: {what}"
 
 
 def _binding(result: MapResult) -> Iterator[str]:

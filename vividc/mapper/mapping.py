@@ -129,6 +129,36 @@ class Refutation:
     by: str
 
 
+@dataclass(frozen=True, slots=True)
+class Objective:
+    """What was minimised at the II, after the II itself.
+
+    Attributes
+    ----------
+    value, before
+        Of the mapping returned, and of the first one found at the II; None: not known.
+    bound
+        No mapping at this II in which nothing issues after cycle `last_issue` has less; None:
+        nothing was proved.
+    """
+
+    name: str
+    value: int | None
+    before: int | None
+    bound: int | None
+    last_issue: int
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return f"{self.name}: not tried, the model is too large or the time was over"
+        proved = "no bound proved"
+        if self.bound is not None:
+            least = "the least" if self.bound >= self.value else f"at least {self.bound}"
+            proved = f"{least} among schedules that issue nothing after cycle {self.last_issue}"
+        first = "" if self.before is None else f" (first found: {self.before})"
+        return f"{self.name} {self.value}{first}, {proved}"
+
+
 @dataclass(frozen=True)
 class MapResult:
     """The outcome of `map_dfg`.
@@ -145,6 +175,11 @@ class MapResult:
         The refutations behind `lower_bound`.
     wall_s
         Seconds spent.
+    constrained
+        The caller added constraints: "optimal" and "infeasible" hold within them. Bounds are
+        those of the problem without them, and so hold as well.
+    objective
+        What was minimised at the II, if anything.
     """
 
     status: Status
@@ -157,6 +192,14 @@ class MapResult:
     refuted: tuple[Refutation, ...] = ()
     stats: ReadOnly[str, float] = field(default_factory=dict)
     subject: Subject | None = field(default=None, compare=False, repr=False)
+    constrained: bool = False
+    objective: Objective | None = None
+
+    @property
+    def claim(self) -> str:
+        """The status, with the words "within the added constraints" where that limits it."""
+        limited = self.constrained and self.status in ("optimal", "infeasible")
+        return f"{self.status} within the added constraints" if limited else self.status
 
     def explain(self) -> str:
         """What was proved and what binds, in a few lines for a person: the recurrence with its

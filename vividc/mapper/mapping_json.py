@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import platform
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final, TypeVar, cast, get_args
 
@@ -22,6 +23,7 @@ from vividc.mapper.mapping import (
     Bound,
     Mapping,
     MapResult,
+    Objective,
     Place,
     Refutation,
     Status,
@@ -47,6 +49,8 @@ def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, An
         "bounds": [_bound_object(bound, Subject(dfg, fabric)) for bound in result.bounds],
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
         "stats": dict(result.stats),
+        "constrained": result.constrained,
+        "objective": None if result.objective is None else asdict(result.objective),
         "mapping": None if result.mapping is None else _mapping_object(result.mapping, dfg),
         "versions": _versions(),
         "graph": dfg_to_json(dfg),
@@ -85,6 +89,8 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
         refuted=tuple(_each(top, "refuted", _refutation)),
         stats=_stats(top),
         subject=subject,
+        constrained=bool(top.get("constrained", False)),
+        objective=_objective(top),
     )
 
 
@@ -108,6 +114,18 @@ def read_result(data: object, file: str = "mapping file") -> MapResult:
         raise _fault("fabric_yaml", "empty: the fabric was not made from YAML")
     fabric = load_text(source, _get(top, "fabric", str))
     return mapping_from_json(data, dfg, fabric)
+
+
+def _objective(top: dict[str, Any]) -> Objective | None:
+    if top.get("objective") is None:
+        return None
+    found = _object(top["objective"], "objective")
+    value, before, bound = (
+        None if found.get(key) is None else _get(found, key, int)
+        for key in ("value", "before", "bound")
+    )
+    last_issue = _get(found, "last_issue", int)
+    return Objective(_get(found, "name", str), value, before, bound, last_issue)
 
 
 def _versions() -> dict[str, str]:

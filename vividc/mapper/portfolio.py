@@ -60,24 +60,25 @@ def ii_limit(problem: MapProblem) -> int:
 def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strategy) -> MapResult:
     began = time.monotonic()
     bounds = all_bounds(problem)
-    if is_large(problem) and mii(bounds) < no_ii(problem):
+    large = is_large(problem) and request.extend is None  # negotiation adds no constraints
+    if large and mii(bounds) < no_ii(problem):
         request = prepared(request)
     campaign = Campaign(problem, request, strategy, mii(bounds))
     if campaign.lower >= no_ii(problem):
-        return _result(campaign, bounds, name, began, infeasible=True)
+        return result_of(campaign, bounds, name, began, infeasible=True)
     if request.ii is not None:
         impossible = _only(campaign, request.ii)
-        return _result(campaign, bounds, name, began, infeasible=impossible)
+        return result_of(campaign, bounds, name, began, infeasible=impossible)
     jointly = strategy is _try_jointly
-    if is_large(problem):
+    if large:
         search_large(campaign, ii_limit(problem), only_footholds=jointly)
-    elif needs_foothold(problem) and not jointly:
+    elif needs_foothold(problem) and not jointly and request.extend is None:
         gain_foothold(campaign, ii_limit(problem))
-    if campaign.best is None or jointly or not is_large(problem):
+    if campaign.best is None or jointly or not large:
         _climb(campaign)
         _descend(campaign)
     exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
-    return _result(campaign, bounds, name, began, infeasible=exhausted)
+    return result_of(campaign, bounds, name, began, infeasible=exhausted)
 
 
 def _only(campaign: Campaign, ii: int) -> bool:
@@ -90,7 +91,8 @@ def _only(campaign: Campaign, ii: int) -> bool:
     if ii < campaign.lower:
         campaign.refuted[ii] = f"the lower bound {campaign.lower}"
         return True
-    if is_large(campaign.problem) and campaign.strategy is not _try_jointly:
+    by_solver = campaign.strategy is _try_jointly or request.extend is not None
+    if is_large(campaign.problem) and not by_solver:
         try_only(campaign, ii)
     while campaign.best is None and not request.deadline.passed:
         before = request.deadline.remaining_s
@@ -190,9 +192,10 @@ def _part(deadline: Deadline, share: float) -> Deadline:
     return deadline.within(deadline.remaining_s * share)
 
 
-def _result(
+def result_of(
     campaign: Campaign, bounds: tuple[Bound, ...], name: str, began: float, *, infeasible: bool
 ) -> MapResult:
+    """What a finished search has to say."""
     best = campaign.best
     refuted = [Refutation(ii, by) for ii, by in sorted(campaign.refuted.items())]
     return MapResult(
@@ -205,6 +208,7 @@ def _result(
         wall_s=time.monotonic() - began,
         refuted=tuple(item for item in refuted if best is None or item.ii < best.ii),
         stats={"tries": float(sum(campaign.tries.values()))},
+        constrained=campaign.request.extend is not None,
     )
 
 

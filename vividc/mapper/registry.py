@@ -6,8 +6,11 @@ from importlib.metadata import entry_points
 from typing import Final, cast
 
 from vividc.errors import VividcError
+from vividc.mapper.ims import ims
 from vividc.mapper.portfolio import auto, cpsat, decoupled
 from vividc.mapper.request import Mapper
+from vividc.mapper.sat_kms import sat_kms
+from vividc.mapper.spr import spr
 from vividc.mapper.windows import with_windows
 
 ENTRY_POINT_GROUP: Final = "vividc.mappers"
@@ -16,7 +19,20 @@ BUILT_IN: Final[dict[str, Mapper]] = {
     "auto": with_windows(auto),
     "cpsat": cpsat,
     "decoupled": decoupled,
+    "sat-kms": sat_kms,
+    "ims": ims,
+    "spr": spr,
 }
+
+
+EXTENSIBLE: Final = frozenset({"auto", "cpsat", "decoupled"})
+
+
+def takes_constraints(name: str) -> bool:
+    """Whether a mapper applies what a caller adds to the model (`MapRequest.extend`). A guest says
+    so by an attribute `takes_constraints = True` of its function.
+    """
+    return name in EXTENSIBLE or bool(getattr(find_mapper(name), "takes_constraints", False))
 
 
 def mapper_names() -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from vividc.mapper.cpsat.handle import Extension
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import MapResult
 from vividc.mapper.problem import MapProblem
@@ -28,6 +29,8 @@ class MapRequest:
         Called with one line at each step; None: silent.
     thrifty
         Stop before the deadline where more time is unlikely to help (`mapper/large.py`).
+    extend
+        Adds a caller's constraints to every model whose solution becomes a mapping.
     """
 
     ii: int | None
@@ -35,6 +38,7 @@ class MapRequest:
     workers: int = 2
     progress: Progress | None = None
     thrifty: bool = False
+    extend: Extension | None = None
 
     def tell(self, line: str) -> None:
         """Report progress."""

@@ -103,7 +103,7 @@ def with_windows(mapper: Mapper) -> Mapper:
 
 def _bound_if_worthwhile(problem: MapProblem, request: MapRequest) -> int | None:
     """The array's bound; None where windows do not apply."""
-    fixed = problem.allowed or problem.resident
+    fixed = problem.allowed or problem.resident or request.extend is not None
     if len(problem.fabric.pes) <= _WORTH_WINDOWS or fixed or request.ii is not None:
         return None
     bound = mii(all_bounds(problem))

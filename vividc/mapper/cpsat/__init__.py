@@ -1,6 +1,9 @@
 """The CP-SAT models: the only place that imports ortools."""
 
 from vividc.mapper.cpsat.constraints import CONSTRAINT_FAMILIES
+from vividc.mapper.cpsat.handle import Extension, ModelHandle
+from vividc.mapper.cpsat.minimise import OBJECTIVES, measure, minimise
+from vividc.mapper.cpsat.mobility import MobilityModel
 from vividc.mapper.cpsat.problem import (
     Prepared,
     Window,
@@ -15,7 +18,11 @@ from vividc.mapper.cpsat.solve import JointModel, build, place_and_route, refute
 
 __all__ = [
     "CONSTRAINT_FAMILIES",
+    "OBJECTIVES",
+    "Extension",
     "JointModel",
+    "MobilityModel",
+    "ModelHandle",
     "Outcome",
     "Prepared",
     "ScheduleOptions",
@@ -25,6 +32,8 @@ __all__ = [
     "complete_slack",
     "fixed",
     "folded",
+    "measure",
+    "minimise",
     "place_and_route",
     "refute_folded",
     "refute_schedule",

@@ -30,21 +30,28 @@ class Search:
     """Resources of one solver run.
 
     `light` leaves out probing, symmetry detection and the LP: finding a placement needs none of
-    them, and they took up to two thirds of its time; proofs profit from all three.
+    them, and they took up to two thirds of its time; proofs profit from all three. `as_hinted`
+    fixes every variable that has a hint to it.
     """
 
     deadline: Deadline
     workers: int = 2
     seed: int = 0
     light: bool = False
+    as_hinted: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome(Generic[T]):
-    """ "found" with a value; "refuted": the model has no solution; "unknown": time ran out."""
+    """ "found" with a value; "refuted": the model has no solution; "unknown": time ran out.
+
+    `objective`: of the value, where the model has one; no solution has less than `bound`.
+    """
 
     verdict: Verdict
     value: T | None = None
+    objective: float = 0.0
+    bound: float = 0.0
 
 
 def run(
@@ -58,13 +65,15 @@ def run(
     solver.parameters.random_seed = search.seed
     solver.parameters.max_time_in_seconds = search.deadline.remaining_s
     solver.parameters.catch_sigint_signal = False
+    solver.parameters.fix_variables_to_their_hinted_value = search.as_hinted
     if search.light:
         solver.parameters.cp_model_probing_level = 0
         solver.parameters.symmetry_level = 0
         solver.parameters.linearization_level = 0
     status = _solve(solver, model)
     if status in (OPTIMAL, FEASIBLE):
-        return Outcome("found", read(solver.value))
+        value = read(solver.value)
+        return Outcome("found", value, solver.objective_value, solver.best_objective_bound)
     if status == INFEASIBLE:
         return Outcome("refuted")
     if status == MODEL_INVALID:

@@ -9,6 +9,7 @@ from ortools.sat.python.cp_model import CpModel, LiteralT
 
 from vividc.mapper.cpsat.constraints import add_constraints
 from vividc.mapper.cpsat.extract import Extracted, RegisterConflict, extract
+from vividc.mapper.cpsat.handle import Extension, ModelHandle
 from vividc.mapper.cpsat.problem import Prepared
 from vividc.mapper.cpsat.run import Outcome, Search, run
 from vividc.mapper.cpsat.variables import Variables, new_variables
@@ -34,9 +35,13 @@ def build(problem: Prepared, dropped: Collection[str] = ()) -> JointModel:
 
 
 def place_and_route(
-    problem: Prepared, search: Search, dropped: Collection[str] = ()
+    problem: Prepared,
+    search: Search,
+    dropped: Collection[str] = (),
+    extend: Extension | None = None,
 ) -> Outcome[ModuloMapping]:
-    """A mapping within the problem's windows. "refuted": these windows hold none.
+    """A mapping within the problem's windows. "refuted": these windows hold none (that satisfies
+    what `extend` adds).
 
     The model counts the words of a register file per slot. When the stays of a solution fit no
     allocation, that combination is excluded and the model solved again: held cycles that are a
@@ -45,6 +50,13 @@ def place_and_route(
     if problem.cyclic:
         raise ValueError("the cyclic problem has no mappings: use refute_folded")
     joint = build(problem, dropped)
+    if extend is not None:
+        extend(ModelHandle(joint.model, problem, joint.variables, []))
+    return solved(problem, joint, search)
+
+
+def solved(problem: Prepared, joint: JointModel, search: Search) -> Outcome[ModuloMapping]:
+    """Solve a model until the registers of its solution have names."""
     while True:
         outcome = run(
             joint.model,
@@ -54,7 +66,8 @@ def place_and_route(
         if outcome.value is None:
             return Outcome(outcome.verdict)
         if outcome.value.mapping is not None:
-            return Outcome("found", outcome.value.mapping)
+            found = outcome.value.mapping
+            return Outcome("found", found, outcome.objective, outcome.bound)
         _exclude(joint, outcome.value)
 
 

@@ -49,8 +49,15 @@ class Variables:
     hop: Mapping[tuple[int, int, int, int], IntVar]
 
 
-def new_variables(model: CpModel, problem: Prepared) -> Variables:
-    """Create every variable, in a deterministic order."""
+def new_variables(model: CpModel, problem: Prepared, *, routes: bool = True) -> Variables:
+    """Create every variable, in a deterministic order; without `routes` those of time and place
+    only.
+    """
+    if not routes:
+        names = {key: f"start[{key[0]},{key[1]},{key[2]}]" for key in problem.starts}
+        start = {key: model.new_bool_var(name) for key, name in names.items()}
+        constants, stages = _constants(model, problem), _stages(model, problem)
+        return Variables(start, {}, {}, {}, {}, constants, stages, {}, {}, {})
 
     def booleans(name: str, keys: tuple[NodeAt, ...]) -> dict[NodeAt, IntVar]:
         return {key: model.new_bool_var(f"{name}[{key[0]},{key[1]},{key[2]}]") for key in keys}
