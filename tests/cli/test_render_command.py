@@ -87,6 +87,13 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
             (MIC / "mic_kilonerf.npz", "--views", MIC / "ref_kilo.npz", "--size", "8x9"),
             "another aspect ratio",
         ),
+        ((MIC / "mic_kilonerf.npz", "--blend", "a.vivid"), "only the array blends with it"),
+        ((MIC / "mic_kilonerf.npz", "--engine", "array"), "renders 3DGS scenes only"),
+        ((MIC / "mic_3dgs_sh3.ply", "--engine", "array"), "no --blend program is given"),
+        (
+            (MIC / "mic_3dgs_sh3.ply", "--engine", "array", "--blend", "absent.vivid"),
+            "absent.vivid",
+        ),
         ((MIC / "mic_kilonerf.npz", "--size", "8"), "8 is not a size like 800x800"),
         ((MIC / "mic_kilonerf.npz", "--size", "0x8"), "sides are 1 to 8192 pixels"),
         ((MIC / "mic_kilonerf.npz", "--elevation", "90"), "no camera at azimuth"),

@@ -13,17 +13,21 @@ import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 
+import vividc
 from vividc.cli import options
 from vividc.cli.files import check_output
 from vividc.cli.report import print_json, print_table
 from vividc.render import (
     METHODS,
+    ArrayPicture,
     Camera,
+    Gaussians,
     Picture,
     ReferenceOptions,
     Scene,
     SceneError,
     View,
+    blend_on_array,
     orbit_camera,
     psnr,
     read_scene,
@@ -36,10 +40,15 @@ from vividc.render.arrays import Float32Array
 from vividc.render.blend_reference import BlendOptions
 
 SCHEMA: Final = "vividc.render/1"
-ENGINES: Final = ("reference",)
+REFERENCE: Final = "reference"
+ARRAY: Final = "array"
 _DEFAULT_SIZE: Final = (800, 800)
 MIN_SSIM_PX: Final = 11
 _LARGEST_PX: Final = 8192
+_ARRAY_HINT: Final = (
+    "`vividc compile kernels/gs_blend.py --fabric vivid-tile -o gs_blend.vivid`, then "
+    "`vividc render --engine array --blend gs_blend.vivid`"
+)
 
 
 def _size(
@@ -105,7 +114,25 @@ def _size(
     help="3DGS: keep exponents down to ln(1 / (255 opacity)) - M.",
 )
 @click.option(
-    "--engine", type=click.Choice(ENGINES), default=ENGINES[0], show_default=True, help="Renderer."
+    "--engine",
+    type=click.Choice([REFERENCE, ARRAY]),
+    default=REFERENCE,
+    show_default=True,
+    help="Float32 on the host, or (3DGS) blending by the array, compared with the former.",
+)
+@click.option(
+    "--blend",
+    "program",
+    type=options.FILE,
+    metavar="P.vivid",
+    help="For --engine array: kernels/gs_blend.py, compiled for the array's tile.",
+)
+@click.option(
+    "--fabric",
+    default="vivid",
+    show_default=True,
+    metavar="F",
+    help="For --engine array: name of an accelerator, or a YAML file.",
 )
 @click.option("-o", "--output", type=options.FILE, metavar="P.png", help="Write the picture.")
 @options.as_json
@@ -121,12 +148,15 @@ def command(
     lookahead: str,
     exponent_margin: float,
     engine: str,
+    program: Path | None,
+    fabric: str,
     output: Path | None,
     as_json: bool,
 ) -> None:
     """Render SCENE (3DGS .ply; npz of KiloNeRF, Instant-NGP, TensoRF) and compare with the truth.
 
-    The reference engine computes in float32 on the host.
+    The reference engine computes in float32 on the host. With the array, the host projects and
+    sorts, and the simulated tiles blend every pixel.
     """
     if output is not None:
         check_output(output, "-o")
@@ -134,14 +164,19 @@ def command(
         raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
     view = _view(views_file, view_index)
     found, model = read_scene(scene, method)
+    blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
     with _bar(f"rendering {camera.width}x{camera.height}") as progress:
         picture = render_reference(model, camera, switches, progress)
+    image, on_array = picture.image, None
+    if blend is not None:
+        blended = blend_on_array(*blend, camera, fabric)
+        image, on_array = blended.image, _array_body(blended, picture.image)
     if output is not None:
-        write_png(output, picture.image)
+        write_png(output, image)
     truth = None if view is None else view.truth_at(camera.width, camera.height)
-    body = _body(picture, camera, truth)
+    body = _body(picture, image, truth) | {"array": on_array}
     body = {"scene": str(scene), "method": found, "engine": engine, "lookahead": lookahead} | body
     if as_json:
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
@@ -174,12 +209,38 @@ def _camera(
     return view.camera if size is None else view.camera_at(*size)
 
 
-def _body(picture: Picture, camera: Camera, truth: Float32Array | None) -> dict[str, object]:
-    shown = np.clip(picture.image, 0, 1)
+def _blending(
+    engine: str, program: Path | None, scene: Scene
+) -> tuple[vividc.Program, Gaussians] | None:
+    """Return what the array is given, or None if it is not asked for."""
+    if engine == REFERENCE:
+        if program is not None:
+            raise SceneError("only the array blends with it", loc="--blend", hint=_ARRAY_HINT)
+        return None
+    if not isinstance(scene, Gaussians):
+        raise SceneError("the array renders 3DGS scenes only", loc="--engine array")
+    if program is None:
+        raise SceneError("no --blend program is given", loc="--engine array", hint=_ARRAY_HINT)
+    return vividc.load(program), scene
+
+
+def _array_body(blended: ArrayPicture, reference: Float32Array) -> dict[str, object]:
+    return {
+        "psnr_reference_db": psnr(blended.image, reference),
+        "host_stages": ["projection", "binning and sorting"],
+        "blending_cycles": blended.cycles,
+        "blending_ms": blended.milliseconds,
+        "launches": blended.launches,
+        "stats": blended.stats,
+    }
+
+
+def _body(picture: Picture, image: Float32Array, truth: Float32Array | None) -> dict[str, object]:
+    shown = np.clip(image, 0, 1)
     structure = truth is not None and min(truth.shape[:2]) >= MIN_SSIM_PX
     return {
-        "width": camera.width,
-        "height": camera.height,
+        "width": image.shape[1],
+        "height": image.shape[0],
         "psnr_truth_db": None if truth is None else psnr(shown, truth),
         "ssim_truth": ssim(shown, truth) if structure and truth is not None else None,
         "counts": picture.counts,
@@ -198,8 +259,20 @@ def _print(body: dict[str, object], view: str | None, output: Path | None) -> No
     counts = body["counts"]
     if isinstance(counts, dict):
         rows += [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
-    rows += [("seconds", body["seconds"]), ("written", output)]
+    rows += [*_array_rows(body["array"]), ("seconds", body["seconds"]), ("written", output)]
     print_table(str(body["scene"]), ("", "value"), rows, numeric="value")
+
+
+def _array_rows(array: object) -> list[tuple[str, object]]:
+    if not isinstance(array, dict):
+        return []
+    return [
+        ("PSNR of the array's against the reference", _decibel(array["psnr_reference_db"])),
+        ("done by the host", ", ".join(array["host_stages"])),
+        ("launches of the blend", f"{array['launches']:,}"),
+        ("cycles of the blend", f"{array['blending_cycles']:,}"),
+        ("milliseconds of the blend", f"{array['blending_ms']:.3f}"),
+    ]
 
 
 def _decibel(value: object) -> str | None:

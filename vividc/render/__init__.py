@@ -1,5 +1,6 @@
 """Scenes, cameras and float32 reference renderers: what the rendering kernels must equal."""
 
+from vividc.render.array_blend import ArrayPicture, blend_on_array
 from vividc.render.blend_reference import (
     Blended,
     BlendOptions,
@@ -8,7 +9,7 @@ from vividc.render.blend_reference import (
     over_background,
 )
 from vividc.render.block_cull import seen_in
-from vividc.render.blocks import SPM_WORDS, BlendLaunch, assemble, cut_launches
+from vividc.render.blocks import SPM_WORDS, BlendLaunch, assemble, cut_launches, cut_small_launches
 from vividc.render.camera import Camera, load_cameras, load_reference_images, scaled_camera
 from vividc.render.crop import TILE_PX, Crop
 from vividc.render.errors import SceneError
@@ -25,6 +26,7 @@ __all__ = [
     "METHODS",
     "SPM_WORDS",
     "TILE_PX",
+    "ArrayPicture",
     "BlendLaunch",
     "BlendOptions",
     "Blended",
@@ -43,7 +45,9 @@ __all__ = [
     "bin_and_sort",
     "blend_block",
     "blend_image",
+    "blend_on_array",
     "cut_launches",
+    "cut_small_launches",
     "load_cameras",
     "load_reference_images",
     "orbit_camera",

@@ -19,7 +19,7 @@ from vividc.render.camera import Camera
 from vividc.render.crop import Crop
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
-from vividc.render.splat import tile_lists
+from vividc.render.splat import TileLists, tile_lists
 
 PARAMETERS = (
     *("mean_x", "mean_y", "conic_a", "conic_b", "conic_c", "opacity", "red", "green", "blue"),
@@ -27,8 +27,9 @@ PARAMETERS = (
 )
 """Of the blending kernel, as in `kernels/gs_blend.py`."""
 _WORD = 4
-_PLACES = 2
-"""Launches that lie in a scratchpad at once: one runs while the next is moved in."""
+_CYCLES_A_MS_AT_1_GHZ = 1e6
+_PLACES = (2, 1)
+"""Launches that lie in a scratchpad at once, at best: one runs while the next is moved in."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,6 +42,8 @@ class ArrayPicture:
         [height, width, 3] float32 over white, not clipped.
     cycles
         Of the whole job, with transfers and configuration.
+    milliseconds
+        They take at the tiles' clock.
     launches
         Blocks that were blended; those in which no splat can be seen are left white.
     stats
@@ -49,6 +52,7 @@ class ArrayPicture:
 
     image: Float32Array
     cycles: int
+    milliseconds: float
     launches: int
     stats: JobStats
 
@@ -69,7 +73,7 @@ def blend_on_array(
     ArgumentError
         The program was not compiled for the accelerator's tile.
     """
-    names = tuple(parameter.name for parameter in program.parameters)
+    names = tuple(parameter.name for parameter in program.params)
     if names != PARAMETERS:
         raise SceneError(
             f"`{program.name}` is no blending kernel: its parameters are {', '.join(names)}",
@@ -77,18 +81,34 @@ def blend_on_array(
         )
     crop = Crop(0, 0, camera.width, camera.height)
     job = Job(accelerator)
-    place_bytes = job.accelerator.tile.spm.size_bytes // _PLACES
-    launches = cut_small_launches(tile_lists(scene, camera), crop, place_bytes // _WORD)
+    size_bytes = job.accelerator.fabric.scratchpad.size_bytes
+    places, launches = _cut(tile_lists(scene, camera), crop, size_bytes // _WORD)
     outputs = [_white(launch) for launch in launches]
     busy = [i for i, launch in enumerate(launches) if len(launch.splats)]
-    for tile, share in enumerate(_shares(launches, busy, job.accelerator.tile_count)):
-        _add_tile(job, tile, program, [(launches[i], outputs[i]) for i in share], place_bytes)
-    if not busy:
-        raise SceneError("no Gaussian is seen: the array has nothing to blend")
+    for tile, share in enumerate(_shares(launches, busy, len(job.accelerator.tiles))):
+        _add_tile(job, tile, program, [(launches[i], outputs[i]) for i in share], places)
     result = job.simulate(engine=engine)
     return ArrayPicture(
-        assemble(crop, launches, outputs), result.cycles, len(busy), result.stats
+        image=assemble(crop, launches, outputs),
+        cycles=result.cycles,
+        milliseconds=result.cycles / job.accelerator.fabric.clock_ghz / _CYCLES_A_MS_AT_1_GHZ,
+        launches=len(busy),
+        stats=result.stats,
     )
+
+
+def _cut(
+    lists: TileLists, crop: Crop, spm_words: int
+) -> tuple[tuple[int, ...], tuple[BlendLaunch, ...]]:
+    """Return the places of a scratchpad, in bytes, and launches of which each fits one."""
+    for count in _PLACES[:-1]:
+        words = spm_words // count
+        try:
+            launches = cut_small_launches(lists, crop, words)
+        except SceneError:  # a pixel's list is too long: perhaps not for a larger place
+            continue
+        return tuple(_WORD * words * place for place in range(count)), launches
+    return (0,), cut_small_launches(lists, crop, spm_words)
 
 
 def _white(launch: BlendLaunch) -> Float32Array:
@@ -97,9 +117,7 @@ def _white(launch: BlendLaunch) -> Float32Array:
     return out.ravel()
 
 
-def _shares(
-    launches: Sequence[BlendLaunch], busy: Sequence[int], tiles: int
-) -> list[list[int]]:
+def _shares(launches: Sequence[BlendLaunch], busy: Sequence[int], tiles: int) -> list[list[int]]:
     """Give each tile launches: the longest first, each to the tile with the least to do."""
     work = {i: len(launches[i].splats) * launches[i].block.pixels for i in busy}
     shares: list[list[int]] = [[] for _ in range(tiles)]
@@ -116,13 +134,13 @@ def _add_tile(
     tile: int,
     program: vividc.Program,
     share: Sequence[tuple[BlendLaunch, Float32Array]],
-    place_bytes: int,
+    places: Sequence[int],
 ) -> None:
     """Add the steps of one tile: in, run, out of each launch, alternating between the places."""
-    freed: list[list[int]] = [[] for _ in range(_PLACES)]
+    freed: list[list[int]] = [[] for _ in places]
     for number, (launch, out) in enumerate(share):
-        place = number % _PLACES
-        start = place * place_bytes
+        place = number % len(places)
+        start = places[place]
         columns = launch.splats.arrays()
         splats = np.concatenate(list(columns.values()))
         here = job.move_in(tile, splats, start, after=freed[place])
