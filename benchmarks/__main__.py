@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, general, render_kernels
+from benchmarks import c_kernels, engines, general, mappers, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -84,7 +84,11 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 
 
 ENGINES = "engines"
-CHOICES = (*TABLES, ENGINES)
+MAPPERS = "mappers"
+CHOICES = (*TABLES, ENGINES, MAPPERS)
+DEFAULT = (*TABLES, ENGINES)  # the mappers' table takes hours: by name only
+TITLES = {ENGINES: engines.TITLE, MAPPERS: mappers.TITLE}
+NOTES = {ENGINES: engines.NOTES, MAPPERS: mappers.NOTES}
 
 
 def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
@@ -93,13 +97,17 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
         yield from engines.HEADER.splitlines()
         yield from engines.rows(fabric, time_limit_s)
         return
+    if table == MAPPERS:
+        yield from mappers.HEADER.splitlines()
+        yield from mappers.rows(fabric, time_limit_s)
+        return
     yield from HEADER.splitlines()
     for workload in TABLES[table][1]:
         yield row(workload, fabric, time_limit_s)
 
 
 @click.command()
-@click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=CHOICES)
+@click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=DEFAULT)
 @click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
@@ -110,12 +118,12 @@ def main(
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
     for table in tables:
-        title = engines.TITLE if table == ENGINES else TABLES[table][0]
+        title = TITLES[table] if table in TITLES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
         command = f"python -m benchmarks --table {table} {on} --time-limit {time_limit:g}"
         lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
-        if table == ENGINES:
-            lines += [*engines.NOTES, ""]
+        if table in NOTES:
+            lines += [*NOTES[table], ""]
         for fabric in fabrics:
             lines += [f"## {fabric}", ""]
             click.echo("\n".join(lines[-2:]))
