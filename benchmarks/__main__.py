@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, general, quality, render_kernels
+from benchmarks import c_kernels, engines, general, mappers, quality, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -85,9 +85,11 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 
 ENGINES = "engines"
 QUALITY = "quality"
-CHOICES = (*TABLES, ENGINES, QUALITY)
-TITLES = {ENGINES: engines.TITLE, QUALITY: quality.TITLE}
-NOTES = {ENGINES: engines.NOTES, QUALITY: quality.NOTES}
+MAPPERS = "mappers"
+CHOICES = (*TABLES, ENGINES, QUALITY, MAPPERS)
+DEFAULT = (*TABLES, ENGINES, QUALITY)  # the mappers' table takes hours: by name only
+TITLES = {ENGINES: engines.TITLE, QUALITY: quality.TITLE, MAPPERS: mappers.TITLE}
+NOTES = {ENGINES: engines.NOTES, QUALITY: quality.NOTES, MAPPERS: mappers.NOTES}
 ON_THE_HOST = "float32 on the host"
 
 
@@ -101,13 +103,17 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
         yield from engines.HEADER.splitlines()
         yield from engines.rows(fabric, time_limit_s)
         return
+    if table == MAPPERS:
+        yield from mappers.HEADER.splitlines()
+        yield from mappers.rows(fabric, time_limit_s)
+        return
     yield from HEADER.splitlines()
     for workload in TABLES[table][1]:
         yield row(workload, fabric, time_limit_s)
 
 
 @click.command()
-@click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=CHOICES)
+@click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=DEFAULT)
 @click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)

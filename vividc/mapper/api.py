@@ -73,8 +73,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     Returns
     -------
     MapResult
-        "optimal" (within the added constraints, if there are any) only if every smaller II was refuted; "infeasible" only if no II (or not the given
-        one) works. Every mapping in it has passed `verify`.
+        "optimal" only if every smaller II was refuted; "infeasible" only if no II (or not the
+        given one) works; both within the added constraints, if there are any (`claim`). Every
+        mapping in it has passed `verify`.
 
     Raises
     ------
