@@ -1,7 +1,7 @@
 """Mappings by construction: matrix products as output-stationary systolic arrays."""
 
 from vividc.mapper.systolic.array import SystolicArray, SystolicError
-from vividc.mapper.systolic.gemm import BUFFER, GemmRegion, gemm_region
+from vividc.mapper.systolic.gemm import BUFFER, GemmRegion, bias_name, gemm_region
 from vividc.mapper.systolic.layout import STREAMS, BlockLayout
 from vividc.mapper.systolic.schedule import SystolicSchedule, least_ii
 
@@ -13,6 +13,7 @@ __all__ = [
     "SystolicArray",
     "SystolicError",
     "SystolicSchedule",
+    "bias_name",
     "gemm_region",
     "least_ii",
 ]
