@@ -15,18 +15,24 @@ from vividc.dfg.graph_builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
-from vividc.mapper import MapProblem, Mapping, MapResult, violations
+from vividc.mapper import Bound, Mapping, MapProblem, MapResult, Refutation, violations
 from vividc.mapper.list_schedule import list_schedule
-from vividc.mapper.mapping import Bound, Refutation
 from vividc.mapper.systolic import (
     BUFFER,
+    OFFSETS,
+    STREAMS,
     BlockLayout,
     GemmRegion,
+    Stream,
     SystolicArray,
+    Widths,
+    base_name,
     bias_name,
     gemm_region,
+    plan,
+    windows,
 )
-from vividc.program import Program, encode
+from vividc.program import WORD_BYTES, Program, encode
 
 _BLOCKS = "blocks"
 """Parameter: how many blocks of rows a launch multiplies."""
@@ -36,41 +42,95 @@ _LINE = 16
 
 
 @dataclass(frozen=True)
+class Shape:
+    """A product on an array, without its program: its layout, and its cycles in closed form."""
+
+    layout: BlockLayout
+    ii: int
+    span: int
+    overhead: int
+
+    @staticmethod
+    def of(
+        array: SystolicArray, depth: int, widths: Widths = None, *, relu: bool = False
+    ) -> Shape:
+        """The product of `gemm_region` with the same arguments.
+
+        Raises
+        ------
+        SystolicError
+            The array's memories are too small for `depth`.
+        """
+        schedule, layout = plan(array, depth, widths, relu=relu)
+        span = schedule.drain(array.rows - 1, array.cols - 1) + 1 + relu
+        controller = array.fabric.controller
+        start = 1 + controller.control_latency
+        return Shape(layout, schedule.ii, span, start + controller.switch_cycles)
+
+    def cycles(self, blocks: int) -> int:
+        """Cycles of one launch over `blocks` blocks, 1 or more: exact, as no two accesses of a
+        cycle meet in a bank.
+        """
+        return self.overhead + (blocks - 1) * self.ii + self.span
+
+
+@dataclass(frozen=True)
+class Operands:
+    """Where one launch finds its operands in the scratchpad.
+
+    Attributes
+    ----------
+    source, target
+        Streams of A and C.
+    band
+        Which block of columns of C is computed.
+    blocks
+        How many blocks of rows.
+    """
+
+    source: int
+    target: int
+    band: int
+    blocks: int
+
+
+@dataclass(frozen=True)
 class GemmProgram:
-    """A program for blocks of `layout.rows` x `layout.cols` with one inner dimension."""
+    """A program for products with one inner dimension, and the form of its operands."""
 
     program: Program
     layout: BlockLayout
 
-    def cycles(self, blocks: int) -> int:
-        """Cycles of one launch over `blocks` blocks, exactly: the words never meet in a bank."""
-        start, loop = self.program.table
-        switch = self.program.fabric.controller.switch_cycles
-        return start.span + switch + (blocks - 1) * loop.ii + loop.span if blocks else 0
-
-    def arguments(
-        self, a: NDArray[np.float32], b: NDArray[np.float32], bias: NDArray[np.float32]
+    def launch(
+        self, buffer: NDArray[np.float32], given: Operands, bias: NDArray[np.float32]
     ) -> dict[str, object]:
-        """Arguments of a launch, by parameter.
-
-        Parameters
-        ----------
-        a
-            float32 [blocks * rows, depth].
-        b
-            float32 [depth, cols].
-        bias
-            float32 [cols].
+        """Arguments of a launch, by parameter; `buffer`: float32 [room, STREAMS], `bias`: float32
+        [columns of a block].
         """
-        named: dict[str, object] = {bias_name(j): float(bias[j]) for j in range(self.layout.cols)}
-        named[BUFFER] = self.layout.pack(a, b).reshape(-1, _LINE)
-        named[_BLOCKS] = a.shape[0] // self.layout.rows
+        named: dict[str, object] = {BUFFER: buffer.reshape(-1, _LINE), _BLOCKS: given.blocks}
+        for col in range(self.layout.cols):
+            named[bias_name(col)] = float(bias[col])
+        band = given.band * self.layout.c(0, self.layout.cols)
+        starts = {Stream.A: given.source, Stream.B: Stream.B, Stream.C: given.target}
+        for stream, number in starts.items():
+            first = number + (band * STREAMS if stream is Stream.C else 0)
+            for window in range(windows(self.layout, stream)):
+                named[base_name(stream, window)] = first * WORD_BYTES + window * OFFSETS
         return named
 
 
 @lru_cache(maxsize=16)
-def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> GemmProgram:
+def gemm_program(
+    fabric: str | Fabric, depth: int, widths: Widths = None, *, relu: bool = False
+) -> GemmProgram:
     """The program for products with inner dimension `depth` on `fabric`.
+
+    Parameters
+    ----------
+    widths
+        Columns of A and of C as they lie in the scratchpad; None: `depth`, and those of one block.
+    relu
+        max(x, 0) of every result.
 
     Raises
     ------
@@ -79,7 +139,7 @@ def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> Gem
     """
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     array = SystolicArray.of(machine)
-    region = gemm_region(array, depth, relu=relu)
+    region = gemm_region(array, depth, widths, relu=relu)
     faults = violations(region.dfg, machine, region.mapping)
     if faults:
         raise InternalError(f"systolic mapping of depth {depth}: {faults[0].message}")
@@ -94,13 +154,16 @@ def _kernel(array: SystolicArray, region: GemmRegion) -> tuple[Kernel, dict[int,
     faults = violations(start, array.fabric, first, straight=True)
     if faults:
         raise InternalError(f"start of a systolic product: {faults[0].message}")
-    biases = (Param(bias_name(j), DType.F32) for j in range(array.cols))
-    params = (Param(BUFFER, DType.F32, 2), Param(_BLOCKS, DType.I32), *biases)
+    params = [Param(BUFFER, DType.F32, 2), Param(_BLOCKS, DType.I32)]
+    params += [Param(bias_name(j), DType.F32) for j in range(array.cols)]
+    for stream in Stream:
+        names = (base_name(stream, window) for window in range(windows(region.layout, stream)))
+        params += [Param(name, DType.I32) for name in names]
     regions = (
         Region("start", "straight", start, next=1),
         Region("gemm", "loop", region.dfg, counted=True),
     )
-    return Kernel("gemm", params, regions), {0: first, 1: region.mapping}
+    return Kernel("gemm", tuple(params), regions), {0: first, 1: region.mapping}
 
 
 def _start() -> DFG:

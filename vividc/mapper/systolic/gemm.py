@@ -20,7 +20,10 @@ BUFFER = "buffer"
 """The array that holds all operands in the scratchpad (`BlockLayout`)."""
 
 _WORD = 4
-_OFFSETS = 1 << 15
+Widths = tuple[int, int] | None
+"""Columns of A and of C as they lie in the scratchpad."""
+
+OFFSETS = 1 << 15
 """Byte offsets of a load/store unit are below this."""
 
 
@@ -33,18 +36,37 @@ class GemmRegion:
     layout: BlockLayout
 
 
+def windows(layout: BlockLayout, stream: Stream) -> int:
+    """Base addresses that the accesses to a matrix need."""
+    last = {
+        Stream.A: layout.a(layout.rows - 1, layout.depth - 1),
+        Stream.B: layout.b(layout.cols - 1, layout.depth - 1),
+        Stream.C: layout.c(layout.rows - 1, layout.cols - 1),
+    }[stream]
+    return last * STREAMS * _WORD // OFFSETS + 1
+
+
 def bias_name(col: int) -> str:
     """Live-in with the bias of column `col` of the block."""
     return f"bias{col}"
 
 
-def gemm_region(array: SystolicArray, depth: int, *, relu: bool = False) -> GemmRegion:
+def base_name(stream: Stream, window: int) -> str:
+    """Live-in with the address of element 0 of a matrix, `window` times the offsets' range on."""
+    return f"{stream.name.lower()}{window}"
+
+
+def gemm_region(
+    array: SystolicArray, depth: int, widths: Widths = None, *, relu: bool = False
+) -> GemmRegion:
     """The loop over blocks of rows of A, mapped.
 
     Parameters
     ----------
     depth
         The inner dimension (columns of A, rows of B), 1 or more.
+    widths
+        Columns of A and of C as they lie in the scratchpad; None: `depth`, and those of one block.
     relu
         max(x, 0) of every result on its way out.
 
@@ -54,16 +76,32 @@ def gemm_region(array: SystolicArray, depth: int, *, relu: bool = False) -> Gemm
         The configuration memory is too short for `depth` FMAs a PE, the schedule has more stages
         than the controller, or one block does not fit the scratchpad.
     """
-    fabric = array.fabric
-    ii = least_ii(depth, array.rows, activated=relu)
-    layout = BlockLayout(array.rows, array.cols, depth, fabric.scratchpad.words)
-    schedule = SystolicSchedule(array, depth, ii)
-    _demand_room(array, schedule, layout)
+    schedule, layout = plan(array, depth, widths, relu=relu)
     made = _Construction(array, schedule, layout, relu=relu)
     made.run()
     dfg = made.builder.build()
-    mapping = Mapping(ii, made.places, made.routes, Subject(dfg, fabric))
+    mapping = Mapping(schedule.ii, made.places, made.routes, Subject(dfg, array.fabric))
     return GemmRegion(dfg, mapping, layout)
+
+
+def plan(
+    array: SystolicArray, depth: int, widths: Widths = None, *, relu: bool = False
+) -> tuple[SystolicSchedule, BlockLayout]:
+    """Schedule and memory layout of `gemm_region` without its graph.
+
+    Raises
+    ------
+    SystolicError
+        As `gemm_region`.
+    """
+    if depth < 1:
+        raise SystolicError(f"an inner dimension of {depth}", hint="it is 1 or more")
+    schedule = SystolicSchedule(array, depth, least_ii(depth, array.rows, activated=relu))
+    a_width, c_width = widths or (depth, array.cols)
+    words = array.fabric.scratchpad.words
+    layout = BlockLayout(array.rows, array.cols, depth, a_width, c_width, words)
+    _demand_room(array, schedule, layout)
+    return schedule, layout
 
 
 def _demand_room(array: SystolicArray, schedule: SystolicSchedule, layout: BlockLayout) -> None:
@@ -154,8 +192,8 @@ class _Construction:
 
     def _address(self, stream: Stream, element: int) -> tuple[Operand, int]:
         """Base and offset of an element: the offset has fewer bits than the scratchpad."""
-        start, offset = divmod(element * STREAMS * _WORD, _OFFSETS)
-        return self.builder.const(start * _OFFSETS + stream * _WORD), offset
+        window, offset = divmod(element * STREAMS * _WORD, OFFSETS)
+        return self.builder.live_in(base_name(stream, window)), offset
 
     def _add(
         self,

@@ -1,9 +1,9 @@
 """Where the operands of a systolic product lie in the scratchpad: no two accesses of a cycle meet in
 a bank.
 
-Element x of stream s is word 4 x + s: A, B and C never share a bank. In one cycle the loads of A
-come from different rows, those of B and the stores of C from different columns; x counts rows
-(columns) fastest, so that they lie in different banks whatever their other index is.
+Element x of stream s is word 4 x + s: A, B and C never share a bank. In one cycle the loads of A and
+the stores of C are of different rows, the loads of B of different columns; x counts these fastest,
+so that they lie in different banks whatever their other index is.
 """
 
 from __future__ import annotations
@@ -28,34 +28,42 @@ class Stream(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class BlockLayout:
-    """Blocks of `rows` x `cols` with inner dimension `depth` in `words` words of scratchpad.
+    """Blocks of `rows` rows of matrices with few columns, in `words` words of scratchpad.
 
-    The blocks of A are `stride` elements apart, a power of two: the load/store unit shifts the
-    block's number.
+    A block of A with inner dimension `depth` and a block of C have the same form,
+    column by column, so that the next product reads what one product wrote. Blocks are a power of two
+    of elements apart: a load/store unit shifts the block's number. `a_width` and `c_width` are the
+    columns of A and C as they lie in the scratchpad: at least `depth`, and at least `cols`.
     """
 
     rows: int
     cols: int
     depth: int
+    a_width: int
+    c_width: int
     words: int
 
     @property
     def stride(self) -> int:
-        """Elements of stream A from block to block."""
-        return 1 << (self.depth * self.rows - 1).bit_length()
+        """Elements of A from block to block."""
+        return stride_of(self.rows, self.a_width)
 
     @property
     def result_stride(self) -> int:
-        """Elements of stream C from block to block."""
-        return 1 << (self.rows * self.cols - 1).bit_length()
+        """Elements of C from block to block."""
+        return stride_of(self.rows, self.c_width)
+
+    @property
+    def room(self) -> int:
+        """Elements of a stream."""
+        return self.words // STREAMS
 
     @property
     def blocks(self) -> int:
         """Blocks that fit at once; 0: not one."""
-        room = self.words // STREAMS
-        if self.depth * self.cols > room:
+        if self.depth * self.cols > self.room:
             return 0
-        return room // max(self.stride, self.result_stride)
+        return self.room // max(self.stride, self.result_stride)
 
     def a(self, i: int, k: int) -> int:
         """Element of row `i`, inner index `k`, of block 0."""
@@ -67,29 +75,28 @@ class BlockLayout:
 
     def c(self, i: int, j: int) -> int:
         """Element of row `i`, column `j`, of block 0."""
-        return i * self.cols + j
+        return j * self.rows + i
 
-    def pack(self, a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The scratchpad's words.
 
-        Parameters
-        ----------
-        a
-            float32 [blocks * rows, depth].
-        b
-            float32 [depth, cols].
-        """
-        words = np.zeros((self.words // STREAMS, STREAMS), np.float32)
-        blocks = a.shape[0] // self.rows
-        shaped = a.reshape(blocks, self.rows, self.depth).transpose(0, 2, 1).reshape(blocks, -1)
-        stream = words[: blocks * self.stride, Stream.A].reshape(blocks, self.stride)
-        stream[:, : shaped.shape[1]] = shaped
-        words[: blocks * self.stride, Stream.A] = stream.ravel()
-        words[: b.size, Stream.B] = b.ravel()
-        return words.ravel()
+def stride_of(rows: int, columns: int) -> int:
+    """Elements from block to block of a matrix of `columns` columns, in blocks of `rows` rows."""
+    return 1 << (columns * rows - 1).bit_length()
 
-    def unpack(self, words: NDArray[np.float32], blocks: int) -> NDArray[np.float32]:
-        """C of `blocks` blocks: float32 [blocks * rows, cols]."""
-        stream = words.reshape(-1, STREAMS)[: blocks * self.result_stride, Stream.C]
-        found = stream.reshape(blocks, -1)[:, : self.rows * self.cols]
-        return np.ascontiguousarray(found.reshape(blocks * self.rows, self.cols))
+
+def write_blocks(stream: NDArray[np.float32], matrix: NDArray[np.float32], rows: int) -> None:
+    """Lay out `matrix`, float32 [blocks * rows, columns], in a stream, float32 [room]."""
+    blocks, columns = matrix.shape[0] // rows, matrix.shape[1]
+    stride = stride_of(rows, columns)
+    shaped = matrix.reshape(blocks, rows, columns).transpose(0, 2, 1).reshape(blocks, -1)
+    for number, block in enumerate(shaped):
+        stream[number * stride : number * stride + columns * rows] = block
+
+
+def read_blocks(
+    stream: NDArray[np.float32], blocks: int, columns: int, rows: int
+) -> NDArray[np.float32]:
+    """The matrix that `write_blocks` lays out: float32 [blocks * rows, columns]."""
+    stride = stride_of(rows, columns)
+    starts = (number * stride for number in range(blocks))
+    found = [stream[at : at + columns * rows].reshape(columns, rows).T for at in starts]
+    return np.ascontiguousarray(np.concatenate(found))

@@ -1,0 +1,226 @@
+"""Layers of an MLP as launches of systolic products on numpy arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.errors import ArgumentError
+from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, padded
+from vividc.gemm.program import GemmProgram, Operands, gemm_program
+from vividc.mapper.systolic import (
+    STREAMS,
+    Stream,
+    SystolicArray,
+    read_blocks,
+    write_blocks,
+)
+from vividc.sim import simulate
+
+Activation = Literal["none", "relu"]
+Matrix = NDArray[np.float32]
+_OTHER = {int(Stream.A): int(Stream.C), int(Stream.C): int(Stream.A)}
+
+
+@dataclass(frozen=True)
+class Layer:
+    """activation(x weights + bias).
+
+    Attributes
+    ----------
+    weights
+        float32 [inputs, outputs].
+    bias
+        float32 [outputs]; None: zeros.
+    """
+
+    weights: Matrix
+    bias: Matrix | None = None
+    activation: Activation = "none"
+
+
+@dataclass(frozen=True)
+class GemmResult:
+    """What a product or an MLP gave.
+
+    Attributes
+    ----------
+    values
+        float32 [rows, outputs of the last layer].
+    cycles
+        Simulated cycles until the last array was done.
+    mode
+        Which arrays ran.
+    utilization
+        Multiplications asked for, per PE that multiplies and cycle.
+    launches
+        Launches of the array with most of them.
+    """
+
+    values: Matrix
+    cycles: int
+    mode: Mode
+    utilization: float
+    launches: int
+
+
+def gemm(
+    a: Matrix,
+    b: Matrix,
+    bias: Matrix | None = None,
+    *,
+    activation: Activation = "none",
+    mode: str = "auto",
+    engine: str = "reference",
+) -> GemmResult:
+    """activation(a b + bias) on the array, simulated.
+
+    Every element is one chain of fused multiply-adds in float32 over the inner index, from the bias:
+    it differs from the exact sum by at most n u / (1 - n u) times the sum of the terms' magnitudes,
+    with n inner indices and u = 2**-24 (Higham 2002, section 3.1).
+
+    Parameters
+    ----------
+    a, b, bias
+        float32 [rows, depth], [depth, cols], [cols].
+    mode
+        "tpu-unified", "tpu-partitioned" or "auto", the one with fewer cycles.
+    engine
+        Engine of the simulator. The native one compiles the loop first, which takes minutes for
+        the thousands of operations of the 16x16 array.
+
+    Raises
+    ------
+    ArgumentError, SystolicError
+        Wrong types or sizes, an unknown mode, or a product that does not fit the array.
+    """
+    return mlp(a, [Layer(b, bias, activation)], mode=mode, engine=engine)
+
+
+def mlp(
+    x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = "reference"
+) -> GemmResult:
+    """All layers, one after the other, on pieces of the rows that stay in the scratchpad: what one
+    layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
+    """
+    _check(x, layers)
+    shapes = [LayerShape(*layer.weights.shape, layer.activation == "relu") for layer in layers]
+    chosen = choose(x.shape[0], shapes, mode).chosen
+    name, arrays = FABRICS[chosen.mode]
+    share = -(-x.shape[0] // arrays)
+    runs = [
+        _Run(name, layers, engine).all_rows(x[start : start + share])
+        for start in range(0, x.shape[0], share)
+    ]
+    values = np.concatenate([run.values for run in runs])
+    cycles = max(run.cycles for run in runs)
+    array = SystolicArray.of(arch.load(name))
+    work = x.shape[0] * sum(layer.weights.size for layer in layers)
+    utilization = work / (cycles * arrays * array.rows * array.cols)
+    return GemmResult(values, cycles, chosen.mode, utilization, max(run.launches for run in runs))
+
+
+@dataclass(frozen=True)
+class _Partial:
+    values: Matrix
+    cycles: int
+    launches: int
+
+
+class _Run:
+    """One array with its layers' programs."""
+
+    def __init__(self, fabric: str, layers: Sequence[Layer], engine: str) -> None:
+        self._array = SystolicArray.of(arch.load(fabric))
+        self._layers = layers
+        self._engine = engine
+        self._cycles = 0
+        self._launches = 0
+        self._programs: list[GemmProgram] = []
+        a_width = layers[0].weights.shape[0]
+        for layer in layers:
+            depth, cols = layer.weights.shape
+            widths = (a_width, padded(cols, self._array.cols))
+            relu = layer.activation == "relu"
+            self._programs.append(gemm_program(fabric, depth, widths, relu=relu))
+            a_width = widths[1]
+
+    def all_rows(self, x: Matrix) -> _Partial:
+        """Every piece of the rows through all layers."""
+        rows = self._array.rows
+        most = min(program.layout.blocks for program in self._programs) * rows
+        pieces = [self._piece(x[at : at + most]) for at in range(0, x.shape[0], most)]
+        return _Partial(np.concatenate(pieces), self._cycles, self._launches)
+
+    def _piece(self, x: Matrix) -> Matrix:
+        """Rows that fit the scratchpad: only `x`, weights and the last layer's results move."""
+        rows = self._array.rows
+        blocks = -(-x.shape[0] // rows)
+        buffer = np.zeros((self._programs[0].layout.room, STREAMS), np.float32)
+        whole = np.zeros((blocks * rows, x.shape[1]), np.float32)
+        whole[: x.shape[0]] = x
+        source = int(Stream.A)
+        write_blocks(buffer[:, source], whole, rows)
+        for program, layer in zip(self._programs, self._layers, strict=True):
+            self._layer(program, layer, buffer, Operands(source, _OTHER[source], 0, blocks))
+            source = _OTHER[source]
+        width = self._programs[-1].layout.c_width
+        found = read_blocks(buffer[:, source], blocks, width, rows)
+        return found[: x.shape[0], : self._layers[-1].weights.shape[1]]
+
+    def _layer(
+        self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands
+    ) -> None:
+        for band, (weights, bias) in enumerate(_bands(layer, self._array.cols)):
+            buffer[: weights.size, Stream.B] = weights.ravel()
+            arguments = program.launch(buffer, replace(given, band=band), bias)
+            result = simulate(program.program, engine=self._engine, **arguments)
+            self._cycles += result.cycles
+            self._launches += 1
+
+
+def _bands(layer: Layer, cols: int) -> Iterator[tuple[Matrix, Matrix]]:
+    """Weights and bias of each block of columns, the last one filled with zeros."""
+    inputs, outputs = layer.weights.shape
+    whole = np.zeros((inputs, padded(outputs, cols)), np.float32)
+    whole[:, :outputs] = layer.weights
+    bias = np.zeros(whole.shape[1], np.float32)
+    if layer.bias is not None:
+        bias[:outputs] = layer.bias
+    for start in range(0, whole.shape[1], cols):
+        yield whole[:, start : start + cols], bias[start : start + cols]
+
+
+def _check(x: Matrix, layers: Sequence[Layer]) -> None:
+    _check_array("the input", x, 2)
+    columns = x.shape[1]
+    for number, layer in enumerate(layers):
+        name = f"layer {number}"
+        _check_array(f"the weights of {name}", layer.weights, 2)
+        if layer.weights.shape[0] != columns:
+            raise ArgumentError(
+                f"the weights of {name} have {layer.weights.shape[0]} rows, its input {columns} columns",
+                hint="an input [rows, depth] takes weights [depth, columns]",
+            )
+        columns = layer.weights.shape[1]
+        if layer.activation not in get_args(Activation):
+            known = ", ".join(get_args(Activation))
+            reason = f"unknown activation {layer.activation!r} of {name}"
+            raise ArgumentError(reason, hint=f"activations: {known}")
+        if layer.bias is not None:
+            _check_array(f"the bias of {name}", layer.bias, 1)
+            if layer.bias.shape[0] != columns:
+                reason = f"the bias of {name} has {layer.bias.shape[0]} elements, not {columns}"
+                raise ArgumentError(reason, hint="one for each column of the weights")
+
+
+def _check_array(what: str, array: object, ndim: int) -> None:
+    if not isinstance(array, np.ndarray) or array.dtype != np.float32 or array.ndim != ndim:
+        kind = f"{array.dtype} of {array.ndim}" if isinstance(array, np.ndarray) else type(array)
+        reason = f"{what} is {kind} dimensions" if isinstance(array, np.ndarray) else f"{what} is {kind}"
+        raise ArgumentError(reason, hint=f"give a numpy array of float32 with {ndim} dimensions")
