@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.errors import ArgumentError
-from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, padded
+from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, launches_of, padded, pieces
 from vividc.gemm.program import GemmProgram, Operands, gemm_program
 from vividc.mapper.systolic import (
     STREAMS,
@@ -24,7 +24,6 @@ from vividc.sim import simulate
 
 Activation = Literal["none", "relu"]
 Matrix = NDArray[np.float32]
-_OTHER = {int(Stream.A): int(Stream.C), int(Stream.C): int(Stream.A)}
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,12 @@ class Layer:
     weights: Matrix
     bias: Matrix | None = None
     activation: Activation = "none"
+
+    @property
+    def shape(self) -> LayerShape:
+        """Sizes of the layer."""
+        depth, cols = self.weights.shape
+        return LayerShape(depth, cols, self.activation == "relu")
 
 
 @dataclass(frozen=True)
@@ -109,8 +114,7 @@ def mlp(
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
     _check(x, layers)
-    shapes = [LayerShape(*layer.weights.shape, layer.activation == "relu") for layer in layers]
-    chosen = choose(x.shape[0], shapes, mode).chosen
+    chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
     name, arrays = FABRICS[chosen.mode]
     share = -(-x.shape[0] // arrays)
     runs = [
@@ -141,59 +145,57 @@ class _Run:
         self._engine = engine
         self._cycles = 0
         self._launches = 0
-        self._programs: list[GemmProgram] = []
-        a_width = layers[0].weights.shape[0]
-        for layer in layers:
-            depth, cols = layer.weights.shape
-            widths = (a_width, padded(cols, self._array.cols))
-            relu = layer.activation == "relu"
-            self._programs.append(gemm_program(fabric, depth, widths, relu=relu))
-            a_width = widths[1]
+        self._programs = [
+            gemm_program(fabric, layer.shape.depth, relu=layer.shape.relu) for layer in layers
+        ]
 
     def all_rows(self, x: Matrix) -> _Partial:
         """Every piece of the rows through all layers."""
-        rows = self._array.rows
-        most = min(program.layout.blocks for program in self._programs) * rows
-        pieces = [self._piece(x[at : at + most]) for at in range(0, x.shape[0], most)]
-        return _Partial(np.concatenate(pieces), self._cycles, self._launches)
+        shapes = [layer.shape for layer in self._layers]
+        values, start = [], 0
+        for blocks in pieces(x.shape[0], shapes, self._array):
+            end = start + blocks * self._array.rows
+            values.append(self._piece(x[start:end], blocks))
+            start = end
+        return _Partial(np.concatenate(values), self._cycles, self._launches)
 
-    def _piece(self, x: Matrix) -> Matrix:
+    def _piece(self, x: Matrix, blocks: int) -> Matrix:
         """Rows that fit the scratchpad: only `x`, weights and the last layer's results move."""
-        rows = self._array.rows
-        blocks = -(-x.shape[0] // rows)
+        rows, width = self._array.rows, x.shape[1]
         buffer = np.zeros((self._programs[0].layout.room, STREAMS), np.float32)
-        whole = np.zeros((blocks * rows, x.shape[1]), np.float32)
+        whole = np.zeros((blocks * rows, width), np.float32)
         whole[: x.shape[0]] = x
-        source = int(Stream.A)
+        source, target = Stream.A, Stream.C
         write_blocks(buffer[:, source], whole, rows)
         for program, layer in zip(self._programs, self._layers, strict=True):
-            self._layer(program, layer, buffer, Operands(source, _OTHER[source], 0, blocks))
-            source = _OTHER[source]
-        width = self._programs[-1].layout.c_width
+            c_width = padded(layer.shape.cols, self._array.cols)
+            for bands in launches_of(layer.shape, program.layout, blocks):
+                given = Operands(source, target, width, c_width, blocks, bands)
+                self._launch(program, layer, buffer, given)
+            source, target, width = target, source, c_width
         found = read_blocks(buffer[:, source], blocks, width, rows)
-        return found[: x.shape[0], : self._layers[-1].weights.shape[1]]
+        return found[: x.shape[0], : self._layers[-1].shape.cols]
 
-    def _layer(
+    def _launch(
         self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands
     ) -> None:
-        for band, (weights, bias) in enumerate(_bands(layer, self._array.cols)):
-            buffer[: weights.size, Stream.B] = weights.ravel()
-            arguments = program.launch(buffer, replace(given, band=band), bias)
-            result = simulate(program.program, engine=self._engine, **arguments)
-            self._cycles += result.cycles
-            self._launches += 1
+        bands = _bands(layer, self._array.cols)[given.bands.start : given.bands.stop]
+        buffer[: bands.size, Stream.B] = bands.ravel()
+        arguments = program.launch(buffer, given)
+        self._cycles += simulate(program.program, engine=self._engine, **arguments).cycles
+        self._launches += 1
 
 
-def _bands(layer: Layer, cols: int) -> Iterator[tuple[Matrix, Matrix]]:
-    """Weights and bias of each block of columns, the last one filled with zeros."""
-    inputs, outputs = layer.weights.shape
-    whole = np.zeros((inputs, padded(outputs, cols)), np.float32)
-    whole[:, :outputs] = layer.weights
-    bias = np.zeros(whole.shape[1], np.float32)
+def _bands(layer: Layer, cols: int) -> Matrix:
+    """Weights and bias by blocks of columns, the last one filled with zeros: float32 [bands,
+    depth + 1, cols].
+    """
+    depth, outputs = layer.weights.shape
+    whole = np.zeros((depth + 1, padded(outputs, cols)), np.float32)
+    whole[:depth, :outputs] = layer.weights
     if layer.bias is not None:
-        bias[:outputs] = layer.bias
-    for start in range(0, whole.shape[1], cols):
-        yield whole[:, start : start + cols], bias[start : start + cols]
+        whole[depth, :outputs] = layer.bias
+    return whole.reshape(depth + 1, -1, cols).transpose(1, 0, 2)
 
 
 def _check(x: Matrix, layers: Sequence[Layer]) -> None:
@@ -204,7 +206,8 @@ def _check(x: Matrix, layers: Sequence[Layer]) -> None:
         _check_array(f"the weights of {name}", layer.weights, 2)
         if layer.weights.shape[0] != columns:
             raise ArgumentError(
-                f"the weights of {name} have {layer.weights.shape[0]} rows, its input {columns} columns",
+                f"the weights of {name} have {layer.weights.shape[0]} rows, and its input has "
+                f"{columns} columns",
                 hint="an input [rows, depth] takes weights [depth, columns]",
             )
         columns = layer.weights.shape[1]
@@ -220,7 +223,9 @@ def _check(x: Matrix, layers: Sequence[Layer]) -> None:
 
 
 def _check_array(what: str, array: object, ndim: int) -> None:
-    if not isinstance(array, np.ndarray) or array.dtype != np.float32 or array.ndim != ndim:
-        kind = f"{array.dtype} of {array.ndim}" if isinstance(array, np.ndarray) else type(array)
-        reason = f"{what} is {kind} dimensions" if isinstance(array, np.ndarray) else f"{what} is {kind}"
-        raise ArgumentError(reason, hint=f"give a numpy array of float32 with {ndim} dimensions")
+    wanted = f"a numpy array of float32 with {ndim} dimensions"
+    if not isinstance(array, np.ndarray):
+        raise ArgumentError(f"{what} is a {type(array).__name__}", hint=f"give {wanted}")
+    if array.dtype != np.float32 or array.ndim != ndim:
+        text = f"{what} is an array of {array.dtype} with {array.ndim} dimensions"
+        raise ArgumentError(text, hint=f"give {wanted}")

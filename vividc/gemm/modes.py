@@ -8,7 +8,7 @@ from typing import Final, Literal, get_args
 
 from vividc import arch
 from vividc.gemm.program import Shape
-from vividc.mapper.systolic import SystolicArray, SystolicError
+from vividc.mapper.systolic import BlockLayout, SystolicArray, SystolicError
 
 Mode = Literal["tpu-unified", "tpu-partitioned"]
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)
@@ -31,8 +31,7 @@ class Prediction:
     utilization
         Multiplications that are asked for, per PE that multiplies and cycle.
     launches
-        Launches of each array: one for each block of columns, and for as many rows as the
-        scratchpad holds.
+        Launches of each array: one for each layer and for as many rows as the scratchpad holds.
     """
 
     mode: Mode
@@ -59,24 +58,6 @@ class LayerShape:
     relu: bool = False
 
 
-def layer_shapes(array: SystolicArray, layers: Sequence[LayerShape]) -> tuple[Shape, ...]:
-    """The products of a chain of layers: each reads what the one before it wrote.
-
-    Raises
-    ------
-    SystolicError
-        A size below 1, or a layer that does not fit the array's memories.
-    """
-    shapes = []
-    a_width = layers[0].depth
-    for layer in layers:
-        c_width = padded(layer.cols, array.cols)
-        widths = (a_width, c_width)
-        shapes.append(Shape.of(array, layer.depth, widths, relu=layer.relu))
-        a_width = c_width
-    return tuple(shapes)
-
-
 def padded(columns: int, block: int) -> int:
     """`columns`, rounded up to whole blocks."""
     return -(-columns // block) * block
@@ -95,23 +76,47 @@ def predict(rows: int, layers: Sequence[LayerShape], mode: Mode) -> Prediction:
     _check_sizes(rows, layers)
     name, arrays = FABRICS[check_mode(mode)]
     array = SystolicArray.of(arch.load(name))
-    shapes = layer_shapes(array, layers)
-    counts = launches_of(-(-rows // arrays), array.rows, min(s.layout.blocks for s in shapes))
     cycles = launches = 0
-    for layer, shape in zip(layers, shapes, strict=True):
-        bands = -(-layer.cols // array.cols)
-        cycles += bands * sum(map(shape.cycles, counts))
-        launches += bands * len(counts)
+    for blocks in pieces(-(-rows // arrays), layers, array):
+        for layer in layers:
+            shape = Shape.of(array, layer.depth, relu=layer.relu)
+            for bands in launches_of(layer, shape.layout, blocks):
+                cycles += shape.cycles(blocks * len(bands))
+                launches += 1
     work = rows * sum(layer.depth * layer.cols for layer in layers)
     pes = arrays * array.rows * array.cols
     return Prediction(mode, cycles, work / (cycles * pes), launches)
 
 
-def launches_of(rows: int, block_rows: int, most: int) -> tuple[int, ...]:
-    """Blocks of each launch for `rows` rows, at most `most` at once."""
-    blocks = -(-rows // block_rows)
-    full, rest = divmod(blocks, most)
+def pieces(rows: int, layers: Sequence[LayerShape], array: SystolicArray) -> tuple[int, ...]:
+    """Blocks of rows of each piece that goes through all layers within the scratchpad.
+
+    Raises
+    ------
+    SystolicError
+        Not one block of rows fits, with the columns of the widest layer.
+    """
+    widest = max(layers[0].depth, *(padded(layer.cols, array.cols) for layer in layers))
+    layout = BlockLayout(array.rows, array.cols, 1, array.fabric.scratchpad.words)
+    most = layout.blocks(widest)
+    if not most:
+        size = array.fabric.scratchpad.size_bytes
+        raise SystolicError(
+            f"{array.rows} rows of {widest} columns do not fit the {size} bytes of the scratchpad "
+            f"of fabric {array.fabric.name}",
+            loc=array.fabric.name,
+            hint="split the matrix by columns",
+        )
+    most = min(most, layout.iterations)
+    full, rest = divmod(-(-rows // array.rows), most)
     return (most,) * full + ((rest,) if rest else ())
+
+
+def launches_of(layer: LayerShape, layout: BlockLayout, blocks: int) -> tuple[range, ...]:
+    """Blocks of columns of each launch: as many as B's stream and the table of places hold."""
+    bands = -(-layer.cols // layout.cols)
+    most = min(layout.room // layout.band, layout.iterations // blocks)
+    return tuple(range(at, min(at + most, bands)) for at in range(0, bands, most))
 
 
 def choose(rows: int, layers: Sequence[LayerShape], mode: str = "auto") -> Choice:

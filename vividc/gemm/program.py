@@ -19,15 +19,14 @@ from vividc.mapper import Bound, Mapping, MapProblem, MapResult, Refutation, vio
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.systolic import (
     BUFFER,
+    GROUP_BYTES,
     OFFSETS,
-    STREAMS,
+    TABLE_ROW,
     BlockLayout,
     GemmRegion,
     Stream,
     SystolicArray,
-    Widths,
     base_name,
-    bias_name,
     gemm_region,
     plan,
     windows,
@@ -35,7 +34,7 @@ from vividc.mapper.systolic import (
 from vividc.program import WORD_BYTES, Program, encode
 
 _BLOCKS = "blocks"
-"""Parameter: how many blocks of rows a launch multiplies."""
+"""Parameter: how many blocks of C a launch computes."""
 
 _LINE = 16
 """Words along the second dimension of the buffer: no dimension of an array may be as long as it."""
@@ -51,9 +50,7 @@ class Shape:
     overhead: int
 
     @staticmethod
-    def of(
-        array: SystolicArray, depth: int, widths: Widths = None, *, relu: bool = False
-    ) -> Shape:
+    def of(array: SystolicArray, depth: int, *, relu: bool = False) -> Shape:
         """The product of `gemm_region` with the same arguments.
 
         Raises
@@ -61,11 +58,10 @@ class Shape:
         SystolicError
             The array's memories are too small for `depth`.
         """
-        schedule, layout = plan(array, depth, widths, relu=relu)
-        span = schedule.drain(array.rows - 1, array.cols - 1) + 1 + relu
+        schedule, layout = plan(array, depth, relu=relu)
         controller = array.fabric.controller
         start = 1 + controller.control_latency
-        return Shape(layout, schedule.ii, span, start + controller.switch_cycles)
+        return Shape(layout, schedule.ii, schedule.span, start + controller.switch_cycles)
 
     def cycles(self, blocks: int) -> int:
         """Cycles of one launch over `blocks` blocks, 1 or more: exact, as no two accesses of a
@@ -74,7 +70,7 @@ class Shape:
         return self.overhead + (blocks - 1) * self.ii + self.span
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Operands:
     """Where one launch finds its operands in the scratchpad.
 
@@ -82,16 +78,20 @@ class Operands:
     ----------
     source, target
         Streams of A and C.
-    band
-        Which block of columns of C is computed.
+    a_width, c_width
+        Columns of A and C as they lie there; of C, whole blocks.
     blocks
         How many blocks of rows.
+    bands
+        Which blocks of columns of C are computed; B holds these.
     """
 
-    source: int
-    target: int
-    band: int
+    source: Stream
+    target: Stream
+    a_width: int
+    c_width: int
     blocks: int
+    bands: range
 
 
 @dataclass(frozen=True)
@@ -101,34 +101,41 @@ class GemmProgram:
     program: Program
     layout: BlockLayout
 
-    def launch(
-        self, buffer: NDArray[np.float32], given: Operands, bias: NDArray[np.float32]
-    ) -> dict[str, object]:
-        """Arguments of a launch, by parameter; `buffer`: float32 [room, STREAMS], `bias`: float32
-        [columns of a block].
+    def launch(self, buffer: NDArray[np.float32], given: Operands) -> dict[str, object]:
+        """Arguments of a launch, by parameter; the table of places is written into `buffer`, float32
+        [room, STREAMS].
         """
-        named: dict[str, object] = {BUFFER: buffer.reshape(-1, _LINE), _BLOCKS: given.blocks}
-        for col in range(self.layout.cols):
-            named[bias_name(col)] = float(bias[col])
-        band = given.band * self.layout.c(0, self.layout.cols)
-        starts = {Stream.A: given.source, Stream.B: Stream.B, Stream.C: given.target}
-        for stream, number in starts.items():
-            first = number + (band * STREAMS if stream is Stream.C else 0)
+        self._write_table(buffer, given)
+        named: dict[str, object] = {BUFFER: buffer.reshape(-1, _LINE)}
+        named[_BLOCKS] = given.blocks * len(given.bands)
+        streams = {stream: stream for stream in Stream}
+        streams |= {Stream.A: given.source, Stream.C: given.target}
+        for stream, number in streams.items():
             for window in range(windows(self.layout, stream)):
-                named[base_name(stream, window)] = first * WORD_BYTES + window * OFFSETS
+                named[base_name(stream, window)] = number * WORD_BYTES + window * OFFSETS
         return named
+
+    def _write_table(self, buffer: NDArray[np.float32], given: Operands) -> None:
+        """One row for each block of C: byte offsets of the blocks of A, B and C from their bases."""
+        layout = self.layout
+        band, block = np.divmod(np.arange(given.blocks * len(given.bands)), given.blocks)
+        rows = np.zeros((block.size, TABLE_ROW), np.uint32)
+        rows[:, Stream.A] = block * layout.a(0, given.a_width)
+        rows[:, Stream.B] = band * layout.band
+        rows[:, Stream.C] = block * layout.c(0, given.c_width)
+        rows[:, Stream.C] += ((band + given.bands.start) * layout.c(0, layout.cols)).astype(np.uint32)
+        words = buffer.view(np.uint32)
+        words[: rows.size, Stream.TABLE] = (rows * np.uint32(GROUP_BYTES)).ravel()
 
 
 @lru_cache(maxsize=16)
 def gemm_program(
-    fabric: str | Fabric, depth: int, widths: Widths = None, *, relu: bool = False
+    fabric: str | Fabric, depth: int, *, relu: bool = False
 ) -> GemmProgram:
     """The program for products with inner dimension `depth` on `fabric`.
 
     Parameters
     ----------
-    widths
-        Columns of A and of C as they lie in the scratchpad; None: `depth`, and those of one block.
     relu
         max(x, 0) of every result.
 
@@ -139,7 +146,7 @@ def gemm_program(
     """
     machine = arch.load(fabric) if isinstance(fabric, str) else fabric
     array = SystolicArray.of(machine)
-    region = gemm_region(array, depth, widths, relu=relu)
+    region = gemm_region(array, depth, relu=relu)
     faults = violations(region.dfg, machine, region.mapping)
     if faults:
         raise InternalError(f"systolic mapping of depth {depth}: {faults[0].message}")
@@ -155,7 +162,6 @@ def _kernel(array: SystolicArray, region: GemmRegion) -> tuple[Kernel, dict[int,
     if faults:
         raise InternalError(f"start of a systolic product: {faults[0].message}")
     params = [Param(BUFFER, DType.F32, 2), Param(_BLOCKS, DType.I32)]
-    params += [Param(bias_name(j), DType.F32) for j in range(array.cols)]
     for stream in Stream:
         names = (base_name(stream, window) for window in range(windows(region.layout, stream)))
         params += [Param(name, DType.I32) for name in names]
@@ -173,17 +179,18 @@ def _start() -> DFG:
 
 
 def _report(region: GemmRegion) -> MapResult:
-    """What is proved: a PE issues one FMA for each inner index."""
+    """What is proved for this graph, with the loads of a column of B on one PE."""
     ii, depth = region.mapping.ii, region.layout.depth
-    bound = Bound("ResMII", depth, f"a PE issues {depth} FMAs for a block")
+    least = depth + 2
+    bound = Bound("ResMII", least, f"a PE at the edge issues {least} loads for a block")
     return MapResult(
-        status="optimal" if ii == depth else "feasible",
+        status="optimal" if ii == least else "feasible",
         ii=ii,
-        lower_bound=depth,
+        lower_bound=least,
         bounds=(bound,),
         mapping=region.mapping,
         mapper="systolic",
         wall_s=0.0,
-        refuted=tuple(Refutation(below, "ResMII") for below in range(1, depth)),
+        refuted=tuple(Refutation(below, "ResMII") for below in range(1, least)),
         subject=region.mapping.subject,
     )

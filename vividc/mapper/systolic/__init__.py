@@ -5,41 +5,40 @@ from vividc.mapper.systolic.gemm import (
     BUFFER,
     OFFSETS,
     GemmRegion,
-    Widths,
     base_name,
-    bias_name,
     gemm_region,
     plan,
     windows,
 )
 from vividc.mapper.systolic.layout import (
+    GROUP_BYTES,
     STREAMS,
+    TABLE_ROW,
     BlockLayout,
     Stream,
     read_blocks,
-    stride_of,
     write_blocks,
 )
-from vividc.mapper.systolic.schedule import SystolicSchedule, least_ii
+from vividc.mapper.systolic.schedule import SystolicSchedule, drain_slot, least_ii
 
 __all__ = [
     "BUFFER",
+    "GROUP_BYTES",
     "OFFSETS",
     "STREAMS",
+    "TABLE_ROW",
     "BlockLayout",
     "GemmRegion",
     "Stream",
     "SystolicArray",
     "SystolicError",
     "SystolicSchedule",
-    "Widths",
     "base_name",
-    "bias_name",
+    "drain_slot",
     "gemm_region",
     "least_ii",
     "plan",
     "read_blocks",
-    "stride_of",
     "windows",
     "write_blocks",
 ]

@@ -111,8 +111,8 @@ class SystolicArray:
                 pe = self.fabric.pes[self.multiplier(row, col)]
                 if LatencyClass.FMA not in pe.classes:
                     return f"PE {pe.id} has no FMA"
-                if pe.registers < self.latency(LatencyClass.FMA) - 1:
-                    return f"PE {pe.id} has fewer registers than an FMA takes cycles, less one"
+                if pe.registers < self.latency(LatencyClass.FMA):
+                    return f"PE {pe.id} has fewer registers than an FMA takes cycles"
         return None
 
     def _missing_link(self) -> str | None:

@@ -19,39 +19,33 @@ STREAMS = 4
 
 
 class Stream(IntEnum):
-    """The matrices, by their place in each group of words."""
+    """The matrices, by their place in each group of words, and the table of places."""
 
     A = 0
     B = 1
     C = 2
+    TABLE = 3
+
+
+TABLE_ROW = 4
+"""Elements of a row of the table: the places of the blocks of A, B and C of one iteration."""
+
+GROUP_BYTES = 4 * STREAMS
+"""Bytes from an element of a stream to the next."""
 
 
 @dataclass(frozen=True, slots=True)
 class BlockLayout:
-    """Blocks of `rows` rows of matrices with few columns, in `words` words of scratchpad.
+    """Blocks of `rows` x `cols` with inner dimension `depth`, in `words` words of scratchpad.
 
-    A block of A with inner dimension `depth` and a block of C have the same form,
-    column by column, so that the next product reads what one product wrote. Blocks are a power of two
-    of elements apart: a load/store unit shifts the block's number. `a_width` and `c_width` are the
-    columns of A and C as they lie in the scratchpad: at least `depth`, and at least `cols`.
+    A block of A and a block of C have the same form, column by column, so that the next product reads
+    what one product wrote. A block of B holds its bias behind its last row.
     """
 
     rows: int
     cols: int
     depth: int
-    a_width: int
-    c_width: int
     words: int
-
-    @property
-    def stride(self) -> int:
-        """Elements of A from block to block."""
-        return stride_of(self.rows, self.a_width)
-
-    @property
-    def result_stride(self) -> int:
-        """Elements of C from block to block."""
-        return stride_of(self.rows, self.c_width)
 
     @property
     def room(self) -> int:
@@ -59,44 +53,41 @@ class BlockLayout:
         return self.words // STREAMS
 
     @property
-    def blocks(self) -> int:
-        """Blocks that fit at once; 0: not one."""
-        if self.depth * self.cols > self.room:
-            return 0
-        return self.room // max(self.stride, self.result_stride)
+    def band(self) -> int:
+        """Elements of a block of B with its bias."""
+        return (self.depth + 1) * self.cols
+
+    def blocks(self, columns: int) -> int:
+        """Blocks of rows of a matrix of `columns` columns that fit."""
+        return self.room // (self.rows * columns)
+
+    @property
+    def iterations(self) -> int:
+        """Rows of the table that fit."""
+        return self.room // TABLE_ROW
 
     def a(self, i: int, k: int) -> int:
-        """Element of row `i`, inner index `k`, of block 0."""
+        """Element of row `i`, inner index `k`, of a block."""
         return k * self.rows + i
 
     def b(self, j: int, k: int) -> int:
-        """Element of column `j`, inner index `k`."""
+        """Element of column `j`, inner index `k`, of a block; k = `depth`: the bias."""
         return k * self.cols + j
 
     def c(self, i: int, j: int) -> int:
-        """Element of row `i`, column `j`, of block 0."""
+        """Element of row `i`, column `j`, of a block."""
         return j * self.rows + i
-
-
-def stride_of(rows: int, columns: int) -> int:
-    """Elements from block to block of a matrix of `columns` columns, in blocks of `rows` rows."""
-    return 1 << (columns * rows - 1).bit_length()
 
 
 def write_blocks(stream: NDArray[np.float32], matrix: NDArray[np.float32], rows: int) -> None:
     """Lay out `matrix`, float32 [blocks * rows, columns], in a stream, float32 [room]."""
-    blocks, columns = matrix.shape[0] // rows, matrix.shape[1]
-    stride = stride_of(rows, columns)
-    shaped = matrix.reshape(blocks, rows, columns).transpose(0, 2, 1).reshape(blocks, -1)
-    for number, block in enumerate(shaped):
-        stream[number * stride : number * stride + columns * rows] = block
+    blocks = matrix.shape[0] // rows
+    stream[: matrix.size] = matrix.reshape(blocks, rows, -1).transpose(0, 2, 1).ravel()
 
 
 def read_blocks(
     stream: NDArray[np.float32], blocks: int, columns: int, rows: int
 ) -> NDArray[np.float32]:
     """The matrix that `write_blocks` lays out: float32 [blocks * rows, columns]."""
-    stride = stride_of(rows, columns)
-    starts = (number * stride for number in range(blocks))
-    found = [stream[at : at + columns * rows].reshape(columns, rows).T for at in starts]
-    return np.ascontiguousarray(np.concatenate(found))
+    shaped = stream[: blocks * rows * columns].reshape(blocks, columns, rows)
+    return np.ascontiguousarray(shaped.transpose(0, 2, 1).reshape(blocks * rows, columns))
