@@ -176,9 +176,7 @@ class _Run:
         found = read_blocks(buffer[:, source], blocks, width, rows)
         return found[: x.shape[0], : self._layers[-1].shape.cols]
 
-    def _launch(
-        self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands
-    ) -> None:
+    def _launch(self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands) -> None:
         bands = _bands(layer, self._array.cols)[given.bands.start : given.bands.stop]
         buffer[: bands.size, Stream.B] = bands.ravel()
         arguments = program.launch(buffer, given)

@@ -102,8 +102,8 @@ class GemmProgram:
     layout: BlockLayout
 
     def launch(self, buffer: NDArray[np.float32], given: Operands) -> dict[str, object]:
-        """Arguments of a launch, by parameter; the table of places is written into `buffer`, float32
-        [room, STREAMS].
+        """Arguments of a launch, by parameter; the table of places is written into `buffer`,
+        float32 [room, STREAMS].
         """
         self._write_table(buffer, given)
         named: dict[str, object] = {BUFFER: buffer.reshape(-1, _LINE)}
@@ -116,22 +116,22 @@ class GemmProgram:
         return named
 
     def _write_table(self, buffer: NDArray[np.float32], given: Operands) -> None:
-        """One row for each block of C: byte offsets of the blocks of A, B and C from their bases."""
+        """One row for each block of C: where the blocks of A, B and C lie, in bytes."""
         layout = self.layout
         band, block = np.divmod(np.arange(given.blocks * len(given.bands)), given.blocks)
         rows = np.zeros((block.size, TABLE_ROW), np.uint32)
         rows[:, Stream.A] = block * layout.a(0, given.a_width)
         rows[:, Stream.B] = band * layout.band
         rows[:, Stream.C] = block * layout.c(0, given.c_width)
-        rows[:, Stream.C] += ((band + given.bands.start) * layout.c(0, layout.cols)).astype(np.uint32)
+        rows[:, Stream.C] += ((band + given.bands.start) * layout.c(0, layout.cols)).astype(
+            np.uint32
+        )
         words = buffer.view(np.uint32)
         words[: rows.size, Stream.TABLE] = (rows * np.uint32(GROUP_BYTES)).ravel()
 
 
 @lru_cache(maxsize=16)
-def gemm_program(
-    fabric: str | Fabric, depth: int, *, relu: bool = False
-) -> GemmProgram:
+def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> GemmProgram:
     """The program for products with inner dimension `depth` on `fabric`.
 
     Parameters

@@ -1,13 +1,14 @@
 """Graph and mapping of a matrix product on a systolic array, output stationary.
 
-C = act(A B + bias) in blocks of rows x cols; each iteration of the loop is one block of C. A table in
-the scratchpad says where the blocks of A, B and C of an iteration lie, so that one loop runs over
+C = act(A B + bias) in blocks of rows x cols; each iteration of the loop is one block of C. A table
+in the scratchpad says where the blocks of A, B and C of an iteration lie, so that one loop runs over
 blocks of rows and of columns alike.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
@@ -233,7 +234,7 @@ class _Construction:
 
     def _along(self, pes: list[int], time: int) -> tuple[Step, ...]:
         """From PE to PE, readable on the second in cycle `time`."""
-        hops = zip(pes, pes[1:], strict=False)
+        hops = pairwise(pes)
         return tuple(
             Step("link", dst, self._array.link(src, dst), time + number)
             for number, (src, dst) in enumerate(hops)

@@ -1,9 +1,9 @@
-"""Where the operands of a systolic product lie in the scratchpad: no two accesses of a cycle meet in
-a bank.
+"""Where the operands of a systolic product lie: no two accesses of a cycle meet in a bank.
 
-Element x of stream s is word 4 x + s: A, B and C never share a bank. In one cycle the loads of A and
-the stores of C are of different rows, the loads of B of different columns; x counts these fastest,
-so that they lie in different banks whatever their other index is.
+Element x of stream s is word 4 x + s: A, B, C and the table never share a bank. In one cycle the
+loads of A and the stores of C are of different rows, the loads of B of different columns; x counts
+these fastest, so that they lie in different banks whatever their other index is. Loads from one row
+of the table come in different cycles, and the table's rows are as long as its columns are many.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ GROUP_BYTES = 4 * STREAMS
 class BlockLayout:
     """Blocks of `rows` x `cols` with inner dimension `depth`, in `words` words of scratchpad.
 
-    A block of A and a block of C have the same form, column by column, so that the next product reads
-    what one product wrote. A block of B holds its bias behind its last row.
+    A block of A and a block of C have the same form, column by column, so that the next product
+    reads what one product wrote. A block of B holds its bias behind its last row.
     """
 
     rows: int

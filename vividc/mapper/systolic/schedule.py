@@ -1,8 +1,8 @@
 """When a systolic array does what: a modulo schedule in closed form.
 
-One iteration of the loop is one block of C. Each PE accumulates its element in a chain of FMAs, each
-as long after the one before as an FMA takes; the chains of several blocks interleave, so that the PE
-issues an FMA in every cycle. What the chain of one block leaves open is filled by the blocks after
+One iteration of the loop is one block of C. Each PE accumulates its element in a chain of FMAs,
+each as long after the one before as an FMA takes; the chains of several blocks interleave, so that
+the PE issues an FMA in almost every cycle. What the chain of one block leaves open is filled by the blocks after
 it, so that no block waits for another to fill or drain the array. A slot is a cycle modulo the II.
 """
 
