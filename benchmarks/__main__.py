@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, general, render_kernels
+from benchmarks import c_kernels, engines, gemm, general, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -84,7 +84,8 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 
 
 ENGINES = "engines"
-CHOICES = (*TABLES, ENGINES)
+GEMM = "gemm"
+CHOICES = (*TABLES, ENGINES, GEMM)
 
 
 def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
@@ -108,6 +109,9 @@ def main(
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
     for table in tables:
+        if table == GEMM:
+            _print_gemm(output)
+            continue
         title = engines.TITLE if table == ENGINES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
         command = f"python -m benchmarks --table {table} {on} --time-limit {time_limit:g}"
@@ -124,6 +128,16 @@ def main(
                     text = "\n".join([*lines, ""])
                     (output / f"{table}.md").write_text(text, encoding="utf-8")
             lines.append("")
+
+
+def _print_gemm(output: Path | None) -> None:
+    """The table of matrix products, which is made for fabrics of its own."""
+    command = f"python -m benchmarks --table {GEMM}"
+    lines = [f"# {gemm.TITLE}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
+    lines += [*gemm.NOTES, "", *gemm.rows()]
+    click.echo("\n".join(lines))
+    if output is not None:
+        (output / f"{GEMM}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -110,7 +110,7 @@ def gemm(
 def mlp(
     x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = "reference"
 ) -> GemmResult:
-    """All layers, one after the other, on pieces of the rows that stay in the scratchpad: what one
+    """All layers, one after the other, on pieces of rows that stay in the scratchpad: what one
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
     _check(x, layers)

@@ -1,8 +1,8 @@
 """Graph and mapping of a matrix product on a systolic array, output stationary.
 
 C = act(A B + bias) in blocks of rows x cols; each iteration of the loop is one block of C. A table
-in the scratchpad says where the blocks of A, B and C of an iteration lie, so that one loop runs over
-blocks of rows and of columns alike.
+in the scratchpad says where the blocks of A, B and C of an iteration lie, so that one loop runs
+over blocks of rows and of columns alike.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 One iteration of the loop is one block of C. Each PE accumulates its element in a chain of FMAs,
 each as long after the one before as an FMA takes; the chains of several blocks interleave, so that
-the PE issues an FMA in almost every cycle. What the chain of one block leaves open is filled by the blocks after
-it, so that no block waits for another to fill or drain the array. A slot is a cycle modulo the II.
+the PE issues an FMA in almost every cycle. What the chain of one block leaves open is filled by the
+blocks after it, so that no block waits for another to fill or drain the array. A slot is a cycle
+modulo the II.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from vividc.mapper.systolic.array import SystolicArray
 def least_ii(array: SystolicArray, depth: int, *, activated: bool) -> int:
     """Least II of a block with inner dimension `depth`.
 
-    A PE issues `depth` FMAs a block, and a PE in the north as many loads, one of the bias and one of
-    the place where the block's columns of B lie. The bound of a drain is in `drain_slot`.
+    A PE issues `depth` FMAs a block, and a PE in the north as many loads, one of the bias and one
+    of the place where the block's columns of B lie. The bound of a drain is in `drain_slot`.
     """
     ii = max(depth + 2, array.rows, array.cols)
     while drain_slot(array, ii, activated=activated) is None:
@@ -30,8 +31,8 @@ def least_ii(array: SystolicArray, depth: int, *, activated: bool) -> int:
 def drain_slot(array: SystolicArray, ii: int, *, activated: bool) -> int | None:
     """Slot, counted from the first result, in which a drain loads the place of the block of C.
 
-    Results of a column come 2 cycles apart: one for the skew of the rows, one for the link more. Each
-    is stored at once, or after its activation in the cycle after. None: no slot is free, or results
+    Results of a column come 2 cycles apart: one for the skew of the rows, one for the link more.
+    Each is stored at once, or after its activation in the cycle after. None: no slot is free, or results
     of two blocks meet.
     """
     last = 1 if activated else 0
@@ -47,7 +48,7 @@ def drain_slot(array: SystolicArray, ii: int, *, activated: bool) -> int | None:
 
 @dataclass(frozen=True)
 class SystolicSchedule:
-    """Issue cycles of one block; `i` is a row, `j` a column, `k` an index of the inner dimension."""
+    """Issue cycles of one block; `i` is a row, `j` a column, `k` an inner index."""
 
     array: SystolicArray
     depth: int
