@@ -14,16 +14,16 @@ from vividc.mapper.systolic import SystolicArray
 
 TITLE = "Matrix products on systolic arrays"
 NOTES = (
-    "Cycles are the exact closed form (`vividc.gemm.predict`), which equals simulation wherever both "
-    "were run (the last table, and `tests/gemm`). `in pieces`: operands are brought to the "
+    "Cycles are the exact closed form (`vividc.gemm.predict`), which equals simulation wherever "
+    "both were run (the last table, and `tests/gemm`). `in pieces`: operands are brought to the "
     "scratchpad between launches, as the simulator runs them, each launch filling and draining the "
     "array once. `one launch`: a scratchpad that holds all operands, as SCALE-Sim's compute cycles "
     "assume. SCALE-Sim 3.0.0, output stationary, M = 4096: its cycles obey "
     "ceil(M/R) ceil(N/C) (2R + K - 2) - 1.",
     "",
-    "Utilisation counts multiplications asked for, per multiplying PE and cycle; the load/store PEs "
-    "at the edges (48 on vivid-16x16, 24 on vivid-8x8, corners aside) are not in it, as SCALE-Sim's "
-    "feeders are not.",
+    "Utilisation counts multiplications asked for, per multiplying PE and cycle; the load/store "
+    "PEs at the edges (48 on vivid-16x16, 24 on vivid-8x8, corners aside) are not in it, as "
+    "SCALE-Sim's feeders are not.",
 )
 
 

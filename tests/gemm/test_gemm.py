@@ -29,9 +29,7 @@ def bound(a: Matrix, b: Matrix, bias: Matrix) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("mode", ["tpu-partitioned", "tpu-unified"])
 @pytest.mark.parametrize(("rows", "depth", "cols"), [(50, 5, 11), (17, 12, 20)])
-def test_a_product_is_numpys_within_the_bound(
-    mode: str, rows: int, depth: int, cols: int
-) -> None:
+def test_a_product_is_numpys_within_the_bound(mode: str, rows: int, depth: int, cols: int) -> None:
     a, b, bias = random(rows, depth), random(depth, cols), random(cols)
     result = gemm(a, b, bias, activation="relu", mode=mode)
     exact = np.maximum(a.astype(np.float64) @ b + bias, 0)

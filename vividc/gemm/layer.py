@@ -85,9 +85,9 @@ def gemm(
 ) -> GemmResult:
     """activation(a b + bias) on the array, simulated.
 
-    Every element is one chain of fused multiply-adds in float32 over the inner index, from the bias:
-    it differs from the exact sum by at most n u / (1 - n u) times the sum of the terms' magnitudes,
-    with n inner indices and u = 2**-24 (Higham 2002, section 3.1).
+    Every element is one chain of fused multiply-adds in float32 over the inner index, from the
+    bias: it differs from the exact sum by at most n u / (1 - n u) times the sum of the terms'
+    magnitudes, with n inner indices and u = 2**-24 (Higham 2002, section 3.1).
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class _Run:
         bands = _bands(layer, self._array.cols)[given.bands.start : given.bands.stop]
         buffer[: bands.size, Stream.B] = bands.ravel()
         arguments = program.launch(buffer, given)
-        self._cycles += simulate(program.program, engine=self._engine, **arguments).cycles
+        self._cycles += simulate(program.program, *arguments, engine=self._engine).cycles
         self._launches += 1
 
 

@@ -101,8 +101,8 @@ class GemmProgram:
     program: Program
     layout: BlockLayout
 
-    def launch(self, buffer: NDArray[np.float32], given: Operands) -> dict[str, object]:
-        """Arguments of a launch, by parameter; the table of places is written into `buffer`,
+    def launch(self, buffer: NDArray[np.float32], given: Operands) -> tuple[object, ...]:
+        """Arguments of a launch, in order; the table of places is written into `buffer`,
         float32 [room, STREAMS].
         """
         self._write_table(buffer, given)
@@ -113,7 +113,7 @@ class GemmProgram:
         for stream, number in streams.items():
             for window in range(windows(self.layout, stream)):
                 named[base_name(stream, window)] = number * WORD_BYTES + window * OFFSETS
-        return named
+        return tuple(named[param.name] for param in self.program.params)
 
     def _write_table(self, buffer: NDArray[np.float32], given: Operands) -> None:
         """One row for each block of C: where the blocks of A, B and C lie, in bytes."""

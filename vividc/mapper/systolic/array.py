@@ -106,6 +106,9 @@ class SystolicArray:
         for col in range(self.cols):
             if LatencyClass.COMPARE not in self.fabric.pes[self.drain(col)].classes:
                 return f"PE {self.drain(col)} at its edge does not compare"
+        return self._missing_multiplier()
+
+    def _missing_multiplier(self) -> str | None:
         for row in range(self.rows):
             for col in range(self.cols):
                 pe = self.fabric.pes[self.multiplier(row, col)]

@@ -32,8 +32,8 @@ def drain_slot(array: SystolicArray, ii: int, *, activated: bool) -> int | None:
     """Slot, counted from the first result, in which a drain loads the place of the block of C.
 
     Results of a column come 2 cycles apart: one for the skew of the rows, one for the link more.
-    Each is stored at once, or after its activation in the cycle after. None: no slot is free, or results
-    of two blocks meet.
+    Each is stored at once, or after its activation in the cycle after. None: no slot is free, or
+    results of two blocks meet.
     """
     last = 1 if activated else 0
     taken = [(2 * i + n) % ii for i in range(array.rows) for n in range(last + 1)]
