@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, general, mappers, quality, render_kernels
+from benchmarks import c_kernels, engines, gemm, general, mappers, quality, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -86,8 +86,9 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 ENGINES = "engines"
 QUALITY = "quality"
 MAPPERS = "mappers"
-CHOICES = (*TABLES, ENGINES, QUALITY, MAPPERS)
-DEFAULT = (*TABLES, ENGINES, QUALITY)  # the mappers' table takes hours: by name only
+GEMM = "gemm"
+CHOICES = (*TABLES, ENGINES, QUALITY, GEMM, MAPPERS)
+DEFAULT = (*TABLES, ENGINES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
 TITLES = {ENGINES: engines.TITLE, QUALITY: quality.TITLE, MAPPERS: mappers.TITLE}
 NOTES = {ENGINES: engines.NOTES, QUALITY: quality.NOTES, MAPPERS: mappers.NOTES}
 ON_THE_HOST = "float32 on the host"
@@ -124,6 +125,9 @@ def main(
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
     for table in tables:
+        if table == GEMM:
+            _print_gemm(output)
+            continue
         title = TITLES[table] if table in TITLES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
         command = f"python -m benchmarks --table {table}"
@@ -141,6 +145,16 @@ def main(
                     text = "\n".join([*lines, ""])
                     (output / f"{table}.md").write_text(text, encoding="utf-8")
             lines.append("")
+
+
+def _print_gemm(output: Path | None) -> None:
+    """The table of matrix products, which is made for fabrics of its own."""
+    command = f"python -m benchmarks --table {GEMM}"
+    lines = [f"# {gemm.TITLE}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
+    lines += [*gemm.NOTES, "", *gemm.rows()]
+    click.echo("\n".join(lines))
+    if output is not None:
+        (output / f"{GEMM}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ an operation that completes too late all raise `InternalError`.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
 from typing import Literal
@@ -138,6 +139,10 @@ class _Lowering:
         self._fabric = fabric
         self._stores = stores
         self._words: dict[tuple[str, int, int, int], tuple[int, int]] = {}
+        self._inputs: dict[int, list[tuple[int, Edge]]] = defaultdict(list)
+        for number, edge in enumerate(region.dfg.edges):
+            if edge.is_data:
+                self._inputs[edge.dst].append((number, edge))
         self.cells: dict[tuple[int, int], _Cell] = {}
         self.debug: list[DebugRow] = []
 
@@ -276,9 +281,7 @@ class _Lowering:
 
     def _operands(self, node: Node, place: Place) -> dict[int, Operand]:
         operands: dict[int, Operand] = {}
-        for index, edge in enumerate(self._region.dfg.edges):
-            if edge.dst != node.id or not edge.is_data:
-                continue
+        for index, edge in self._inputs[node.id]:
             if edge.port in operands:
                 raise self._fail(f"two words for operand {edge.port} of node {node.id}")
             operands[edge.port] = Operand(

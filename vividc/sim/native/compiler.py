@@ -21,6 +21,11 @@ Native = Callable[[int, int, int], int]
 
 _LOCK: Final = Lock()
 
+_LARGE: Final = 500_000
+"""Characters of a module from which LLVM's code generator does not optimise: its time for a loop of
+thousands of operations grows faster than the loop.
+"""
+
 
 def host() -> str:
     """What machine code depends on: LLVM, processor, features, byte order."""
@@ -40,7 +45,7 @@ def host() -> str:
 def object_code(text: str) -> bytes:
     """Machine code of a module, as an object file."""
     with _LOCK:
-        machine = _target_machine()
+        machine = _target_machine(2 if len(text) < _LARGE else 0)
         module = binding.parse_assembly(text)
         module.triple = binding.get_process_triple()
         module.data_layout = str(machine.target_data)
@@ -89,13 +94,13 @@ def _initialize() -> None:
 
 
 @functools.cache
-def _target_machine() -> binding.TargetMachine:
+def _target_machine(opt: int) -> binding.TargetMachine:
     _initialize()
     target = binding.Target.from_default_triple()
     return target.create_target_machine(
         cpu=binding.get_host_cpu_name(),
         features=binding.get_host_cpu_features().flatten(),
-        opt=2,
+        opt=opt,
         jit=True,
     )
 

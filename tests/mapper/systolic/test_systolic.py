@@ -1,0 +1,59 @@
+"""Systolic mappings are legal on every shape, and their bounds are as stated."""
+
+from __future__ import annotations
+
+import pytest
+
+from vividc import arch
+from vividc.arch.fabric import Fabric
+from vividc.dfg.check import check
+from vividc.mapper import violations
+from vividc.mapper.systolic import SystolicArray, SystolicError, gemm_region, least_ii, plan
+
+SMALL = """
+extends: vivid-8x8
+rows: {rows}
+cols: {cols}
+latencies: {{fma: {fma}, load: {load}}}
+"""
+
+
+def small(rows: int, cols: int, fma: int = 4, load: int = 2) -> Fabric:
+    text = SMALL.format(rows=rows + 2, cols=cols + 1, fma=fma, load=load)
+    return arch.load_text(text, "small.yaml")
+
+
+@pytest.mark.parametrize("relu", [False, True])
+@pytest.mark.parametrize("depth", [1, 2, 3, 4, 5, 8, 13, 16, 21])
+@pytest.mark.parametrize(("rows", "cols"), [(1, 1), (2, 3), (4, 4)])
+def test_every_depth_gives_a_legal_mapping(rows: int, cols: int, depth: int, relu: bool) -> None:
+    array = SystolicArray.of(small(rows, cols))
+    region = gemm_region(array, depth, relu=relu)
+    assert not list(check(region.dfg))
+    assert violations(region.dfg, array.fabric, region.mapping) == []
+
+
+@pytest.mark.parametrize(("fma", "load"), [(1, 1), (2, 1), (3, 3), (5, 2), (6, 4)])
+def test_other_latencies_give_legal_mappings(fma: int, load: int) -> None:
+    array = SystolicArray.of(small(3, 2, fma, load))
+    for depth in (1, 6, 9):
+        region = gemm_region(array, depth, relu=True)
+        assert violations(region.dfg, array.fabric, region.mapping) == []
+
+
+def test_a_block_takes_two_cycles_more_than_its_inner_dimension() -> None:
+    array = SystolicArray.of(arch.load("vivid-16x16"))
+    for depth in (32, 33, 64, 128, 150):
+        assert least_ii(array, depth, activated=True) == depth + 2
+
+
+def test_a_fabric_without_edges_is_refused() -> None:
+    with pytest.raises(SystolicError, match="vivid-tile is no systolic array"):
+        SystolicArray.of(arch.load("vivid-tile"))
+
+
+def test_an_inner_dimension_beyond_the_contexts_is_refused() -> None:
+    array = SystolicArray.of(arch.load("vivid-8x8"))
+    plan(array, 508)
+    with pytest.raises(SystolicError, match="takes 511 contexts"):
+        plan(array, 509)

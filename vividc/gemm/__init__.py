@@ -1,0 +1,23 @@
+"""Matrix products on the array as a systolic one: the TPU-like mode."""
+
+from vividc.gemm.layer import Activation, GemmResult, Layer, gemm, mlp
+from vividc.gemm.modes import FABRICS, MODES, Choice, LayerShape, Mode, Prediction, choose, predict
+from vividc.gemm.program import GemmProgram, gemm_program
+
+__all__ = [
+    "FABRICS",
+    "MODES",
+    "Activation",
+    "Choice",
+    "GemmProgram",
+    "GemmResult",
+    "Layer",
+    "LayerShape",
+    "Mode",
+    "Prediction",
+    "choose",
+    "gemm",
+    "gemm_program",
+    "mlp",
+    "predict",
+]

@@ -1,0 +1,229 @@
+"""Layers of an MLP as launches of systolic products on numpy arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.errors import ArgumentError
+from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, launches_of, padded, pieces
+from vividc.gemm.program import GemmProgram, Operands, gemm_program
+from vividc.mapper.systolic import (
+    STREAMS,
+    Stream,
+    SystolicArray,
+    read_blocks,
+    write_blocks,
+)
+from vividc.sim import simulate
+
+Activation = Literal["none", "relu"]
+Matrix = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """activation(x weights + bias).
+
+    Attributes
+    ----------
+    weights
+        float32 [inputs, outputs].
+    bias
+        float32 [outputs]; None: zeros.
+    """
+
+    weights: Matrix
+    bias: Matrix | None = None
+    activation: Activation = "none"
+
+    @property
+    def shape(self) -> LayerShape:
+        """Sizes of the layer."""
+        depth, cols = self.weights.shape
+        return LayerShape(depth, cols, self.activation == "relu")
+
+
+@dataclass(frozen=True)
+class GemmResult:
+    """What a product or an MLP gave.
+
+    Attributes
+    ----------
+    values
+        float32 [rows, outputs of the last layer].
+    cycles
+        Simulated cycles until the last array was done.
+    mode
+        Which arrays ran.
+    utilization
+        Multiplications asked for, per PE that multiplies and cycle.
+    launches
+        Launches of the array with most of them.
+    """
+
+    values: Matrix
+    cycles: int
+    mode: Mode
+    utilization: float
+    launches: int
+
+
+def gemm(
+    a: Matrix,
+    b: Matrix,
+    bias: Matrix | None = None,
+    *,
+    activation: Activation = "none",
+    mode: str = "auto",
+    engine: str = "reference",
+) -> GemmResult:
+    """activation(a b + bias) on the array, simulated.
+
+    Every element is one chain of fused multiply-adds in float32 over the inner index, from the
+    bias: it differs from the exact sum by at most n u / (1 - n u) times the sum of the terms'
+    magnitudes, with n inner indices and u = 2**-24 (Higham 2002, section 3.1).
+
+    Parameters
+    ----------
+    a, b, bias
+        float32 [rows, depth], [depth, cols], [cols].
+    mode
+        "tpu-unified", "tpu-partitioned" or "auto", the one with fewer cycles.
+    engine
+        Engine of the simulator. The native one compiles the loop first, which takes minutes for
+        the thousands of operations of the 16x16 array.
+
+    Raises
+    ------
+    ArgumentError, SystolicError
+        Wrong types or sizes, an unknown mode, or a product that does not fit the array.
+    """
+    return mlp(a, [Layer(b, bias, activation)], mode=mode, engine=engine)
+
+
+def mlp(
+    x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = "reference"
+) -> GemmResult:
+    """All layers, one after the other, on pieces of rows that stay in the scratchpad: what one
+    layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
+    """
+    _check(x, layers)
+    chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
+    name, arrays = FABRICS[chosen.mode]
+    share = -(-x.shape[0] // arrays)
+    runs = [
+        _Run(name, layers, engine).all_rows(x[start : start + share])
+        for start in range(0, x.shape[0], share)
+    ]
+    values = np.concatenate([run.values for run in runs])
+    cycles = max(run.cycles for run in runs)
+    array = SystolicArray.of(arch.load(name))
+    work = x.shape[0] * sum(layer.weights.size for layer in layers)
+    utilization = work / (cycles * arrays * array.rows * array.cols)
+    return GemmResult(values, cycles, chosen.mode, utilization, max(run.launches for run in runs))
+
+
+@dataclass(frozen=True)
+class _Partial:
+    values: Matrix
+    cycles: int
+    launches: int
+
+
+class _Run:
+    """One array with its layers' programs."""
+
+    def __init__(self, fabric: str, layers: Sequence[Layer], engine: str) -> None:
+        self._array = SystolicArray.of(arch.load(fabric))
+        self._layers = layers
+        self._engine = engine
+        self._cycles = 0
+        self._launches = 0
+        self._programs = [
+            gemm_program(fabric, layer.shape.depth, relu=layer.shape.relu) for layer in layers
+        ]
+
+    def all_rows(self, x: Matrix) -> _Partial:
+        """Every piece of the rows through all layers."""
+        shapes = [layer.shape for layer in self._layers]
+        values, start = [], 0
+        for blocks in pieces(x.shape[0], shapes, self._array):
+            end = start + blocks * self._array.rows
+            values.append(self._piece(x[start:end], blocks))
+            start = end
+        return _Partial(np.concatenate(values), self._cycles, self._launches)
+
+    def _piece(self, x: Matrix, blocks: int) -> Matrix:
+        """Rows that fit the scratchpad: only `x`, weights and the last layer's results move."""
+        rows, width = self._array.rows, x.shape[1]
+        buffer = np.zeros((self._programs[0].layout.room, STREAMS), np.float32)
+        whole = np.zeros((blocks * rows, width), np.float32)
+        whole[: x.shape[0]] = x
+        source, target = Stream.A, Stream.C
+        write_blocks(buffer[:, source], whole, rows)
+        for program, layer in zip(self._programs, self._layers, strict=True):
+            c_width = padded(layer.shape.cols, self._array.cols)
+            for bands in launches_of(layer.shape, program.layout, blocks):
+                given = Operands(source, target, width, c_width, blocks, bands)
+                self._launch(program, layer, buffer, given)
+            source, target, width = target, source, c_width
+        found = read_blocks(buffer[:, source], blocks, width, rows)
+        return found[: x.shape[0], : self._layers[-1].shape.cols]
+
+    def _launch(self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands) -> None:
+        bands = _bands(layer, self._array.cols)[given.bands.start : given.bands.stop]
+        buffer[: bands.size, Stream.B] = bands.ravel()
+        arguments = program.launch(buffer, given)
+        self._cycles += simulate(program.program, *arguments, engine=self._engine).cycles
+        self._launches += 1
+
+
+def _bands(layer: Layer, cols: int) -> Matrix:
+    """Weights and bias by blocks of columns, the last one filled with zeros: float32 [bands,
+    depth + 1, cols].
+    """
+    depth, outputs = layer.weights.shape
+    whole = np.zeros((depth + 1, padded(outputs, cols)), np.float32)
+    whole[:depth, :outputs] = layer.weights
+    if layer.bias is not None:
+        whole[depth, :outputs] = layer.bias
+    return whole.reshape(depth + 1, -1, cols).transpose(1, 0, 2)
+
+
+def _check(x: Matrix, layers: Sequence[Layer]) -> None:
+    _check_array("the input", x, 2)
+    columns = x.shape[1]
+    for number, layer in enumerate(layers):
+        name = f"layer {number}"
+        _check_array(f"the weights of {name}", layer.weights, 2)
+        if layer.weights.shape[0] != columns:
+            raise ArgumentError(
+                f"the weights of {name} have {layer.weights.shape[0]} rows, and its input has "
+                f"{columns} columns",
+                hint="an input [rows, depth] takes weights [depth, columns]",
+            )
+        columns = layer.weights.shape[1]
+        if layer.activation not in get_args(Activation):
+            known = ", ".join(get_args(Activation))
+            reason = f"unknown activation {layer.activation!r} of {name}"
+            raise ArgumentError(reason, hint=f"activations: {known}")
+        if layer.bias is not None:
+            _check_array(f"the bias of {name}", layer.bias, 1)
+            if layer.bias.shape[0] != columns:
+                reason = f"the bias of {name} has {layer.bias.shape[0]} elements, not {columns}"
+                raise ArgumentError(reason, hint="one for each column of the weights")
+
+
+def _check_array(what: str, array: object, ndim: int) -> None:
+    wanted = f"a numpy array of float32 with {ndim} dimensions"
+    if not isinstance(array, np.ndarray):
+        raise ArgumentError(f"{what} is a {type(array).__name__}", hint=f"give {wanted}")
+    if array.dtype != np.float32 or array.ndim != ndim:
+        text = f"{what} is an array of {array.dtype} with {array.ndim} dimensions"
+        raise ArgumentError(text, hint=f"give {wanted}")

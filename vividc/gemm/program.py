@@ -1,0 +1,196 @@
+"""The program of a systolic matrix product: a start that sets the trip count, and the loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.arch.fabric import Fabric
+from vividc.dfg.cfg import DType, Param
+from vividc.dfg.graph_builder import GraphBuilder
+from vividc.dfg.ir import DFG, Control
+from vividc.dfg.regions import Kernel, Region
+from vividc.errors import InternalError
+from vividc.mapper import Bound, Mapping, MapProblem, MapResult, Refutation, violations
+from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.systolic import (
+    BUFFER,
+    GROUP_BYTES,
+    OFFSETS,
+    TABLE_ROW,
+    BlockLayout,
+    GemmRegion,
+    Stream,
+    SystolicArray,
+    base_name,
+    gemm_region,
+    plan,
+    windows,
+)
+from vividc.program import WORD_BYTES, Program, encode
+
+_BLOCKS = "blocks"
+"""Parameter: how many blocks of C a launch computes."""
+
+_LINE = 16
+"""Words along the second dimension of the buffer: no dimension of an array may be as long as it."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A product on an array, without its program: its layout, and its cycles in closed form."""
+
+    layout: BlockLayout
+    ii: int
+    span: int
+    overhead: int
+
+    @staticmethod
+    def of(array: SystolicArray, depth: int, *, relu: bool = False) -> Shape:
+        """The product of `gemm_region` with the same arguments.
+
+        Raises
+        ------
+        SystolicError
+            The array's memories are too small for `depth`.
+        """
+        schedule, layout = plan(array, depth, relu=relu)
+        controller = array.fabric.controller
+        start = 1 + controller.control_latency
+        return Shape(layout, schedule.ii, schedule.span, start + controller.switch_cycles)
+
+    def cycles(self, blocks: int) -> int:
+        """Cycles of one launch over `blocks` blocks, 1 or more: exact, as no two accesses of a
+        cycle meet in a bank.
+        """
+        return self.overhead + (blocks - 1) * self.ii + self.span
+
+
+@dataclass(frozen=True, slots=True)
+class Operands:
+    """Where one launch finds its operands in the scratchpad.
+
+    Attributes
+    ----------
+    source, target
+        Streams of A and C.
+    a_width, c_width
+        Columns of A and C as they lie there; of C, whole blocks.
+    blocks
+        How many blocks of rows.
+    bands
+        Which blocks of columns of C are computed; B holds these.
+    """
+
+    source: Stream
+    target: Stream
+    a_width: int
+    c_width: int
+    blocks: int
+    bands: range
+
+
+@dataclass(frozen=True)
+class GemmProgram:
+    """A program for products with one inner dimension, and the form of its operands."""
+
+    program: Program
+    layout: BlockLayout
+
+    def launch(self, buffer: NDArray[np.float32], given: Operands) -> tuple[object, ...]:
+        """Arguments of a launch, in order; the table of places is written into `buffer`,
+        float32 [room, STREAMS].
+        """
+        self._write_table(buffer, given)
+        named: dict[str, object] = {BUFFER: buffer.reshape(-1, _LINE)}
+        named[_BLOCKS] = given.blocks * len(given.bands)
+        streams = {stream: stream for stream in Stream}
+        streams |= {Stream.A: given.source, Stream.C: given.target}
+        for stream, number in streams.items():
+            for window in range(windows(self.layout, stream)):
+                named[base_name(stream, window)] = number * WORD_BYTES + window * OFFSETS
+        return tuple(named[param.name] for param in self.program.params)
+
+    def _write_table(self, buffer: NDArray[np.float32], given: Operands) -> None:
+        """One row for each block of C: where the blocks of A, B and C lie, in bytes."""
+        layout = self.layout
+        band, block = np.divmod(np.arange(given.blocks * len(given.bands)), given.blocks)
+        rows = np.zeros((block.size, TABLE_ROW), np.uint32)
+        rows[:, Stream.A] = block * layout.a(0, given.a_width)
+        rows[:, Stream.B] = band * layout.band
+        rows[:, Stream.C] = block * layout.c(0, given.c_width)
+        rows[:, Stream.C] += ((band + given.bands.start) * layout.c(0, layout.cols)).astype(
+            np.uint32
+        )
+        words = buffer.view(np.uint32)
+        words[: rows.size, Stream.TABLE] = (rows * np.uint32(GROUP_BYTES)).ravel()
+
+
+@lru_cache(maxsize=16)
+def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> GemmProgram:
+    """The program for products with inner dimension `depth` on `fabric`.
+
+    Parameters
+    ----------
+    relu
+        max(x, 0) of every result.
+
+    Raises
+    ------
+    ArchError, SystolicError
+        No such fabric; it is no systolic array; or its memories are too small for `depth`.
+    """
+    machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    array = SystolicArray.of(machine)
+    region = gemm_region(array, depth, relu=relu)
+    faults = violations(region.dfg, machine, region.mapping)
+    if faults:
+        raise InternalError(f"systolic mapping of depth {depth}: {faults[0].message}")
+    kernel, mappings = _kernel(array, region)
+    reports = {1: _report(region)}
+    return GemmProgram(encode(kernel, machine, mappings, reports=reports), region.layout)
+
+
+def _kernel(array: SystolicArray, region: GemmRegion) -> tuple[Kernel, dict[int, Mapping]]:
+    start = _start()
+    first = list_schedule(MapProblem(start, array.fabric))
+    faults = violations(start, array.fabric, first, straight=True)
+    if faults:
+        raise InternalError(f"start of a systolic product: {faults[0].message}")
+    params = [Param(BUFFER, DType.F32, 2), Param(_BLOCKS, DType.I32)]
+    for stream in Stream:
+        names = (base_name(stream, window) for window in range(windows(region.layout, stream)))
+        params += [Param(name, DType.I32) for name in names]
+    regions = (
+        Region("start", "straight", start, next=1),
+        Region("gemm", "loop", region.dfg, counted=True),
+    )
+    return Kernel("gemm", tuple(params), regions), {0: first, 1: region.mapping}
+
+
+def _start() -> DFG:
+    builder = GraphBuilder("start")
+    builder.mark(builder.live_in(_BLOCKS), Control.TRIP)
+    return builder.build()
+
+
+def _report(region: GemmRegion) -> MapResult:
+    """What is proved for this graph, with the loads of a column of B on one PE."""
+    ii, depth = region.mapping.ii, region.layout.depth
+    least = depth + 2
+    bound = Bound("ResMII", least, f"a PE at the edge issues {least} loads for a block")
+    return MapResult(
+        status="optimal" if ii == least else "feasible",
+        ii=ii,
+        lower_bound=least,
+        bounds=(bound,),
+        mapping=region.mapping,
+        mapper="systolic",
+        wall_s=0.0,
+        refuted=tuple(Refutation(below, "ResMII") for below in range(1, least)),
+        subject=region.mapping.subject,
+    )

@@ -1,0 +1,44 @@
+"""Mappings by construction: matrix products as output-stationary systolic arrays."""
+
+from vividc.mapper.systolic.array import SystolicArray, SystolicError
+from vividc.mapper.systolic.gemm import (
+    BUFFER,
+    OFFSETS,
+    GemmRegion,
+    base_name,
+    gemm_region,
+    plan,
+    windows,
+)
+from vividc.mapper.systolic.layout import (
+    GROUP_BYTES,
+    STREAMS,
+    TABLE_ROW,
+    BlockLayout,
+    Stream,
+    read_blocks,
+    write_blocks,
+)
+from vividc.mapper.systolic.schedule import SystolicSchedule, drain_slot, least_ii
+
+__all__ = [
+    "BUFFER",
+    "GROUP_BYTES",
+    "OFFSETS",
+    "STREAMS",
+    "TABLE_ROW",
+    "BlockLayout",
+    "GemmRegion",
+    "Stream",
+    "SystolicArray",
+    "SystolicError",
+    "SystolicSchedule",
+    "base_name",
+    "drain_slot",
+    "gemm_region",
+    "least_ii",
+    "plan",
+    "read_blocks",
+    "windows",
+    "write_blocks",
+]
