@@ -123,7 +123,7 @@ def mlp(
     ]
     values = np.concatenate([run.values for run in runs])
     cycles = max(run.cycles for run in runs)
-    array = SystolicArray.of(arch.load(name))
+    array = SystolicArray.of(arch.load_tile(name))
     work = x.shape[0] * sum(layer.weights.size for layer in layers)
     utilization = work / (cycles * arrays * array.rows * array.cols)
     return GemmResult(values, cycles, chosen.mode, utilization, max(run.launches for run in runs))
@@ -140,7 +140,7 @@ class _Run:
     """One array with its layers' programs."""
 
     def __init__(self, fabric: str, layers: Sequence[Layer], engine: str) -> None:
-        self._array = SystolicArray.of(arch.load(fabric))
+        self._array = SystolicArray.of(arch.load_tile(fabric))
         self._layers = layers
         self._engine = engine
         self._cycles = 0

@@ -75,7 +75,7 @@ def predict(rows: int, layers: Sequence[LayerShape], mode: Mode) -> Prediction:
     """
     _check_sizes(rows, layers)
     name, arrays = FABRICS[check_mode(mode)]
-    array = SystolicArray.of(arch.load(name))
+    array = SystolicArray.of(arch.load_tile(name))
     cycles = launches = 0
     for blocks in pieces(-(-rows // arrays), layers, array):
         for layer in layers:

@@ -144,7 +144,7 @@ def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> Gem
     ArchError, SystolicError
         No such fabric; it is no systolic array; or its memories are too small for `depth`.
     """
-    machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    machine = arch.load_tile(fabric) if isinstance(fabric, str) else fabric
     array = SystolicArray.of(machine)
     region = gemm_region(array, depth, relu=relu)
     faults = violations(region.dfg, machine, region.mapping)
