@@ -73,7 +73,11 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("function", "offset", "reason"), FLOAT_KERNELS, ids=lambda v: str(v)[:30])
+def _short(value: object) -> str:
+    return getattr(value, "__name__", str(value)[:30])
+
+
+@pytest.mark.parametrize(("function", "offset", "reason"), FLOAT_KERNELS, ids=_short)
 def test_the_error_names_the_line(
     function: Callable[..., object], offset: int, reason: str
 ) -> None:

@@ -14,8 +14,9 @@ from typing import Final
 
 from vividc.mapper.attempt import OPEN, Attempt
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.large import prepared
 from vividc.mapper.mapping import MapResult
-from vividc.mapper.negotiate import Effort, negotiate, prepare
+from vividc.mapper.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.upward import attempt_of, core_for, search_upward
@@ -35,8 +36,7 @@ def spr(problem: MapProblem, request: MapRequest) -> MapResult:
         The fabric's routing is not that of the MRRG.
     """
     core_for(problem.fabric, "spr")
-    prepare(request.tell)
-    return search_upward(problem, request, "spr", _try_ii)
+    return search_upward(problem, prepared(request), "spr", _try_ii)
 
 
 def _try_ii(
