@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from vividc.cli import options
-from vividc.cli.files import check_output
+from vividc.cli.files import check_apart, check_output
 from vividc.cli.report import print_json, print_table
 from vividc.render import (
     METHODS,
@@ -130,6 +130,7 @@ def command(
     """
     if output is not None:
         check_output(output, "-o")
+        check_apart({"-o": output}, [scene, *([] if views_file is None else [views_file])])
     if not np.isfinite(exponent_margin):
         raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
     view = _view(views_file, view_index)
