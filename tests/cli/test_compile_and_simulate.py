@@ -252,3 +252,29 @@ def test_fabric_from_a_file(own):
     result = run("compile", own / "k.py", *args)
     assert result.exit_code == 2
     assert f"{fabric}:2" in result.stderr
+
+
+def test_no_output_replaces_an_input(own):
+    source, program, inputs = own / "k.py", own / "k.vivid", own / "in.npz"
+    commands = [
+        ("compile", f"{source}:count", "-o", source),
+        ("simulate", program, "--inputs", inputs, "--outputs", inputs),
+        ("simulate", program, "--inputs", inputs, "--trace", program),
+    ]
+    before = {path: path.read_bytes() for path in (source, program, inputs)}
+    for command in commands:
+        result = run(*command)
+        assert result.exit_code == 2
+        assert "is an input, which would be lost" in result.stderr
+    assert before == {path: path.read_bytes() for path in before}
+
+
+def test_access_outside_an_array_is_refused_before_the_host_makes_it(own, monkeypatch):
+    def run_reference(kernel, arguments):
+        raise AssertionError("the host would write outside its array")
+
+    monkeypatch.setattr("vividc.cli.simulate_command.run_reference", run_reference)
+    np.savez(own / "short.npz", x=np.ones(8, np.int32), y=np.ones(2, np.float32), n=8)
+    result = run("simulate", own / "k.vivid", "--inputs", own / "short.npz", "--check")
+    assert result.exit_code == 2
+    assert "an out-of-bounds access" in result.stderr

@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from vividc.cli.files import check_output, write_whole
+from vividc.cli.files import check_apart, check_output, write_whole
 from vividc.errors import VividcError
 
 
@@ -61,3 +61,15 @@ def test_missing_folder_is_refused_with_the_option(tmp_path):
 def test_error_of_the_system_is_a_user_error(tmp_path):
     with pytest.raises(VividcError, match="cannot be written"):
         write_whole(tmp_path / "missing" / "out", lambda file: file.write(b""))
+
+
+def test_outputs_are_apart_from_inputs_and_each_other(tmp_path):
+    read, written = tmp_path / "in.npz", tmp_path / "out.npz"
+    check_apart({"--outputs": written, "--trace": tmp_path / "t.json"}, [read])
+    linked = tmp_path / "link.npz"
+    linked.symlink_to(read)
+    for same in (read, tmp_path / "." / "in.npz", linked):
+        with pytest.raises(VividcError, match=r"--outputs: .* is an input"):
+            check_apart({"--outputs": same}, [read])
+    with pytest.raises(VividcError, match=r"--trace: .* is also what --outputs writes"):
+        check_apart({"--outputs": written, "--trace": written}, [read])

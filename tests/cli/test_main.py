@@ -1,5 +1,6 @@
 """Every failure is one message on stderr with its exit code, and never a traceback."""
 
+import ctypes
 import subprocess
 import sys
 
@@ -79,3 +80,19 @@ def test_help_of_each_command(name):
     assert result.exit_code == 0
     summary = " ".join(result.output.split())
     assert "--json" in summary
+
+
+def test_interrupt_that_a_callback_swallows_is_no_bug(monkeypatch):
+    def interrupt():
+        raise KeyboardInterrupt
+
+    @click.command("map")
+    def command():
+        ctypes.CFUNCTYPE(None)(interrupt)()
+        raise RuntimeError("no compiled object yet")
+
+    monkeypatch.setitem(main.commands, "map", command)
+    hook = sys.unraisablehook
+    result = CliRunner().invoke(main, ["map"])
+    assert (result.exit_code, result.stderr) == (130, "vividc: interrupted\n")
+    assert sys.unraisablehook is hook

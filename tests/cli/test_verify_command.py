@@ -109,3 +109,11 @@ def test_unknown_operations_can_be_refused(tmp_path: Path) -> None:
     strict = run("map", path, "--fabric", "mesh-2x2", "--unknown-ops", "refuse")
     assert strict.exit_code == 2
     assert "unknown operation 'zap' (node a)" in strict.stderr
+
+
+def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "graph.json"
+    path.write_text(json.dumps({"name": "g", "nodes": [{"id": 0, "op": "add"}], "edges": []}))
+    done = run("verify", path)
+    assert done.exit_code == 2
+    assert f"{path}: schema: expected 'vividc.mapping/" in done.stderr

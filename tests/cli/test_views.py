@@ -79,6 +79,14 @@ def test_a_window(folder, tmp_path):
     assert (times[0], times[-1]) == ("#5", "#9")
 
 
+def test_a_window_after_the_run_is_refused(folder, tmp_path):
+    path = tmp_path / "p.png"
+    result = simulate(folder, "--plot", path, "--window", "5000:6000")
+    assert result.exit_code == 2
+    assert "--window: the run ends before cycle 5,000" in result.stderr
+    assert not path.exists()
+
+
 def test_what_led_to_an_error_is_written(folder, tmp_path):
     options = ("--vcd", tmp_path / "t.vcd", "--plot", tmp_path / "p.png")
     result = simulate(folder, *options, name="find", inputs="lost")

@@ -9,8 +9,8 @@ import click
 
 import vividc
 from vividc.cli import options
-from vividc.cli.files import check_output
-from vividc.cli.kernels import load_kernel
+from vividc.cli.files import check_apart, check_output
+from vividc.cli.kernels import kernel_file, load_kernel
 from vividc.cli.loop_report import factors, print_loops
 from vividc.cli.program_report import print_regions
 from vividc.cli.report import print_json, progress
@@ -96,6 +96,7 @@ def command(
     function = load_kernel(kernel)
     path = Path(f"{function.name}.vivid") if output is None else output
     check_output(path, "--output")
+    check_apart({"--output": path}, [kernel_file(kernel), Path(fabric)])
     with progress(f"compiling {function.name}") as report:
         program = vividc.compile(
             function,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import IO
 
@@ -26,6 +26,34 @@ def check_output(path: Path, option: str) -> None:
         raise VividcError(f"the folder `{folder}` does not exist", loc=option)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise VividcError(f"the folder `{folder}` is not writable", loc=option)
+
+
+def check_apart(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
+    """Refuse outputs that would replace an input or one another.
+
+    Parameters
+    ----------
+    outputs
+        Paths to write, by option.
+    inputs
+        Files that the command reads.
+
+    Raises
+    ------
+    VividcError
+        Two of the paths are one file.
+    """
+    sources = {os.path.realpath(path) for path in inputs}
+    taken: dict[str, str] = {}
+    for option, path in outputs.items():
+        place = os.path.realpath(path)
+        if place in sources:
+            reason = f"`{path}` is an input, which would be lost"
+            raise VividcError(reason, loc=option, hint="name another file")
+        if place in taken:
+            reason = f"`{path}` is also what {taken[place]} writes"
+            raise VividcError(reason, loc=option, hint="name another file")
+        taken[place] = option
 
 
 def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:

@@ -29,15 +29,24 @@ def load_kernel(spec: str) -> KernelFunction | LLKernel:
         The file cannot be read or fails when it runs (with its line); it has no such kernel, or
         several and none is named.
     """
-    head, colon, tail = spec.rpartition(":")
-    named = colon and head.endswith((_SUFFIX, _LL))
-    file, name = (Path(head), tail) if named else (Path(spec), None)
+    file, name = _split(spec)
     if file.suffix == _LL:
         return load_ll(file, name)
     kernels = _kernels(_run(file))
     if name is not None:
         return _named(kernels, name, file)
     return _only(_unique(kernels, file), file)
+
+
+def kernel_file(spec: str) -> Path:
+    """The file of `FILE` or `FILE:KERNEL`."""
+    return _split(spec)[0]
+
+
+def _split(spec: str) -> tuple[Path, str | None]:
+    head, colon, tail = spec.rpartition(":")
+    named = colon and head.endswith((_SUFFIX, _LL))
+    return (Path(head), tail) if named else (Path(spec), None)
 
 
 def _run(file: Path) -> ModuleType:

@@ -7,8 +7,11 @@ Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 proved infeasibl
 from __future__ import annotations
 
 import os
+import sys
 import traceback
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Final, TextIO
 
 import click
@@ -36,9 +39,10 @@ class _Commands(click.Group):
         with warnings.catch_warnings():
             warnings.simplefilter("always", VividcWarning)
             warnings.showwarning = _show_warning
-            return self._guarded(ctx)
+            with _seen_interrupts() as interrupts:
+                return self._guarded(ctx, interrupts)
 
-    def _guarded(self, ctx: click.Context) -> Any:
+    def _guarded(self, ctx: click.Context, interrupts: list[BaseException]) -> Any:
         try:
             return super().invoke(ctx)
         except (click.ClickException, click.exceptions.Exit):
@@ -51,9 +55,33 @@ class _Commands(click.Group):
         except BrokenPipeError:
             raise
         except Exception as error:  # the outermost frame: whatever arrives here is a bug
+            if interrupts:
+                _fail(ctx, "interrupted", INTERRUPTED)
             _print_traceback(error)
             internal = InternalError(f"{type(error).__name__}: {error} ({_origin(error)})")
             _fail(ctx, str(internal), internal.exit_code)
+
+
+@contextmanager
+def _seen_interrupts() -> Iterator[list[BaseException]]:
+    """Interrupts that a callback of a C library has swallowed, instead of their tracebacks.
+
+    numba compiles through such callbacks, and goes on to fail for another reason.
+    """
+    seen: list[BaseException] = []
+    before = sys.unraisablehook
+
+    def hook(unraisable: sys.UnraisableHookArgs) -> None:
+        if isinstance(unraisable.exc_value, KeyboardInterrupt):
+            seen.append(unraisable.exc_value)
+        else:
+            before(unraisable)
+
+    sys.unraisablehook = hook
+    try:
+        yield seen
+    finally:
+        sys.unraisablehook = before
 
 
 def _fail(ctx: click.Context, message: str, exit_code: int) -> None:

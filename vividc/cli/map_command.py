@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import get_args
@@ -13,7 +13,7 @@ import click
 from vividc import arch, dfg
 from vividc.arch import Fabric
 from vividc.cli import options
-from vividc.cli.files import check_output, write_whole
+from vividc.cli.files import check_apart, check_output, write_whole
 from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
@@ -67,11 +67,7 @@ def command(
 
     Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit.
     """
-    if output is not None:
-        check_output(output, "--output")
-    if plot is not None:
-        check_picture_path(plot, "--plot")
-        check_output(plot, "--plot")
+    _check_outputs({"--output": output, "--plot": plot}, [graph, Path(fabric)])
     the_dfg = dfg.load(graph, unknown_ops=unknown_ops)
     the_fabric = arch.load_tile(fabric)
     with progress(f"mapping {the_dfg.name}") as report:
@@ -90,6 +86,16 @@ def command(
     else:
         _print(result, the_dfg, the_fabric, output)
     _raise_unless_mapped(result, the_dfg, ii)
+
+
+def _check_outputs(outputs: Mapping[str, Path | None], inputs: Sequence[Path]) -> None:
+    """Refuse what cannot be written, or would replace an input, before anything is mapped."""
+    wanted = {option: path for option, path in outputs.items() if path is not None}
+    if "--plot" in wanted:
+        check_picture_path(wanted["--plot"], "--plot")
+    for option, path in wanted.items():
+        check_output(path, option)
+    check_apart(wanted, inputs)
 
 
 def _as_object(

@@ -15,8 +15,9 @@ from rich.progress import Progress
 
 import vividc
 from vividc.cli import options
-from vividc.cli.files import check_output
+from vividc.cli.files import check_apart, check_output
 from vividc.cli.report import print_json, print_table
+from vividc.errors import VividcError
 from vividc.render import (
     METHODS,
     ArrayPicture,
@@ -159,7 +160,8 @@ def command(
     sorts, and the simulated tiles blend every pixel.
     """
     if output is not None:
-        check_output(output, "-o")
+        _check_picture(output)
+        check_apart({"-o": output}, [scene, *([] if views_file is None else [views_file])])
     if not np.isfinite(exponent_margin):
         raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
     view = _view(views_file, view_index)
@@ -182,6 +184,12 @@ def command(
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
     else:
         _print(body, None if view is None else view.name, output)
+
+
+def _check_picture(output: Path) -> None:
+    if output.suffix.lower() != ".png":
+        raise VividcError(f"`{output}` does not end in .png", loc="-o", hint="end it in .png")
+    check_output(output, "-o")
 
 
 def _view(views_file: Path | None, index: int | None) -> View | None:

@@ -38,7 +38,7 @@ def command(mapping: Path, graph: Path | None, fabric: str | None, as_json: bool
     Graph and fabric are those in the file, unless given. Nothing is solved: what a solver
     refuted is listed as taken on trust. Exit code 5: something in the file is wrong.
     """
-    result = _read(mapping, graph, fabric)
+    result = _read_named(mapping, graph, fabric)
     assert result.subject is not None
     findings = check_certificate(result, result.subject)
     wrong = any(finding.verdict == "wrong" for finding in findings)
@@ -48,6 +48,17 @@ def command(mapping: Path, graph: Path | None, fabric: str | None, as_json: bool
         _print(result, findings, wrong=wrong)
     if wrong:
         raise click.exceptions.Exit(MISMATCH)
+
+
+def _read_named(mapping: Path, graph: Path | None, fabric: str | None) -> MapResult:
+    """As `_read`; what is wrong in the file is told with the file's name."""
+    try:
+        return _read(mapping, graph, fabric)
+    except VividcError as error:
+        head, colon, place = str(error.loc).partition(": ")
+        if head != "mapping file" or not colon:
+            raise
+        raise VividcError(error.reason, loc=f"{mapping}: {place}", hint=error.hint) from error
 
 
 def _read(mapping: Path, graph: Path | None, fabric: str | None) -> MapResult:

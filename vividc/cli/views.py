@@ -91,6 +91,12 @@ class Views:
             return
         words = self.vcd is not None
         recording = record(program, values, {}, window=self.window, words=words)
+        if recording.end <= self.window[0] and recording.stopped is None:
+            raise VividcError(
+                f"the run ends before cycle {self.window[0]:,}",
+                loc="--window",
+                hint="name cycles of the run: --window FIRST:END",
+            )
         if self.vcd is not None:
             _write(self.vcd, to_vcd(recording))
         if self.plot is not None:
