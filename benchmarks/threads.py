@@ -22,9 +22,7 @@ from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.frontend import KernelFunction
 from vividc.mapper import map_dfg
 
-HEADER: Final = (
-    "| threads | fabric | operations | II | bound | status | seconds |\n|---|---|---|---|---|---|---|"
-)
+HEADER: Final = "| threads | fabric | operations | II | bound | status | seconds |\n|---|---|---|---|---|---|---|"
 CASES: Final = (
     (4, "vivid-tile-unit", 10.0),
     (4, "mesh-4x4", 10.0),
