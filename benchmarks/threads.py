@@ -22,7 +22,10 @@ from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.frontend import KernelFunction
 from vividc.mapper import map_dfg
 
-HEADER: Final = "| threads | fabric | operations | II | bound | status | seconds |\n|---|---|---|---|---|---|---|"
+HEADER: Final = (
+    "| threads | fabric | operations | II | bound | status | seconds |\n"
+    "|---|---|---|---|---|---|---|"
+)
 CASES: Final = (
     (4, "vivid-tile-unit", 10.0),
     (4, "mesh-4x4", 10.0),
@@ -117,8 +120,9 @@ class _Jam:
             init = None if edge.init is None else ids[edge.init]
             src = ids[edge.src]
             if edge.port == PRED and _is_carried(self.one, edge.dst):
-                src = masks.setdefault(src, 0) or self._new(Opcode.ICMP_ULT, done, src)
-                masks[ids[edge.src]] = src
+                if src not in masks:
+                    masks[src] = self._new(Opcode.ICMP_ULT, done, src)
+                src = masks[src]
             self.edges.append(replace(edge, src=src, dst=ids[edge.dst], init=init))
         return done
 

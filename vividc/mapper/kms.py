@@ -1,4 +1,4 @@
-"""One II by the kernel mobility schedule: time and place as Booleans, routes and registers after."""
+"""One II by the kernel mobility schedule: Booleans of time and place, then routes and registers."""
 
 from __future__ import annotations
 
