@@ -25,6 +25,7 @@ _SOLVER_S: Final = 400.0
 the graph.
 """
 _NEAR: Final = 1
+_FOOTHOLD_SHARE: Final = 0.3
 _PATIENCE_LEAST_S, _PATIENCE_FACTOR = 4.0, 3.0
 
 
@@ -47,6 +48,21 @@ def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False
     _bisect(campaign)
     _raise_bound(campaign)
     _insist(campaign)
+
+
+def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
+    """Only the first two steps, for graphs of any size; the request with its deadline later by what
+    the compilation took.
+    """
+    request = prepared(campaign.request)
+    campaign.request = replace(request, deadline=request.deadline.within(_share(request)))
+    _gain_foothold(campaign, limit)
+    _bisect(campaign)
+    return request
+
+
+def _share(request: MapRequest) -> float:
+    return _FOOTHOLD_SHARE * request.deadline.remaining_s
 
 
 def _negotiate(campaign: Campaign, ii: int, seed: int, effort: Effort) -> Attempt:

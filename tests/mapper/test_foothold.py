@@ -1,0 +1,56 @@
+"""Some mapping soon on fabrics whose words do not pass one link a cycle into any register."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.mapper.graphs import chain
+from tests.mapper.random_graphs import random_loop
+from vividc import arch
+from vividc.dfg.ir import DFG
+from vividc.mapper.attempt import OPEN
+from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.campaign import Campaign
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.foothold import gain_foothold, needs_foothold
+from vividc.mapper.portfolio import ii_limit
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import MapRequest
+from vividc.mapper.verify import verify
+
+
+def campaign(fabric: str, dfg: DFG) -> Campaign:
+    problem = MapProblem(dfg, arch.load(fabric))
+    request = MapRequest(None, Deadline.after(60.0), 1)
+    return Campaign(problem, request, lambda *_: OPEN, mii(all_bounds(problem)))
+
+
+@pytest.mark.parametrize(
+    ("fabric", "dfg"),
+    [
+        ("hycube-4x4", random_loop(3, 18)),
+        ("hycube-4x4", random_loop(4, 18)),
+        ("openedge-4x4", chain(9)),
+        ("openedge-4x4", chain(20)),
+    ],
+)
+def test_a_foothold_is_a_legal_mapping_and_refutes_nothing(fabric: str, dfg: DFG) -> None:
+    search = campaign(fabric, dfg)
+    lower = search.lower
+    assert needs_foothold(search.problem)
+    gain_foothold(search, ii_limit(search.problem))
+    assert search.best is not None
+    assert verify(search.problem.dfg, search.problem.fabric, search.best) == []
+    assert search.lower == lower
+    assert not search.refuted
+
+
+def test_a_foothold_leaves_time_for_the_search() -> None:
+    search = campaign("hycube-4x4", random_loop(3, 18))
+    before = search.request.deadline.at
+    gain_foothold(search, ii_limit(search.problem))
+    assert search.request.deadline.at >= before
+
+
+def test_small_graphs_on_plain_fabrics_need_none() -> None:
+    assert not needs_foothold(MapProblem(random_loop(3, 18), arch.load("mesh-4x4")))
