@@ -96,7 +96,8 @@ def with_windows(mapper: Mapper) -> Mapper:
                 break
         if best is not None and best.ii <= bound:
             return _at_bound(problem, best, began)
-        return _better(mapper(problem, request), best)
+        result = _better(mapper(problem, request), best)
+        return replace(result, wall_s=time.monotonic() - began)
 
     return run
 
