@@ -10,14 +10,14 @@ from __future__ import annotations
 import os
 import platform
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
 
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, gemm, general, mappers, quality, render_kernels
+from benchmarks import c_kernels, engines, frames, gemm, general, mappers, quality, render_kernels
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -86,27 +86,26 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 ENGINES = "engines"
 QUALITY = "quality"
 MAPPERS = "mappers"
+FRAMES = "frames"
 GEMM = "gemm"
-CHOICES = (*TABLES, ENGINES, QUALITY, GEMM, MAPPERS)
-DEFAULT = (*TABLES, ENGINES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
-TITLES = {ENGINES: engines.TITLE, QUALITY: quality.TITLE, MAPPERS: mappers.TITLE}
-NOTES = {ENGINES: engines.NOTES, QUALITY: quality.NOTES, MAPPERS: mappers.NOTES}
-ON_THE_HOST = "float32 on the host"
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, MAPPERS)
+DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
+MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, MAPPERS: mappers}
+ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
+    ENGINES: engines.rows,
+    FRAMES: lambda fabric, _: frames.rows(fabric),
+    QUALITY: lambda *_: quality.rows(),
+    MAPPERS: mappers.rows,
+}
+PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",)}
+"""Where tables are made that `--fabric` has no say in."""
 
 
 def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
     """A table on one fabric, its header first."""
-    if table == QUALITY:
-        yield from quality.HEADER.splitlines()
-        yield from quality.rows()
-        return
-    if table == ENGINES:
-        yield from engines.HEADER.splitlines()
-        yield from engines.rows(fabric, time_limit_s)
-        return
-    if table == MAPPERS:
-        yield from mappers.HEADER.splitlines()
-        yield from mappers.rows(fabric, time_limit_s)
+    if table in MODULES:
+        yield from MODULES[table].HEADER.splitlines()
+        yield from ROWS[table](fabric, time_limit_s)
         return
     yield from HEADER.splitlines()
     for workload in TABLES[table][1]:
@@ -128,14 +127,14 @@ def main(
         if table == GEMM:
             _print_gemm(output)
             continue
-        title = TITLES[table] if table in TITLES else TABLES[table][0]
+        title = MODULES[table].TITLE if table in MODULES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
         command = f"python -m benchmarks --table {table}"
-        command += "" if table == QUALITY else f" {on} --time-limit {time_limit:g}"
+        command += "" if table in PLACES else f" {on} --time-limit {time_limit:g}"
         lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
-        if table in NOTES:
-            lines += [*NOTES[table], ""]
-        for fabric in (ON_THE_HOST,) if table == QUALITY else fabrics:
+        if table in MODULES:
+            lines += [*MODULES[table].NOTES, ""]
+        for fabric in PLACES.get(table, fabrics):
             lines += [f"## {fabric}", ""]
             click.echo("\n".join(lines[-2:]))
             for line in lines_of(table, fabric, time_limit):
