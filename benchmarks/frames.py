@@ -29,9 +29,9 @@ from vividc.render import (
 TITLE = "Frames of 3D Gaussian Splatting on the accelerator"
 NOTES = (
     "`kernels/gs_blend.py`, blocks of at most 8x8 pixels over the 16 tiles of `vivid`. Cycles are",
-    "of the whole job: configuration, DMA, blending; shares are of all tiles' cycles in it. Seconds",
+    "of the whole job: configuration, DMA, blending; shares are of all tiles' cycles. Seconds",
     "are the host's projection and lists, the simulation by the native engine on all cores, and",
-    "the timing; tile-cycles are those in which a tile ran words. Memory: the process's peak so far.",
+    "the timing; tile-cycles are those in which a tile ran words. Memory: the peak so far.",
 )
 HEADER = (
     "| scene | size | launches | cycles | ms at the clock | tiles run | bank stalls | wait for DMA "
