@@ -72,7 +72,7 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     jointly = strategy is _try_jointly
     if large:
         search_large(campaign, ii_limit(problem), only_footholds=jointly)
-    elif needs_foothold(problem) and not jointly and request.extend is None:
+    elif strategy is _try_everything and needs_foothold(problem) and request.extend is None:
         gain_foothold(campaign, ii_limit(problem))
     if campaign.best is None or jointly or not large:
         _climb(campaign)

@@ -152,11 +152,14 @@ LONG = 2**31 - 1
 
 def test_a_long_run_can_be_interrupted(spinning: Program) -> None:
     given = launch(spinning, np.int32(LONG), cycle_limit=1 << 40)
-    engine = NativeEngine(spinning)
-    timer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
-    timer.start()
+    timer = threading.Timer(0.05, signal.raise_signal, [signal.SIGINT])
+
+    def progress(_: int) -> None:
+        if not timer.is_alive():  # now it runs, for seconds
+            timer.start()
+
     with pytest.raises(KeyboardInterrupt):
-        engine.run(given)
+        NativeEngine(spinning).run(replace(given, progress=progress))
 
 
 def test_progress_is_told_and_may_end_the_run(spinning: Program) -> None:
