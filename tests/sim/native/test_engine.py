@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import signal
-import threading
+import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 from random import Random
 
 import numpy as np
@@ -20,6 +22,8 @@ from vividc.errors import BundleError, CycleLimit
 from vividc.program import Program, Use, pack, word_layout
 from vividc.sim import Launch, NativeEngine, ReferenceEngine
 from vividc.sim.native import engine as native_engine
+
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(params=[(1, 1), (7, 2), (10**9, 1)], ids=["cycle by cycle", "7 cycles", "regions"])
@@ -150,16 +154,33 @@ def spinning() -> Program:
 LONG = 2**31 - 1
 
 
-def test_a_long_run_can_be_interrupted(spinning: Program) -> None:
-    given = launch(spinning, np.int32(LONG), cycle_limit=1 << 40)
-    timer = threading.Timer(0.05, signal.raise_signal, [signal.SIGINT])
+INTERRUPTED = """
+import signal
+import numpy as np
+import vividc
 
-    def progress(_: int) -> None:
-        if not timer.is_alive():  # now it runs, for seconds
-            timer.start()
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job has none
+try:
+    vividc.simulate(
+        vividc.load({path!r}), np.int32(2**31 - 1), cycle_limit=1 << 40, engine="native",
+        progress=lambda cycles: print("running", flush=True),
+    )
+    print("done")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
 
-    with pytest.raises(KeyboardInterrupt):
-        NativeEngine(spinning).run(replace(given, progress=progress))
+
+def test_a_long_run_can_be_interrupted(spinning: Program, tmp_path: Path) -> None:
+    spinning.save(tmp_path / "spin.vivid")
+    script = INTERRUPTED.format(path=str(tmp_path / "spin.vivid"))
+    with subprocess.Popen(
+        [sys.executable, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "running\n"
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.read().endswith("interrupted\n")
 
 
 def test_progress_is_told_and_may_end_the_run(spinning: Program) -> None:

@@ -84,14 +84,25 @@ def run(
 def _solve(solver: CpSolver, model: CpModel) -> int:
     """Solve in a thread: the main thread stays free to take a KeyboardInterrupt and pass it on."""
     result: list[int] = []
-    thread = threading.Thread(target=lambda: result.append(int(solver.solve(model))), daemon=True)
-    thread.start()
+    begun, given_up, done = threading.Event(), threading.Event(), threading.Event()
+
+    def work() -> None:
+        begun.set()
+        try:
+            if not given_up.is_set():
+                result.append(int(solver.solve(model)))
+        finally:
+            done.set()
+
     try:
-        while thread.is_alive():
-            thread.join(_POLL_S)
+        threading.Thread(target=work, daemon=True).start()
+        while not done.wait(_POLL_S):
+            pass
     except KeyboardInterrupt:
-        solver.stop_search()
-        thread.join()
+        # Whatever moment it came at: either the thread is seen to have begun, or it sees that.
+        given_up.set()
+        while begun.is_set() and not done.wait(_POLL_S):
+            solver.stop_search()  # without effect until the solver has set itself up
         raise
     if not result:
         raise InternalError("the solver stopped without a status")
