@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = textwrap.dedent(
     """
-    import os, sys
+    import os, sys, time
     sys.path.insert(0, "tests/mapper")
     from fabrics import grid
     from graphs import blending
@@ -41,6 +41,9 @@ PROGRAM = textwrap.dedent(
         print("done")
     except KeyboardInterrupt:
         print("interrupted")
+    end = time.monotonic() + 10
+    while threads() > before and time.monotonic() < end:
+        time.sleep(0.01)  # the system counts a thread for a moment after it was joined
     print(threads() - before)
     """
 )

@@ -84,25 +84,24 @@ def run(
 def _solve(solver: CpSolver, model: CpModel) -> int:
     """Solve in a thread: the main thread stays free to take a KeyboardInterrupt and pass it on."""
     result: list[int] = []
-    begun, given_up, done = threading.Event(), threading.Event(), threading.Event()
+    begun, given_up = threading.Event(), threading.Event()
 
     def work() -> None:
         begun.set()
-        try:
-            if not given_up.is_set():
-                result.append(int(solver.solve(model)))
-        finally:
-            done.set()
+        if not given_up.is_set():
+            result.append(int(solver.solve(model)))
 
+    thread = threading.Thread(target=work, daemon=True)
     try:
-        threading.Thread(target=work, daemon=True).start()
-        while not done.wait(_POLL_S):
-            pass
+        thread.start()
+        while thread.is_alive():
+            thread.join(_POLL_S)
     except KeyboardInterrupt:
         # Whatever moment it came at: either the thread is seen to have begun, or it sees that.
         given_up.set()
-        while begun.is_set() and not done.wait(_POLL_S):
+        while begun.is_set() and thread.is_alive():
             solver.stop_search()  # without effect until the solver has set itself up
+            thread.join(_POLL_S)
         raise
     if not result:
         raise InternalError("the solver stopped without a status")
