@@ -1,0 +1,1 @@
+"""The renderers on the array: stages are compiled kernels, the host makes launch graphs."""

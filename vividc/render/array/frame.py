@@ -1,0 +1,110 @@
+"""What rendering on the array gives: the picture, and what each stage of it cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from time import perf_counter
+
+from vividc.launch import JobResult, JobStats
+from vividc.render.arrays import Float32Array
+
+
+@dataclass(slots=True)
+class Stage:
+    """One stage of a frame, over all its jobs.
+
+    Attributes
+    ----------
+    name, mode
+        As in the tables: "blend", "colour network"; "gpu", "tpu-unified" or "tpu-partitioned".
+    cycles
+        Of its jobs one after the other, with transfers and configuration.
+    jobs, runs
+        Launch graphs, and runs of programs in them.
+    stats
+        Of each job: where the cycles of the tiles went, and the bytes moved.
+    seconds
+        The host took to simulate it.
+    """
+
+    name: str
+    mode: str = "gpu"
+    cycles: int = 0
+    jobs: int = 0
+    runs: int = 0
+    stats: list[JobStats] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+@dataclass(slots=True)
+class Ledger:
+    """Stages of a frame under way, in the order in which they first ran."""
+
+    stages: dict[str, Stage] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def add(self, name: str, result: JobResult, mode: str = "gpu") -> None:
+        """Book a simulated job under a stage."""
+        stage = self.stages.setdefault(name, Stage(name, mode))
+        stage.cycles += result.cycles
+        stage.jobs += 1
+        stage.runs += len(result.values)
+        stage.stats.append(result.stats)
+
+    def count(self, **numbers: int) -> None:
+        """Add to named counts: samples, survivors, exps."""
+        for name, number in numbers.items():
+            self.counts[name] = self.counts.get(name, 0) + number
+
+    @contextmanager
+    def timed(self, name: str, mode: str = "gpu") -> Iterator[None]:
+        """Book the host's seconds of the block under a stage."""
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            stage = self.stages.setdefault(name, Stage(name, mode))
+            stage.seconds += perf_counter() - start
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArrayFrame:
+    """A picture that the simulated array computed.
+
+    Attributes
+    ----------
+    image
+        [height, width, 3] float32 over white, not clipped.
+    stages
+        In processing order.
+    counts
+        Work done and avoided: "density_samples", "colour_samples", "exponentials", ...
+    clock_ghz
+        Of the tiles.
+    sampled
+        Share of the blocks that were simulated; below 1 the other pixels are white, and cycles
+        are of the simulated blocks only.
+    """
+
+    image: Float32Array
+    stages: tuple[Stage, ...]
+    counts: dict[str, int]
+    clock_ghz: float
+    sampled: float = 1.0
+
+    @property
+    def cycles(self) -> int:
+        """Of the whole frame, stage after stage."""
+        return total_cycles(self.stages)
+
+    @property
+    def frames_a_second(self) -> float:
+        """At the tiles' clock, of the frame as sampled."""
+        return self.clock_ghz * 1e9 * self.sampled / self.cycles if self.cycles else 0.0
+
+
+def total_cycles(stages: Iterable[Stage]) -> int:
+    """Return the cycles of all stages, one after the other."""
+    return sum(stage.cycles for stage in stages)
