@@ -38,7 +38,8 @@ from numba.core.target_extension import (
 from numba.np import arrayobj, npyimpl
 
 import vividc.frontend.math_overloads
-import vividc.frontend.numpy_linalg  # noqa: F401 - both register functions with numba
+import vividc.frontend.numpy_linalg
+import vividc.frontend.numpy_where  # noqa: F401 - all register functions with numba
 from vividc.frontend.numba_arrays import (
     NoRuntime,
     arrays_are_ours,

@@ -325,3 +325,24 @@ def outer_products_of_other_types(x, b, m):
     m += np.outer(b, b)
     t = np.outer(x, b.astype(np.float32))
     return t[2, 16] + t[0, 1]
+
+
+@construct("void(float32[::1], float32[::1])", V, W, mapped=True)
+def where_larger(x, y):
+    y[:] = np.where(x > y, x, np.float32(2) * y)
+
+
+@construct("void(float32[:, ::1], float32[:, ::1])", MATRIX, floats(1, 5))
+def where_rows_are_repeated(m, row):
+    m[:] = np.where(m > 0.25, m, row)
+
+
+@construct(
+    "int32(int32[:, :, ::1], uint8)",
+    np.arange(-9, 15, dtype=np.int32).reshape(2, 3, 4),
+    np.uint8(200),
+)
+def where_of_scalars_and_types(x, b):
+    t = np.where(x > 0, x, np.int32(-3))
+    u = np.where(x[0] % 2 == 0, b, np.uint8(1))
+    return t.sum() + u[2, 3] + u[1, 1]
