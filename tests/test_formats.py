@@ -6,6 +6,7 @@ import math
 import random
 from bisect import bisect_left
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -86,7 +87,7 @@ def test_every_number_rounds_to_itself(fmt: Format) -> None:
 def test_ties_and_their_neighbours(fmt: Format) -> None:
     """Between every two neighbours: the middle, and the binary64 numbers beside it."""
     positive = values(fmt)[: fmt.max_code + 1]
-    middles = [(low + high) / 2 for low, high in zip(positive, positive[1:], strict=False)]
+    middles = [(low + high) / 2 for low, high in pairwise(positive)]
     for code, middle in enumerate(middles):
         assert round_bits(fmt, middle) == code + (code & 1)
         assert round_bits(fmt, math.nextafter(middle, 0.0)) == code
