@@ -37,6 +37,7 @@ class DType(Enum):
     """Element type of an array or type of a scalar parameter; the value is numpy's name."""
 
     F32 = "float32"
+    F16 = "float16"  # of arrays only
     I32 = "int32"
     U32 = "uint32"
     I16 = "int16"
@@ -58,7 +59,7 @@ class DType(Enum):
         return self in (DType.I8, DType.I16, DType.I32, DType.I64)
 
 
-_SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2}
+_SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2, DType.F16: 2}
 
 
 WIDE_DTYPES = frozenset({DType.I64, DType.U64})
