@@ -18,6 +18,7 @@ from vividc.dfg.normalize import normalize
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.precision import FormatChoices, Precision, parse_precision
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
@@ -62,6 +63,8 @@ class CompileOptions:
         What is done to loops.
     reassociate
         Balance reductions of floats too, which changes their rounding; integers' always are.
+    precision
+        Formats of functions, from `parse_precision`.
     """
 
     mapper: str = "auto"
@@ -71,6 +74,7 @@ class CompileOptions:
     progress: Progress | None = None
     transform: TransformOptions = field(default_factory=TransformOptions)
     reassociate: bool = False
+    precision: Precision = ()
 
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
@@ -86,6 +90,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     unroll: Factors | None = None,
     jam: Factors | None = None,
     flatten: Choices | None = None,
+    precision: FormatChoices | None = None,
     progress: Progress | None = None,
 ) -> Program:
     """Compiles `kernel` for a tile, or for the tiles of an accelerator.
@@ -107,6 +112,9 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
     flatten
         Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
+    precision
+        Formats of functions, as in {"exp": "fp8"}: their results are numbers of that format, by
+        fewer operations (`docs/precision.md`).
 
     Raises
     ------
@@ -116,7 +124,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(
-        mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
+        *(mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate),
+        parse_precision(precision),
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     program = _compile_stages(function, machine, options)
@@ -164,7 +173,8 @@ def _cut(
 
 def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    estimator = Estimator(fabric, PassOptions(options.contract, options.reassociate))
+    passes = PassOptions(options.contract, options.reassociate, options.precision)
+    estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform)
     known: dict[DFG, MapResult] = {}
@@ -227,6 +237,7 @@ def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool |
         "contract": options.contract,
         "reassociate": options.reassociate,
         "transform": options.transform.mode,
+        **{f"precision {name}": fmt for name, fmt in options.precision},
     }
 
 

@@ -44,7 +44,7 @@ def _operations(fmt: Format) -> dict[str, Callable[..., Any]]:
             mantissa = magnitude & mantissa_mask
             if field > 0:
                 mantissa |= implicit
-            value = math.ldexp(np.float64(mantissa), lowest + max(field, 1) - 1)
+            value = math.ldexp(np.float64(mantissa), lowest - 1 + (field if field > 0 else 1))
         return -value if np.int64(code) & sign else value
 
     @_helper
@@ -55,12 +55,14 @@ def _operations(fmt: Format) -> dict[str, Callable[..., Any]]:
         if magnitude >= beyond:
             code = np.int64(overflow)
         else:
-            exponent = min_exponent
+            exponent = np.int64(min_exponent)
             if magnitude >= min_normal:
                 exponent = np.int64(math.frexp(magnitude)[1]) - 1
             scaled = math.ldexp(magnitude, mantissa_bits - exponent)
             rounded = np.int64((scaled + _TO_INTEGER) - _TO_INTEGER)
-            code = min(rounded + ((exponent - min_exponent) << mantissa_bits), overflow)
+            code = rounded + ((exponent - min_exponent) << mantissa_bits)
+            if code > overflow:
+                code = np.int64(overflow)
         if math.copysign(1.0, value) < 0.0:
             code |= sign
         return np.uint32(code)

@@ -5,6 +5,8 @@ after it (`symbol`), which becomes one operation of the array; on the host it is
 binary64 and rounded once (`format_host`).
 """
 
+# ruff: noqa: PLW0108 - numba compiles a function of its own where ours would be called.
+
 from __future__ import annotations
 
 import functools
@@ -24,13 +26,11 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, overload
 from vividc.formats import E4M3, E5M2, F16, FORMATS, Format
 from vividc.frontend import lang_formats
 from vividc.frontend.format_host import HOST
-from vividc.frontend.lang_formats import CASTS, NAMES, mixed
+from vividc.frontend.lang_formats import CASTS, MISUSE, NAMES, mixed
 
 _TARGET = "vividc"
 _WORD = ir.IntType(32)
 _PREFIX = "vividc.format."
-MISUSE: Final = "vividc: "
-"""Starts what this module tells numba that a user did wrong."""
 
 
 class FormatType(types.Number):  # type: ignore[misc]
@@ -38,7 +38,7 @@ class FormatType(types.Number):  # type: ignore[misc]
 
     def __init__(self, fmt: Format) -> None:
         self.format = fmt
-        super().__init__(name=f"vividc.{fmt.name}")
+        super().__init__(name=f"lang.{CASTS[fmt]}")
 
     def unify(self, typingctx: Any, other: Any) -> Any:
         """A variable holds numbers of one format: nothing is converted without a cast."""
@@ -83,11 +83,15 @@ class _Model(DataModel):  # type: ignore[misc]
         return value
 
 
+_typeof: Callable[[type], Callable[[Callable[..., Any]], Any]] = typeof_impl.register
+_cast_rule: Callable[..., Callable[[Callable[..., Any]], Any]] = lower_cast
+
+
 class HalfArray(np.ndarray[Any, Any]):
     """A float16 array as numba sees it, whose own type of that name has no operations."""
 
 
-@typeof_impl.register(HalfArray)
+@_typeof(HalfArray)
 def _typeof_half(value: Any, _: Any) -> Any:
     readonly = not value.flags.writeable
     layout = "C" if value.flags.c_contiguous else "A"
@@ -179,26 +183,27 @@ _NUMBERS = (types.Integer, types.Boolean, types.Float, FormatType)
 _INTEGERS = (types.Integer, types.Boolean)
 
 
-@lower_cast(FormatType, types.Float)
+@_cast_rule(FormatType, types.Float)
 def _to_float(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
     number = _as_float(context, builder, value, given)
     return context.cast(builder, number, types.float32, wanted)
 
 
-@lower_cast(FormatType, types.Integer)
+@_cast_rule(FormatType, types.Integer)
 def _to_integer(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
     number = _as_float(context, builder, value, given)
     return context.cast(builder, number, types.float32, wanted)
 
 
-@lower_cast(FormatType, types.Boolean)
+@_cast_rule(FormatType, types.Boolean)
 def _to_boolean(context: Any, builder: Any, given: Any, _: Any, value: Any) -> Any:
     number = _as_float(context, builder, value, given)
     return builder.fcmp_unordered("!=", number, ir.FloatType()(0.0))
 
 
 def _misuse(text: str) -> Exception:
-    return errors.NumbaValueError(MISUSE + text)
+    error: Exception = errors.NumbaValueError(MISUSE + text)
+    return error
 
 
 def _name(kind: Any) -> str:
@@ -221,7 +226,7 @@ def _register_cast(fmt: Format) -> None:
     def overload_cast(value: Any) -> Any:
         if isinstance(value, types.Array):
             what = f"lang.{cast} of an array of {_name(value.dtype)}"
-            raise _misuse(f"{what}: it takes one number; cast the elements in a loop")
+            raise _misuse(f"{what}: it takes one number, so cast the elements in a loop")
         if not isinstance(value, _NUMBERS):
             raise _misuse(f"lang.{cast} of {value}: it takes a number")
         return lambda value: from_number(value)

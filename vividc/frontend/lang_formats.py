@@ -19,6 +19,8 @@ from vividc.formats import E4M3, E5M2, F16, Format, round_bits, to_float
 
 NAMES: Final = {F16: "float16", E4M3: "float8 E4M3", E5M2: "float8 E5M2"}
 """What a message calls a format."""
+MISUSE: Final = "vividc: "
+"""Starts what numba is told that a user did wrong with a format: reason, ": ", hint."""
 CASTS: Final = {F16: "fp16", E4M3: "fp8", E5M2: "e5m2"}
 """Name in `vividc.lang` of the cast to a format."""
 
@@ -99,7 +101,7 @@ class Narrow:
 
 def mixed(left: str, right: str, cast: str) -> str:
     """What is wrong with arithmetic between two types."""
-    return f"arithmetic between {left} and {right} needs a cast, such as lang.{cast}(...)"
+    return f"`{left}` and `{right}` in one operation: cast one, as in lang.{cast}(...)"
 
 
 def _cast(fmt: Format, value: Any) -> Narrow:
