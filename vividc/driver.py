@@ -14,7 +14,6 @@ from vividc.delivery import deliver, residents, variable_homes
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
-from vividc.dfg.normalize import normalize
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
@@ -206,7 +205,7 @@ def _map_stage(
     sequential: dict[str, str] = {}
     while True:
         function = replace(stage.state.function, sequential=frozenset(sequential))
-        function = normalize(function)
+        function = estimator.prepared(function, stage.state.hints)
         kernel = optimize_kernel(build_kernel(function), estimator.options)
         try:
             limited = replace(options, time_limit_s=max(deadline.remaining_s, _LEAST_S))
