@@ -66,6 +66,12 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
 )
+@click.option(
+    "--threads",
+    type=int,
+    metavar="N",
+    help="Run N iterations of the loop over prange side by side, 1 to 8.  [default: what pays]",
+)
 @click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
@@ -84,6 +90,7 @@ def command(
     jam: dict[int, int],
     flatten: tuple[int, ...],
     no_flatten: tuple[int, ...],
+    threads: int | None,
     explain: bool,
     output: Path | None,
     as_json: bool,
@@ -110,6 +117,7 @@ def command(
             unroll=unroll,
             jam=jam,
             flatten=dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False),
+            threads=threads,
             progress=report,
         )
     program.save(path)
