@@ -92,18 +92,33 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
     if candidate.kind == "threads":
         return _threaded(state, candidate, trips)
-    if candidate.kind == "unrolling":
-        done = unroll(state.function, state.loop(candidate.header), factor)
-        if isinstance(done, Refusal):
-            return done
-        hints = {done.main: (expected - rest) / factor, done.rest: rest}
-        derived = {done.main: done.rest}
-        return _next(state, tidy(done.function), hints, derived, factor)
+    made = _unrolled if candidate.kind == "unrolling" else _jammed
+    return made(state, candidate, trips, rest)
+
+
+def _unrolled(
+    state: State, candidate: Candidate, trips: Mapping[str, float], rest: float
+) -> State | Refusal:
+    """Runs iterations of an innermost loop as one; `rest` of them are left over."""
+    factor = candidate.factor
+    done = unroll(state.function, state.loop(candidate.header), factor)
+    if isinstance(done, Refusal):
+        return done
+    hints = {done.main: (trips[candidate.header] - rest) / factor, done.rest: rest}
+    derived = {done.main: done.rest}
+    return _next(state, tidy(done.function), hints, derived, factor)
+
+
+def _jammed(
+    state: State, candidate: Candidate, trips: Mapping[str, float], rest: float
+) -> State | Refusal:
+    """Runs iterations of an outer loop together in the inner one; `rest` of them are left over."""
+    factor = candidate.factor
     both = jam(state.function, state.loop(candidate.header), factor)
     if isinstance(both, Refusal):
         return both
     inner = trips[both.rest_inner]
-    hints = {both.main: (expected - rest) / factor, both.rest: rest}
+    hints = {both.main: (trips[candidate.header] - rest) / factor, both.rest: rest}
     hints |= {both.inner: inner, both.rest_inner: inner}
     derived = {both.main: both.rest, both.inner: both.rest_inner}
     return _next(state, tidy(both.function), hints, derived, factor)

@@ -178,11 +178,15 @@ class Body:
     def _anyone(self, block: str) -> Value | None:
         """Whether some thread runs a block, given that one is in the loop; None: it does."""
         node = self.level.node(block)
-        paths = [self.paths[thread].of(node) for thread in self.group.threads]
+        paths = [self._path(thread, node) for thread in self.group.threads]
         if len(set(paths)) == 1 and not set(self.level.exits_before(block)) & set(self.exits):
             return paths[0]
         each = [self.takes_part(thread, block) for thread in self.group.threads]
         return reduce(self.chain.either, each)
+
+    def _path(self, thread: int, node: str) -> Value | None:
+        with self.chain.thread(thread, self._decision(node)):
+            return self.paths[thread].of(node)
 
     def _copy(
         self,
