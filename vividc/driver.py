@@ -89,6 +89,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     unroll: Factors | None = None,
     jam: Factors | None = None,
     flatten: Choices | None = None,
+    threads: int | None = None,
     precision: FormatChoices | None = None,
     progress: Progress | None = None,
 ) -> Program:
@@ -104,13 +105,17 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     mapper, time_limit_s, strict_fp, contract, reassociate, progress
         See `CompileOptions`.
     transform
-        "auto": loops are unrolled, jammed and flattened where an estimate says that it pays;
-        "none": not.
+        "auto": loops are unrolled, jammed, flattened and run as threads where an estimate says that
+        it pays; "none": not.
     unroll, jam
         Factors for loops by source line, as in {12: 4}: unroll the loop in line 12 by 4, or run 4
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
     flatten
         Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
+    threads
+        Iterations of the loop over `numba.prange` that a tile runs side by side, 1 to 8, each with
+        loops and exits of its own. None: as many as the estimate says pay, if the transformation is
+        "auto".
     precision
         Formats of functions, as in {"exp": "fp8"}: their results are numbers of that format, by
         fewer operations (`docs/precision.md`).
@@ -121,13 +126,14 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     """
     loaded = _checked(kernel, fabric, time_limit_s)
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-    wanted = transform_options(transform, unroll, jam, flatten)
+    wanted = transform_options(transform, unroll, jam, flatten, threads)
     options = CompileOptions(
         *(mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate),
         parse_precision(precision),
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    program = _compile_stages(function, machine, options)
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset()
+    program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
     return replace(program, warnings=(*told, *program.warnings), parallel=parallel)
@@ -170,12 +176,14 @@ def _cut(
     return cut_parallel_loop(kernel.lower(strict_fp=strict_fp, spread=True), lines)
 
 
-def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
+def _compile_stages(
+    function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
+) -> Program:
     """The program of the plan's best stage that can be mapped."""
     passes = PassOptions(options.contract, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)
-    plan = choose(function, estimator, options.transform)
+    plan = choose(function, estimator, options.transform, parallel)
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
@@ -236,6 +244,7 @@ def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool |
         "contract": options.contract,
         "reassociate": options.reassociate,
         "transform": options.transform.mode,
+        "threads": options.transform.threads,
         **{f"precision {name}": fmt for name, fmt in options.precision},
     }
 

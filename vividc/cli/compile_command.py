@@ -68,6 +68,12 @@ SCHEMA = "vividc.compile/1"
     "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
 )
 @click.option(
+    "--threads",
+    type=int,
+    metavar="N",
+    help="Run N iterations of the loop over prange side by side, 1 to 8.  [default: what pays]",
+)
+@click.option(
     "--precision",
     multiple=True,
     metavar="FUNCTION=FORMAT",
@@ -92,6 +98,7 @@ def command(
     jam: dict[int, int],
     flatten: tuple[int, ...],
     no_flatten: tuple[int, ...],
+    threads: int | None,
     precision: dict[str, str],
     explain: bool,
     output: Path | None,
@@ -119,6 +126,7 @@ def command(
             unroll=unroll,
             jam=jam,
             flatten=dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False),
+            threads=threads,
             precision=precision,
             progress=report,
         )
