@@ -70,7 +70,9 @@ def test_floating_point_variant_takes_two_lines():
     fabric = load_text("extends: vivid-tile\nlatencies: {float: 1}\n", "fast-fp.yaml")
     tile = load("vivid-tile")
     changed = {lat for lat, cycles in fabric.latencies.items() if cycles != tile.latencies[lat]}
-    assert changed == {LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA}
+    assert changed == {
+        *(LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA, LatencyClass.DOT),
+    }
     assert fabric.name == "fast-fp"
     assert (fabric.pes, fabric.links) == (tile.pes, tile.links)
 
