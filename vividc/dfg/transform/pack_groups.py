@@ -121,17 +121,21 @@ class _Finder:
         lane = self._lane(item)
         if lane is not None:
             return (lane.thread,)
-        read = () if isinstance(item, Phi) else item.operands
-        places = (self.lane_of.get(v.id) for v in read if isinstance(v, Ref))
+        places = (self.lane_of.get(v.id) for v in _read(item) if isinstance(v, Ref))
         return min((place for place in places if place is not None), default=(math.inf, 0))
 
     def _lane(self, item: Phi | Instr) -> Lane | None:
         if isinstance(item, Instr):
             return item.lane
-        for _, value in item.incoming:
-            definition = self.definitions.get(value.id) if isinstance(value, Ref) else None
-            if isinstance(definition, Instr) and definition.lane is not None:
-                return definition.lane
+        seen, waiting = {item.id}, [item]
+        while waiting:  # a phi has the lane of what it carries, through other phis too
+            for _, value in waiting.pop().incoming:
+                definition = self.definitions.get(value.id) if isinstance(value, Ref) else None
+                if isinstance(definition, Instr) and definition.lane is not None:
+                    return definition.lane
+                if isinstance(definition, Phi) and definition.id not in seen:
+                    seen.add(definition.id)
+                    waiting.append(definition)
         return None
 
     def _formats(self) -> dict[int, Format]:

@@ -24,6 +24,8 @@ from vividc.formats import Format, join
 
 _LOOP_WEIGHT: Final = 16
 """Iterations that a loop is taken to have."""
+_FEW: Final = 48
+"""So many groups are tried one by one, more only with those they read."""
 _START, _END = -1.0, math.inf
 _PAIR: Final = 2
 
@@ -33,19 +35,27 @@ def pack_lanes(function: Function) -> Function:
     found = find_groups(function)
     if not found:
         return function
-    kept: list[Group] = []
-    for group in found:  # a group that would wait for itself has no order
-        if _packed(function, [*kept, group]) is not None:
-            kept.append(group)
-    chosen = _profitable(function, kept)
+    chosen = _profitable(function, _orderly(function, list(found)))
     best = _packed(function, chosen) if chosen else None
     return function if best is None else best
+
+
+def _orderly(function: Function, groups: list[Group]) -> list[Group]:
+    """Without groups that would wait for themselves."""
+    if _packed(function, groups) is not None:
+        return groups
+    kept: list[Group] = []
+    for group in groups:
+        if _packed(function, [*kept, group]) is not None:
+            kept.append(group)
+    return kept
 
 
 def _profitable(function: Function, groups: list[Group]) -> list[Group]:
     """Drop groups as long as that saves operations; all, if packing saves none."""
     cost = _cost(_packed(function, groups))
-    for part in [*_components(function, groups), *([group] for group in groups)]:
+    singles = [[group] for group in groups] if len(groups) <= _FEW else []
+    for part in [*_components(function, groups), *singles]:
         rest = [group for group in groups if group not in part]
         if len(rest) < len(groups):
             without = _cost(_packed(function, rest))
