@@ -17,7 +17,17 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, frames, gemm, general, mappers, quality, render_kernels
+from benchmarks import (
+    c_kernels,
+    engines,
+    frames,
+    gemm,
+    general,
+    mappers,
+    precision,
+    quality,
+    render_kernels,
+)
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -88,8 +98,16 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, MAPPERS)
-DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
+PRECISION = "precision"
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, PRECISION, MAPPERS)
+DEFAULT = (
+    *TABLES,
+    ENGINES,
+    FRAMES,
+    QUALITY,
+    GEMM,
+    PRECISION,
+)  # the mappers' table takes hours: by name only
 MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, MAPPERS: mappers}
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
@@ -125,7 +143,11 @@ def main(
         output.mkdir(parents=True, exist_ok=True)
     for table in tables:
         if table == GEMM:
-            _print_gemm(output)
+            _print_own(GEMM, gemm.TITLE, [*gemm.NOTES, "", *gemm.rows()], output)
+            continue
+        if table == PRECISION:
+            lines = [*precision.NOTES, "", *precision.rows()]
+            _print_own(PRECISION, precision.TITLE, lines, output)
             continue
         title = MODULES[table].TITLE if table in MODULES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
@@ -146,14 +168,13 @@ def main(
             lines.append("")
 
 
-def _print_gemm(output: Path | None) -> None:
-    """The table of matrix products, which is made for fabrics of its own."""
-    command = f"python -m benchmarks --table {GEMM}"
-    lines = [f"# {gemm.TITLE}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
-    lines += [*gemm.NOTES, "", *gemm.rows()]
+def _print_own(table: str, title: str, body: list[str], output: Path | None) -> None:
+    """A table that is made for fabrics of its own."""
+    command = f"python -m benchmarks --table {table}"
+    lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), "", *body]
     click.echo("\n".join(lines))
     if output is not None:
-        (output / f"{GEMM}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+        (output / f"{table}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -22,19 +22,16 @@ _TO_INTEGER: Final = 2.0**52
 """Added to and taken from a smaller number, it rounds it to an integer, ties to even."""
 
 
-def _operations(fmt: Format) -> dict[str, Callable[..., Any]]:
-    """The operations of a format, by name."""
+def _decoder(fmt: Format) -> Callable[..., Any]:
+    """Value of a code in binary64."""
     mantissa_bits, field_mask = fmt.mantissa_bits, (1 << fmt.exponent_bits) - 1
     mantissa_mask, implicit = (1 << fmt.mantissa_bits) - 1, 1 << fmt.mantissa_bits
     lowest = fmt.min_exponent - fmt.mantissa_bits
-    sign, overflow, nan = fmt.sign, fmt.overflow, fmt.nan
-    infinite = fmt.has_infinity
-    min_normal, beyond = math.ldexp(1.0, fmt.min_exponent), 2.0 * fmt.max_finite
-    min_exponent = fmt.min_exponent
+    sign, overflow, infinite = fmt.sign, fmt.overflow, fmt.has_infinity
 
     @_helper
     def decoded(code: Any) -> Any:
-        magnitude = np.int64(code) & (sign - 1)
+        magnitude: Any = np.int64(code) & (sign - 1)
         if magnitude > overflow:
             return math.nan
         if infinite and magnitude == overflow:
@@ -47,25 +44,42 @@ def _operations(fmt: Format) -> dict[str, Callable[..., Any]]:
             value = math.ldexp(np.float64(mantissa), lowest - 1 + (field if field > 0 else 1))
         return -value if np.int64(code) & sign else value
 
+    return decoded
+
+
+def _encoder(fmt: Format) -> Callable[..., Any]:
+    """Code of a value in binary64, rounded to nearest even."""
+    mantissa_bits, min_exponent = fmt.mantissa_bits, fmt.min_exponent
+    sign, overflow, nan = fmt.sign, fmt.overflow, fmt.nan
+    min_normal, beyond = math.ldexp(1.0, fmt.min_exponent), 2.0 * fmt.max_finite
+
+    @_helper
+    def magnitude_code(magnitude: Any) -> Any:
+        if magnitude >= beyond:
+            return np.int64(overflow)
+        exponent: Any = np.int64(min_exponent)
+        if magnitude >= min_normal:
+            exponent = np.int64(math.frexp(magnitude)[1]) - 1
+        scaled = math.ldexp(magnitude, mantissa_bits - exponent)
+        rounded = np.int64((scaled + _TO_INTEGER) - _TO_INTEGER)
+        code = rounded + ((exponent - min_exponent) << mantissa_bits)
+        return code if code < overflow else np.int64(overflow)
+
     @_helper
     def encoded(value: Any) -> Any:
         if value != value:  # noqa: PLR0124 - math.isnan is a call for the host, too
             return np.uint32(nan)
-        magnitude = abs(value)
-        if magnitude >= beyond:
-            code = np.int64(overflow)
-        else:
-            exponent = np.int64(min_exponent)
-            if magnitude >= min_normal:
-                exponent = np.int64(math.frexp(magnitude)[1]) - 1
-            scaled = math.ldexp(magnitude, mantissa_bits - exponent)
-            rounded = np.int64((scaled + _TO_INTEGER) - _TO_INTEGER)
-            code = rounded + ((exponent - min_exponent) << mantissa_bits)
-            if code > overflow:
-                code = np.int64(overflow)
+        code = magnitude_code(abs(value))
         if math.copysign(1.0, value) < 0.0:
             code |= sign
         return np.uint32(code)
+
+    return encoded
+
+
+def _operations(fmt: Format) -> dict[str, Callable[..., Any]]:
+    """The operations of a format, by name."""
+    decoded, encoded = _decoder(fmt), _encoder(fmt)
 
     def to_f32(a: Any) -> Any:
         return np.float32(decoded(a))

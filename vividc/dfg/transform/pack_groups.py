@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Value
+from vividc.dfg.cfg_edit import definitions
 from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import OPCODES, Opcode, Type
 from vividc.formats import FORMATS, Format
@@ -67,7 +68,7 @@ class _Finder:
     def __init__(self, function: Function) -> None:
         self.function = function
         self.definitions: dict[int, Phi | Instr] = {
-            item.id: item for block in function.blocks for item in (*block.phis, *block.instrs)
+            item.id: item for block in function.blocks for item in definitions(block)
         }
         self.formats = self._formats()
         self.colours = self._colours()
@@ -97,7 +98,7 @@ class _Finder:
             return False
         return instr.op not in _BITWISE or isinstance(instr.operands[1], Const)
 
-    def _collect(self, block: Block, opcode: Opcode | None, items: list[Phi | Instr]) -> None:
+    def _collect(self, block: Block, opcode: Opcode | None, items: Sequence[Phi | Instr]) -> None:
         """Group twins among phis, or among instructions of one opcode."""
         twins: dict[object, list[Phi | Instr]] = defaultdict(list)
         for item in items:

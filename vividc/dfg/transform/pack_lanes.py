@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Value
-from vividc.dfg.cfg_edit import map_values, next_id, uses
+from vividc.dfg.cfg_edit import definitions, map_values, next_id, uses
 from vividc.dfg.loops import find_loops
 from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.hoist import hoist_invariants
@@ -75,7 +75,7 @@ def _components(function: Function, groups: list[Group]) -> list[list[Group]]:
         return number
 
     for block in function.blocks:
-        for item in (*block.phis, *block.instrs):
+        for item in definitions(block):
             if item.id not in owner:
                 continue
             for value in _operands(item):
@@ -100,7 +100,7 @@ def _cost(function: Function | None) -> float:
         for name in loop.blocks:
             depth[name] += 1
     blocks = function.blocks
-    return sum(len(block.instrs) * _LOOP_WEIGHT ** depth[block.name] for block in blocks)
+    return math.fsum(len(b.instrs) * _LOOP_WEIGHT ** depth[b.name] for b in blocks)
 
 
 def _packed(function: Function, groups: Sequence[Group]) -> Function | None:
@@ -118,7 +118,7 @@ class _Packer:
         self.home: dict[int, str] = {}
         self.place: dict[int, float] = {}
         for block in function.blocks:
-            for item in (*block.phis, *block.instrs):
+            for item in definitions(block):
                 self.definitions[item.id] = item
                 self.home[item.id] = block.name
             self.place |= {instr.id: float(n) for n, instr in enumerate(block.instrs)}
