@@ -24,7 +24,7 @@ NOTES = (
 )
 _ROOT = Path(__file__).resolve().parents[1]
 _MIC = _ROOT / "scenes" / "mic"
-_PHOTOGRAPHS = _ROOT.parent / "shared" / "scenes" / "mic" / "mic_400.npz"
+_PHOTOGRAPHS = _ROOT.parent / "shared" / "scenes" / "mic" / "mic_200.npz"
 _FORMATS = ("fp32", "fp16", "fp8", "e5m2")
 _THREADS = 4
 _MAPPING_S = 60.0
