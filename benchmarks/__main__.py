@@ -20,6 +20,7 @@ import vividc
 from benchmarks import (
     c_kernels,
     engines,
+    formats,
     frames,
     gemm,
     general,
@@ -99,23 +100,32 @@ MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
 PRECISION = "precision"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, PRECISION, MAPPERS)
+FORMATS = "formats"
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, PRECISION, MAPPERS)
 DEFAULT = (
     *TABLES,
     ENGINES,
     FRAMES,
     QUALITY,
+    FORMATS,
     GEMM,
     PRECISION,
 )  # the mappers' table takes hours: by name only
-MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, MAPPERS: mappers}
+MODULES = {
+    ENGINES: engines,
+    FRAMES: frames,
+    QUALITY: quality,
+    FORMATS: formats,
+    MAPPERS: mappers,
+}
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
+    FORMATS: lambda *_: formats.rows(),
     MAPPERS: mappers.rows,
 }
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",)}
+PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
 """Where tables are made that `--fabric` has no say in."""
 
 

@@ -110,6 +110,8 @@ def test_too_large(fmt: Format) -> None:
         assert round_bits(fmt, Fraction(number)) == code
     assert round_bits(fmt, math.inf) == beyond
     assert round_bits(fmt, -math.inf) == beyond | fmt.sign
+    signalling = np.array([0x7F800001, 0xFFBFFFFF], np.uint32).view(np.float32)
+    assert round_array(fmt, signalling).tolist() == [fmt.nan, fmt.nan]
     special = np.array([np.inf, -np.inf, np.nan, -np.nan, 0.0, -0.0, 1e300, 5e-324])
     expected = [beyond, beyond | fmt.sign, fmt.nan, fmt.nan, 0, fmt.sign, beyond, 0]
     assert round_array(fmt, special).tolist() == expected

@@ -188,7 +188,8 @@ def round_array(fmt: Format, numbers: npt.NDArray[np.floating[Any]]) -> Codes:
     Codes
         uint8 or uint16, `fmt.dtype`, of the same shape.
     """
-    exact = np.asarray(numbers, np.float64)
+    with np.errstate(invalid="ignore"):  # a signalling NaN is as good as any
+        exact = np.asarray(numbers, np.float64)
     magnitude = np.abs(exact)
     finite = np.where(np.isfinite(magnitude), magnitude, 0.0)
     exponent = np.maximum(np.frexp(finite)[1] - 1, fmt.min_exponent)

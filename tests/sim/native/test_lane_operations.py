@@ -8,11 +8,11 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 
-from tests.sim.native.test_operations import OPS, native_results
+from tests.sim.native.test_operations import compiled
 from vividc.dfg.lane_semantics import LANE_SEMANTICS
 from vividc.dfg.opcodes import OPCODES, Opcode, Type
 from vividc.dfg.words import word_of
-from vividc.formats import E4M3, E5M2, F16, FORMATS, Format, values
+from vividc.formats import E4M3, E5M2, F16, FORMATS, Format, round_array, to_floats, values
 
 ALL = pytest.mark.parametrize("fmt", FORMATS.values(), ids=FORMATS)
 FP8 = pytest.mark.parametrize("fmt", [E4M3, E5M2], ids=["e4m3", "e5m2"])
@@ -21,10 +21,10 @@ PORTS = 3
 
 def assert_agree(ops: list[Opcode], operands: np.ndarray, name: str) -> None:
     """All of `ops` on [count, 3] words."""
-    results = native_results(np.ascontiguousarray(operands, np.uint32), name)
+    results = compiled(ops, name)(operands)
     triples = operands.tolist()
-    for op in ops:
-        column = results[:, OPS.index(op)].tolist()
+    for number, op in enumerate(ops):
+        column = results[:, number].tolist()
         function, arity = LANE_SEMANTICS[op], OPCODES[op].arity
         for triple, got in zip(triples, column, strict=True):
             assert got == function(*triple[:arity]), (op, [hex(word) for word in triple])
@@ -114,3 +114,41 @@ def test_dot_products(fmt: Format) -> None:
     top = np.uint32(sum(1 << at for at in range(fmt.bits - 2, 32, fmt.bits)))
     operands[::3, :2] &= ~top  # numbers below 2: fewer NaNs
     assert_agree([Opcode(f"dot.{fmt.name}x{fmt.lanes}")], operands, f"dot of {fmt.name}")
+
+
+@FP8
+def test_every_triple_of_fp8_codes(fmt: Format) -> None:
+    """Sums of three numbers are exact in binary64 where they are not too large (16,777,216)."""
+    run = compiled([Opcode(f"fma.{fmt.name}x{fmt.lanes}")], f"triples of {fmt.name}")
+    b, c = np.divmod(np.arange(1 << 16), 256)
+    value = to_floats(fmt, np.arange(256)).astype(np.float64)
+    for a in range(256):
+        words = [joined(fmt, codes) for codes in (np.full(1 << 16, a), b, c)]
+        with np.errstate(invalid="ignore"):
+            wanted = round_array(fmt, value[a] * value[b] + value[c])
+        got = run(np.stack(words, axis=1))[:, 0].view(fmt.dtype)
+        np.testing.assert_array_equal(got, wanted)
+
+
+@pytest.mark.parametrize("name", ["fadd", "fsub", "fmul"])
+def test_f16_arithmetic_is_numpys(name: str) -> None:
+    run = compiled([Opcode(f"{name}.f16x2")], f"numpy's {name}")
+    function = {"fadd": np.add, "fsub": np.subtract, "fmul": np.multiply}[name]
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        words = rng.integers(0, 1 << 32, (200_000, PORTS), np.uint32)
+        a, b = (np.ascontiguousarray(words[:, port]).view(np.float16) for port in (0, 1))
+        with np.errstate(all="ignore"):
+            result = function(a, b)
+        wanted = np.where(np.isnan(result), np.uint16(F16.nan), result.view(np.uint16))
+        np.testing.assert_array_equal(run(words)[:, 0].view(np.uint16), wanted)
+
+
+@ALL
+def test_truncation_of_words_of_every_exponent(fmt: Format) -> None:
+    run = compiled([Opcode(f"fptrunc.{fmt.name}")], f"truncation to {fmt.name}")
+    for first in range(0, 1 << 32, 1 << 24):
+        words = np.arange(first, first + (1 << 24), 401, dtype=np.uint32)
+        numbers = words.view(np.float32)
+        got = run(np.stack([words] * PORTS, axis=1))[:, 0]
+        np.testing.assert_array_equal(got, round_array(fmt, numbers))
