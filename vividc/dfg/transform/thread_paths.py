@@ -89,7 +89,7 @@ class Paths:
 
     def _taken(self, edge: Edge) -> Value | None:
         source, target = edge
-        if self.level.node(source) != source:
+        if self.level.node(source) in self.level.children:
             return self.left_by.get(edge)  # None: there is no other way out
         branch = self.level.blocks[source].branch
         if branch.cond is None:
