@@ -17,7 +17,17 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, frames, gemm, general, mappers, quality, render_kernels
+from benchmarks import (
+    c_kernels,
+    engines,
+    frames,
+    gemm,
+    general,
+    mappers,
+    quality,
+    render_kernels,
+    simd,
+)
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -88,13 +98,22 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, MAPPERS)
-DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
-MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, MAPPERS: mappers}
+SIMD = "simd"
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, SIMD, MAPPERS)
+DEFAULT = (
+    *TABLES,
+    ENGINES,
+    FRAMES,
+    QUALITY,
+    GEMM,
+    SIMD,
+)  # the mappers' table takes hours: by name only
+MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, SIMD: simd, MAPPERS: mappers}
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
+    SIMD: simd.rows,
     MAPPERS: mappers.rows,
 }
 PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",)}

@@ -79,7 +79,7 @@ class _Writer:
         if self.own_array:
             self.say(inside, "t = np.empty(4, np.int32)")
             for index in range(4):
-                self.say(inside, f"t[{index}] = {self.integer()}")
+                self.say(inside, f"t[{index}] = np.int32((b + {index}) & 7)")
         self.block(inside, 3, loops=())
         self.store(inside)
         if kind:
