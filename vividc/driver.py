@@ -19,6 +19,7 @@ from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.transform.contract import contract
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
@@ -172,7 +173,10 @@ def _compile_stages(
     function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    estimator = Estimator(fabric, PassOptions(options.contract, options.reassociate))
+    fuse = options.contract and not parallel
+    if options.contract and parallel:  # threads share products, and must round like one
+        function = contract(function)
+    estimator = Estimator(fabric, PassOptions(fuse, options.reassociate))
     budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform, parallel)
     known: dict[DFG, MapResult] = {}
