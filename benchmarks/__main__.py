@@ -28,6 +28,7 @@ from benchmarks import (
     precision,
     quality,
     render_kernels,
+    simd,
 )
 from benchmarks.workloads import WORKLOADS, Workload
 
@@ -99,9 +100,10 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
+SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, PRECISION, MAPPERS)
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION, MAPPERS)
 DEFAULT = (
     *TABLES,
     ENGINES,
@@ -109,6 +111,7 @@ DEFAULT = (
     QUALITY,
     FORMATS,
     GEMM,
+    SIMD,
     PRECISION,
 )  # the mappers' table takes hours: by name only
 MODULES = {
@@ -116,6 +119,7 @@ MODULES = {
     FRAMES: frames,
     QUALITY: quality,
     FORMATS: formats,
+    SIMD: simd,
     MAPPERS: mappers,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
@@ -123,6 +127,7 @@ ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     FRAMES: lambda fabric, _: frames.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
+    SIMD: simd.rows,
     MAPPERS: mappers.rows,
 }
 PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}

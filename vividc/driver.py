@@ -19,6 +19,7 @@ from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.precision import FormatChoices, Precision, parse_precision
 from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.transform.contract import contract
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
@@ -180,7 +181,10 @@ def _compile_stages(
     function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    passes = PassOptions(options.contract, options.reassociate, options.precision)
+    fuse = options.contract and not parallel
+    if options.contract and parallel:  # threads share products, and must round like one
+        function = contract(function)
+    passes = PassOptions(fuse, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform, parallel)

@@ -20,6 +20,9 @@ from vividc.planning.options import TransformOptions
 OPERATIONS_PER_PE = 8
 """A loop's graph may not have more: larger ones take too long to map."""
 
+OPERATIONS_OF_THREADS = 12
+"""The same of threads, whose graphs are wide rather than deep."""
+
 _GAIN_WITHOUT_LOOP = 0.8
 """The same where full unrolling leaves no loop around, for code that runs once."""
 
@@ -231,7 +234,8 @@ class _Chooser:
         return None if reason else Stage(state, estimate, decision)
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
-        limit = OPERATIONS_PER_PE * len(self.estimator.fabric.pes)
+        per_pe = OPERATIONS_OF_THREADS if candidate.kind == "threads" else OPERATIONS_PER_PE
+        limit = per_pe * len(self.estimator.fabric.pes)
         known = max((r.shape.operations for r in base.estimate.regions), default=0)
         largest = max((r.shape.operations for r in estimate.regions if r.kind == "loop"), default=0)
         if largest > max(limit, known):

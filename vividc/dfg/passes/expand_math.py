@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
@@ -130,6 +131,8 @@ def _expand(
     if pred is not None:
         guard = Value(pred.src, pred.distance, pred.init)
         value = Builder(rewrite, node).op(Opcode.SELECT, guard, value, operands[-1])
+    if node.control is not None:  # a quotient may be a trip count
+        rewrite.set_node(replace(rewrite.nodes[value.src], control=node.control))
     rewrite.forward(node.id, value)
     rewrite.remove_node(node.id)
     return True

@@ -49,7 +49,8 @@ class Paths:
         """When control goes along an edge between nodes, given that `root` runs."""
         node = self.level.node(edge[0])
         base = self.of(node, root)
-        if self.level.graph.out_degree(node) < 2:  # noqa: PLR2004 - one way on
+        ways = sum(self.level.node(source) == node for source, _ in self.level.edges)
+        if ways < 2:  # noqa: PLR2004 - one way on
             return base
         return self.chain.both(base, self._taken(edge))
 
@@ -89,7 +90,7 @@ class Paths:
 
     def _taken(self, edge: Edge) -> Value | None:
         source, target = edge
-        if self.level.node(source) != source:
+        if self.level.node(source) in self.level.children:
             return self.left_by.get(edge)  # None: there is no other way out
         branch = self.level.blocks[source].branch
         if branch.cond is None:
