@@ -25,8 +25,10 @@ from benchmarks import (
     gemm,
     general,
     mappers,
+    precision,
     quality,
     render_kernels,
+    simd,
 )
 from benchmarks.workloads import WORKLOADS, Workload
 
@@ -98,8 +100,10 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
+SIMD = "simd"
+PRECISION = "precision"
 FORMATS = "formats"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, MAPPERS)
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION, MAPPERS)
 DEFAULT = (
     *TABLES,
     ENGINES,
@@ -107,12 +111,15 @@ DEFAULT = (
     QUALITY,
     FORMATS,
     GEMM,
+    SIMD,
+    PRECISION,
 )  # the mappers' table takes hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
     QUALITY: quality,
     FORMATS: formats,
+    SIMD: simd,
     MAPPERS: mappers,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
@@ -120,6 +127,7 @@ ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     FRAMES: lambda fabric, _: frames.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
+    SIMD: simd.rows,
     MAPPERS: mappers.rows,
 }
 PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
@@ -150,7 +158,11 @@ def main(
         output.mkdir(parents=True, exist_ok=True)
     for table in tables:
         if table == GEMM:
-            _print_gemm(output)
+            _print_own(GEMM, gemm.TITLE, [*gemm.NOTES, "", *gemm.rows()], output)
+            continue
+        if table == PRECISION:
+            lines = [*precision.NOTES, "", *precision.rows()]
+            _print_own(PRECISION, precision.TITLE, lines, output)
             continue
         title = MODULES[table].TITLE if table in MODULES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
@@ -171,14 +183,13 @@ def main(
             lines.append("")
 
 
-def _print_gemm(output: Path | None) -> None:
-    """The table of matrix products, which is made for fabrics of its own."""
-    command = f"python -m benchmarks --table {GEMM}"
-    lines = [f"# {gemm.TITLE}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
-    lines += [*gemm.NOTES, "", *gemm.rows()]
+def _print_own(table: str, title: str, body: list[str], output: Path | None) -> None:
+    """A table that is made for fabrics of its own."""
+    command = f"python -m benchmarks --table {table}"
+    lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), "", *body]
     click.echo("\n".join(lines))
     if output is not None:
-        (output / f"{GEMM}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+        (output / f"{table}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -14,11 +14,12 @@ from vividc.delivery import deliver, residents, variable_homes
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
-from vividc.dfg.normalize import normalize
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.precision import FormatChoices, Precision, parse_precision
 from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.transform.contract import contract
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
@@ -62,6 +63,8 @@ class CompileOptions:
         What is done to loops.
     reassociate
         Balance reductions of floats too, which changes their rounding; integers' always are.
+    precision
+        Formats of functions, from `parse_precision`.
     """
 
     mapper: str = "auto"
@@ -71,6 +74,7 @@ class CompileOptions:
     progress: Progress | None = None
     transform: TransformOptions = field(default_factory=TransformOptions)
     reassociate: bool = False
+    precision: Precision = ()
 
 
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
@@ -86,6 +90,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     unroll: Factors | None = None,
     jam: Factors | None = None,
     flatten: Choices | None = None,
+    threads: int | None = None,
+    precision: FormatChoices | None = None,
     progress: Progress | None = None,
 ) -> Program:
     """Compiles `kernel` for a tile, or for the tiles of an accelerator.
@@ -100,13 +106,20 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     mapper, time_limit_s, strict_fp, contract, reassociate, progress
         See `CompileOptions`.
     transform
-        "auto": loops are unrolled, jammed and flattened where an estimate says that it pays;
-        "none": not.
+        "auto": loops are unrolled, jammed, flattened and run as threads where an estimate says that
+        it pays; "none": not.
     unroll, jam
         Factors for loops by source line, as in {12: 4}: unroll the loop in line 12 by 4, or run 4
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
     flatten
         Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
+    threads
+        Iterations of the loop over `numba.prange` that a tile runs side by side, 1 to 8, each with
+        loops and exits of its own. None: as many as the estimate says pay, if the transformation is
+        "auto".
+    precision
+        Formats of functions, as in {"exp": "fp8"}: their results are numbers of that format, by
+        fewer operations (`docs/precision.md`).
 
     Raises
     ------
@@ -114,12 +127,14 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     """
     loaded = _checked(kernel, fabric, time_limit_s)
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-    wanted = transform_options(transform, unroll, jam, flatten)
+    wanted = transform_options(transform, unroll, jam, flatten, threads)
     options = CompileOptions(
-        mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
+        *(mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate),
+        parse_precision(precision),
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    program = _compile_stages(function, machine, options)
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset()
+    program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
     return replace(program, warnings=(*told, *program.warnings), parallel=parallel)
@@ -162,11 +177,17 @@ def _cut(
     return cut_parallel_loop(kernel.lower(strict_fp=strict_fp, spread=True), lines)
 
 
-def _compile_stages(function: Function, fabric: Fabric, options: CompileOptions) -> Program:
+def _compile_stages(
+    function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
+) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    estimator = Estimator(fabric, PassOptions(options.contract, options.reassociate))
+    fuse = options.contract and not parallel
+    if options.contract and parallel:  # threads share products, and must round like one
+        function = contract(function)
+    passes = PassOptions(fuse, options.reassociate, options.precision)
+    estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)
-    plan = choose(function, estimator, options.transform)
+    plan = choose(function, estimator, options.transform, parallel)
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
@@ -196,7 +217,7 @@ def _map_stage(
     sequential: dict[str, str] = {}
     while True:
         function = replace(stage.state.function, sequential=frozenset(sequential))
-        function = normalize(function)
+        function = estimator.prepared(function, stage.state.hints)
         kernel = optimize_kernel(build_kernel(function), estimator.options)
         try:
             limited = replace(options, time_limit_s=max(deadline.remaining_s, _LEAST_S))
@@ -227,6 +248,8 @@ def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool |
         "contract": options.contract,
         "reassociate": options.reassociate,
         "transform": options.transform.mode,
+        "threads": options.transform.threads,
+        **{f"precision {name}": fmt for name, fmt in options.precision},
     }
 
 

@@ -1,5 +1,29 @@
 """Operations of the array that Python has no words for, for use in kernels and on the host."""
 
 from vividc.frontend.lang import bitcast_f32, bitcast_i32, fma, mulhi, mulhi_u
+from vividc.frontend.lang_formats import (
+    Narrow,
+    bits_of,
+    e5m2,
+    e5m2_from_bits,
+    fp8,
+    fp8_from_bits,
+    fp16,
+    fp16_from_bits,
+)
 
-__all__ = ["bitcast_f32", "bitcast_i32", "fma", "mulhi", "mulhi_u"]
+__all__ = [
+    "Narrow",
+    "bitcast_f32",
+    "bitcast_i32",
+    "bits_of",
+    "e5m2",
+    "e5m2_from_bits",
+    "fma",
+    "fp8",
+    "fp8_from_bits",
+    "fp16",
+    "fp16_from_bits",
+    "mulhi",
+    "mulhi_u",
+]

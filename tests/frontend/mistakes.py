@@ -6,6 +6,7 @@ import numba
 import numpy as np
 
 from tests.frontend.mistake_registry import mistake
+from vividc import lang
 
 TABLE = np.arange(4, dtype=np.float32)
 THIRDS = np.array([1 / 3, 2 / 3])
@@ -295,3 +296,41 @@ def sum_along_no_axis(x, n):
 def running_sum_along_an_axis(x, n):
     m = np.zeros((4, 4), np.float32)
     x[0] = np.cumsum(m, axis=1)[3, 3]  # here: any
+
+
+@mistake("lang.fp8 of an array of float32", "one number")
+def cast_of_an_array(x, n):
+    x[0] = np.float32(lang.fp8(x))  # here
+
+
+@mistake("`float16` and `float32` in one operation", "cast one")
+def two_formats(x, n):
+    x[0] = np.float32(lang.fp16(x[1]) + x[0])  # here
+
+
+@mistake("`float16` and `float8 E4M3` in one operation", "lang.fp16")
+def two_narrow_formats(x, n):
+    x[0] = np.float32(lang.fp16(x[1]) * lang.fp8(x[0]))  # here
+
+
+@mistake("stored into an array of another format", "cast it")
+def stored_without_a_cast(x, n):
+    x[0] = lang.fp8(x[1])  # here
+
+
+@mistake("a variable that holds numbers of two formats", "cast where it is assigned")
+def variable_of_two_formats(x, n):
+    total = np.float32(0)
+    if n > 3:
+        total = lang.fp16(x[0])
+    x[0] = np.float32(total)  # here: any
+
+
+@mistake("math.exp of float16", "np.float32")
+def exp_of_a_half(x, n):
+    x[0] = np.float32(math.exp(lang.fp16(x[0])))  # here
+
+
+@mistake("`/` of float8 E5M2", "np.float32")
+def quotient_of_bytes(x, n):
+    x[0] = np.float32(lang.e5m2(x[0]) / lang.e5m2(x[1]))  # here

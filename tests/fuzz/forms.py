@@ -52,7 +52,7 @@ def forms(function: Function, seed: int, *, is_whole: bool) -> list[Form]:
         plan = choose(function, estimator, TransformOptions())
         found.append(Form("chosen", plan.stages[-1].state.function))
     for _ in range(2 if kind > 0.5 else 1):
-        text, other = _at_random(function, random)
+        text, other = at_random(function, random)
         found += [Form(text, other)] if text else []
     if is_whole and random.random() < 0.3:
         options = PassOptions(contract=False, reassociate=True)
@@ -61,7 +61,8 @@ def forms(function: Function, seed: int, *, is_whole: bool) -> list[Form]:
     return found
 
 
-def _at_random(function: Function, random: Random) -> tuple[str, Function]:
+def at_random(function: Function, random: Random) -> tuple[str, Function]:
+    """Some transformations; their names are empty if none was possible."""
     tidied = tidy(function)
     state = State(tidied, expected_trips(tidied, {}))
     names = []

@@ -112,7 +112,7 @@ def _returned(dtype: DType | None, value: int) -> object:
     return word - (word >> bits - 1 << bits) if dtype.is_signed else word
 
 
-def in_blocks(function: Function) -> Program:
+def words_in_blocks(function: Function) -> Program:
     """The words of a function none of whose loops is scheduled, which is quick."""
     fabric = arch.load("vivid-tile")
     headers = frozenset(loop.header for loop in find_loops(normalize(function)))
@@ -144,7 +144,7 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> Non
     if simulate == "mapped":
         program = mapped(kernel, source, seed)
     elif simulate == "blocks":
-        program = in_blocks(tried[-1].function)
+        program = words_in_blocks(tried[-1].function)
     rough = frozenset(n for n, param in enumerate(kernel.params, 1) if param.name in ROUGH)
     for trial in range(TRIALS):
         args = arguments(kernel, shapes_of(module), seed, trial)

@@ -12,6 +12,7 @@ from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.kernels import kernel_file, load_kernel
 from vividc.cli.loop_report import factors, print_loops
+from vividc.cli.precision import formats
 from vividc.cli.program_report import print_regions
 from vividc.cli.report import print_json, progress
 from vividc.program import Program
@@ -66,6 +67,19 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
 )
+@click.option(
+    "--threads",
+    type=int,
+    metavar="N",
+    help="Run N iterations of the loop over prange side by side, 1 to 8.  [default: what pays]",
+)
+@click.option(
+    "--precision",
+    multiple=True,
+    metavar="FUNCTION=FORMAT",
+    callback=formats,
+    help="Compute exp, exp2 or all in fp16, fp8, e5m2 or fp32.",
+)
 @click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
@@ -84,6 +98,8 @@ def command(
     jam: dict[int, int],
     flatten: tuple[int, ...],
     no_flatten: tuple[int, ...],
+    threads: int | None,
+    precision: dict[str, str],
     explain: bool,
     output: Path | None,
     as_json: bool,
@@ -110,6 +126,8 @@ def command(
             unroll=unroll,
             jam=jam,
             flatten=dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False),
+            threads=threads,
+            precision=precision,
             progress=report,
         )
     program.save(path)

@@ -18,7 +18,7 @@ from vividc.dfg.if_convert import Body, Predicates, merge_phi
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.loops import Loop
 from vividc.dfg.memory_order import Access, order_accesses
-from vividc.dfg.opcodes import MEMORY, Opcode
+from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,9 @@ class _LoopEmitter:
                 self.values[Ref(instr.id)] = self._emit(name, instr)
             if block.branch.cond is not None:
                 self.condition[name] = self.value(block.branch.cond)
-        order_accesses(self.builder, self.accesses, in_loop=True, exclusive=self.body.are_exclusive)
+        order_accesses(
+            self.builder, self.accesses, loop=self.body.entry, exclusive=self.body.are_exclusive
+        )
 
     def emit_exit(self) -> Operand | None:
         """The node that ends the loop, marked for the controller; None for a loop that is only
@@ -205,10 +207,13 @@ class _LoopEmitter:
     def _emit(self, block: str, instr: Instr) -> Operand:
         if instr.op not in MEMORY:
             operands = [self.value(item) for item in instr.operands]
-            return self.builder.add(instr.op, operands, instr.loc)
+            return self.builder.add(instr.op, operands, instr.loc, instr.lane)
         is_store = instr.op is Opcode.STORE
         address = self._address(instr)
         pred, unless_exit = self._guard(block) if is_store else self._load_guard(block)
+        end = OPCODES[instr.op].arity + 1
+        if len(instr.operands) > end:
+            pred = self.predicates.both(pred, self.value(instr.operands[end]))
         base, index, shift = self.builder.fixed_base(
             self.value(address.base), self._index(instr, address), address.shift, instr.loc
         )
@@ -223,8 +228,9 @@ class _LoopEmitter:
                 signed=instr.signed,
                 unless_exit=unless_exit,
                 loc=instr.loc,
+                lane=instr.lane,
             ),
-            [index, *(self.value(item) for item in instr.operands[2:])],
+            [index, *(self.value(item) for item in instr.operands[2:end])],
             pred,
             base,
         )
@@ -259,6 +265,7 @@ class _LoopEmitter:
                 instr.width,
                 distinct=not folded and instr.distinct == self.parts.loop.header,
                 subscript=instr.subscript,
+                lane=instr.lane,
             )
         )
 

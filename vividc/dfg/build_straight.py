@@ -38,7 +38,7 @@ def build_straight(
     accesses: list[Access] = []
     for instr in block.instrs:
         own[instr.id] = _emit(builder, instr, [value(item) for item in instr.operands], accesses)
-    order_accesses(builder, accesses, in_loop=False)
+    order_accesses(builder, accesses)
     branch = block.branch
     if branch.cond is not None:
         builder.mark(value(branch.cond), Control.BRANCH, branch.loc)
@@ -64,7 +64,7 @@ def _emit(
     builder: GraphBuilder, instr: Instr, operands: list[Operand], accesses: list[Access]
 ) -> Operand:
     if instr.op not in MEMORY:
-        return builder.add(instr.op, operands, instr.loc)
+        return builder.add(instr.op, operands, instr.loc, instr.lane)
     base, index, *rest = operands
     values = OPCODES[instr.op].arity - 1
     pred = rest.pop() if len(rest) > values else None
@@ -82,6 +82,7 @@ def _emit(
             width=instr.width,
             signed=instr.signed,
             loc=instr.loc,
+            lane=instr.lane,
         ),
         [index, *rest],
         pred,

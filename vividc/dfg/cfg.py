@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 
+from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.words import SIGN_BIT, WORD_MASK
 from vividc.errors import SourceLoc
@@ -37,6 +38,7 @@ class DType(Enum):
     """Element type of an array or type of a scalar parameter; the value is numpy's name."""
 
     F32 = "float32"
+    F16 = "float16"  # of arrays only
     I32 = "int32"
     U32 = "uint32"
     I16 = "int16"
@@ -58,7 +60,7 @@ class DType(Enum):
         return self in (DType.I8, DType.I16, DType.I32, DType.I64)
 
 
-_SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2}
+_SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2, DType.F16: 2}
 
 
 WIDE_DTYPES = frozenset({DType.I64, DType.U64})
@@ -201,13 +203,14 @@ class Instr:
     """One SSA instruction.
 
     `op` is an `Opcode`: an operation, `load` (operands: base, index), `store` (operands: base,
-    index, value); in straight code a predicate may be the last operand. The byte address is base +
+    index, value); a predicate may be the last operand of both. The byte address is base +
     (index << shift) + offset; `array` names the array accessed, `width` the bytes of the access (1,
     2 or 4), and `signed` says that a load of less than a word sign-extends. `exact`: an integer
     addition or subtraction that is proved not to wrap as a signed word. `distinct`: header of a
     loop in whose run an address that such an access has touched comes back only at accesses with
     the same index that follow this one in the program, before the index changes. `subscript`: of an
     element of a parameter, the constants among its subscripts, None for others; () if unknown.
+    `lane`: the thread that a copy belongs to.
     """
 
     id: int
@@ -223,6 +226,7 @@ class Instr:
     distinct: str = ""
     subscript: tuple[int | None, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
+    lane: Lane | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True, slots=True)

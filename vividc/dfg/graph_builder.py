@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
+from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
 from vividc.dfg.passes.compare import INVERSES
 from vividc.errors import InternalError, SourceLoc
@@ -57,9 +58,15 @@ class GraphBuilder:
         node = self.node(operand)
         return node is not None and node.op is Opcode.CONST and node.const == word
 
-    def add(self, op: Opcode, operands: Sequence[Operand], loc: SourceLoc | None = None) -> Operand:
+    def add(
+        self,
+        op: Opcode,
+        operands: Sequence[Operand],
+        loc: SourceLoc | None = None,
+        lane: Lane | None = None,
+    ) -> Operand:
         """A new node of `op` fed by `operands` on ports 0, 1, ..."""
-        return self.add_node(Node(0, op, loc=loc), operands)
+        return self.add_node(Node(0, op, loc=loc, lane=lane), operands)
 
     def add_node(
         self,

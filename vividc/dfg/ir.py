@@ -14,6 +14,7 @@ from enum import Enum
 from functools import cached_property
 
 from vividc.dfg.foreign_names import CLASS_OF_NAME
+from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import (
     MEMORY,
     OPCODES,
@@ -67,6 +68,8 @@ class Node:
         exiting iteration may not come so far, so there the address may lie outside the memory.
     label
         What the file that the node comes from calls it, for messages; not in the text form.
+    lane
+        The thread of the tile that the node belongs to, if it is one's own; not in the text form.
     """
 
     id: int
@@ -81,6 +84,7 @@ class Node:
     unless_exit: bool = False
     loc: SourceLoc | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
+    lane: Lane | None = field(default=None, compare=False)
 
     @property
     def info(self) -> OpInfo:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
+from vividc.dfg.lanes import Lane
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +17,7 @@ class Access:
     `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
     the array. The access covers `width` bytes from its address on. `distinct`: two accesses that
     say so, of equal address parts, meet in one iteration only, or in an earlier one of the first
-    and a later one of the second. `subscript`: as of `cfg.Instr`.
+    and a later one of the second. `subscript`, `lane`: as of `cfg.Instr`.
     """
 
     node: Operand
@@ -30,6 +31,7 @@ class Access:
     width: int = 4
     distinct: bool = False
     subscript: tuple[int | None, ...] = ()
+    lane: Lane | None = None
 
 
 Exclusive = Callable[[str, str], bool]
@@ -40,7 +42,7 @@ def order_accesses(
     builder: GraphBuilder,
     accesses: list[Access],
     *,
-    in_loop: bool,
+    loop: str = "",
     exclusive: Exclusive = lambda first, second: False,
 ) -> None:
     """Adds ORDER edges between accesses (in program order) that may touch the same byte, at least
@@ -48,13 +50,21 @@ def order_accesses(
 
     Arrays passed as different arguments do not overlap. Affine accesses get their exact distance;
     others are kept in program order within an iteration and from each iteration to the next.
+    Accesses of different threads in a loop of theirs are independent.
+
+    Parameters
+    ----------
+    loop
+        The header of the loop whose iteration the graph is; empty for straight code.
     """
     for position, first in enumerate(accesses):
         for second in accesses[position:]:
             if first.array != second.array or not (first.is_store or second.is_store):
                 continue
+            if first.lane is not None and first.lane.independent_of(second.lane, loop):
+                continue
             apart = first is not second and exclusive(first.block, second.block)
-            for before, after, distance in _dependences(first, second, in_loop, apart):
+            for before, after, distance in _dependences(first, second, bool(loop), apart):
                 builder.order(before.node, after.node, distance)
 
 

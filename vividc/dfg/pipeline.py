@@ -10,13 +10,14 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.passes import (
     contract_fma,
     eliminate_common_subexpressions,
-    expand_math,
     fold_constants,
     fold_selects,
     recognize_min_max,
     remove_dead_nodes,
 )
 from vividc.dfg.passes.balance import pass_for
+from vividc.dfg.passes.expand_math import expansion_pass
+from vividc.dfg.precision import Precision
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 
@@ -26,11 +27,13 @@ Pass = Callable[[DFG], DFG]
 @dataclass(frozen=True, slots=True)
 class PassOptions:
     """Switches of the pipeline. `contract`: fuse multiply and add (changes rounding, as hardware
-    FMAs do). `reassociate`: balance float reductions too (changes rounding).
+    FMAs do). `reassociate`: balance float reductions too (changes rounding). `precision`: formats
+    of functions.
     """
 
     contract: bool = True
     reassociate: bool = False
+    precision: Precision = ()
 
 
 def pipeline(options: PassOptions) -> tuple[Pass, ...]:
@@ -39,7 +42,7 @@ def pipeline(options: PassOptions) -> tuple[Pass, ...]:
         fold_constants,
         # Before selects are folded: a select of a comparison of its own arms is a minimum.
         recognize_min_max,
-        expand_math,
+        expansion_pass(options.precision),
         eliminate_common_subexpressions,
         # Before contraction, which ties a sum's operands to their products.
         pass_for(reassociate=options.reassociate),

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.lang_formats import MISUSE
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -21,6 +22,7 @@ _UNTYPED = re.compile(r"Untyped global name '(?P<name>\w+)'.*?(?:<class '(?P<kin
 _UNDEFINED = re.compile(r"name '(?P<name>\w+)' is not defined")
 _FROZEN = re.compile(r"assigned to variable '(?P<name>\w+)' in globals")
 _UNKNOWN = re.compile(r">>> (?P<call>.+)")
+_MISUSE = re.compile(rf"\b{MISUSE}(?P<what>.+)")
 _ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 
 _FLAG = "the array has no exceptions: return or store a flag instead"
@@ -120,6 +122,10 @@ def diagnose(error: Exception, loc: SourceLoc, name: str) -> KernelError:
     global_ = _UNTYPED.search(text)
     if global_ is not None and not hasattr(builtins, global_["name"]):
         return _of_global(global_["name"], global_["kind"] or "", place)
+    misuse = _MISUSE.search(text)
+    if misuse is not None:
+        reason, _, hint = misuse["what"].partition(": ")
+        return KernelError(reason, loc=place, hint=hint or None)
     unknown = _UNDEFINED.search(text)
     if unknown is not None:
         return _of_undefined(unknown["name"], loc, name)
@@ -307,6 +313,16 @@ _WORDS: tuple[tuple[str, Callable[[str], str], str], ...] = (
         r"no attribute 'Literal\[int\]",
         lambda _: "a numpy function whose errors name a number (cumsum along an axis is one)",
         "write the loops over the elements",
+    ),
+    (
+        r"setitem.*lang\.\w+",
+        lambda _: "a number stored into an array of another format",
+        "cast it to the array's: lang.fp16(value) to float16, np.float32(value) to float32",
+    ),
+    (
+        r"Cannot unify .*lang\.\w+|lang\.\w+ cannot be represented",
+        lambda _: "a variable that holds numbers of two formats",
+        "cast where it is assigned, so that it has one format everywhere",
     ),
     (
         "No implementation of function",

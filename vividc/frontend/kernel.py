@@ -17,6 +17,8 @@ from numba.core.typing import Signature
 
 from vividc.dfg.cfg import MAX_SPREAD, DType, Function, Param
 from vividc.errors import KernelError, SourceLoc
+from vividc.formats import F16
+from vividc.frontend.format_types import TYPES, for_numba, in_arrays
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
 from vividc.frontend.prange import prange_lines
@@ -31,11 +33,13 @@ _DTYPES = {
     types.uint8: DType.U8,
     types.boolean: DType.BOOL,
 }
+_ELEMENTS = _DTYPES | {TYPES[F16]: DType.F16}
 _SCALARS = _DTYPES | {types.int64: DType.I64, types.uint64: DType.U64}
 _MAX_NDIM = 3
 _SUPPORTED = (
     "scalars and arrays are float32, int32, uint32, int16, uint16, int8, uint8 or bool, scalars "
-    "also int64 and uint64; arrays in C order, as in float32[::1] or uint8[:, ::1]"
+    "also int64 and uint64, arrays also float16; arrays in C order, as in float32[::1] or "
+    "uint8[:, ::1]"
 )
 
 
@@ -80,7 +84,8 @@ class KernelFunction(Callee):
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Run the kernel on the host, compiled by numba for exactly its signature."""
-        return self._host(*args, **kwargs)
+        named = {name: for_numba(value) for name, value in kwargs.items()}
+        return self._host(*map(for_numba, args), **named)
 
     @property
     def numba_signature(self) -> Any:
@@ -175,7 +180,7 @@ def _parse(signature: str, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
         reason = f"the signature {signature!r} cannot be read: {error}"
         raise KernelError(reason, loc=loc, hint=hint) from error
     args, return_type = parsed
-    return tuple(args), return_type
+    return tuple(map(in_arrays, args)), return_type
 
 
 def _params(
@@ -201,7 +206,7 @@ def _params(
 def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
     if type_ in _SCALARS:
         return Param(name, _SCALARS[type_])
-    if not isinstance(type_, types.Array) or type_.dtype not in _DTYPES:
+    if not isinstance(type_, types.Array) or type_.dtype not in _ELEMENTS:
         reason = f"parameter {name} has type {type_}, which the array cannot hold"
         raise KernelError(reason, loc=loc, hint=_SUPPORTED)
     if type_.layout != "C":
@@ -210,4 +215,4 @@ def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
     if not 1 <= type_.ndim <= _MAX_NDIM:
         reason = f"array {name} has {type_.ndim} dimensions"
         raise KernelError(reason, loc=loc, hint="arrays have one to three dimensions")
-    return Param(name, _DTYPES[type_.dtype], type_.ndim)
+    return Param(name, _ELEMENTS[type_.dtype], type_.ndim)

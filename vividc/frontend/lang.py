@@ -16,6 +16,9 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic, overload
 
+from vividc.frontend.format_types import overload_fused
+from vividc.frontend.lang_formats import Narrow, fused
+
 MULHS = "vividc.mulhs"
 MULHU = "vividc.mulhu"
 
@@ -25,14 +28,17 @@ _I64 = ir.IntType(64)
 _INTEGERS = (types.Integer, types.Boolean)
 
 
-def fma(a: float, b: float, c: float) -> np.float32:
-    """a * b + c of float32 values, rounded once.
+def fma(a: Any, b: Any, c: Any) -> Any:
+    """a * b + c, rounded once.
 
     Parameters
     ----------
     a, b, c
-        Numbers; each is taken as float32.
+        Numbers, each taken as float32; or three float16 or float8 numbers of one format, in which
+        the result is rounded.
     """
+    if isinstance(a, Narrow) or isinstance(b, Narrow) or isinstance(c, Narrow):
+        return fused(a, b, c)
     x, y, z = (np.float32(value) for value in (a, b, c))
     if not all(np.isfinite(value) for value in (x, y, z)):
         with np.errstate(all="ignore"):
@@ -168,6 +174,10 @@ def _bitcast_i32(typingctx: Any, value: Any) -> Any:
 # Numba wants a Python function of the same signature, annotations included.
 @_overload(fma)
 def _overload_fma(a: Any, b: Any, c: Any) -> Any:
+    narrow = overload_fused(a, b, c)
+    if narrow is not None:
+        return narrow
+
     def compute(a: Any, b: Any, c: Any) -> Any:
         return _fma(a, b, c)
 

@@ -22,6 +22,7 @@ ENTRY = "vividc.entry"
 
 _SCALAR = {
     DType.F32: "float",
+    DType.F16: "i16",
     DType.I32: "i32",
     DType.U32: "i32",
     DType.I16: "i16",

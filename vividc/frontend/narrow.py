@@ -29,7 +29,7 @@ from vividc.dfg.cfg import (
 )
 from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend import narrow_bits, narrow_float, narrow_int
+from vividc.frontend import narrow_bits, narrow_float, narrow_format, narrow_int
 from vividc.frontend.diagnose import hint_of_raise
 from vividc.frontend.emit import ALIASES, Emitter, result_type
 from vividc.frontend.interval import S32, U32, contains
@@ -232,7 +232,8 @@ def _stem(callee: str) -> str:
 
 def _call_rule(op: Op) -> narrow_int.Rule | None:
     stem = _stem(op.pred)
-    return narrow_float.CALLS.get(stem) or narrow_int.CALLS.get(stem) or narrow_bits.CALLS.get(stem)
+    tables = (narrow_float.CALLS, narrow_int.CALLS, narrow_bits.CALLS, narrow_format.CALLS)
+    return next((table[stem] for table in tables if stem in table), None)
 
 
 def _refused(op: Op) -> KernelError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -15,11 +16,12 @@ from vividc.dfg.transform.flatten import flatten, flattened_iterations, nest_at
 from vividc.dfg.transform.jam import jam
 from vividc.dfg.transform.peel import peel
 from vividc.dfg.transform.refusal import Refusal
+from vividc.dfg.transform.threads import thread
 from vividc.dfg.transform.tidy import tidy
 from vividc.dfg.transform.unroll import unroll
 from vividc.errors import SourceLoc
 
-Kind = Literal["full unrolling", "unrolling", "unroll-and-jam", "flattening"]
+Kind = Literal["full unrolling", "unrolling", "unroll-and-jam", "flattening", "threads"]
 
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""
@@ -88,21 +90,49 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     if size > MOST_INSTRUCTIONS:
         return Refusal(f"it would make {size} instructions")
     rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
-    if candidate.kind == "unrolling":
-        done = unroll(state.function, state.loop(candidate.header), factor)
-        if isinstance(done, Refusal):
-            return done
-        hints = {done.main: (expected - rest) / factor, done.rest: rest}
-        derived = {done.main: done.rest}
-        return _next(state, tidy(done.function), hints, derived, factor)
+    if candidate.kind == "threads":
+        return _threaded(state, candidate, trips)
+    made = _unrolled if candidate.kind == "unrolling" else _jammed
+    return made(state, candidate, trips, rest)
+
+
+def _unrolled(
+    state: State, candidate: Candidate, trips: Mapping[str, float], rest: float
+) -> State | Refusal:
+    """Runs iterations of an innermost loop as one; `rest` of them are left over."""
+    factor = candidate.factor
+    done = unroll(state.function, state.loop(candidate.header), factor)
+    if isinstance(done, Refusal):
+        return done
+    hints = {done.main: (trips[candidate.header] - rest) / factor, done.rest: rest}
+    derived = {done.main: done.rest}
+    return _next(state, tidy(done.function), hints, derived, factor)
+
+
+def _jammed(
+    state: State, candidate: Candidate, trips: Mapping[str, float], rest: float
+) -> State | Refusal:
+    """Runs iterations of an outer loop together in the inner one; `rest` of them are left over."""
+    factor = candidate.factor
     both = jam(state.function, state.loop(candidate.header), factor)
     if isinstance(both, Refusal):
         return both
     inner = trips[both.rest_inner]
-    hints = {both.main: (expected - rest) / factor, both.rest: rest}
+    hints = {both.main: (trips[candidate.header] - rest) / factor, both.rest: rest}
     hints |= {both.inner: inner, both.rest_inner: inner}
     derived = {both.main: both.rest, both.inner: both.rest_inner}
     return _next(state, tidy(both.function), hints, derived, factor)
+
+
+def _threaded(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
+    """Runs iterations of a parallel loop as threads; loops inside it last as long as before."""
+    done = thread(state.function, candidate.header, candidate.factor)
+    if isinstance(done, Refusal):
+        return done
+    derived = {done.main: candidate.header, **dict(done.loops)}
+    hints = {new: trips[old] for new, old in derived.items()}
+    hints[done.main] = math.ceil(trips[candidate.header] / candidate.factor)
+    return _next(state, tidy(done.function), hints, derived, candidate.factor)
 
 
 def _flattened(state: State, header: str, trips: Mapping[str, float]) -> State | Refusal:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
 from vividc.dfg.cfg import Function
@@ -20,10 +20,19 @@ from vividc.planning.options import TransformOptions
 OPERATIONS_PER_PE = 8
 """A loop's graph may not have more: larger ones take too long to map."""
 
+OPERATIONS_OF_THREADS = 12
+"""The same of threads, whose graphs are wide rather than deep."""
+
 _GAIN_WITHOUT_LOOP = 0.8
 """The same where full unrolling leaves no loop around, for code that runs once."""
 
-_GAIN = {"full unrolling": 0.97, "unroll-and-jam": 0.9, "unrolling": 0.9, "flattening": 0.85}
+_GAIN = {
+    "full unrolling": 0.97,
+    "unroll-and-jam": 0.9,
+    "unrolling": 0.9,
+    "flattening": 0.85,
+    "threads": 0.9,
+}
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
 """
@@ -81,20 +90,31 @@ class Plan:
     asked: int = 0
 
 
-def choose(function: Function, estimator: Estimator, options: TransformOptions) -> Plan:
+def choose(
+    function: Function,
+    estimator: Estimator,
+    options: TransformOptions,
+    parallel: Collection[int] = (),
+) -> Plan:
     """The transformations of `function` that pay, or that the user asks for.
+
+    Parameters
+    ----------
+    parallel
+        Lines of the function's file in which a loop over `prange` begins.
 
     Raises
     ------
     KernelError
-        A factor is asked for a line without a loop, or of a loop that cannot be transformed so.
+        A factor is asked for a line without a loop, or of a loop that cannot be transformed so;
+        threads of a kernel without a loop over `prange`.
     """
     tidied = tidy(function)
     hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
     first = Stage(State(function, hints), estimator.estimate(function, hints))
     if options.idle:
         return Plan((first,))
-    chooser = _Chooser(estimator, options, [first])
+    chooser = _Chooser(estimator, options, [first], frozenset(parallel))
     chooser.start(State(tidied, hints))
     chooser.obey()
     asked = len(chooser.stages) - 1
@@ -108,6 +128,7 @@ class _Chooser:
     estimator: Estimator
     options: TransformOptions
     stages: list[Stage]
+    parallel: frozenset[int] = frozenset()
     decisions: list[Decision] = field(default_factory=list)
     fixed: set[str] = field(default_factory=set)
 
@@ -117,6 +138,8 @@ class _Chooser:
 
     def obey(self) -> None:
         """Applies what the user asks for."""
+        if self.options.threads is not None:
+            self._thread(self.options.threads)
         asked: list[tuple[Kind, int, int]] = [
             ("unroll-and-jam", line, factor) for line, factor in self.options.jam.items()
         ]
@@ -131,13 +154,16 @@ class _Chooser:
                     self._force(kind, header, factor, line)
 
     def improve(self) -> None:
-        """Applies what pays: full unrolling, then jamming, then flattening of what is still a nest,
-        then unrolling of innermost loops.
+        """Applies what pays: full unrolling, then threads, then jamming, then flattening of what is
+        still a nest, then unrolling of innermost loops.
         """
         tried: set[str] = set()
         while (loop := self._next_full(tried)) is not None:
             tried.add(loop.header)
             self._try(Candidate("full unrolling", loop.header))
+        if self.options.threads is None:
+            for header in self._parallel():
+                self._climb("threads", header)
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
         self._flatten()
@@ -208,7 +234,8 @@ class _Chooser:
         return None if reason else Stage(state, estimate, decision)
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
-        limit = OPERATIONS_PER_PE * len(self.estimator.fabric.pes)
+        per_pe = OPERATIONS_OF_THREADS if candidate.kind == "threads" else OPERATIONS_PER_PE
+        limit = per_pe * len(self.estimator.fabric.pes)
         known = max((r.shape.operations for r in base.estimate.regions), default=0)
         largest = max((r.shape.operations for r in estimate.regions if r.kind == "loop"), default=0)
         if largest > max(limit, known):
@@ -274,6 +301,36 @@ class _Chooser:
             raise KernelError("no loop is in this line", loc=SourceLoc(file, line), hint=hint)
         return found
 
+    def _parallel(self) -> list[str]:
+        """Headers of the loops over `prange` that are in no other one."""
+        state = self.now.state
+        found: list[Loop] = []
+        for loop in reversed(find_loops(state.function)):
+            loc = state.loc(loop.header)
+            marked = loc is not None and loc.file == state.function.file
+            if loc is None or not marked or loc.line not in self.parallel:
+                continue
+            if loop.header not in self.fixed and not any(loop.header in o.blocks for o in found):
+                found.append(loop)
+        return [loop.header for loop in found]
+
+    def _thread(self, count: int) -> None:
+        """Makes threads of the loops over `prange`, as the user asks."""
+        headers = self._parallel()
+        file = self.now.state.function.file
+        if count > 1 and not headers:
+            text = "there is no loop over prange to make threads of"
+            if self.parallel:
+                text = "the loop over prange is gone: it runs once at most"
+            hint = "write `for i in prange(n)` around independent iterations, or leave threads out"
+            line = min(self.parallel, default=0)
+            raise KernelError(text, loc=SourceLoc(file, line) if line else None, hint=hint)
+        for header in headers:
+            loc = self.now.state.loc(header)
+            self.fixed.add(header)
+            if count > 1:
+                self._force("threads", header, count, 0 if loc is None else loc.line)
+
     def _force(self, kind: Kind, header: str, factor: int, line: int) -> None:
         base = self.now
         trips = expected_trips(base.state.function, base.state.hints)
@@ -285,6 +342,8 @@ class _Chooser:
         state = apply(base.state, candidate, trips)
         if isinstance(state, Refusal):
             what = f"{kind} by {factor}" if factor else kind
+            if kind == "threads":
+                what = f"running {factor} iterations as threads"
             text = f"{what} is not possible here: {state.reason}"
             hint = "leave the factor out, or see what --explain says of this loop"
             raise KernelError(text, loc=SourceLoc(base.state.function.file, line), hint=hint)

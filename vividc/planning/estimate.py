@@ -14,6 +14,7 @@ from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.transform.pack_lanes import pack_lanes
 from vividc.dfg.transform.peel import preheader_of
 from vividc.errors import SourceLoc
 from vividc.mapper.bounds import all_bounds, mii, no_ii
@@ -108,7 +109,22 @@ class Estimator:
         hints
             Iterations of loops by header, where the caller knows better.
         """
-        function = normalize(function)
+        function = self.prepared(function, hints)
+        return self._estimate(function, hints)
+
+    def prepared(self, function: Function, hints: Mapping[str, float]) -> Function:
+        """The normalised function whose regions are built: with numbers of 16 and 8 bits in lanes
+        if it is no slower so.
+        """
+        plain = normalize(function)
+        packed = pack_lanes(plain)
+        if packed is plain:
+            return plain
+        packed = normalize(packed)
+        is_slower = self._estimate(packed, hints).cycles > self._estimate(plain, hints).cycles
+        return plain if is_slower else packed
+
+    def _estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
         kernel = build_kernel(function)
         shapes = [self.shape(region) for region in kernel.regions]
         return self.priced(function, kernel, shapes, hints)

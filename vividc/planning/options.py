@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from vividc.dfg.transform.threads import MOST_THREADS
 from vividc.errors import ArgumentError, demand_type
 
 Mode = Literal["auto", "none"]
@@ -29,17 +30,22 @@ class TransformOptions:
         Factors of loops by source line; 1 leaves the loop as it is.
     flatten
         Whether to make one loop of the loop in a line and the loop inside it.
+    threads
+        Iterations of the loop over `prange` that run side by side; 1 leaves it as it is, None: as
+        the mode says.
     """
 
     mode: Mode = "auto"
     unroll: Mapping[int, int] = field(default_factory=dict)
     jam: Mapping[int, int] = field(default_factory=dict)
     flatten: Mapping[int, bool] = field(default_factory=dict)
+    threads: int | None = None
 
     @property
     def idle(self) -> bool:
         """Nothing is to be transformed."""
-        return self.mode == "none" and not (self.unroll or self.jam or any(self.flatten.values()))
+        asked = self.unroll or self.jam or any(self.flatten.values()) or (self.threads or 1) > 1
+        return self.mode == "none" and not asked
 
 
 def transform_options(
@@ -47,21 +53,32 @@ def transform_options(
     unroll: Factors | None,
     jam: Factors | None,
     flatten: Choices | None = None,
+    threads: int | None = None,
 ) -> TransformOptions:
     """The options as given to `vividc.compile`, checked.
 
     Raises
     ------
     ArgumentError
-        An unknown mode, a line that is no line number, a factor that is no power of two, or a
-        choice that is neither True nor False.
+        An unknown mode, a line that is no line number, a factor that is no power of two, a
+        choice that is neither True nor False, or threads that are not 1 to 8.
     """
     hint = 'give transform="auto" or transform="none"'
     if transform not in _MODES:
         raise ArgumentError(f"transform cannot be {transform!r:.60}", hint=hint)
     mode: Mode = "auto" if transform == "auto" else "none"
     choices = _choices("flatten", flatten)
-    return TransformOptions(mode, _factors("unroll", unroll), _factors("jam", jam), choices)
+    factors = _factors("unroll", unroll), _factors("jam", jam)
+    return TransformOptions(mode, *factors, choices, _threads(threads))
+
+
+def _threads(given: object) -> int | None:
+    if given is None:
+        return None
+    if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_THREADS:
+        hint = f"give 1 to {MOST_THREADS} threads of a tile; 1 leaves the loop over prange as it is"
+        raise ArgumentError(f"threads cannot be {given!r:.60}", hint=hint)
+    return given
 
 
 def _choices(name: str, given: Choices | None) -> dict[int, bool]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import Node
@@ -24,7 +25,7 @@ class Builder:
 
     def __init__(self, rewrite: Rewrite, node: Node, magnitude: float = math.inf) -> None:
         self._rewrite = rewrite
-        self._loc = node.loc
+        self._loc, self._lane = node.loc, node.lane
         self.magnitude = magnitude
         """What the magnitude of a finite first operand cannot exceed."""
 
@@ -32,7 +33,9 @@ class Builder:
         """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last
         operand passes.
         """
-        node_id = self._rewrite.add_node(opcode, self._values(operands), self._loc)
+        node_id = self._rewrite.add_node(opcode, self._values(operands), self._loc, self._lane)
+        if self._lane is not None:  # the next operation is another part of the same one
+            self._lane = replace(self._lane, part=self._lane.part + 1)
         if pred is not None:
             self._rewrite.set_operand(node_id, PRED, pred)
         return Value(node_id)

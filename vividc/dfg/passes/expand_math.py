@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
@@ -19,6 +20,7 @@ from vividc.dfg.passes.expand_bits import (
 from vividc.dfg.passes.expand_builder import Builder, Expansion
 from vividc.dfg.passes.expand_divide import divide
 from vividc.dfg.passes.expand_exp import exponential, power_of_two
+from vividc.dfg.passes.expand_exp_narrow import expansion
 from vividc.dfg.passes.expand_hyperbolic import (
     exponential_minus_one,
     hyperbolic_cosine,
@@ -45,6 +47,7 @@ from vividc.dfg.passes.expand_sqrt import square_root
 from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
 from vividc.dfg.passes.magnitudes import argument_magnitudes
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
+from vividc.dfg.precision import Precision, formats_of
 
 
 def expand_math(dfg: DFG) -> DFG:
@@ -53,9 +56,25 @@ def expand_math(dfg: DFG) -> DFG:
     The expansions (`exponential`, `divide`, `square_root`, ...) state their accuracy. The result
     has no operation of `ELEMENTARY`.
     """
+    return _expanded(dfg, EXPANSIONS)
+
+
+def expansion_pass(policy: Precision) -> Callable[[DFG], DFG]:
+    """`expand_math` under a precision policy."""
+    if not policy:
+        return expand_math
+    chosen = {opcode: expansion(opcode, fmt) for opcode, fmt in formats_of(policy).items()}
+
+    def expand_math_in_formats(dfg: DFG) -> DFG:
+        return _expanded(dfg, EXPANSIONS | chosen)
+
+    return expand_math_in_formats
+
+
+def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
     # Before: an expanded remainder or sine no longer shows its range.
     known = argument_magnitudes(dfg)
-    return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known))
+    return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known, expansions))
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {
@@ -97,16 +116,23 @@ EXPANSIONS: Final[dict[Opcode, Expansion]] = {
 }
 
 
-def _expand(rewrite: Rewrite, node: Node, known: Mapping[int, float]) -> bool:
-    expansion = EXPANSIONS.get(node.op)
-    if expansion is None:
+def _expand(
+    rewrite: Rewrite,
+    node: Node,
+    known: Mapping[int, float],
+    expansions: Mapping[Opcode, Expansion],
+) -> bool:
+    expand = expansions.get(node.op)
+    if expand is None:
         return False
     operands = rewrite.operands(node)
-    value = expansion(Builder(rewrite, node, known.get(node.id, math.inf)), *operands)
+    value = expand(Builder(rewrite, node, known.get(node.id, math.inf)), *operands)
     pred = rewrite.edge(node.id, PRED)
     if pred is not None:
         guard = Value(pred.src, pred.distance, pred.init)
         value = Builder(rewrite, node).op(Opcode.SELECT, guard, value, operands[-1])
+    if node.control is not None:  # a quotient may be a trip count
+        rewrite.set_node(replace(rewrite.nodes[value.src], control=node.control))
     rewrite.forward(node.id, value)
     rewrite.remove_node(node.id)
     return True

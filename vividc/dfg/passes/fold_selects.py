@@ -37,7 +37,9 @@ def _fold(rewrite: Rewrite, node: Node) -> bool:
             continue  # the inversion would lengthen the recurrence through the predicate
         if len(rewrite.uses(operation.id)) != 1:
             operation = rewrite.nodes[
-                rewrite.add_node(operation.op, rewrite.operands(operation), operation.loc)
+                rewrite.add_node(
+                    operation.op, rewrite.operands(operation), operation.loc, operation.lane
+                )
             ]
         _predicate(rewrite, operation, _inverse(rewrite, pred) if inverted else pred, kept)
         rewrite.forward(node.id, Value(operation.id))
@@ -112,7 +114,7 @@ def _operation(rewrite: Rewrite, op: Opcode, operands: list[Value], like: Node) 
             continue
         if rewrite.operands(node) == operands:
             return node.id
-    return rewrite.add_node(op, operands, like.loc)
+    return rewrite.add_node(op, operands, like.loc, like.lane)
 
 
 def _predicate(rewrite: Rewrite, operation: Node, pred: Value, kept: Value) -> None:

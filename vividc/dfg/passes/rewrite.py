@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import BASE, PRED, Opcode, Type, never_meet
 from vividc.errors import SourceLoc
 
@@ -100,10 +101,14 @@ class Rewrite:
             self._changed = True
 
     def add_node(
-        self, op: Opcode, operands: Sequence[Value] = (), loc: SourceLoc | None = None
+        self,
+        op: Opcode,
+        operands: Sequence[Value] = (),
+        loc: SourceLoc | None = None,
+        lane: Lane | None = None,
     ) -> int:
         """Append an operation that reads `operands` and return its id."""
-        return self._append_node(Node(self._next_node, op, loc=loc), operands)
+        return self._append_node(Node(self._next_node, op, loc=loc, lane=lane), operands)
 
     def constant(self, word: int) -> int:
         """Id of a constant node with this word, an existing one if there is."""

@@ -1,0 +1,108 @@
+"""float16 and float8 in kernels: plain Python, numba and the array agree to the bit."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.frontend.format_kernels import CODES, halves, on_codes, rounded
+from vividc import lang
+from vividc.formats import FORMATS, round_array, to_floats
+
+CHUNK = 400
+
+
+def _words(fmt: str) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of codes: specials with everything, and random ones."""
+    mask = FORMATS[fmt].mask
+    special = [0, 1, 2, FORMATS[fmt].max_code, FORMATS[fmt].nan, FORMATS[fmt].overflow, 0x38]
+    special += [code | FORMATS[fmt].sign for code in special]
+    rng = np.random.default_rng(3)
+    a = np.concatenate([np.repeat(special, len(special)), rng.integers(0, mask + 1, 204)])
+    b = np.concatenate([np.tile(special, len(special)), rng.integers(0, mask + 1, 204)])
+    return a.astype(np.uint32)[:CHUNK], b.astype(np.uint32)[:CHUNK]
+
+
+@pytest.mark.parametrize("fmt", FORMATS)
+def test_plain_python_numba_and_the_array_agree(fmt: str) -> None:
+    kernel = on_codes(fmt)
+    a, b = _words(fmt)
+    n = len(a)
+    plain, host, array = (np.zeros(9 * n, np.uint32) for _ in range(3))
+    kernel.py_func(a, b, plain, n)
+    kernel(a, b, host, n)
+    assert np.array_equal(plain, host)
+    program = vividc.compile(kernel, transform="none", time_limit_s=3.0)
+    vividc.simulate(program, a, b, array, n)
+    assert np.array_equal(host, array)
+
+
+@pytest.mark.parametrize("fmt", ["e4m3", "e5m2"])
+def test_every_pair_of_float8_codes_on_the_host(fmt: str) -> None:
+    codes = np.arange(256, dtype=np.uint32)
+    a, b = np.repeat(codes, 256), np.tile(codes, 256)
+    out = np.zeros(9 * len(a), np.uint32)
+    on_codes(fmt)(a, b, out, len(a))
+    x, y = (to_floats(FORMATS[fmt], v.astype(np.uint8)).astype(np.float64) for v in (a, b))
+    with np.errstate(invalid="ignore"):
+        exact = (x + y, x - y, x * y, x * y + x)
+    for column, numbers in enumerate(exact):
+        assert np.array_equal(out[column::9], round_array(FORMATS[fmt], numbers))
+
+
+@pytest.mark.parametrize("fmt", FORMATS)
+def test_casts_round_once(fmt: str) -> None:
+    rng = np.random.default_rng(5)
+    values = to_floats(FORMATS[fmt], np.arange(FORMATS[fmt].mask, dtype=FORMATS[fmt].dtype))
+    finite = np.sort(values[np.isfinite(values)])
+    middles = (finite[:-1].astype(np.float64) + finite[1:]) / 2
+    near = rng.choice(middles, 300).astype(np.float32)
+    x = np.concatenate([near, np.nextafter(near, np.float32(9e9)), -near])
+    x = np.concatenate([x, [np.nan, np.inf, -np.inf, 1e30, -1e-30, 0.0, -0.0]]).astype(np.float32)
+    wanted = to_floats(FORMATS[fmt], round_array(FORMATS[fmt], x))
+    kernel = rounded(fmt)
+    host, array = np.zeros_like(x), np.zeros_like(x)
+    kernel(x, host, len(x))
+    program = vividc.compile(kernel, transform="none", time_limit_s=3.0)
+    vividc.simulate(program, x, array, len(x))
+    for got in (host, array):
+        assert np.array_equal(got, wanted, equal_nan=True)
+        assert np.array_equal(np.signbit(got), np.signbit(wanted))
+
+
+def test_arrays_of_float16() -> None:
+    rng = np.random.default_rng(7)
+    args: tuple[Any, ...] = (
+        rng.standard_normal((5, 7)).astype(np.float16),
+        rng.standard_normal(7).astype(np.float16),
+        np.zeros(5, np.float32),
+        np.zeros(5, np.uint8),
+    )
+    program = vividc.compile(halves, time_limit_s=5.0)
+    host, array, reference = (copy.deepcopy(args) for _ in range(3))
+    halves(*host)
+    vividc.simulate(program, *array)
+    vividc.simulate(program, *reference, engine="reference")
+    for one, other, third in zip(host, array, reference, strict=True):
+        assert one.tobytes() == other.tobytes() == third.tobytes()
+    assert host[1].dtype == np.float16
+
+
+def test_a_fused_product_keeps_the_zero_that_ieee_asks_for() -> None:
+    one, zero = lang.fp16(1.0), lang.fp16(0.0)
+    assert lang.fma(one, -zero, zero).bits == 0
+    assert lang.fma(one, -zero, -zero).bits == 0x8000
+    assert lang.fma(one, one, -one).bits == 0
+
+
+def test_numbers_of_two_formats_do_not_mix_in_plain_python() -> None:
+    with pytest.raises(TypeError, match="cast"):
+        lang.fp16(1.0) + lang.fp8(1.0)
+    with pytest.raises(TypeError, match="cast"):
+        _ = lang.fp16(1.0) < 1.0
+    assert repr(lang.fp8(1.1)) == "fp8(1.125)"
+    assert [float(number(0x38)) for number in CODES.values()] == [3.337860107421875e-06, 1.0, 0.5]

@@ -1,0 +1,62 @@
+"""The precision policy: which functions of a kernel are computed in which format."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from vividc.dfg.opcodes import Opcode
+from vividc.errors import ArgumentError
+from vividc.formats import E4M3, E5M2, F16, Format
+
+FUNCTIONS: Final = {"exp": Opcode.EXP, "exp2": Opcode.EXP2}
+"""What a policy may name; `all` is each of them."""
+ALL: Final = "all"
+FORMAT_NAMES: Final[dict[str, Format | None]] = {
+    "fp32": None,
+    "fp16": F16,
+    "fp8": E4M3,
+    "e5m2": E5M2,
+}
+"""Formats by the name a user gives; None: as without a policy."""
+
+FormatChoices = Mapping[str, str]
+"""A policy as a user writes it: name of a format by function."""
+Precision = tuple[tuple[str, str], ...]
+"""A policy: (function, format's name) pairs, each function once, by name."""
+
+
+def parse_precision(wanted: FormatChoices | None) -> Precision:
+    """The policy that a user wants.
+
+    Parameters
+    ----------
+    wanted
+        Name of a format by function, as in {"exp": "fp8"}; what `all` says holds for every function
+        that is not named.
+
+    Raises
+    ------
+    ArgumentError
+        An unknown function or format; says what there is.
+    """
+    if wanted is None:
+        return ()
+    if not isinstance(wanted, Mapping):
+        hint = 'write precision={"exp": "fp8"}'
+        raise ArgumentError(f"a precision policy cannot be {wanted!r:.60}", hint=hint)
+    for name, fmt in wanted.items():
+        if name not in (*FUNCTIONS, ALL):
+            hint = f"functions with a precision are {', '.join(FUNCTIONS)}; `{ALL}` is each of them"
+            raise ArgumentError(f"no precision can be set for {name!r:.40}", hint=hint)
+        if fmt not in FORMAT_NAMES:
+            hint = f"formats are {', '.join(FORMAT_NAMES)}"
+            raise ArgumentError(f"{fmt!r:.40} of {name} is no format", hint=hint)
+    named = {name: wanted.get(name, wanted.get(ALL)) for name in FUNCTIONS}
+    return tuple((name, fmt) for name, fmt in named.items() if fmt not in (None, "fp32"))
+
+
+def formats_of(policy: Precision) -> dict[Opcode, Format]:
+    """The format of each opcode that has one."""
+    found = {FUNCTIONS[name]: FORMAT_NAMES[fmt] for name, fmt in policy}
+    return {opcode: fmt for opcode, fmt in found.items() if fmt is not None}

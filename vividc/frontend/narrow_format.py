@@ -1,0 +1,42 @@
+"""Operations on float16 and float8, which numba's target calls by name, as operations of lanes.
+
+A number is lane 0 of a word; the other lanes are 0, and stay so: a sum, product or fused product of
+zeros is 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from vividc.dfg.opcodes import Opcode
+from vividc.formats import FORMATS, Format
+from vividc.frontend.emit import Emitter
+from vividc.frontend.format_types import symbol
+from vividc.frontend.ssa import Op
+
+Rule = Callable[[Emitter, Op], None]
+
+
+def _rule(opcode: Opcode) -> Rule:
+    def rule(emitter: Emitter, op: Op) -> None:
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+
+    return rule
+
+
+def _opcodes(fmt: Format) -> dict[str, Opcode]:
+    """Opcodes of a format by the names of `format_types`."""
+    packed = f"{fmt.name}x{fmt.lanes}"
+    found = {name: Opcode(f"f{name}.{packed}") for name in ("add", "sub", "mul")}
+    found["fma"] = Opcode(f"fma.{packed}")
+    found["from_f32"] = Opcode(f"fptrunc.{fmt.name}")
+    found["to_f32"] = Opcode(f"fpext.{fmt.name}")
+    return found
+
+
+CALLS: Final[dict[str, Rule]] = {
+    symbol(name, fmt): _rule(opcode)
+    for fmt in FORMATS.values()
+    for name, opcode in _opcodes(fmt).items()
+}
