@@ -12,7 +12,7 @@ from typing import Final
 
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.words import CANONICAL_NAN
-from vividc.sim.native.body import Surroundings
+from vividc.sim.native.body import Key, Surroundings
 from vividc.sim.native.bulk_tables import LANES, BulkTables, Kind, Section
 from vividc.sim.native.ending import COUNTERS, End, finish, finish_empty
 from vividc.sim.native.frame import Frame
@@ -71,9 +71,7 @@ def write_bulk(frame: Frame, around: Surroundings, tables: BulkTables, first: in
 
 
 class _Bulk:
-    def __init__(
-        self, frame: Frame, around: Surroundings, tables: BulkTables, first: int
-    ) -> None:
+    def __init__(self, frame: Frame, around: Surroundings, tables: BulkTables, first: int) -> None:
         self._frame = frame
         self._code: Code = frame.code
         self._tables = tables
@@ -109,7 +107,9 @@ class _Bulk:
         place = self._array(self._places.banks)
         code.do(f"call void @llvm.memset.p0.i64(ptr {place}, i8 0, i64 {size}, i1 false)")
         for constant, index in self._tables.constants.items():
-            code.store("i32", self._around.constants[constant], self._state, self._places.constants + index)
+            code.store(
+                "i32", self._around.constants[constant], self._state, self._places.constants + index
+            )
 
     def _array(self, place: int) -> str:
         return self._code.at(self._state, "i32", place)
@@ -140,9 +140,9 @@ class _Bulk:
         self._body(values, time)
         code.do("br label %header")
         code.start("finish")
-        sums = {(name,): "0" for name in COUNTERS}
+        sums: dict[Key, str] = {(name,): "0" for name in COUNTERS}
         sums |= {(name,): values[name] for name in ("stalls", "reads", "writes")}
-        finish(frame, End(frame.trip, end, "", dict(sums), ""))
+        finish(frame, End(frame.trip, end, "", sums, ""))
 
     def _body(self, values: Mapping[str, str], time: str) -> None:
         """The slots of one body; the window moves where it is at its end."""
@@ -370,7 +370,12 @@ Step = Callable[[str, dict[str, str]], dict[str, str]]
 
 
 def repeat(
-    code: Code, first: str, last: str, kinds: Mapping[str, str], start: Mapping[str, str], step: Step
+    code: Code,
+    first: str,
+    last: str,
+    kinds: Mapping[str, str],
+    start: Mapping[str, str],
+    step: Step,
 ) -> dict[str, str]:
     """A loop over first <= index < last, i64; the carried values after it.
 

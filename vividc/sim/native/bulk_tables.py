@@ -1,10 +1,10 @@
-"""Large regular loops as tables: what each slot does, in entries that short loops of native code run.
+"""Large regular loops as tables: what each slot does, in entries that short native loops run.
 
-Every result has a place by time and PE, in a window of rows that slides along with the cycles: row t
-holds what the PEs issued in cycle t. An operand is then an offset from the present row, the same in
-every iteration. FMAs of neighbouring PEs whose operands are neighbours, too, share an entry; words
-that neighbours read one cycle after the other (they travel along a row of PEs) are neighbours in a
-second copy of the results, ordered by PE and age.
+Every result has a place by time and PE, in a window of rows that slides along with the cycles: row
+t holds what the PEs issued in cycle t. An operand is then an offset from the present row, the same
+in every iteration. FMAs of neighbouring PEs whose operands are neighbours, too, share an entry;
+words that neighbours read one cycle after the other (they travel along a row of PEs) are neighbours
+in a second copy of the results, ordered by PE and age.
 """
 
 from __future__ import annotations
@@ -176,13 +176,17 @@ class _Tables:
         self._kept = {pe: k for k, pe in enumerate(self._kept_pes())}
         self._found: dict[Variant, list[list[Entry]]] = defaultdict(lambda: [[] for _ in range(ii)])
 
-    def build(self) -> BulkTables:
+    def build(self) -> BulkTables | None:
         ii = self._flow.row.ii
         slots: list[list[FlowOp]] = [[] for _ in range(ii)]
         for op in self._flow.ops:
             slots[op.time % ii].append(op)
         for slot, ops in enumerate(slots):
             self._slot(slot, sorted(ops, key=lambda op: op.pe))
+        # Of two stores of a cycle to one place that of the later PE stays; two sections of stores
+        # would lose that.
+        if sum(variant.op is Opcode.STORE for variant in self._found) > 1:
+            return None
         sections, words = self._packed()
         return BulkTables(
             pes=self._pes,
@@ -227,15 +231,15 @@ class _Tables:
             if op.issue.op is VECTOR:
                 continue
             kinds = tuple(_scalar_kind(read) for read in op.reads)
-            offsets = [self._offset(op, read, kind) for read, kind in zip(op.reads, kinds, strict=True)]
+            offsets = [
+                self._offset(op, read, kind) for read, kind in zip(op.reads, kinds, strict=True)
+            ]
             if op.issue.op in (Opcode.LOAD, Opcode.STORE):
                 self._access(slot, op, kinds, offsets)
             else:
                 self._found[Variant(op.issue.op, kinds)][slot].append((op.pe, *offsets))
 
-    def _access(
-        self, slot: int, op: FlowOp, kinds: tuple[Kind, ...], offsets: list[int]
-    ) -> None:
+    def _access(self, slot: int, op: FlowOp, kinds: tuple[Kind, ...], offsets: list[int]) -> None:
         issue = op.issue
         base = self._constants[Constant(op.pe, issue.base)]
         entry = (op.pe, *offsets, base, issue.offset, op.time // self._flow.row.ii)
