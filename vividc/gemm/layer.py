@@ -113,7 +113,7 @@ def mlp(
     """All layers, one after the other, on pieces of rows that stay in the scratchpad: what one
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
-    _check(x, layers)
+    check_layers(x, layers)
     chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
     name, arrays = FABRICS[chosen.mode]
     share = -(-x.shape[0] // arrays)
@@ -177,14 +177,14 @@ class _Run:
         return found[: x.shape[0], : self._layers[-1].shape.cols]
 
     def _launch(self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands) -> None:
-        bands = _bands(layer, self._array.cols)[given.bands.start : given.bands.stop]
+        bands = bands_of(layer, self._array.cols)[given.bands.start : given.bands.stop]
         buffer[: bands.size, Stream.B] = bands.ravel()
         arguments = program.launch(buffer, given)
         self._cycles += simulate(program.program, *arguments, engine=self._engine).cycles
         self._launches += 1
 
 
-def _bands(layer: Layer, cols: int) -> Matrix:
+def bands_of(layer: Layer, cols: int) -> Matrix:
     """Weights and bias by blocks of columns, the last one filled with zeros: float32 [bands,
     depth + 1, cols].
     """
@@ -196,7 +196,7 @@ def _bands(layer: Layer, cols: int) -> Matrix:
     return whole.reshape(depth + 1, -1, cols).transpose(1, 0, 2)
 
 
-def _check(x: Matrix, layers: Sequence[Layer]) -> None:
+def check_layers(x: Matrix, layers: Sequence[Layer]) -> None:
     _check_array("the input", x, 2)
     columns = x.shape[1]
     for number, layer in enumerate(layers):
