@@ -62,8 +62,12 @@ class Layout:
 
     @property
     def cycles(self) -> int:
-        """Estimate for the whole job: transfers hide behind runs, or runs behind transfers."""
-        return max(self.compute, self.moved) + self.configured
+        """Estimate for the whole job: with a scratchpad in parts, transfers hide behind runs, or
+        runs behind transfers.
+        """
+        hides = self.passes[0].chain.parts > 1
+        spent = max(self.compute, self.moved) if hides else self.compute + self.moved
+        return spent + self.configured
 
     @property
     def arrays(self) -> int:
