@@ -121,7 +121,7 @@ class Accelerator:
         )
 
     def orientation(self, tile: int) -> Orientation:
-        """The outer corner of tile number `tile` within its 2x2 cluster; a group is not mirrored."""
+        """The outer corner of tile number `tile` within its 2x2 cluster; no group is mirrored."""
         if tile >= len(self.tiles):
             return "nw"
         row, col = divmod(tile, self.cols)

@@ -10,6 +10,7 @@ import numpy as np
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.gemm.chain import LINE, Chain, chain_program
+from vividc.gemm.elementwise import elementwise_steps
 from vividc.gemm.layer import Layer, Matrix, bands_of, check_layers
 from vividc.gemm.modes import MODES, Mode, check_mode
 from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
@@ -114,19 +115,24 @@ def add_mlp(job: Job, x: Matrix, layers: Sequence[Layer], layout: Layout) -> Mat
     [blocks, columns, rows of a block].
     """
     source = blocks_of(x, layout.passes[0].chain.array)
-    target, done = source, ()
+    target = source
+    before: tuple[int, ...] = ()
+    done: tuple[int, ...] = ()
     for one in layout.passes:
         chain, last = one.chain, one.stop - 1
         if one.bands.start == 0:
             source = target
-            before = done
-            done = ()
+            before, done = done, ()
             columns = -(-layers[last].shape.cols // chain.array.cols) * chain.array.cols
             target = np.zeros((source.shape[0], columns, chain.array.rows), np.float32)
         first = one.bands.start * chain.array.cols
+        apart = layers[last].apart
         part = target[:, first : first + chain.width(len(chain.links))]
         steps = _Steps(job, one, layers, units(job.accelerator, layout.mode))
         done += steps.add(source[:, : chain.width(0)], part, layout.pieces(chain), before)
+        whole = first + chain.width(len(chain.links)) == target.shape[1]
+        if whole and apart is not None:
+            done = elementwise_steps(job, target, apart, done)
     return target
 
 
@@ -187,20 +193,14 @@ class _Steps:
     ) -> tuple[int, ...]:
         """Weights and tables, which stay in a part."""
         place = self._address(part, Stream.B)
-        weights = self._job.move_in(
-            units_, self._weights, place, after=before, pitch=GROUP_BYTES
-        )
+        weights = self._job.move_in(units_, self._weights, place, after=before, pitch=GROUP_BYTES)
         place = self._address(part, Stream.TABLE)
-        return weights, self._job.move_in(
-            units_, tables, place, after=[weights], pitch=GROUP_BYTES
-        )
+        return weights, self._job.move_in(units_, tables, place, after=[weights], pitch=GROUP_BYTES)
 
     def _address(self, part: int, stream: Stream) -> int:
         return (part * self._chain.words + stream) * WORD_BYTES
 
-    def _run(
-        self, unit: int, part: int, blocks: int, tables: tuple[int, ...], moved: int
-    ) -> int:
+    def _run(self, unit: int, part: int, blocks: int, tables: tuple[int, ...], moved: int) -> int:
         chain = self._chain
         whole = At(part * chain.words * WORD_BYTES, (chain.words // LINE, LINE))
         arguments: dict[str, object] = {BUFFER: whole}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,12 @@ from vividc.mapper.systolic import (
 )
 from vividc.sim import simulate
 
-Activation = Literal["none", "relu"]
+Fused = Literal["none", "relu"]
+Apart = Literal["exp", "sigmoid"]
+Activation = Fused | Apart
+FUSED: Final = get_args(Fused)
+"""Activations on the way out of the array; the others are for jobs (`mlp_job`)."""
+ACTIVATIONS: Final = (*FUSED, *get_args(Apart))
 Matrix = NDArray[np.float32]
 
 
@@ -46,7 +51,14 @@ class Layer:
     def shape(self) -> LayerShape:
         """Sizes of the layer."""
         depth, cols = self.weights.shape
-        return LayerShape(depth, cols, self.activation == "relu")
+        return LayerShape(depth, cols, self.activation == "relu", self.apart is not None)
+
+    @property
+    def apart(self) -> Apart | None:
+        """The activation, if the tiles compute it in GPU-like mode."""
+        if self.activation == "exp" or self.activation == "sigmoid":  # noqa: PLR1714 - narrows
+            return self.activation
+        return None
 
 
 @dataclass(frozen=True)
@@ -113,7 +125,7 @@ def mlp(
     """All layers, one after the other, on pieces of rows that stay in the scratchpad: what one
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
-    check_layers(x, layers)
+    check_layers(x, layers, FUSED)
     chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
     name, arrays = FABRICS[chosen.mode]
     share = -(-x.shape[0] // arrays)
@@ -196,7 +208,18 @@ def bands_of(layer: Layer, cols: int) -> Matrix:
     return whole.reshape(depth + 1, -1, cols).transpose(1, 0, 2)
 
 
-def check_layers(x: Matrix, layers: Sequence[Layer]) -> None:
+def check_layers(
+    x: Matrix, layers: Sequence[Layer], activations: Sequence[str] = ACTIVATIONS
+) -> None:
+    """Refuse what is no MLP on float32 arrays.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong types or sizes, or an activation that is not among `activations`.
+    """
+    if not layers:
+        raise ArgumentError("there are no layers", hint="give one or more")
     _check_array("the input", x, 2)
     columns = x.shape[1]
     for number, layer in enumerate(layers):
@@ -209,9 +232,11 @@ def check_layers(x: Matrix, layers: Sequence[Layer]) -> None:
                 hint="an input [rows, depth] takes weights [depth, columns]",
             )
         columns = layer.weights.shape[1]
-        if layer.activation not in get_args(Activation):
-            known = ", ".join(get_args(Activation))
+        if layer.activation not in activations:
+            known = ", ".join(activations)
             reason = f"unknown activation {layer.activation!r} of {name}"
+            if layer.activation in ACTIVATIONS:
+                reason = f"activation {layer.activation!r} of {name} is one of jobs: mlp_job"
             raise ArgumentError(reason, hint=f"activations: {known}")
         if layer.bias is not None:
             _check_array(f"the bias of {name}", layer.bias, 1)

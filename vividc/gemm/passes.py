@@ -16,11 +16,11 @@ from vividc.mapper.systolic import SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
 _FEWEST_BLOCKS = 4
-"""A chain is not made longer if fewer blocks of rows would fit: each launch fills the array once."""
+"""A chain is not made longer if fewer blocks of rows would fit: a launch fills the array once."""
 _MOST_LINKS = 6
 """Layers of a chain: each takes entries of the constant stores."""
 _PIECES = 4
-"""Pieces of the rows on each array, if there are rows enough: transfers of one hide behind another."""
+"""Pieces of the rows on each array, if there are enough: transfers of one hide behind another."""
 
 
 @dataclass(frozen=True)
@@ -155,12 +155,13 @@ def lay_out(
 
 
 def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> tuple[Pass, ...]:
+    ends = {k for k, shape in enumerate(shapes) if shape.ends}
     links = [Link(s.depth, padded(s.cols, array.cols) // array.cols, s.relu) for s in shapes]
     found: list[Pass] = []
     first = 0
     while first < len(links):
         stop = first + 1
-        while stop < min(len(links), first + _MOST_LINKS):
+        while stop < min(len(links), first + _MOST_LINKS) and stop - 1 not in ends:
             longer = Chain(array, tuple(links[first : stop + 1]), parts)
             if longer.blocks < _FEWEST_BLOCKS:
                 break

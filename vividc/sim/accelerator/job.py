@@ -69,8 +69,8 @@ class Job:
         after: Sequence[int] = (),
         pitch: int = WORD_BYTES,
     ) -> int:
-        """Copy an array, contiguous or strided, from DRAM to byte `address` of the scratchpads, each
-        word `pitch` bytes behind the one before.
+        """Copy an array, contiguous or strided, from DRAM to byte `address` of the scratchpads,
+        each word `pitch` bytes behind the one before.
 
         Raises
         ------

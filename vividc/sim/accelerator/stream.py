@@ -73,9 +73,7 @@ class Stream:
         return self._configuration.double_buffered and held in self._started
 
 
-def _replaced(
-    steps: Sequence[Step], sharing: Sequence[frozenset[int]]
-) -> dict[int, list[_Held]]:
+def _replaced(steps: Sequence[Step], sharing: Sequence[frozenset[int]]) -> dict[int, list[_Held]]:
     """What each configuration finds in its tiles, in whatever form they were."""
     held: dict[int, int] = {}
     found: dict[int, list[_Held]] = {}
