@@ -129,7 +129,9 @@ def add_mlp(job: Job, x: Matrix, layers: Sequence[Layer], layout: Layout) -> Mat
         apart = layers[last].apart
         part = target[:, first : first + chain.width(len(chain.links))]
         steps = _Steps(job, one, layers, units(job.accelerator, layout.mode))
-        done += steps.add(source[:, : chain.width(0)], part, layout.pieces(chain), before)
+        # What the pass before left in the scratchpads has gone out before anything comes in.
+        earlier = (*before, *done)
+        done += steps.add(source[:, : chain.width(0)], part, layout.pieces(chain), earlier)
         whole = first + chain.width(len(chain.links)) == target.shape[1]
         if whole and apart is not None:
             done = elementwise_steps(job, target, apart, done)
@@ -163,7 +165,7 @@ class _Steps:
         pieces
             Blocks of each launch.
         before
-            Steps that write `source`.
+            Steps that write `source`, and all of earlier passes.
         """
         job, chain = self._job, self._chain
         units_ = self._units[: len(pieces)]

@@ -20,7 +20,10 @@ from vividc.mapper.systolic import (
     read_blocks,
     write_blocks,
 )
-from vividc.sim import simulate
+from vividc.sim import Launch
+from vividc.sim.bind import bind
+from vividc.sim.run import CYCLE_LIMIT
+from vividc.sim.tile import AUTO, shared_tile
 
 Fused = Literal["none", "relu"]
 Apart = Literal["exp", "sigmoid"]
@@ -93,7 +96,7 @@ def gemm(
     *,
     activation: Activation = "none",
     mode: str = "auto",
-    engine: str = "reference",
+    engine: str = AUTO,
 ) -> GemmResult:
     """activation(a b + bias) on the array, simulated.
 
@@ -108,8 +111,7 @@ def gemm(
     mode
         "tpu-unified", "tpu-partitioned" or "auto", the one with fewer cycles.
     engine
-        Engine of the simulator. The native one compiles the loop first, which takes minutes for
-        the thousands of operations of the 16x16 array.
+        Engine of the simulator.
 
     Raises
     ------
@@ -120,7 +122,7 @@ def gemm(
 
 
 def mlp(
-    x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = "reference"
+    x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = AUTO
 ) -> GemmResult:
     """All layers, one after the other, on pieces of rows that stay in the scratchpad: what one
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
@@ -192,7 +194,11 @@ class _Run:
         bands = bands_of(layer, self._array.cols)[given.bands.start : given.bands.stop]
         buffer[: bands.size, Stream.B] = bands.ravel()
         arguments = program.launch(buffer, given)
-        self._cycles += simulate(program.program, *arguments, engine=self._engine).cycles
+        bound = bind(program.program, arguments, {})
+        launch = Launch(bound.memory, bound.inputs, CYCLE_LIMIT, bound.extents)
+        run = shared_tile(program.program, self._engine).run(launch)
+        bound.copy_back(run.memory, program.program.stored_arrays)
+        self._cycles += run.cycles
         self._launches += 1
 
 

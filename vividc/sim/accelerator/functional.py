@@ -5,29 +5,23 @@ same time.
 from __future__ import annotations
 
 import os
-from collections import OrderedDict, defaultdict
+from collections import defaultdict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from threading import Lock
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, InternalError
-from vividc.program import WORD_BYTES, Program
+from vividc.program import WORD_BYTES
 from vividc.sim.accelerator.memory import Buffers, Working
 from vividc.sim.accelerator.steps import Array, Configure, Execute, Piece, Step, Transfer
 from vividc.sim.engine import Launch, Run
-from vividc.sim.tile import Tile
+from vividc.sim.tile import Tile, shared_tile
 
 Memory = NDArray[np.uint32]
-
-_KEPT: Final = 64
-_LOCK: Final = Lock()
-_known: OrderedDict[tuple[int, str], Tile] = OrderedDict()
 
 
 @dataclass
@@ -91,23 +85,6 @@ def _waves(waits: Sequence[tuple[int, ...]]) -> list[list[int]]:
     return [waves[level] for level in sorted(waves)]
 
 
-def _tile(program: Program, engine: str) -> Tile:
-    """A tile that holds a program, the same one in all jobs: decoding takes longer than many a
-    run.
-    """
-    key = id(program), engine
-    with _LOCK:
-        if key in _known:
-            _known.move_to_end(key)
-            return _known[key]
-    tile = Tile(program, engine)  # it keeps the program, whose id stays in use
-    with _LOCK:
-        _known[key] = tile
-        if len(_known) > _KEPT:
-            _known.popitem(last=False)
-    return tile
-
-
 class _State:
     """Scratchpads, DRAM and tiles while a job is carried out."""
 
@@ -125,7 +102,7 @@ class _State:
         for step in steps:
             for program in step.programs if isinstance(step, Configure) else ():
                 if id(program) not in self._tiles:
-                    self._tiles[id(program)] = _tile(program, engine)
+                    self._tiles[id(program)] = shared_tile(program, engine)
 
     def _take(self, unit: int) -> None:
         """What other forms of the same tiles had in their scratchpads is lost."""
