@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -24,7 +26,7 @@ def random(*shape: int) -> Matrix:
 
 
 def layers(*widths: int) -> list[Layer]:
-    pairs = list(zip(widths, widths[1:], strict=False))
+    pairs = list(pairwise(widths))
     return [
         Layer(random(*pair), random(pair[1]), "relu" if k + 1 < len(pairs) else "none")
         for k, pair in enumerate(pairs)
@@ -128,5 +130,5 @@ def test_mistakes_are_told() -> None:
         mlp_job(x, layers(5, 2), accelerator="vivid-unit")
     with pytest.raises(ArgumentError, match="'exp' of layer 0 is one of jobs"):
         mlp(x, [Layer(random(5, 2), None, "exp")])
-    with pytest.raises(SystolicError, match="512 contexts|510 contexts|takes"):
+    with pytest.raises(SystolicError, match="takes 602 contexts"):
         lay_out(10, [LayerShape(600, 3)], "tpu-unified", VIVID)
