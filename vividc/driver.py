@@ -179,7 +179,7 @@ def _product(
             found = "its sums are chains of FMAs, which --no-contract forbids"
         if isinstance(found, Product):
             estimator = Estimator(machine.fabric, PassOptions(options.contract))
-            return priced(found, function, estimator, mode)
+            return replace(priced(found, function, estimator, options.transform), mode=mode)
     if mode in GEMM_MODES:
         raise KernelError(
             f"{kernel.name} cannot run in mode {mode}: {found}",

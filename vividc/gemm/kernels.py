@@ -97,7 +97,7 @@ def choose_for(
         try:
             costs[mode] = lay_out(rows, [shape], mode, machine).cycles
         except SystolicError as error:
-            refused = f"; {mode} not: {error.reason}"
+            refused += f"; {mode} not: {error.reason}"
     best = min(costs, key=lambda mode: costs[mode])
     told = ", ".join(f"{mode} {count} cycles" for mode, count in costs.items())
     on = f" ({tiles} tile{'s' if tiles > 1 else ''})"

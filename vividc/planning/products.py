@@ -33,6 +33,8 @@ _ONE = 0x3F800000
 _MINUS_ONE = 0xBF800000
 _CHECKED = range(1, 4)
 """Sizes with which checks of sizes are tried."""
+_ENDLESS = 1e15
+"""Cycles of what cannot be mapped, by estimate: a number that a file can hold."""
 _COMPARISONS = frozenset({Opcode.ICMP_EQ, Opcode.ICMP_NE, Opcode.AND, Opcode.OR})
 
 
@@ -347,12 +349,15 @@ def _size(value: Value) -> Size:
     return value.word
 
 
-def priced(found: Product, function: Function, estimator: Estimator, mode: str) -> Product:
-    """A product with the mode asked for, and the cycles that a tile takes for each of its terms:
-    of the best plan, by its estimate with assumed sizes.
+def priced(
+    found: Product, function: Function, estimator: Estimator, wanted: TransformOptions
+) -> Product:
+    """A product with the cycles that a tile takes for each of its terms: of the plan that is tried
+    first, by its estimate with assumed sizes.
     """
-    plan = choose(function, estimator, TransformOptions())
+    plan = choose(function, estimator, wanted)
     last = plan.stages[-1]
     trips = expected_trips(function, {})
     terms = math.prod(trips[loop.header] for loop in find_loops(function))
-    return replace(found, mode=mode, cycles_a_term=last.estimate.cycles / terms)
+    cycles = min(last.estimate.cycles, _ENDLESS)
+    return replace(found, cycles_a_term=cycles / terms)
