@@ -11,10 +11,11 @@ import vividc
 from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.kernels import kernel_file, load_kernel
-from vividc.cli.loop_report import factors, print_loops
+from vividc.cli.loop_report import factors, print_loops, print_product
 from vividc.cli.precision import formats
 from vividc.cli.program_report import print_regions
 from vividc.cli.report import print_json, progress
+from vividc.gemm.modes import MODES
 from vividc.program import Program
 
 SCHEMA = "vividc.compile/1"
@@ -80,6 +81,13 @@ SCHEMA = "vividc.compile/1"
     callback=formats,
     help="Compute exp, exp2 or all in fp16, fp8, e5m2 or fp32.",
 )
+@click.option(
+    "--mode",
+    type=click.Choice(["auto", "gpu", *MODES]),
+    default="auto",
+    show_default=True,
+    help="How an accelerator runs a kernel that is a matrix product.",
+)
 @click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
@@ -100,6 +108,7 @@ def command(
     no_flatten: tuple[int, ...],
     threads: int | None,
     precision: dict[str, str],
+    mode: str,
     explain: bool,
     output: Path | None,
     as_json: bool,
@@ -129,6 +138,7 @@ def command(
             threads=threads,
             precision=precision,
             progress=report,
+            mode=mode,
         )
     program.save(path)
     if as_json:
@@ -137,6 +147,7 @@ def command(
         print_regions(program)
         if explain:
             print_loops(program)
+            print_product(program, function, fabric)
         click.echo(f"written: {path}")
 
 
@@ -168,5 +179,6 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
             {**asdict(loop), "loc": None if loop.loc is None else str(loop.loc)}
             for loop in program.loops
         ],
+        "product": None if program.product is None else asdict(program.product),
         "warnings": [str(warning) for warning in program.warnings],
     }
