@@ -99,7 +99,10 @@ class MRRG:
     entries
         By PE: locations in which a result can be in the cycle in which it is ready.
     moves
-        By location: where a word can be in the cycle after. A location that names itself holds.
+        By location: where a word can be in the cycle after.
+    keeps
+        By location: a word that is there in the cycle after, too, needs no more than the place,
+        uint8 (locations,).
     sides
         By location: where a word that came there from elsewhere can be in the same cycle, too.
     aside
@@ -121,6 +124,7 @@ class MRRG:
     leaving: Ints
     entries: Rows
     moves: Rows
+    keeps: Bits
     sides: Rows
     aside: Bits
     readers: Rows
@@ -135,7 +139,7 @@ class MRRG:
         """(resource, 0: the slot of the cycle left, 1: of the cycle entered) of one move; `origin`
         NONE: the result enters `target`.
         """
-        if origin == target:
+        if origin == target and self.keeps[target]:
             return ((int(self.occupies[target]), 1),)
         ends = [(int(self.entering[target]), 0), (int(self.occupies[target]), 1)]
         if origin != NONE:
@@ -243,8 +247,9 @@ class _Builder:
             leaving=leaving,
             entries=Rows.of(self._entries(pe) for pe in range(self.pes)),
             moves=Rows.of(self._moves(at) for at in range(self.locations)),
+            keeps=_bits(at >= self.first_held for at in range(self.locations)),
             sides=Rows.of(self._sides(at, spot) for at, spot in enumerate(spots)),
-            aside=np.array(aside, dtype=np.uint8),
+            aside=_bits(aside),
             readers=Rows.of(self._readers(at) for at in range(self.locations)),
             fresh=_ints(
                 self.links + pe if self.outs else NONE for pe in range(self.pes)
@@ -316,6 +321,10 @@ class _Builder:
             return [self.files[at - self.locations + len(self.files)]]
         pe = (at - self.links) % self.pes
         return [reader for reader, seen in enumerate(self.fabric.outputs_seen_by) if pe in seen]
+
+
+def _bits(values: Iterable[bool]) -> Bits:
+    return np.array(list(values), dtype=np.uint8)
 
 
 def _ints(values: Iterable[int]) -> Ints:

@@ -40,6 +40,7 @@ class Graph(NamedTuple):
     occupies: Ints
     entering: Ints
     leaving: Ints
+    keeps: NDArray[np.uint8]
     aside: NDArray[np.uint8]
     fresh: Ints
     away: Ints
@@ -115,6 +116,7 @@ def new_graph(mrrg: MRRG, fabric: Fabric) -> Graph:
         mrrg.occupies,
         mrrg.entering,
         mrrg.leaving,
+        mrrg.keeps,
         mrrg.aside,
         mrrg.fresh,
         away(mrrg, len(fabric.pes)),

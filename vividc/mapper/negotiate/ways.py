@@ -200,8 +200,9 @@ def _spread(router: Router, aim: Aim, cycle: int) -> None:
             leaving += price[graph.leaving[location] * ii + slot]
         for at in range(graph.move_begin[location], graph.move_begin[location + 1]):
             to = graph.move_items[at]
-            total = so_far if to == location else leaving
-            if to != location and graph.entering[to] >= 0:
+            stays = to == location and graph.keeps[to]
+            total = so_far if stays else leaving
+            if not stays and graph.entering[to] >= 0:
                 total += price[graph.entering[to] * ii + slot]
             total += price[graph.occupies[to] * ii + after]
             if total < cost[cycle + 1, to]:
@@ -254,9 +255,10 @@ def _graft(router: Router, aim: Aim, best: int) -> int:
         cell[0], cell[1], cell[2] = cycle, location, before
         traffic.size[producer, 0] += 1
         claim(traffic, ii, producer, graph.occupies[location], aim.ready + cycle)
-        if before != location and graph.entering[location] >= 0:
+        stays = before == location and graph.keeps[location]
+        if not stays and graph.entering[location] >= 0:
             claim(traffic, ii, producer, graph.entering[location], aim.ready + cycle - 1)
-        if before != location and before >= 0:
+        if not stays and before >= 0:
             _leave(router, producer, before, cycle - 1, aim.ready)
         cycle -= _takes_a_cycle(router.graph, before, location)
         location = before
