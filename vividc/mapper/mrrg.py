@@ -251,9 +251,7 @@ class _Builder:
             sides=Rows.of(self._sides(at, spot) for at, spot in enumerate(spots)),
             aside=_bits(aside),
             readers=Rows.of(self._readers(at) for at in range(self.locations)),
-            fresh=_ints(
-                self.links + pe if self.outs else NONE for pe in range(self.pes)
-            ),
+            fresh=_ints(self.links + pe if self.outs else NONE for pe in range(self.pes)),
         )
 
     def _spots(self) -> tuple[Spot, ...]:

@@ -207,7 +207,10 @@ def result_of(
         mapper=name,
         wall_s=time.monotonic() - began,
         refuted=tuple(item for item in refuted if best is None or item.ii < best.ii),
-        stats={"tries": float(sum(campaign.tries.values()))},
+        stats={
+            "tries": float(sum(campaign.tries.values())),
+            "found_s": campaign.improved - campaign.began,
+        },
         constrained=campaign.request.extend is not None,
     )
 

@@ -62,11 +62,13 @@ class Edges(NamedTuple):
 class Array(NamedTuple):
     """The fabric. `reach`: cycles after its result that a word needs between PEs; `hop`: links on
     the way; `near`: PEs one link away and the PE itself; `room`: entries of each constant store;
-    `stored`, `held` uint8 (PEs, keys): those that other regions hold there.
+    `stored`, `held` uint8 (PEs, keys): those that other regions hold there. `outputs`: 1 where
+    words go from PE to PE through output registers only, else 0.
     """
 
     ii: int
     latest: int
+    outputs: int
     pes: int
     banks: int
     keys: int
@@ -181,6 +183,7 @@ def _array(
     return Array(
         ii=ii,
         latest=latest,
+        outputs=int(not fabric.routing.hops),
         pes=pes,
         banks=fabric.scratchpad.banks,
         keys=held.shape[1],

@@ -45,6 +45,13 @@ _TRIALS: Final = 2
 _NAMING_ROUNDS: Final = 12
 _HOT, _COLD = 30.0, 0.2
 _WARM, _COOL = 5.0, 1.0
+_OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
+_OUTPUT_REPAIRS: Final = 50
+_OUTPUT_NODES: Final = 100
+"""Where words go through output registers, annealing without routes sees little of what they cost,
+and a move with routes takes a twentieth of the time that it takes over links: so many times the
+moves, of graphs up to so many nodes.
+"""
 _SLICE: Final = 50_000
 _REPAIR_SLICE: Final = 400
 _HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
@@ -213,6 +220,9 @@ class _Attempt:
             return False
         undo = new_undo(self.task, traffic)
         heat = _heat(_WARM, _COOL, moves)
+        if self.task.array.outputs:
+            moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
+            heat = _heat(_OUTPUT_WARM, _OUTPUT_COOL, moves)
         for done in range(0, moves, _REPAIR_SLICE):
             repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
             if deadline.passed or traffic.totals[OVER] == 0:
