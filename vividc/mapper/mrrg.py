@@ -222,11 +222,11 @@ class _Builder:
         first, count = self.wires, len(self.files)
         first_out = first + 3 * count
         number = {pe: at for at, pe in enumerate(self.files)}
-        takes = {
-            "link": lambda index: index,
-            "reg": lambda index: first + number[index],
-            "out": lambda index: first_out + index,
-        }
+        takes = [
+            {"link": 0, "reg": first, "out": first_out}[spot.kind]
+            + (number[spot.index] if spot.kind == "reg" else spot.index)
+            for spot in spots
+        ]
         files = range(self.locations - count, self.locations)
         entering = np.full(self.locations, NONE, dtype=np.int64)
         leaving = entering.copy()
@@ -242,7 +242,7 @@ class _Builder:
             links=self.links,
             spots=spots,
             owner=_ints(owner),
-            occupies=_ints(takes[spot.kind](spot.index) for spot in spots),
+            occupies=_ints(takes),
             entering=entering,
             leaving=leaving,
             entries=Rows.of(self._entries(pe) for pe in range(self.pes)),

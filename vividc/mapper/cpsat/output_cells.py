@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
+from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr
 
 from vividc.arch.fabric import Fabric
 from vividc.mapper.dependences import Dependence, dependences
@@ -68,7 +68,7 @@ class _Cells:
         for edge in dependences(self.task.dfg, self.task.fabric):
             if edge.routed:
                 readers.setdefault(edge.src, []).append(edge)
-        taken: list[list[LinearExprT]] = [[] for _ in range(self.ii)]
+        taken: list[list[LinearExpr]] = [[] for _ in range(self.ii)]
         for node in self.task.dfg.operations:
             word = _Word(self, node.id)
             if node.id in readers:
@@ -78,9 +78,9 @@ class _Cells:
         for terms in taken:
             self.model.add(LinearExpr.sum(terms) <= len(self.task.fabric.pes))
 
-    def starts_in(self, node: int, slot: int) -> LinearExprT:
+    def starts_in(self, node: int, slot: int) -> LinearExpr:
         """1 if the node starts in the slot, else 0."""
-        return LinearExpr.sum(list(self.in_slot[node][slot % self.ii]))
+        return _total(self.in_slot[node][slot % self.ii])
 
 
 class _Word:
@@ -97,29 +97,27 @@ class _Word:
         model, routing, ii = self.all.model, self.all.task.fabric.routing, self.all.ii
         most = len(self.all.task.fabric.pes)
         slots = range(ii)
-        if routing.moves:
-            self.moves = [model.new_int_var(0, most, f"moves[{self.node},{s}]") for s in slots]
-        if routing.holds:
-            self.holds = [model.new_int_var(0, most, f"holds[{self.node},{s}]") for s in slots]
-            for slot in slots:
-                model.add(self.holds[slot] <= self.cells(slot - 1))
+        moved, held = most * routing.moves, most * routing.holds
+        self.moves = [model.new_int_var(0, moved, f"moves[{self.node},{s}]") for s in slots]
+        self.holds = [model.new_int_var(0, held, f"holds[{self.node},{s}]") for s in slots]
+        for slot in slots:
+            model.add(self.holds[slot] <= self.cells(slot - 1))
         self._lives(edges)
         self._reads(edges)
 
-    def cells(self, slot: int) -> LinearExprT:
+    def cells(self, slot: int) -> LinearExpr:
         """Output registers that hold it in the slot."""
-        return self._made(slot) + self._later(slot)
+        return self._made(slot) + self._later(slot) if self.moves else self._made(slot)
 
-    def _made(self, slot: int) -> LinearExprT:
+    def _made(self, slot: int) -> LinearExpr:
         return self.all.starts_in(self.node, slot - self.latency)
 
-    def _later(self, slot: int) -> LinearExprT:
-        moved = self.moves[(slot - 1) % self.all.ii] if self.moves else 0
-        return moved + (self.holds[slot % self.all.ii] if self.holds else 0)
+    def _later(self, slot: int) -> LinearExpr:
+        return self.moves[(slot - 1) % self.all.ii] + self.holds[slot % self.all.ii]
 
-    def _results(self) -> LinearExprT:
+    def _results(self) -> LinearExpr:
         """Times that it is a result, moves counted."""
-        return 1 + LinearExpr.sum(self.moves)
+        return _total(self.moves) + 1
 
     def _lives(self, edges: Sequence[Dependence]) -> None:
         """II cycles for each time that it is a result, one more for each that it is held on."""
@@ -127,7 +125,7 @@ class _Word:
         if any(pe.rotating for pe in fabric.pes):
             return
         most = self.all.ii if any(pe.registers for pe in fabric.pes) else 1
-        lasts = most * self._results() + LinearExpr.sum(self.holds)
+        lasts = self._results() * most + _total(self.holds)
         for edge in edges:
             life = start[edge.dst] + self.all.ii * edge.distance - start[edge.src] - edge.latency
             self.all.model.add(lasts >= life + 1)
@@ -140,16 +138,15 @@ class _Word:
         others = {e.dst for e in edges if e.dst != self.node and nodes[e.dst].uses_fu}
         later = {reader: self._reads_later(reader, edges) for reader in sorted(others)}
         for slot in range(ii):
-            moved = self.moves[slot] if self.moves else 0
-            own = self._results() - self.all.starts_in(self.node, slot) - moved
+            own = self._results() - self.all.starts_in(self.node, slot) - self.moves[slot]
             reads = [self.all.starts_in(reader, slot) for reader in sorted(others)]
-            model.add(LinearExpr.sum(reads) <= own + (beside - 1) * self.cells(slot))
-            waits = []
+            model.add(LinearExpr.sum(reads) <= own + self.cells(slot) * (beside - 1))
+            waits: list[IntVar] = []
             for reader, literal in later.items():
                 both = model.new_bool_var(f"waits[{self.node},{reader},{slot}]")
                 model.add(both >= self.all.starts_in(reader, slot) + literal - 1)
                 waits.append(both)
-            model.add(LinearExpr.sum(waits) <= own + (beside - 1) * self._later(slot))
+            model.add(LinearExpr.sum(waits) <= own + self._later(slot) * (beside - 1))
 
     def _reads_later(self, reader: int, edges: Sequence[Dependence]) -> IntVar:
         """A literal that is 1 if the reader reads it in another cycle than that of the result."""
@@ -160,3 +157,8 @@ class _Word:
                 made = start[self.node] + edge.latency
                 self.all.model.add(read == made).only_enforce_if(~literal)
         return literal
+
+
+def _total(variables: Sequence[IntVar]) -> LinearExpr:
+    """Their sum; there is one at least."""
+    return LinearExpr.weighted_sum(list(variables), [1] * len(variables))
