@@ -120,7 +120,6 @@ MODULES = {
     QUALITY: quality,
     FORMATS: formats,
     SIMD: simd,
-    MAPPERS: mappers,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
@@ -128,7 +127,6 @@ ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
     SIMD: simd.rows,
-    MAPPERS: mappers.rows,
 }
 PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
 """Where tables are made that `--fabric` has no say in."""
@@ -148,10 +146,15 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
 @click.command()
 @click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=DEFAULT)
 @click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
+@click.option("--mapper", "chosen", multiple=True, help="Of the mappers' table; default: all.")
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
 def main(
-    tables: tuple[str, ...], fabrics: tuple[str, ...], time_limit: float, output: Path | None
+    tables: tuple[str, ...],
+    fabrics: tuple[str, ...],
+    chosen: tuple[str, ...],
+    time_limit: float,
+    output: Path | None,
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
     if output is not None:
@@ -163,6 +166,9 @@ def main(
         if table == PRECISION:
             lines = [*precision.NOTES, "", *precision.rows()]
             _print_own(PRECISION, precision.TITLE, lines, output)
+            continue
+        if table == MAPPERS:
+            _print_mappers(fabrics, chosen, time_limit, output)
             continue
         title = MODULES[table].TITLE if table in MODULES else TABLES[table][0]
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
@@ -190,6 +196,22 @@ def _print_own(table: str, title: str, body: list[str], output: Path | None) -> 
     click.echo("\n".join(lines))
     if output is not None:
         (output / f"{table}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _print_mappers(
+    fabrics: tuple[str, ...], chosen: tuple[str, ...], time_limit: float, output: Path | None
+) -> None:
+    """The table of mappers: it goes on where an earlier run stopped."""
+    on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
+    by = "".join(f" --mapper {mapper}" for mapper in chosen)
+    command = f"python -m benchmarks --table {MAPPERS} {on}{by} --time-limit {time_limit:g}"
+    head = [f"# {mappers.TITLE}", "", f"Made by `{command} -o benchmarks`.", "", *machine(), ""]
+    body: list[str] = []
+    for body in mappers.sections(fabrics, chosen, time_limit, output):
+        if output is not None:
+            text = "\n".join([*head, *mappers.NOTES, "", *body])
+            (output / f"{MAPPERS}.md").write_text(text, encoding="utf-8")
+    click.echo("\n".join([*head, *mappers.NOTES, "", *body]))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,19 @@
-"""Public dataflow graphs with every shipped mapper: II, proved bound, status and seconds."""
+"""Public dataflow graphs with every shipped mapper: II, proved bound, status, seconds and memory.
+
+Each row is measured in a process of its own and kept in a file of rows: a run that was broken off
+goes on where it stopped, and the table is written anew after each row.
+"""
 
 from __future__ import annotations
 
+import json
+import multiprocessing
 import os
-from collections.abc import Iterator
+import statistics
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Final
 
@@ -12,30 +22,90 @@ from vividc.arch import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
 from vividc.mapper import MapResult, all_bounds, map_dfg, mapper_names, mii
+from vividc.mapper.negotiate import prepare
 from vividc.mapper.problem import MapProblem
 
 FOLDER_VARIABLE: Final = "VIVIDC_DFGS"
+ROWS: Final = "mappers.jsonl"
 TITLE: Final = "Mappers on public dataflow graphs"
 HEADER: Final = (
-    "| graph | operations | mapper | II | bound | status | seconds | most memory MB |\n"
-    "|---|---|---|---|---|---|---|---|"
+    "| graph | operations | mapper | II | bound | status | II found after s | seconds | most MB "
+    "| others |\n"
+    "|---|---|---|---|---|---|---|---|---|---|"
 )
 NOTES: Final = (
     "The graphs are JSON files in the folder that VIVIDC_DFGS names, or in `../shared/dfgs`.",
     "Arrays below 64 PEs get all graphs, larger ones those with an operation for every fourth PE.",
-    "Memory is the process's peak so far, solver threads included.",
+    "Each row has a process of its own; memory is its peak, the solver's threads included. Rows",
+    f"are kept in `{ROWS}`; what is there is not measured again. `load`: processes that the",
+    "machine ran on average when a row began.",
     "",
-    "What other mappers reach on graphs of this kind, as measured with them on a machine",
-    "of two cores; compare only under a fabric that matches:",
-    "",
-    "- SAT-MapIt, its 4x4 array (`openedge-4x4`): sqrt (8 nodes) II 5, bitcount (6) 3, gsm (14) 4",
-    "  in 4.7 s, stringsearch (15) 2 in 3.2 s, sha1 (25) 3 in 8.8 s, sha2 (25) 8 in 12 s.",
-    "- Morpher with PathFinder, 4x4 HyCUBE (`hycube-4x4`): array_add (20) 4, atax (24) 4, 2mm (28)",
-    "  4, bicg (31) 4, cholesky (26) 5; 16 of 21 graphs not mapped in 45 s.",
-    "- a greedy mapper, 4x4 mesh, graphs of 12-72 nodes: 19 of 29 kernels end at II 4, 4 fail.",
+    "Others: what other mappers reach on the same graph, as measured with them on a machine of two",
+    "cores: Morpher with PathFinder on its 4x4 HyCUBE, in 45 s at most. Of graphs that are not",
+    "here, SAT-MapIt on its 4x4 array (`openedge-4x4`): sqrt (8 nodes) II 5, bitcount (6) 3, gsm",
+    "(14) 4 in 4.7 s, stringsearch (15) 2 in 3.2 s, sha1 (25) 3 in 8.8 s, sha2 (25) 8 in 12 s; a",
+    "greedy mapper on a 4x4 mesh, graphs of 12-72 nodes: 19 of 29 kernels end at II 4, 4 fail.",
 )
+_PEERS: Final = {
+    ("hycube-4x4", "morpher__array_add-array_add_LN1"): "4",
+    ("hycube-4x4", "morpher__polybench-2mm"): "4",
+    ("hycube-4x4", "morpher__polybench-atax"): "4",
+    ("hycube-4x4", "morpher__polybench-cholesky"): "5",
+    ("hycube-4x4", "morpher__polybench-2mm_unroll4"): "none",
+    ("hycube-4x4", "morpher__polybench-bicg_unroll3"): "none",
+    ("hycube-4x4", "morpher__polybench-cholesky_unroll4"): "none",
+    ("hycube-4x4", "morpher__polybench-doitgen_unroll4"): "none",
+    ("hycube-4x4", "morpher__pedometer-pedometer_LN1"): "none",
+}
 _LARGE_ARRAY: Final = 64
 _WORK: Final = 4
+_SMALL: Final = 60
+"""Operations up to which the summary looks at gaps: the size that targets are set for."""
+
+_GRACE_S: Final = 60.0
+"""Seconds beyond its limit after which a mapper's process is ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One graph with one mapper on one fabric; what is None was not found, or not measured.
+
+    `found_s`: seconds after which the final II was found; `seconds`: of the whole run; `most_mb`:
+    peak of resident memory; `load`: of the machine when the row began.
+    """
+
+    fabric: str
+    graph: str
+    operations: int
+    mapper: str
+    time_limit_s: float
+    bound: int
+    status: str
+    ii: int | None = None
+    found_s: float | None = None
+    seconds: float | None = None
+    most_mb: float | None = None
+    load: float | None = None
+
+    @property
+    def gap(self) -> int | None:
+        """How far the II is from its bound."""
+        return None if self.ii is None else self.ii - self.bound
+
+    def __str__(self) -> str:
+        cells = [
+            self.graph,
+            str(self.operations),
+            self.mapper,
+            _shown(self.ii),
+            str(self.bound),
+            self.status,
+            _shown(self.found_s, ".1f"),
+            _shown(self.seconds, ".1f"),
+            _shown(self.most_mb, ".0f"),
+            _PEERS.get((self.fabric, self.graph), "-"),
+        ]
+        return f"| {' | '.join(cells)} |"
 
 
 def folder() -> Path | None:
@@ -45,38 +115,101 @@ def folder() -> Path | None:
     return found if found.is_dir() and any(found.glob("*.json")) else None
 
 
-def rows(fabric_name: str, time_limit_s: float) -> Iterator[str]:
-    """One line for each graph and mapper, as it is measured."""
+def sections(
+    fabrics: Sequence[str], mappers: Sequence[str], time_limit_s: float, output: Path | None
+) -> Iterator[list[str]]:
+    """The table's lines, one section a fabric, again after each row: what is finished so far.
+
+    Parameters
+    ----------
+    fabrics
+        Names of presets, or files.
+    mappers
+        Names of mappers; none: all.
+    time_limit_s
+        Limit of each row.
+    output
+        Folder of the file of rows; None: rows are neither read nor kept.
+    """
     place = folder()
     if place is None:
-        yield f"No graphs: {FOLDER_VARIABLE} names no folder with JSON files."
+        yield [f"No graphs: {FOLDER_VARIABLE} names no folder with JSON files."]
         return
-    fabric = vividc.arch.load(fabric_name)
-    for path in sorted(place.glob("*.json")):
+    kept = None if output is None else output / ROWS
+    rows = _read(kept, time_limit_s)
+    prepare(lambda line: print(line, file=sys.stderr))
+    for fabric in fabrics:
+        for graph, name, mapper in _tasks(place, fabric, mappers or mapper_names()):
+            key = (fabric, name, mapper)
+            if key not in rows:
+                rows[key] = measured(graph, name, fabric, mapper, time_limit_s)
+                _keep(kept, rows[key])
+                print(rows[key], file=sys.stderr)
+                yield _lines(fabrics, list(rows.values()))
+    yield _lines(fabrics, list(rows.values()))
+
+
+def measured(graph: DFG, name: str, fabric: str, mapper: str, time_limit_s: float) -> Row:
+    """One row, from a process of its own."""
+    about = Row(fabric, name, len(graph.operations), mapper, time_limit_s, 1, "died")
+    about = replace(about, load=round(os.getloadavg()[0], 1))
+    context = multiprocessing.get_context("fork")
+    ours, theirs = context.Pipe(duplex=False)
+    child = context.Process(target=_measure, args=(theirs, about, graph))
+    child.start()
+    theirs.close()
+    row = about
+    if ours.poll(time_limit_s + _GRACE_S):
         try:
-            graph = vividc.dfg.load(path)
-        except VividcError as error:
-            yield f"| {path.stem} | - | - | - | - | refused: {error.reason} | - | - |"
-            continue
-        if _gives_work(graph, fabric):
-            for mapper in mapper_names():
-                yield row(graph, path.stem, fabric, mapper, time_limit_s)
+            row = ours.recv()
+        except EOFError:
+            row = replace(about, status="died")
+    else:
+        row = replace(about, status="does not stop")
+        child.kill()
+    child.join()
+    return row
 
 
-def row(graph: DFG, name: str, fabric: Fabric, mapper: str, time_limit_s: float) -> str:
-    """One graph with one mapper."""
-    start = f"| {name} | {len(graph.operations)} | {mapper}"
+def _measure(pipe: Connection, about: Row, graph: DFG) -> None:
+    fabric = vividc.arch.load(about.fabric)
     try:
-        result = map_dfg(graph, fabric, mapper, time_limit_s=time_limit_s)
+        result = map_dfg(graph, fabric, about.mapper, time_limit_s=about.time_limit_s)
+        row = _row_of(about, result)
     except VividcError as error:
         bound = mii(all_bounds(MapProblem(graph, fabric)))
-        return f"{start} | - | {bound} | refused: {error.reason} | - | {_peak_mb()} |"
-    return f"{start} | {_outcome(result)} | {_peak_mb()} |"
+        row = replace(about, bound=bound, status=f"refused: {error.reason}")
+    pipe.send(replace(row, most_mb=_peak_mb()))
 
 
-def _outcome(result: MapResult) -> str:
-    ii = "-" if result.ii is None else result.ii
-    return f"{ii} | {result.lower_bound} | {result.status} | {result.wall_s:.1f}"
+def _row_of(about: Row, result: MapResult) -> Row:
+    found_s = result.stats.get("found_s", result.wall_s)
+    return replace(
+        about,
+        ii=result.ii,
+        bound=result.lower_bound,
+        status=result.status,
+        found_s=None if result.ii is None else round(found_s, 2),
+        seconds=round(result.wall_s, 2),
+    )
+
+
+def _peak_mb() -> float | None:
+    """Most resident memory of this process; None where the system does not tell."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return None
+    lines = status.read_text(encoding="ascii").splitlines()
+    kilobytes = next((line.split()[1] for line in lines if line.startswith("VmHWM:")), None)
+    return None if kilobytes is None else round(int(kilobytes) / 1024)
+
+
+def _tasks(place: Path, fabric: str, mappers: Sequence[str]) -> Iterator[tuple[DFG, str, str]]:
+    array = vividc.arch.load(fabric)
+    for path in sorted(place.glob("*.json")):
+        graph = vividc.dfg.load(path)
+        if _gives_work(graph, array):
+            yield from ((graph, path.stem, mapper) for mapper in mappers)
 
 
 def _gives_work(graph: DFG, fabric: Fabric) -> bool:
@@ -84,11 +217,63 @@ def _gives_work(graph: DFG, fabric: Fabric) -> bool:
     return pes < _LARGE_ARRAY or _WORK * len(graph.operations) >= pes
 
 
-def _peak_mb() -> str:
-    """Most resident memory of this process so far; "-" where the system does not tell."""
-    status = Path("/proc/self/status")
-    if not status.exists():
-        return "-"
-    lines = status.read_text(encoding="ascii").splitlines()
-    kilobytes = next((line.split()[1] for line in lines if line.startswith("VmHWM:")), None)
-    return "-" if kilobytes is None else f"{int(kilobytes) / 1024:.0f}"
+def _read(kept: Path | None, time_limit_s: float) -> dict[tuple[str, str, str], Row]:
+    """Rows that were measured with this limit."""
+    if kept is None or not kept.exists():
+        return {}
+    lines = kept.read_text(encoding="utf-8").splitlines()
+    rows = [Row(**json.loads(line)) for line in lines]
+    return {(r.fabric, r.graph, r.mapper): r for r in rows if r.time_limit_s == time_limit_s}
+
+
+def _keep(kept: Path | None, row: Row) -> None:
+    if kept is not None:
+        with kept.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(asdict(row)) + "\n")
+
+
+def _lines(fabrics: Sequence[str], rows: Sequence[Row]) -> list[str]:
+    found: list[str] = []
+    for fabric in fabrics:
+        here = [row for row in rows if row.fabric == fabric]
+        found += [f"## {fabric}", "", *_summary(here), "", *HEADER.splitlines()]
+        found += [*(str(row) for row in here), ""]
+    return found
+
+
+def _summary(rows: Sequence[Row]) -> Iterator[str]:
+    """Per mapper: how many graphs are mapped, proved, and near their bound, how fast, how large."""
+    yield (
+        f"| mapper | graphs | mapped | optimal | gap at most 1 | up to {_SMALL} operations: "
+        "optimal | gap at most 1 | median s to the II | median s | most MB | load |"
+    )
+    yield "|---|---|---|---|---|---|---|---|---|---|---|"
+    for mapper in dict.fromkeys(row.mapper for row in rows):
+        mine = [row for row in rows if row.mapper == mapper]
+        small = [row for row in mine if row.operations <= _SMALL]
+        cells = [
+            mapper,
+            str(len(mine)),
+            str(sum(row.ii is not None for row in mine)),
+            *_proved(mine),
+            *(f"{count} of {len(small)}" for count in _proved(small)),
+            _median([row.found_s for row in mine]),
+            _median([row.seconds for row in mine]),
+            _shown(max((row.most_mb for row in mine if row.most_mb), default=None), ".0f"),
+            _median([row.load for row in mine]),
+        ]
+        yield f"| {' | '.join(cells)} |"
+
+
+def _proved(rows: Sequence[Row]) -> tuple[str, str]:
+    gaps = [row.gap for row in rows if row.gap is not None]
+    return str(sum(gap == 0 for gap in gaps)), str(sum(gap <= 1 for gap in gaps))
+
+
+def _median(values: Sequence[float | None]) -> str:
+    known = [value for value in values if value is not None]
+    return f"{statistics.median(known):.1f}" if known else "-"
+
+
+def _shown(value: float | None, form: str = "") -> str:
+    return "-" if value is None else format(value, form)

@@ -21,7 +21,7 @@ from vividc.mapper.cpsat import (
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort, negotiate
-from vividc.mapper.plain_core import named_anew, plain_core
+from vividc.mapper.plain_core import named_anew, unrotated
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
@@ -110,19 +110,15 @@ def map_negotiated(
     effort: Effort | None = None,
 ) -> Attempt:
     """Annealed places and negotiated routes, without a solver: for large graphs."""
-    core = plain_core(task.fabric)
-    if core is None:
-        return OPEN
     request.tell(f"II {ii}: annealing places, negotiating routes")
-    mapping = negotiate(replace(task, fabric=core), ii, seed, deadline, effort)
+    core = replace(task, fabric=unrotated(task.fabric))
+    mapping = negotiate(core, ii, seed, deadline, effort)
     return OPEN if mapping is None else Attempt(mapping=named_anew(task, mapping))
 
 
 def is_large(task: MapProblem) -> bool:
-    """Whether placing and routing by constraints takes longer than by negotiation, which some
-    fabrics leave no choice about.
-    """
-    return len(task.dfg.placed) >= _LARGE and plain_core(task.fabric) is not None
+    """Whether placing and routing by constraints takes longer than by negotiation."""
+    return len(task.dfg.placed) >= _LARGE
 
 
 def refute_by_folding(

@@ -35,13 +35,13 @@ class Campaign:
     def try_ii(self, ii: int, deadline: Deadline) -> Attempt:
         """One more try of `ii`; keeps what it found."""
         count = self.tries.get(ii, 0)
+        self.tries[ii] = count + 1
         attempt = self.strategy(self.problem, ii, self.request, deadline, count)
         self.note(ii, attempt)
         return attempt
 
     def note(self, ii: int, attempt: Attempt) -> None:
         """Keep what a try of `ii` found; a mapping no better than the best is dropped."""
-        self.tries[ii] = self.tries.get(ii, 0) + 1
         if attempt.refuted_by is not None:
             self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
             self.refuted[ii] = attempt.refuted_by

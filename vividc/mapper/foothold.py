@@ -12,7 +12,6 @@ from vividc.mapper.attempt import is_large, map_decoupled
 from vividc.mapper.campaign import Campaign
 from vividc.mapper.kms import map_by_mobility
 from vividc.mapper.large import gain_by_negotiation
-from vividc.mapper.plain_core import plain_core
 from vividc.mapper.problem import MapProblem
 
 _LARGE: Final = 48
@@ -32,11 +31,11 @@ def needs_foothold(problem: MapProblem) -> bool:
 
 
 def gain_foothold(campaign: Campaign, limit: int) -> None:
-    """A mapping by what suits the fabric: negotiation where words may pass links one by one, else
-    the kernel mobility schedule, and schedules first, well above the bound.
+    """A mapping by negotiation; where that finds none by the kernel mobility schedule, and
+    schedules first, well above the bound.
     """
-    if plain_core(campaign.problem.fabric) is not None:
-        campaign.request = gain_by_negotiation(campaign, limit)
+    campaign.request = gain_by_negotiation(campaign, limit)
+    if campaign.best is not None:
         return
     _by_mobility(campaign, limit)
     if campaign.best is None and len(campaign.problem.dfg.placed) >= _LARGE:

@@ -18,7 +18,7 @@ from vividc.mapper.request import MapRequest
 
 _QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1)
 _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
-_PROOF_S: Final = 2.0
+_FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
 _SEEDS: Final = 3
 _SOLVER_S: Final = 400.0
 """Seconds for the solver in the first round, of a graph of one node: it is the better the smaller
@@ -45,17 +45,21 @@ def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False
     _gain_foothold(campaign, limit)
     if campaign.best is None or only_footholds:
         return
+    _raise_bound(campaign, _FIRST_PROOF_S)
     _bisect(campaign)
-    _raise_bound(campaign)
+    _raise_bound(campaign, _PROOF_S)
     _insist(campaign)
 
 
 def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
-    """Only the first two steps, for graphs of any size; the request with its deadline later by what
-    the compilation took.
+    """Only the first steps, for graphs of any size, after a try at the bound; the request with its
+    deadline later by what the compilation took.
     """
     request = prepared(campaign.request)
     campaign.request = replace(request, deadline=request.deadline.within(_share(request)))
+    if _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is not None:
+        return request
+    _raise_bound(campaign, _FIRST_PROOF_S)
     _gain_foothold(campaign, limit)
     _bisect(campaign)
     return request
@@ -93,12 +97,12 @@ def _bisect(campaign: Campaign) -> None:
             low = middle + 1
 
 
-def _raise_bound(campaign: Campaign) -> None:
+def _raise_bound(campaign: Campaign, budget_s: float) -> None:
     """Refute from below while that is easy."""
     deadline = campaign.request.deadline
     while campaign.open_iis():
         before = campaign.lower
-        budget = deadline.within(_PROOF_S)
+        budget = deadline.within(budget_s)
         campaign.note(before, refute_cheaply(campaign.problem, before, campaign.request, budget))
         if campaign.lower == before:
             return

@@ -30,6 +30,14 @@ def plain_core(fabric: Fabric) -> Fabric | None:
     return replace(fabric, routing=Routing(), pes=pes)
 
 
+def unrotated(fabric: Fabric) -> Fabric:
+    """The fabric with register files that do not rotate: the MRRG knows all options but that one.
+    Its mappings are mappings to the fabric but for the names of registers (`named_anew`).
+    """
+    pes = tuple(replace(pe, rotating=False) for pe in fabric.pes)
+    return replace(fabric, pes=pes)
+
+
 def named_anew(problem: MapProblem, mapping: Mapping) -> Mapping | None:
     """A mapping to the plain core with registers of rotating files named as these need it; None if
     the words do not fit so.

@@ -27,6 +27,7 @@ _FIRST_SHARE = 0.5
 _CLIMB_SHARE = 0.2
 _CLIMB_LEAST_S = 2.0
 _WORTH_TRYING_S = 0.3
+_PROOF_SHARE = 0.15
 
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
@@ -35,13 +36,15 @@ def auto(problem: MapProblem, request: MapRequest) -> MapResult:
 
 
 def cpsat(problem: MapProblem, request: MapRequest) -> MapResult:
-    """The joint model only, with the bounds and the scheduling relaxation before it."""
+    """The joint model, with the bounds and the scheduling relaxation before it; of large graphs
+    some mapping comes from negotiation, for the model to better.
+    """
     return _search(problem, request, "cpsat", _try_jointly)
 
 
 def decoupled(problem: MapProblem, request: MapRequest) -> MapResult:
-    """Schedule first, then place and route; "optimal" only where bounds and the relaxation prove
-    it.
+    """Schedule first, then place and route, graphs of any size; "optimal" only where bounds and the
+    relaxation prove it.
     """
     return _search(problem, request, "decoupled", _try_decoupled)
 
@@ -60,7 +63,7 @@ def ii_limit(problem: MapProblem) -> int:
 def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strategy) -> MapResult:
     began = time.monotonic()
     bounds = all_bounds(problem)
-    large = is_large(problem) and request.extend is None  # negotiation adds no constraints
+    large = _negotiates(problem, request, strategy)
     if large and mii(bounds) < no_ii(problem):
         request = prepared(request)
     campaign = Campaign(problem, request, strategy, mii(bounds))
@@ -81,6 +84,13 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     return result_of(campaign, bounds, name, began, infeasible=exhausted)
 
 
+def _negotiates(problem: MapProblem, request: MapRequest, strategy: Strategy) -> bool:
+    """Whether negotiation comes first: it knows no constraints of a caller's, and has no part in
+    the mapper that is named for its schedules.
+    """
+    return is_large(problem) and request.extend is None and strategy is not _try_decoupled
+
+
 def _only(campaign: Campaign, ii: int) -> bool:
     """Try one II only, with all the time there is; whether it was refuted."""
     request = campaign.request
@@ -91,8 +101,8 @@ def _only(campaign: Campaign, ii: int) -> bool:
     if ii < campaign.lower:
         campaign.refuted[ii] = f"the lower bound {campaign.lower}"
         return True
-    by_solver = campaign.strategy is _try_jointly or request.extend is not None
-    if is_large(campaign.problem) and not by_solver:
+    jointly = campaign.strategy is _try_jointly
+    if _negotiates(campaign.problem, request, campaign.strategy) and not jointly:
         try_only(campaign, ii)
     while campaign.best is None and not request.deadline.passed:
         before = request.deadline.remaining_s
@@ -160,7 +170,7 @@ def _descend(campaign: Campaign) -> None:
 def _try_everything(
     problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
 ) -> Attempt:
-    attempt = refute_cheaply(problem, ii, request, _part(deadline, 0.15)) if not tries else OPEN
+    attempt = _refute_again(problem, ii, request, deadline, tries)
     if not attempt.decided:
         attempt = map_decoupled(problem, ii, request, _part(deadline, 0.7), 1000 * tries)
     if not attempt.decided:
@@ -173,7 +183,7 @@ def _try_everything(
 def _try_jointly(
     problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
 ) -> Attempt:
-    attempt = refute_cheaply(problem, ii, request, _part(deadline, 0.15)) if not tries else OPEN
+    attempt = _refute_again(problem, ii, request, deadline, tries)
     if not attempt.decided:
         attempt = map_jointly(problem, ii, request, deadline)
     return attempt
@@ -182,10 +192,21 @@ def _try_jointly(
 def _try_decoupled(
     problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
 ) -> Attempt:
-    attempt = refute_cheaply(problem, ii, request, _part(deadline, 0.15)) if not tries else OPEN
+    attempt = _refute_again(problem, ii, request, deadline, tries)
     if not attempt.decided:
         attempt = map_decoupled(problem, ii, request, deadline, 1000 * tries)
     return attempt
+
+
+def _refute_again(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
+) -> Attempt:
+    """Scheduling without places in the first round and in some of the later ones, which are longer:
+    what a short time did not refute a longer one may.
+    """
+    if tries & (tries + 1):
+        return OPEN
+    return refute_cheaply(problem, ii, request, _part(deadline, _PROOF_SHARE))
 
 
 def _part(deadline: Deadline, share: float) -> Deadline:
@@ -207,7 +228,10 @@ def result_of(
         mapper=name,
         wall_s=time.monotonic() - began,
         refuted=tuple(item for item in refuted if best is None or item.ii < best.ii),
-        stats={"tries": float(sum(campaign.tries.values()))},
+        stats={
+            "tries": float(sum(campaign.tries.values())),
+            "found_s": campaign.improved - campaign.began,
+        },
         constrained=campaign.request.extend is not None,
     )
 

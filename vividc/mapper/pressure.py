@@ -37,8 +37,6 @@ def pressure_bounds(problem: MapProblem, least: int, beyond: int) -> tuple[Bound
     """
     graph = build_mrrg(problem.fabric)
     places = sum(graph.resources[int(r)].capacity for r in dict.fromkeys(graph.occupies.tolist()))
-    if problem.fabric.routing.open_outputs:
-        places += len(problem.fabric.pes)
     readers = _readers(problem, graph)
     edges = dependences(problem.dfg, problem.fabric)
     if len(problem.dfg.placed) > _MOST_NODES:

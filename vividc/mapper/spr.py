@@ -17,9 +17,10 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.large import prepared
 from vividc.mapper.mapping import MapResult
 from vividc.mapper.negotiate import Effort, negotiate
+from vividc.mapper.plain_core import unrotated
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
-from vividc.mapper.upward import attempt_of, core_for, search_upward
+from vividc.mapper.upward import attempt_of, search_upward
 
 _SEEDS: Final = 3
 """Placements annealed at an II before it grows."""
@@ -28,21 +29,14 @@ _EFFORT: Final = Effort(repairs=0, trials=1)
 
 
 def spr(problem: MapProblem, request: MapRequest) -> MapResult:
-    """Place by annealing and route by negotiation, from the MII upward.
-
-    Raises
-    ------
-    VividcError
-        The fabric's routing is not that of the MRRG.
-    """
-    core_for(problem.fabric, "spr")
+    """Place by annealing and route by negotiation, from the MII upward."""
     return search_upward(problem, prepared(request), "spr", _try_ii)
 
 
 def _try_ii(
     problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
 ) -> Attempt:
-    core = replace(problem, fabric=core_for(problem.fabric, "spr"))
+    core = replace(problem, fabric=unrotated(problem.fabric))
     for seed in range(_SEEDS * tries + 1, _SEEDS * (tries + 1) + 1):
         if deadline.passed:
             break

@@ -60,9 +60,10 @@ def core_for(fabric: Fabric, name: str) -> Fabric:
     if core is None:
         raise VividcError(
             f"mapper {name!r} routes words over links and registers that any word may enter, one "
-            f"operation a cycle on each PE; {fabric.name} is not of that kind",
+            f"operation a cycle on each PE; {fabric.name} is not of that kind (there, moves of "
+            "words take the FUs that it schedules operations on)",
             loc="mapper",
-            hint="use auto, cpsat, decoupled or sat-kms",
+            hint="use auto, cpsat, decoupled, sat-kms or spr",
         )
     return core
 

@@ -16,6 +16,7 @@ from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import BASE, Opcode
 from vividc.mapper.bounds import hall_sets, usable_pes
 from vividc.mapper.cpsat.objective import carrying_cost
+from vividc.mapper.cpsat.output_cells import cells_suffice
 from vividc.mapper.cpsat.problem import Prepared, is_live_out, last_useful_stage, windowed
 from vividc.mapper.cpsat.run import Outcome, Search, run
 from vividc.mapper.dependences import dependences
@@ -150,6 +151,7 @@ def _constrain(model: CpModel, task: MapProblem, ii: int, times: _Times) -> None
     for edge in dependences(task.dfg, task.fabric):
         model.add(times.start[edge.dst] >= times.start[edge.src] + edge.weight(ii))
     _first_reads_fit_neighbours(model, task, times.start, ii)
+    cells_suffice(model, task, ii, times.start, times.in_slot)
 
 
 def _slots_fit_pes(model: CpModel, task: MapProblem, times: _Times, ii: int) -> None:

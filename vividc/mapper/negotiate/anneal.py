@@ -16,6 +16,7 @@ from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess, window
 
 _BROKEN, _LATE, _HOP, _CYCLE, _TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
+_CELL = 1.0
 _MOVE_KNOT_BELOW = 15
 _MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
 """Of 100 moves, which change the PE and which the time."""
@@ -161,9 +162,9 @@ def _cost(task: Task, places: Places, node: int) -> float:
     for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
         edge = edges.of_items[at]
         total += _edge_cost(edges, array, places, edge)
-    total += _life_cost(edges, places, node)
+    total += _word_cost(edges, array, places, node)
     for at in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
-        total += _life_cost(edges, places, edges.fed_items[at])
+        total += _word_cost(edges, array, places, edges.fed_items[at])
     return total
 
 
@@ -174,11 +175,44 @@ def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
         return _LATE * late
     src, dst = edges.src[edge], edges.dst[edge]
     hops = array.hop[places.pe[src], places.pe[dst]]
+    if array.outputs:  # the first link is free: neighbours read the output register
+        hops = max(0, hops - 1)
     cost = _HOP * hops
     if late > 0:
         return float(cost + _LATE * late)
     life = places.time[dst] - places.time[src] - edges.ready[edge]
     return float(cost + _TIGHT * max(0, hops - life))
+
+
+@compiled
+def _word_cost(edges: Edges, array: Array, places: Places, node: int) -> float:
+    if array.outputs:
+        return _output_cost(edges, places, node)
+    return _life_cost(edges, places, node)
+
+
+@compiled
+def _output_cost(edges: Edges, places: Places, node: int) -> float:
+    """Of the word that `node` makes: the cycles after the first in which another PE reads it, since
+    each takes an output register and the FU that fills it. Its own registers are many.
+    """
+    cells, begin = 0, edges.sink_begin[node]
+    for at in range(begin, edges.sink_begin[node + 1]):
+        gap = _remote_gap(edges, places, node, edges.sink_items[at])
+        known = gap <= 0
+        for other in range(begin, at):
+            known = known or _remote_gap(edges, places, node, edges.sink_items[other]) == gap
+        cells += not known
+    return _CELL * cells
+
+
+@compiled
+def _remote_gap(edges: Edges, places: Places, node: int, edge: int) -> int:
+    """Cycles from the result to a read on another PE; 0 on its own."""
+    dst = edges.dst[edge]
+    if places.pe[dst] == places.pe[node]:
+        return 0
+    return int(places.time[dst] - places.time[node] - edges.ready[edge])
 
 
 @compiled

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.mapper.dependences import Dependence, dependences
+from vividc.mapper.distances import hop_distances
 from vividc.mapper.mrrg import MRRG, Ints, Rows, reach
 from vividc.mapper.problem import ConstantKey, MapProblem
 
@@ -19,14 +20,15 @@ Floats = NDArray[np.float64]
 class Nodes(NamedTuple):
     """What is placed, by dense number (ascending id).
 
-    `can`: uint8 (nodes, PEs); `last`: cycles from issue to completion; `kind`: bits `FU`, `MEMORY`,
-    `CONTROL`; `keys`: constant-store entries.
+    `can`: uint8 (nodes, PEs); `latency`: cycles from issue to result; `busy`: cycles for which it
+    keeps its FU; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`: constant-store entries.
     """
 
     can: NDArray[np.uint8]
     pe_begin: Ints
     pe_items: Ints
     latency: Ints
+    busy: Ints
     kind: Ints
     key_begin: Ints
     key_items: Ints
@@ -60,11 +62,13 @@ class Edges(NamedTuple):
 class Array(NamedTuple):
     """The fabric. `reach`: cycles after its result that a word needs between PEs; `hop`: links on
     the way; `near`: PEs one link away and the PE itself; `room`: entries of each constant store;
-    `stored`, `held` uint8 (PEs, keys): those that other regions hold there.
+    `stored`, `held` uint8 (PEs, keys): those that other regions hold there. `outputs`: 1 where
+    words go from PE to PE through output registers only, else 0.
     """
 
     ii: int
     latest: int
+    outputs: int
     pes: int
     banks: int
     keys: int
@@ -117,7 +121,14 @@ def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[Constan
     ]
     latency = [problem.fabric.latency(node) for node in placed]
     made = Nodes(
-        can, packed.begin, packed.items, ints(latency), ints(kinds), keys.begin, keys.items
+        can,
+        packed.begin,
+        packed.items,
+        ints(latency),
+        ints(problem.fabric.occupancy(node) for node in placed),
+        ints(kinds),
+        keys.begin,
+        keys.items,
     )
     return made, number
 
@@ -172,11 +183,12 @@ def _array(
     return Array(
         ii=ii,
         latest=latest,
+        outputs=int(not fabric.routing.hops),
         pes=pes,
         banks=fabric.scratchpad.banks,
         keys=held.shape[1],
         reach=cycles,
-        hop=(cycles + (1 - np.eye(pes, dtype=np.int64))).astype(np.int64),
+        hop=np.array(hop_distances(fabric), dtype=np.int64),
         near_begin=near.begin,
         near_items=near.items,
         room=ints(

@@ -18,7 +18,7 @@ from vividc.errors import InternalError
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.mapper.mrrg import MRRG, build_mrrg
+from vividc.mapper.mrrg import MRRG, NONE, build_mrrg
 from vividc.mapper.negotiate.anneal import Heat, anneal
 from vividc.mapper.negotiate.arrays import Task, build_task
 from vividc.mapper.negotiate.places import broken, enter, new_places
@@ -45,6 +45,13 @@ _TRIALS: Final = 2
 _NAMING_ROUNDS: Final = 12
 _HOT, _COLD = 30.0, 0.2
 _WARM, _COOL = 5.0, 1.0
+_OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
+_OUTPUT_REPAIRS: Final = 50
+_OUTPUT_NODES: Final = 100
+"""Where words go through output registers, annealing without routes sees little of what they cost,
+and a move with routes takes a twentieth of the time that it takes over links: so many times the
+moves, of graphs up to so many nodes.
+"""
 _SLICE: Final = 50_000
 _REPAIR_SLICE: Final = 400
 _HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
@@ -178,7 +185,7 @@ class _Attempt:
         """
         self.traffic = new_traffic(self.mrrg, self.task, self.room)
         scratch = new_scratch(self.mrrg, self.cycles)
-        graph = new_graph(self.mrrg)
+        graph = new_graph(self.mrrg, self.problem.fabric)
         self.router = Router(graph, self.task, self.places, self.traffic, scratch)
         for turn in range(_NAMING_ROUNDS):
             free = self._negotiate(effort.rounds, deadline, fresh=turn == 0)
@@ -213,6 +220,9 @@ class _Attempt:
             return False
         undo = new_undo(self.task, traffic)
         heat = _heat(_WARM, _COOL, moves)
+        if self.task.array.outputs:
+            moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
+            heat = _heat(_OUTPUT_WARM, _OUTPUT_COOL, moves)
         for done in range(0, moves, _REPAIR_SLICE):
             repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
             if deadline.passed or traffic.totals[OVER] == 0:
@@ -251,7 +261,7 @@ class _Attempt:
         }
         found: list[tuple[int, Stay]] = []
         for location, cycle, before in self._cells(producer):
-            if location < self.mrrg.links:
+            if self.mrrg.spots[location].kind != "reg":
                 continue
             pe = int(self.mrrg.owner[location])
             if before == location and (location, cycle) not in cuts:
@@ -301,13 +311,26 @@ class _Attempt:
         cycle = int(self.places.time[edges.dst[edge]] + edges.ahead[edge])
         steps = []
         while location >= 0:
-            pe = int(self.mrrg.owner[location])
-            if location < self.mrrg.links:
-                steps.append(Step("link", pe, location, cycle))
-            else:
-                steps.append(Step("reg", pe, registers[producer, pe, cycle], cycle))
-            location, cycle = before[location, cycle], cycle - 1
+            pe, spot = int(self.mrrg.owner[location]), self.mrrg.spots[location]
+            index = spot.index if spot.kind == "link" else 0
+            if spot.kind == "reg":
+                index = registers[producer, pe, cycle]
+            steps.append(Step(spot.kind, pe, index, cycle))
+            location, cycle = self._driver(before, location, cycle)
         return tuple(reversed(steps))
+
+    def _driver(
+        self, before: ReadOnly[tuple[int, int], int], location: int, cycle: int
+    ) -> tuple[int, int]:
+        """The step before; a result that goes to registers through an output register has none
+        there.
+        """
+        origin = before[location, cycle]
+        if not self.mrrg.aside[location] or origin in (location, NONE):
+            return origin, cycle - 1
+        if self.mrrg.spots[location].kind == "link":
+            return origin, cycle
+        return before[origin, cycle], cycle - 1
 
 
 def _heat(hot: float, cold: float, moves: int) -> Heat:

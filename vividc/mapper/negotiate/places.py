@@ -65,7 +65,8 @@ def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> Non
     kind = nodes.kind[node]
     if kind & FU:
         done = (places.time[node] + nodes.latency[node] - 1) % ii
-        places.counts[row + slot] += by
+        for cycle in range(nodes.busy[node]):
+            places.counts[row + (slot + cycle) % ii] += by
         places.counts[grid + row + done] += by
         if by > 0:
             places.at[row + slot] = node
@@ -97,7 +98,9 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
     over = max(0, places.stored[pe] - array.room[pe])
     if kind & FU:
         done = (places.time[node] + nodes.latency[node] - 1) % ii
-        over += places.counts[row + slot] - 1 + places.counts[grid + row + done] - 1
+        over += places.counts[grid + row + done] - 1
+        for cycle in range(nodes.busy[node]):
+            over += places.counts[row + (slot + cycle) % ii] - 1
         if kind & MEMORY:
             over += max(0, places.counts[3 * grid + slot] - array.banks)
         if kind & CONTROL:

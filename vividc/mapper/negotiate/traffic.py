@@ -11,7 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.mapper.mrrg import MRRG, Ints, Kind
+from vividc.arch.fabric import Fabric
+from vividc.mapper.mrrg import MRRG, Ints, Kind, away
 from vividc.mapper.negotiate.arrays import Floats, Task
 from vividc.mapper.negotiate.compiled import compiled
 
@@ -20,6 +21,8 @@ _BASE: Final[dict[Kind, float]] = {
     "registers": 0.25,
     "read ports": 0.15,
     "write ports": 0.15,
+    "output": 0.6,
+    "FU": 0.4,
 }
 _FIRST_PRESSURE: Final = 0.6
 
@@ -28,18 +31,28 @@ PRESSURE, OVER, WIRE = 0, 1, 2
 
 
 class Graph(NamedTuple):
-    """The MRRG's arrays."""
+    """The MRRG's arrays; `away`: cycles from a location to a PE; `renew`: by register file the
+    location through which a word comes that is to change registers, `FREELY`: through none, or
+    `NEVER`.
+    """
 
     owner: Ints
     occupies: Ints
     entering: Ints
     leaving: Ints
+    keeps: NDArray[np.uint8]
+    aside: NDArray[np.uint8]
+    fresh: Ints
+    away: Ints
+    renew: Ints
     entry_begin: Ints
     entry_items: Ints
     move_begin: Ints
     move_items: Ints
     reader_begin: Ints
     reader_items: Ints
+    side_begin: Ints
+    side_items: Ints
 
 
 class Traffic(NamedTuple):
@@ -54,7 +67,7 @@ class Traffic(NamedTuple):
     cell
         (cycles since the result, location, location before or -1), int64 (producers, room, 3).
     claim
-        MRRG nodes used, int64 (producers, 4 * room).
+        MRRG nodes used, int64 (producers, 6 * room).
     cut
         (cycles since the result, location) from which on a word that stays is in another register.
     end
@@ -85,13 +98,31 @@ class Scratch(NamedTuple):
 
 
 DIRECT, LOST = -1, -2
+FREELY, NEVER = -1, -2
 IN_TREE, READ = 1, 2
 
 
-def new_graph(mrrg: MRRG) -> Graph:
+def new_graph(mrrg: MRRG, fabric: Fabric) -> Graph:
     """Take an MRRG apart."""
-    rows = [part for r in (mrrg.entries, mrrg.moves, mrrg.readers) for part in (r.begin, r.items)]
-    return Graph(mrrg.owner, mrrg.occupies, mrrg.entering, mrrg.leaving, *rows)
+    lists = (mrrg.entries, mrrg.moves, mrrg.readers, mrrg.sides)
+    rows = [part for r in lists for part in (r.begin, r.items)]
+    renew = np.full(mrrg.locations, FREELY, dtype=np.int64)
+    for location in range(mrrg.links, mrrg.locations):
+        if mrrg.aside[location]:
+            fresh = mrrg.fresh[mrrg.owner[location]]
+            renew[location] = fresh if fabric.routing.moves else NEVER
+    return Graph(
+        mrrg.owner,
+        mrrg.occupies,
+        mrrg.entering,
+        mrrg.leaving,
+        mrrg.keeps,
+        mrrg.aside,
+        mrrg.fresh,
+        away(mrrg, len(fabric.pes)),
+        renew,
+        *rows,
+    )
 
 
 def new_traffic(mrrg: MRRG, task: Task, room: int) -> Traffic:
@@ -109,7 +140,7 @@ def new_traffic(mrrg: MRRG, task: Task, room: int) -> Traffic:
         totals=np.array([_FIRST_PRESSURE, 0.0, 0.0]),
         size=np.zeros((producers, 3), dtype=np.int64),
         cell=np.zeros((producers, room, 3), dtype=np.int64),
-        claim=np.zeros((producers, 4 * room), dtype=np.int64),
+        claim=np.zeros((producers, 6 * room), dtype=np.int64),
         cut=np.zeros((producers, room, 2), dtype=np.int64),
         end=np.full(len(task.edges.src), LOST, dtype=np.int64),
     )

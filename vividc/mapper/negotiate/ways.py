@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from vividc.mapper.negotiate.arrays import Task
+from vividc.mapper.negotiate.arrays import FU, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places
 from vividc.mapper.negotiate.traffic import (
     DIRECT,
+    FREELY,
     IN_TREE,
+    NEVER,
     READ,
     Graph,
     Scratch,
@@ -67,11 +69,14 @@ def route(router: Router, producer: int) -> bool:
     ready = places.time[producer] + router.task.nodes.latency[producer]
     begin, stop = edges.sink_begin[producer], edges.sink_begin[producer + 1]
     edge, cycles, found = -1, -1, True
+    fresh = router.graph.fresh[places.pe[producer]]
+    if fresh >= 0 and router.task.nodes.kind[producer] & FU:
+        _take_output(router, producer, fresh, ready)
     for _ in range(begin, stop):
         edge = _next_read(router, producer, edge, cycles)
         cycles = places.time[edges.dst[edge]] + edges.ahead[edge] - ready
         aim = Aim(producer, ready, edge, cycles, places.pe[edges.dst[edge]])
-        if cycles == 0 and aim.target == places.pe[producer]:
+        if cycles == 0 and fresh < 0 and aim.target == places.pe[producer]:
             router.traffic.end[edge] = DIRECT
         elif cycles < 0 or cycles >= scratch.cost.shape[0] or not _reach(router, aim):
             found = False
@@ -82,6 +87,27 @@ def route(router: Router, producer: int) -> bool:
         cell = router.traffic.cell[producer, at]
         scratch.mark[cell[0], cell[1]] = 0
     return found
+
+
+@compiled
+def _take_output(router: Router, producer: int, fresh: int, ready: int) -> None:
+    """Where outputs take part in routes, an operation has its FU and its output register, whether
+    its word is read or not.
+    """
+    traffic, ii, nodes = router.traffic, router.task.array.ii, router.task.nodes
+    for cycle in range(nodes.busy[producer]):
+        claim(
+            traffic,
+            ii,
+            producer,
+            router.graph.entering[fresh],
+            ready - nodes.latency[producer] + cycle,
+        )
+    claim(traffic, ii, producer, router.graph.occupies[fresh], ready)
+    router.scratch.mark[0, fresh] |= IN_TREE
+    cell = traffic.cell[producer, traffic.size[producer, 0]]
+    cell[0], cell[1], cell[2] = 0, fresh, -1
+    traffic.size[producer, 0] += 1
 
 
 @compiled
@@ -106,7 +132,9 @@ def _reach(router: Router, aim: Aim) -> bool:
     while outcome == _PART:
         _begin(router, aim)
         for cycle in range(aim.cycles):
+            _spread_aside(router, aim, cycle)
             _spread(router, aim, cycle)
+        _spread_aside(router, aim, aim.cycles)
         best = _arrival(router, aim)
         if best < 0:
             return False
@@ -135,23 +163,46 @@ def _begin(router: Router, aim: Aim) -> None:
 
 
 @compiled
+def _spread_aside(router: Router, aim: Aim, cycle: int) -> None:
+    """From locations of a cycle to others of the same cycle, which have higher numbers."""
+    graph, price = router.graph, router.traffic.price
+    cost, before, ii = router.scratch.cost, router.scratch.before, router.task.array.ii
+    if len(graph.side_items) == 0:
+        return
+    slot, earlier = (aim.ready + cycle) % ii, (aim.ready + cycle - 1) % ii
+    for location in range(len(graph.owner)):
+        so_far = cost[cycle, location]
+        if so_far >= _FAR or graph.away[location, aim.target] > aim.cycles - cycle:
+            continue
+        for at in range(graph.side_begin[location], graph.side_begin[location + 1]):
+            to = graph.side_items[at]
+            total = so_far + price[graph.occupies[to] * ii + slot]
+            if graph.entering[to] >= 0:
+                total += price[graph.entering[to] * ii + earlier]
+            if total < cost[cycle, to]:
+                cost[cycle, to] = total
+                before[cycle, to] = location
+
+
+@compiled
 def _spread(router: Router, aim: Aim, cycle: int) -> None:
     """From all locations of a cycle from which the target is in reach to those of the next."""
     graph, price = router.graph, router.traffic.price
     cost, before, mark = router.scratch.cost, router.scratch.before, router.scratch.mark
-    hop, ii = router.task.array.hop, router.task.array.ii
+    ii = router.task.array.ii
     slot, after = (aim.ready + cycle) % ii, (aim.ready + cycle + 1) % ii
     for location in range(len(graph.owner)):
         so_far = cost[cycle, location]
-        if so_far >= _FAR or hop[graph.owner[location], aim.target] > aim.cycles - cycle:
+        if so_far >= _FAR or graph.away[location, aim.target] > aim.cycles - cycle:
             continue
         leaving = so_far
         if graph.leaving[location] >= 0 and not mark[cycle, location] & READ:
             leaving += price[graph.leaving[location] * ii + slot]
         for at in range(graph.move_begin[location], graph.move_begin[location + 1]):
             to = graph.move_items[at]
-            total = so_far if to == location else leaving
-            if to != location and graph.entering[to] >= 0:
+            stays = to == location and graph.keeps[to]
+            total = so_far if stays else leaving
+            if not stays and graph.entering[to] >= 0:
                 total += price[graph.entering[to] * ii + slot]
             total += price[graph.occupies[to] * ii + after]
             if total < cost[cycle + 1, to]:
@@ -186,36 +237,49 @@ def _graft(router: Router, aim: Aim, best: int) -> int:
     producer, ii = aim.producer, router.task.array.ii
     if traffic.size[producer, 0] + aim.cycles + 1 > traffic.cell.shape[1]:
         return _NO_WAY
-    joins = _joins(scratch, best, aim.cycles)
+    joins = _joins(router, best, aim.cycles)
     location, cycle, outcome = best, aim.cycles, _WHOLE
     if aim.cycles - joins > 2 * ii:
         outcome = _PART
         while cycle > joins + ii:
-            location, cycle = scratch.before[cycle, location], cycle - 1
+            before = scratch.before[cycle, location]
+            cycle -= _takes_a_cycle(router.graph, before, location)
+            location = before
     else:
         traffic.end[aim.edge] = best
         _leave(router, producer, best, cycle, aim.ready)
-    while cycle > joins:
+    while location >= 0 and not scratch.mark[cycle, location] & IN_TREE:
         before = scratch.before[cycle, location]
         scratch.mark[cycle, location] |= IN_TREE
         cell = traffic.cell[producer, traffic.size[producer, 0]]
         cell[0], cell[1], cell[2] = cycle, location, before
         traffic.size[producer, 0] += 1
         claim(traffic, ii, producer, graph.occupies[location], aim.ready + cycle)
-        if before != location and graph.entering[location] >= 0:
+        stays = before == location and graph.keeps[location]
+        if not stays and graph.entering[location] >= 0:
             claim(traffic, ii, producer, graph.entering[location], aim.ready + cycle - 1)
-        if before != location and before >= 0:
+        if not stays and before >= 0:
             _leave(router, producer, before, cycle - 1, aim.ready)
-        location, cycle = before, cycle - 1
+        cycle -= _takes_a_cycle(router.graph, before, location)
+        location = before
     return outcome
 
 
 @compiled
-def _joins(scratch: Scratch, location: int, cycle: int) -> int:
+def _joins(router: Router, location: int, cycle: int) -> int:
     """The last cycle of a way that is in the tree already; -1: it begins at the result."""
+    scratch = router.scratch
     while location >= 0 and not scratch.mark[cycle, location] & IN_TREE:
-        location, cycle = scratch.before[cycle, location], cycle - 1
+        before = scratch.before[cycle, location]
+        cycle -= _takes_a_cycle(router.graph, before, location)
+        location = before
     return cycle
+
+
+@compiled
+def _takes_a_cycle(graph: Graph, before: int, location: int) -> int:
+    """1, but 0 where a word goes on within a cycle."""
+    return 0 if graph.aside[location] and before >= 0 and before != location else 1
 
 
 @compiled
@@ -243,7 +307,13 @@ def _cut_stays(router: Router, producer: int, ready: int) -> bool:
             continue
         last = _last_cycle(scratch, location, first)
         while last - first >= ii:
+            renew = router.graph.renew[location]
+            if renew == NEVER:
+                return False
             first = _best_cut(router, location, first, ready)
+            if renew != FREELY:
+                claim(traffic, ii, producer, router.graph.entering[renew], ready + first - 1)
+                claim(traffic, ii, producer, router.graph.occupies[renew], ready + first)
             if traffic.size[producer, 2] >= traffic.cut.shape[1]:
                 return False
             cut = traffic.cut[producer, traffic.size[producer, 2]]
@@ -275,6 +345,10 @@ def _best_cut(router: Router, location: int, first: int, ready: int) -> int:
         slot = (ready + cycle - 1) % ii
         total = price[graph.leaving[location] * ii + slot]
         total += price[graph.entering[location] * ii + slot]
+        renew = graph.renew[location]
+        if renew >= 0:
+            total += price[graph.entering[renew] * ii + slot]
+            total += price[graph.occupies[renew] * ii + (slot + 1) % ii]
         if total < best_price:
             best, best_price = cycle, total
     return best
