@@ -40,13 +40,13 @@ class Programs:
 
     Attributes
     ----------
-    accelerator
-        A preset's name, or a YAML file.
+    machine
+        What the kernels are compiled for.
     tell
         Called with a line for each kernel that has to be compiled.
     """
 
-    accelerator: str = "vivid"
+    machine: vividc.arch.Accelerator
     tell: Callable[[str], None] | None = None
     _loaded: dict[str, vividc.Program] = field(default_factory=dict)
 
@@ -93,7 +93,7 @@ class Programs:
             warnings.simplefilter("ignore", VividcWarning)
             compiled: vividc.Program = vividc.compile(
                 found,
-                self.accelerator,
+                self.machine,
                 **keywords,  # type: ignore[arg-type]
             )
         return compiled
@@ -103,8 +103,7 @@ class Programs:
         folder = cache_folder()
         if folder is None:
             return None
-        machine = repr(vividc.arch.load_accelerator(self.accelerator))
-        parts = (function, machine, repr(sorted(options.items())), compiler_digest())
+        parts = (function, repr(self.machine), repr(sorted(options.items())), compiler_digest())
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
         return folder / f"{function}-{digest.hexdigest()[:32]}.vivid"
