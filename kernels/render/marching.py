@@ -130,7 +130,7 @@ def march_rays(
         below -= (below >> np.uint32(1)) & np.uint32(0x55555555)
         below = (below & np.uint32(0x33333333)) + ((below >> np.uint32(2)) & np.uint32(0x33333333))
         below = (below + (below >> np.uint32(4))) & np.uint32(0x0F0F0F0F)
-        below = (below * np.uint32(0x01010101)) >> np.uint32(24)
+        below = np.uint32(below * np.uint32(0x01010101)) >> np.uint32(24)
         place = np.int32(2 * (ranks[brick >> 5] + np.int32(below)))
         cell = np.int32(((cx & 3) << 4) | ((cy & 3) << 2) | (cz & 3))
         if (bricks[place + (cell >> 5)] >> np.uint32(cell & 31)) & np.uint32(1):

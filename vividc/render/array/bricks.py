@@ -52,7 +52,7 @@ def pack_bricks(occupied: npt.NDArray[np.bool_]) -> Bricks:
     x, y, z = count
     blocks = padded.reshape(x, _SIDE, y, _SIDE, z, _SIDE).transpose(0, 2, 4, 1, 3, 5)
     cells = blocks.reshape(-1, _SIDE**3)
-    is_set = cells.any(axis=1)
+    is_set: npt.NDArray[np.bool_] = np.any(cells, axis=1)
     coarse = _words(is_set)
     in_word = np.bitwise_count(coarse).astype(np.int64)
     return Bricks(

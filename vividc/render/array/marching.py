@@ -17,6 +17,7 @@ from vividc.render.array.bricks import Bricks, pack_bricks
 from vividc.render.array.device import Device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import Ledger
+from vividc.render.array.gather import gather_rows
 from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
@@ -35,7 +36,6 @@ _RAY_WORDS = 6
 _LARGEST_ROOM = 2048
 _SPARE_WORDS = 256
 """For the other small arrays of the marching kernel, and what aligning them takes."""
-_PIECE = 48
 _MOST_STEPS = 1 << 15
 
 
@@ -51,12 +51,27 @@ class Block:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Survivors:
-    """What a batch's colour is computed of, by ray: numbers of samples and rays, and weights."""
+    """What a batch's colour is computed of: numbers of samples and rays, and weights.
+
+    Each block's are at the head of its own part of the arrays: `blocks` says where, `listed` how
+    many.
+    """
 
     samples: Int32Array
     rays: Int32Array
     weights: Float32Array
     blocks: tuple[Block, ...]
+    listed: tuple[int, ...]
+
+    @property
+    def total(self) -> int:
+        """Of all blocks."""
+        return sum(self.listed)
+
+    def parts(self) -> Iterator[slice]:
+        """Yield where each block's are."""
+        for block, count in zip(self.blocks, self.listed, strict=True):
+            yield slice(block.first, block.first + count)
 
 
 class Marcher:
@@ -97,10 +112,10 @@ class Marcher:
         if len(points):
             thickness, features = self._field.density(points, ledger)
         survivors, left = self._light(blocks, thickness, rays)
-        counted = int(np.count_nonzero(survivors.weights))
-        ledger.count(colour_samples=len(survivors.samples), counted_samples=counted)
+        counted = sum(np.count_nonzero(survivors.weights[part]) for part in survivors.parts())
+        ledger.count(colour_samples=survivors.total, counted_samples=int(counted))
         colours = np.zeros((0, 3), dtype=np.float32)
-        if len(survivors.samples):
+        if survivors.total:
             colours = self._field.colour(*self._compacted(survivors, points, features), ledger)
         return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
 
@@ -243,48 +258,51 @@ class Marcher:
                 )
             )
         counts = self._run("transmittance", "transmittance", launches)
-        return _listed(blocks, counts, (kept, kept_rays, weights)), left
+        return _Survivors(kept, kept_rays, weights, tuple(blocks), tuple(counts)), left
 
     def _compacted(
         self, survivors: _Survivors, points: Float32Array, features: Float32Array
     ) -> tuple[Float32Array, Float32Array, Float32Array]:
         """Return points, features and directions of the survivors: rows that DMA gathers."""
-        rows = (survivors.samples, survivors.samples, survivors.rays)
-        return gather_rows(
-            self._device,
-            self._ledger,
-            "compaction",
-            ((points, rows[0]), (features, rows[1]), (self._directions, rows[2])),
-        )
+        samples = [survivors.samples[part] for part in survivors.parts()]
+        rays = [survivors.rays[part] for part in survivors.parts()]
+        tables = ((points, samples), (features, samples), (self._directions, rays))
+        gathered = [
+            gather_rows(self._device, self._ledger, "compaction", table, rows)
+            for table, rows in tables
+        ]
+        return gathered[0], gathered[1], gathered[2]
 
     def _accumulate(
         self, survivors: _Survivors, colours: Float32Array, left: Float32Array
     ) -> Float32Array:
         """Return r, g, b over white and transmittance of each ray [n, 4]."""
         out = np.zeros((len(left), 4), dtype=np.float32)
-        launches = []
-        for block in survivors.blocks:
-            part = slice(block.first, block.first + block.samples)
+        launches, first = [], 0
+        for block, part in zip(survivors.blocks, survivors.parts(), strict=True):
             of_rays = slice(block.first_ray, block.first_ray + block.rays)
-            count = (block.samples,)
+            samples = part.stop - part.start
+            count = (samples,)
+            of_block = colours[first : first + samples]
+            first += samples
             launches.append(
                 Launch(
                     shapes={
                         "weights": count,
                         "rays": count,
-                        "colours": (block.samples, 3),
+                        "colours": (samples, 3),
                         "left": (block.rays,),
                         "out": (block.rays, 4),
                     },
                     inputs={
                         "weights": (Move(survivors.weights[part]),),
                         "rays": (Move(survivors.rays[part]),),
-                        "colours": (Move(colours[part]),),
+                        "colours": (Move(of_block),),
                         "left": (Move(left[of_rays]),),
                     },
                     outputs={"out": (Move(out[of_rays]),)},
                     scalars={"first_ray": block.first_ray},
-                    cost=block.samples + 40,
+                    cost=samples + 40,
                 )
             )
         self._run("accumulation", "accumulate", launches)
@@ -298,33 +316,6 @@ class Marcher:
         returned = run_launches(self._device, self._ledger, stage, f"{_KERNELS}:{kernel}", launches)
         self._ledger.count(launches=len(launches))
         return returned
-
-
-def gather_rows(
-    device: Device,
-    ledger: Ledger,
-    stage: str,
-    tables: tuple[tuple[Float32Array, Int32Array], ...],
-) -> tuple[Float32Array, ...]:
-    """Return rows of arrays, chosen by indices: indexed DMA into scratchpads and out again."""
-    results = tuple(np.zeros((len(rows), *table.shape[1:]), np.float32) for table, rows in tables)
-    job = device.new_job()
-    half = device.scratchpad_bytes // 2
-    freed: dict[tuple[int, int], list[int]] = {}
-    number = 0
-    for (table, rows), result in zip(tables, results, strict=True):
-        row_bytes = max(table[:1].nbytes, _WORD)
-        piece = max(1, min(_PIECE * 4, half // row_bytes))
-        for start in range(0, len(rows), piece):
-            part = slice(start, start + piece)
-            tile, copy = number % device.tiles, number // device.tiles % 2
-            number += 1
-            before = freed.get((tile, copy), [])
-            moved = job.gather(tile, table, rows[part], copy * half, after=before)
-            out = job.move_out(tile, copy * half, result[part], after=[moved])
-            freed[tile, copy] = [out]
-    device.finish(ledger, stage, job)
-    return results
 
 
 def block_corners(camera: Camera) -> Int32Array:
@@ -386,8 +377,8 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
         Not even for those of one ray.
     """
     free = scratchpad_bytes - bricks.size_bytes
-    words = free // _WORD - _SPARE_WORDS - 2 * _RAY_WORDS * RAYS
-    room = min(_LARGEST_ROOM, words // 4 if words // 4 >= march.samples else words // 2)
+    words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * RAYS
+    room = min(_LARGEST_ROOM, words // 2)
     if room < march.samples or march.samples > _MOST_STEPS:
         raise SceneError(
             f"the occupancy of {' x '.join(map(str, march.occupied.shape))} cells takes "
@@ -401,23 +392,3 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
 def _halves(block: Block) -> tuple[Block, Block]:
     left = block.rays // 2
     return Block(block.first_ray, left), Block(block.first_ray + left, block.rays - left)
-
-
-def _listed(
-    blocks: Sequence[Block],
-    counts: Sequence[int],
-    arrays: tuple[Int32Array, Int32Array, Float32Array],
-) -> _Survivors:
-    """Join what the blocks listed; their places in DRAM leave gaps, which descriptors skip."""
-    listed, first = [], 0
-    for block, count in zip(blocks, counts, strict=True):
-        listed.append(Block(block.first_ray, block.rays, first, count))
-        first += count
-    kept, rays, weights = (
-        np.concatenate(
-            [array[b.first : b.first + n] for b, n in zip(blocks, counts, strict=True)]
-            or [array[:0]]
-        )
-        for array in arrays
-    )
-    return _Survivors(kept, rays, weights, tuple(listed))
