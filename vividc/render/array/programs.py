@@ -9,7 +9,7 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -103,7 +103,7 @@ class Programs:
         folder = cache_folder()
         if folder is None:
             return None
-        parts = (function, repr(self.machine), repr(sorted(options.items())), compiler_digest())
+        parts = (function, _text(self.machine), repr(sorted(options.items())), compiler_digest())
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
         return folder / f"{function}-{digest.hexdigest()[:32]}.vivid"
@@ -163,6 +163,20 @@ def _module(file: Path) -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def _text(value: object) -> str:
+    """Return a text that is the same in each process: sets have no order of their own."""
+    if is_dataclass(value) and not isinstance(value, type):
+        inner = (f"{f.name}={_text(getattr(value, f.name))}" for f in fields(value))
+        return f"{type(value).__name__}({', '.join(inner)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(sorted(f'{_text(k)}: {_text(v)}' for k, v in value.items()))}}}"
+    if isinstance(value, frozenset | set):
+        return f"{{{', '.join(sorted(map(_text, value)))}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
+    return repr(value)
 
 
 def _source(file: Path) -> bytes:
