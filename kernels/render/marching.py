@@ -26,23 +26,23 @@ BEYOND = np.float32(3e38)
 def camera_rays(pose, lens, corners, directions):
     """Unit directions of blocks of 8x8 pixels, row by row; (0, 0, 0) outside the picture.
 
-    `pose` is the camera's rotation, [3, 3]; `lens` is width, height, focal length; `corners` is the
-    first column and row of each block.
+    `pose` is the camera's rotation, [3, 3]; `lens` is width, height, focal length and its inverse;
+    `corners` is the first column and row of each block.
     """
     for block in prange(corners.shape[0]):
         for pixel in range(64):
             column = np.float32(corners[block, 0] + (pixel & 7))
             row = np.float32(corners[block, 1] + (pixel >> 3))
-            u = (column + HALF - HALF * lens[0]) / lens[2]
-            v = (HALF * lens[1] - row - HALF) / lens[2]
+            u = (column + HALF - HALF * lens[0]) * lens[3]
+            v = (HALF * lens[1] - row - HALF) * lens[3]
             x = pose[0, 0] * u + pose[0, 1] * v - pose[0, 2]
             y = pose[1, 0] * u + pose[1, 1] * v - pose[1, 2]
             z = pose[2, 0] * u + pose[2, 1] * v - pose[2, 2]
-            length = math.sqrt(x * x + y * y + z * z)
             inside = column < lens[0] and row < lens[1]
-            directions[block, pixel, 0] = x / length if inside else ZERO
-            directions[block, pixel, 1] = y / length if inside else ZERO
-            directions[block, pixel, 2] = z / length if inside else ZERO
+            scale = ONE / math.sqrt(x * x + y * y + z * z) if inside else ZERO
+            directions[block, pixel, 0] = x * scale
+            directions[block, pixel, 1] = y * scale
+            directions[block, pixel, 2] = z * scale
 
 
 @vividc.kernel(

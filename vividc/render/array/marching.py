@@ -122,7 +122,8 @@ class Marcher:
     def _camera_rays(self, corners: Int32Array) -> Float32Array:
         camera = self._camera
         pose = np.ascontiguousarray(camera.c2w[:3, :3], dtype=np.float32)
-        lens = np.array([camera.width, camera.height, camera.focal], dtype=np.float32)
+        focal = camera.focal
+        lens = np.array([camera.width, camera.height, focal, 1 / focal], dtype=np.float32)
         directions = np.zeros((len(corners), RAYS, 3), dtype=np.float32)
         kernel = f"{_KERNELS}:camera_rays"
         self._device.spread(self._ledger, "ray generation", kernel, pose, lens, corners, directions)
@@ -345,13 +346,15 @@ def render_blocks(
     """
     image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
     marcher = Marcher(device, field, camera, lookahead, ledger)
+    done = 0
     for part in _batches(corners):
         for (column, row), block in zip(part, marcher.render(part), strict=True):
             width, height = min(SIDE, camera.width - column), min(SIDE, camera.height - row)
             pixels = block.reshape(SIDE, SIDE, 4)[:height, :width, :3]
             image[row : row + height, column : column + width] = pixels
+        done += len(part)
         if progress is not None:
-            progress(len(part) / len(corners))
+            progress(done / len(corners))
     return image
 
 

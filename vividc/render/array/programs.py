@@ -24,7 +24,6 @@ CACHE_VARIABLE: Final = "VIVIDC_CACHE_DIR"
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
 _COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
-_MAPPING_S: Final = 20.0
 
 Options = Mapping[str, object]
 """Keywords of `vividc.compile`."""
@@ -44,10 +43,13 @@ class Programs:
         What the kernels are compiled for.
     tell
         Called with a line for each kernel that has to be compiled.
+    mapping_s
+        Seconds for mapping a kernel.
     """
 
     machine: vividc.arch.Accelerator
     tell: Callable[[str], None] | None = None
+    mapping_s: float = 20.0
     _loaded: dict[str, vividc.Program] = field(default_factory=dict)
 
     def get(self, kernel: str, **options: object) -> vividc.Program:
@@ -65,6 +67,7 @@ class Programs:
         VividcError
             It cannot be compiled for this accelerator.
         """
+        options = {"time_limit_s": self.mapping_s, **options}
         name = f"{kernel} {sorted(options.items())}"
         if name not in self._loaded:
             self._loaded[name] = self._load(kernel, options)
@@ -88,13 +91,12 @@ class Programs:
         found = getattr(_module(file), function, None)
         if not isinstance(found, vividc.KernelFunction):
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
-        keywords: dict[str, object] = {"time_limit_s": _MAPPING_S, **options}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
             compiled: vividc.Program = vividc.compile(
                 found,
                 self.machine,
-                **keywords,  # type: ignore[arg-type]
+                **options,  # type: ignore[arg-type]
             )
         return compiled
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc.render.array.device import Device, open_device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.kilonerf import KiloNeRFOnArray
-from vividc.render.array.marching import Int32Array, block_corners, render_blocks
+from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
 from vividc.render.array.options import ArrayOptions
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -66,7 +67,8 @@ def render_array(
     )
     share = len(corners) / len(block_corners(camera))
     stages = tuple(ledger.stages.values())
-    return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share)
+    simulated = None if options.sample == 1 else pixels_of(corners, camera)
+    return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
 
 
 def sampled(corners: Int32Array, share: float) -> Int32Array:
@@ -78,6 +80,14 @@ def sampled(corners: Int32Array, share: float) -> Int32Array:
     place = np.arange(len(corners)) * _GOLDEN % 1.0
     chosen = corners[place < share]
     return chosen if len(chosen) else corners[:1]
+
+
+def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
+    """Return which pixels are in blocks of 8x8 pixels with these corners, [height, width]."""
+    inside = np.zeros((camera.height, camera.width), dtype=np.bool_)
+    for column, row in corners:
+        inside[row : row + SIDE, column : column + SIDE] = True
+    return inside
 
 
 def _field(scene: Scene, device: Device) -> ArrayField:
