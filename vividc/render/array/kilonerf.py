@@ -230,7 +230,9 @@ class KiloNeRFOnArray:
         }
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
-        run_launches(self._device, ledger, stage, f"{_KERNELS}:{kernel}", launches)
+        run_launches(
+            self._device, ledger, stage, f"{_KERNELS}:{kernel}", launches, transform="none"
+        )
 
     def _samples_at_once(self) -> int:
         """Return how many samples fit beside a network's weights, in fours."""
