@@ -222,7 +222,7 @@ class KiloNeRFOnArray:
             )
         self._run("grouping", "sort_by_network", launches, ledger)
         ledger.count(words_read_by_host=starts.size)
-        return _Sorted(order, places, tuple(_pieces(starts, len(networks))))
+        return _Sorted(order, places, tuple(_pieces(starts)))
 
     def _parts(self, pieces: Sequence[tuple[int, int, int]]) -> Iterator[tuple[int, slice]]:
         """Yield network and places of each launch, by network, so that weights are loaded once."""
@@ -259,14 +259,13 @@ class KiloNeRFOnArray:
         )
 
 
-def _pieces(starts: Int32Array, samples: int) -> Iterator[tuple[int, int, int]]:
+def _pieces(starts: Int32Array) -> Iterator[tuple[int, int, int]]:
     """Yield network, first place and number of samples; those without a network are left out."""
     for chunk, row in enumerate(starts):
-        first = chunk * _CHUNK
-        ends = np.append(row[2:], min(_CHUNK, samples - first))
-        for network in np.flatnonzero(ends > row[1:]):
-            start = int(row[network + 1])
-            yield int(network), first + start, int(ends[network]) - start
+        begins, ends = row[1:-1], row[2:]
+        for network in np.flatnonzero(ends > begins):
+            begin = int(begins[network])
+            yield int(network), chunk * _CHUNK + begin, int(ends[network]) - begin
 
 
 def _density_half(model: KiloNeRF, samples: int) -> _Half:
