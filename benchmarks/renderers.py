@@ -32,8 +32,8 @@ NOTES = (
     "pixel simulated. Cycles are of all jobs one after the other, with transfers and",
     "configuration; frames a second at the fabric's clock. Stages: share of the cycles, of those",
     "above 1 %. Avoided: of the colour path by Lookahead Culling I, of exps by II; `off`: without.",
-    "`same`: the picture is that of `off` to the last bit. Seconds are of the host, compiled kernels",
-    "at hand; memory: the peak so far.",
+    "`same`: the picture is that of `off` to the last bit. Seconds are the host's, with compiled",
+    "kernels at hand; memory: the peak so far.",
 )
 HEADER = (
     "| method | size | lookahead | cycles | frames/s | stages | avoided | PSNR to float32 dB "
