@@ -28,6 +28,7 @@ from benchmarks import (
     precision,
     quality,
     render_kernels,
+    renderers,
     simd,
 )
 from benchmarks.workloads import WORKLOADS, Workload
@@ -103,32 +104,31 @@ GEMM = "gemm"
 SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION, MAPPERS)
-DEFAULT = (
-    *TABLES,
-    ENGINES,
-    FRAMES,
-    QUALITY,
-    FORMATS,
-    GEMM,
-    SIMD,
-    PRECISION,
-)  # the mappers' table takes hours: by name only
+RENDERERS = "renderers"
+DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
+CHOICES = (*DEFAULT, RENDERERS, MAPPERS)  # the last ones take hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
     QUALITY: quality,
     FORMATS: formats,
     SIMD: simd,
+    RENDERERS: renderers,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
+    RENDERERS: lambda fabric, _: renderers.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
     SIMD: simd.rows,
 }
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
+PLACES = {
+    QUALITY: ("float32 on the host",),
+    FRAMES: ("vivid",),
+    FORMATS: ("any fabric",),
+    RENDERERS: ("vivid",),
+}
 """Where tables are made that `--fabric` has no say in."""
 
 

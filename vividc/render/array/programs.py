@@ -1,0 +1,202 @@
+"""Programs of the stages: kernels of `kernels/`, compiled once and kept on disk."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from types import ModuleType
+from typing import Final
+
+import vividc
+from vividc.errors import BundleError, VividcWarning
+from vividc.render.errors import SceneError
+
+CACHE_VARIABLE: Final = "VIVIDC_CACHE_DIR"
+_PACKAGE: Final = Path(vividc.__file__).resolve().parent
+_COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
+"""Rooms whose code decides what a kernel becomes."""
+
+Options = Mapping[str, object]
+"""Keywords of `vividc.compile`."""
+
+
+@dataclass(slots=True)
+class Programs:
+    """Compiled kernels by name, for the tiles of one accelerator.
+
+    A bundle is kept under a hash of the kernel's file, the accelerator, the options and the
+    compiler's own source: in `$VIVIDC_CACHE_DIR`, or `vividc` in `$XDG_CACHE_HOME`. A damaged one
+    is compiled again.
+
+    Attributes
+    ----------
+    machine
+        What the kernels are compiled for.
+    tell
+        Called with a line for each kernel that has to be compiled.
+    mapping_s
+        Seconds for mapping a kernel.
+    """
+
+    machine: vividc.arch.Accelerator
+    tell: Callable[[str], None] | None = None
+    mapping_s: float = 20.0
+    _loaded: dict[str, vividc.Program] = field(default_factory=dict)
+
+    def get(self, kernel: str, **options: object) -> vividc.Program:
+        """Return the program of `kernel`, as in "render/rays:pixel_rays".
+
+        Parameters
+        ----------
+        options
+            Of `vividc.compile`.
+
+        Raises
+        ------
+        SceneError
+            There is no such kernel.
+        VividcError
+            It cannot be compiled for this accelerator.
+        """
+        options = {"time_limit_s": self.mapping_s, **options}
+        name = f"{kernel} {sorted(options.items())}"
+        if name not in self._loaded:
+            self._loaded[name] = self._load(kernel, options)
+        return self._loaded[name]
+
+    def _load(self, kernel: str, options: Options) -> vividc.Program:
+        path, _, function = kernel.partition(":")
+        file = kernel_folder() / f"{path}.py"
+        bundle = self._bundle(file, function, options)
+        if bundle is not None and bundle.is_file():
+            with suppress(BundleError):
+                return vividc.load(bundle)
+        if self.tell is not None:
+            self.tell(f"compiling {kernel} (kept for the next time)")
+        program = self._compile(file, function, options)
+        if bundle is not None:
+            _save(program, bundle)
+        return program
+
+    def _compile(self, file: Path, function: str, options: Options) -> vividc.Program:
+        found = getattr(_module(file), function, None)
+        if not isinstance(found, vividc.KernelFunction):
+            raise SceneError(f"has no kernel `{function}`", loc=str(file))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", VividcWarning)
+            compiled: vividc.Program = vividc.compile(
+                found,
+                self.machine,
+                **options,  # type: ignore[arg-type]
+            )
+        return compiled
+
+    def _bundle(self, file: Path, function: str, options: Options) -> Path | None:
+        """Return where the program is kept; None: nowhere."""
+        folder = cache_folder()
+        if folder is None:
+            return None
+        parts = (function, _text(self.machine), repr(sorted(options.items())), compiler_digest())
+        digest = sha256("\n".join(parts).encode())
+        digest.update(_source(file))
+        return folder / f"{function}-{digest.hexdigest()[:32]}.vivid"
+
+
+def kernel_folder() -> Path:
+    """Return where the kernels are: inside the installed package, or beside it in a checkout.
+
+    Raises
+    ------
+    SceneError
+        They were not installed.
+    """
+    for folder in (_PACKAGE / "kernels", _PACKAGE.parent / "kernels"):
+        if (folder / "render").is_dir():
+            return folder
+    raise SceneError(
+        "the rendering kernels are not installed", loc=str(_PACKAGE), hint="install vividc again"
+    )
+
+
+def cache_folder() -> Path | None:
+    """Return the folder of compiled kernels; None: the user has no home, or wants no cache."""
+    chosen = os.environ.get(CACHE_VARIABLE)
+    if chosen is not None:
+        return Path(chosen) / "programs" if chosen else None
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    if not os.path.isabs(base):
+        base = os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(base) / "vividc" / "programs" if os.path.isabs(base) else None
+
+
+@cache
+def compiler_digest() -> str:
+    """Return a hash of vividc's version and of the source that decides what a kernel becomes."""
+    digest = sha256(vividc.__version__.encode())
+    for file in _compiler_files():
+        digest.update(file.relative_to(_PACKAGE).as_posix().encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _compiler_files() -> Iterator[Path]:
+    yield from sorted(_PACKAGE.glob("*.py"))
+    for room in _COMPILER:
+        yield from sorted((_PACKAGE / room).rglob("*.py"))
+
+
+@cache
+def _module(file: Path) -> ModuleType:
+    """Run a kernel file as a module."""
+    name = f"_vividc_kernels_{file.stem}"
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _text(value: object) -> str:
+    """Return a text that is the same in each process: sets have no order of their own."""
+    if is_dataclass(value) and not isinstance(value, type):
+        inner = (f"{f.name}={_text(getattr(value, f.name))}" for f in fields(value))
+        return f"{type(value).__name__}({', '.join(inner)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(sorted(f'{_text(k)}: {_text(v)}' for k, v in value.items()))}}}"
+    if isinstance(value, frozenset | set):
+        return f"{{{', '.join(sorted(map(_text, value)))}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
+    return repr(value)
+
+
+def _source(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror}", loc=str(file)) from error
+
+
+def _save(program: vividc.Program, bundle: Path) -> None:
+    """Write a bundle in one step; silently not, if that is not possible."""
+    with suppress(OSError):
+        bundle.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(suffix=".vivid", dir=bundle.parent)
+        os.close(handle)
+        try:
+            program.save(name)
+            os.replace(name, bundle)
+        finally:
+            with suppress(FileNotFoundError):
+                os.unlink(name)
