@@ -9,18 +9,23 @@ from collections import defaultdict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, InternalError
+from vividc.sim.accelerator.kept import Kept
 from vividc.sim.accelerator.memory import Buffers, Working
 from vividc.sim.accelerator.steps import Array, Configure, Execute, Piece, Step, Transfer
 from vividc.sim.engine import Launch, Run
 from vividc.sim.tile import Tile
 
 Memory = NDArray[np.uint32]
+
+_TILES: Kept[Tile] = Kept(256)
+"""Decoded programs, by program and engine."""
 
 
 @dataclass
@@ -99,7 +104,9 @@ class _State:
         for step in steps:
             for program in step.programs if isinstance(step, Configure) else ():
                 if id(program) not in self._tiles:
-                    self._tiles[id(program)] = Tile(program, engine)
+                    self._tiles[id(program)] = _TILES.get(
+                        program, engine, partial(Tile, program, engine)
+                    )
 
     def transfer(self, number: int, step: Transfer) -> None:
         """Move words; 64-bit elements do not occur."""

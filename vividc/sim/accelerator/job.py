@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.arch import Accelerator
+from vividc.arch import Accelerator, Fabric
 from vividc.errors import ArgumentError, demand_type
 from vividc.program import WORD_BYTES, Program
 from vividc.program.reflect import reflected_program
+from vividc.sim.accelerator.kept import Kept
 from vividc.sim.accelerator.memory import Buffers
 from vividc.sim.accelerator.result import JobResult
 from vividc.sim.accelerator.simulate import simulate_steps
@@ -23,6 +24,10 @@ from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer
 from vividc.sim.bind import scalar_inputs
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
+
+
+_IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
+"""Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,8 +279,14 @@ class Job:
                     f"{self.accelerator.name} are {home.name}",
                     hint=f"compile it with fabric={self.accelerator.name!r}",
                 )
-            places = arch.reflection(home, corner)
-            self._images[key] = reflected_program(program, self.accelerator.tiles[tile], places)
+            there = self.accelerator.tiles[tile]
+
+            def mirrored() -> tuple[Fabric, Fabric, Program]:
+                places = arch.reflection(home, corner)
+                return home, there, reflected_program(program, there, places)
+
+            kept = _IMAGES.get(program, corner, mirrored)
+            self._images[key] = (kept if kept[:2] == (home, there) else mirrored())[2]
             self._images[id(program), ""] = program  # keeps the id from being used again
         return self._images[key]
 
