@@ -1,4 +1,4 @@
-"""Networks on the array: dense layers on blocks of 32 samples, weights in the scratchpads."""
+"""Networks on the array: dense layers on blocks of 16 samples, weights in the scratchpads."""
 
 from __future__ import annotations
 
@@ -13,14 +13,15 @@ from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.arrays import Float32Array
 
-SAMPLES = 32
+SAMPLES = 16
 """Samples of a block of activations."""
 NEURONS = 8
 """Neurons of a block of weights."""
 _KERNEL = "render/layers:layer"
 _NO_LIMIT = np.float32(-np.inf)
-_SHARED_BYTES = 17_408
-"""Of weights that lie in a scratchpad at a time, at most: a little more than a layer of 64 by 64."""
+_WORD = 4
+_PLACES = 2
+_ALIGNMENT = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,13 +76,13 @@ def run_network(
     Parameters
     ----------
     blocks
-        [B, inputs, 32] float32: 32 samples a block, feature by feature.
+        [B, inputs, 16] float32: 16 samples a block, feature by feature.
     groups
         [B] which of the layers' groups of weights each block takes, ascending.
 
     Returns
     -------
-    float32 [B, outputs rounded up to 8, 32]. A sum is one chain of fused multiply-adds in the order
+    float32 [B, outputs rounded up to 8, 16]. A sum is one chain of fused multiply-adds in the order
     of the inputs, from the bias.
     """
     values = blocks
@@ -99,20 +100,15 @@ def _run_layer(
     groups: npt.NDArray[np.int32] | None,
 ) -> Float32Array:
     """Run a layer, a part of its neurons after the other if its weights are many."""
-    row_bytes = layer.packed[0, :1].nbytes
-    limit = _SHARED_BYTES // (1 if groups is None else 2)
-    neurons = layer.packed.shape[1]
-    at_once = max(1, min(neurons, limit // row_bytes))
+    size = device.new_job().accelerator.fabric.scratchpad.size_bytes
     parts = []
-    for first in range(0, neurons, at_once):
-        packed = np.ascontiguousarray(layer.packed[:, first : first + at_once])
+    for packed in _parts(layer, size, 1 if groups is None else 2):
         out = np.empty((len(values), packed.shape[1] * NEURONS, SAMPLES), dtype=np.float32)
-        flat = packed.reshape(len(packed), -1)
         BlockMap(
             kernel=_KERNEL,
             inputs={"x": values[:, : layer.inputs]},
             outputs={"out": out},
-            shared={"weights": flat[0] if groups is None else flat},
+            shared=[{"weights": group} for group in packed],
             scalars={
                 "inputs": layer.inputs,
                 "neurons": packed.shape[1],
@@ -122,3 +118,15 @@ def _run_layer(
         ).run(device, ledger, stage)
         parts.append(out)
     return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+
+
+def _parts(layer: DenseLayer, size: int, copies: int) -> list[Float32Array]:
+    """Cut the neurons so that weights and two blocks of samples fit a scratchpad of `size` bytes,
+    into parts as equal as possible.
+    """
+    neurons = layer.packed.shape[1]
+    weights = copies * layer.packed[0, :1].nbytes
+    samples = _PLACES * SAMPLES * _WORD
+    room = size - samples * layer.inputs - _PLACES * _ALIGNMENT
+    most = max(1, room // (weights + samples * NEURONS))
+    return np.array_split(layer.packed, -(-neurons // most), axis=1)
