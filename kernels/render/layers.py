@@ -1,8 +1,8 @@
 """A layer of a network, eight samples and eight neurons at a time: each word that is loaded enters
 eight products, and 64 sums do not wait for one another.
 
-Activations lie in blocks of 16 samples, [block, feature, sample]; weights in blocks of eight neurons,
-[block, 1 + inputs, neuron], the bias first.
+Activations lie in blocks of 16 samples, [block, feature, sample]; weights in blocks of eight
+neurons, [block, 1 + inputs, neuron], the bias first.
 """
 
 import numpy as np

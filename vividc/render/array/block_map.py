@@ -26,7 +26,7 @@ class BlockMap:
     Attributes
     ----------
     kernel
-        As in `Programs.get`. Its scalar parameter `blocks` gets the number of blocks of a launch.
+        As in `Programs.get`. Its parameter `blocks`, if it has one, gets the blocks of a launch.
     inputs, outputs
         By parameter, [B, ...]: a launch gets the rows of its blocks, flat if the parameter has one
         dimension.
@@ -54,7 +54,11 @@ class BlockMap:
             Not even one block fits a scratchpad.
         """
         tiles = len(device.new_job().accelerator.tiles)
-        shares = [list(self._launches(first, last)) for first, last in self._ranges(tiles)]
+        counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
+        shares = [
+            [self._launch(*span, counts) for span in self._spans(first, last)]
+            for first, last in self._ranges(tiles)
+        ]
         run_launches(device, ledger, stage, self.kernel, shares)
 
     def _ranges(self, tiles: int) -> Iterator[tuple[int, int]]:
@@ -62,7 +66,8 @@ class BlockMap:
         blocks = len(next(iter(self.outputs.values())))
         yield from pairwise(blocks * tile // tiles for tile in range(tiles + 1))
 
-    def _launches(self, first: int, last: int) -> Iterator[Launch]:
+    def _spans(self, first: int, last: int) -> Iterator[tuple[int, int]]:
+        """Blocks of each launch."""
         arrays = (*self.inputs.values(), *self.outputs.values())
         block = sum(padded(array[:1].nbytes) for array in arrays)
         at_once = max(1, min(_LARGEST // block, -(-(last - first) // _LAUNCHES)))
@@ -71,13 +76,13 @@ class BlockMap:
             cuts = (np.flatnonzero(np.diff(self.groups[first:last])) + 1 + first).tolist()
         for begin, end in pairwise((first, *cuts, last)):
             for start in range(begin, end, at_once):
-                yield self._launch(start, min(start + at_once, end))
+                yield start, min(start + at_once, end)
 
-    def _launch(self, first: int, last: int) -> Launch:
+    def _launch(self, first: int, last: int, counts: bool) -> Launch:
         group = 0 if self.groups is None else int(self.groups[first])
         return Launch(
             {name: array[first:last] for name, array in self.inputs.items()},
             {name: array[first:last] for name, array in self.outputs.items()},
-            {"blocks": last - first, **self.scalars},
+            {"blocks": last - first, **self.scalars} if counts else self.scalars,
             self.shared[group],
         )

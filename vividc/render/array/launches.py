@@ -17,6 +17,7 @@ from vividc.render.errors import SceneError
 Words = npt.NDArray[np.generic]
 _ALIGNMENT = 32
 """Arrays start at a multiple of a line of the scratchpad's eight banks."""
+_WORD = 4
 _PLACES = (2, 1)
 """Launches that lie in a scratchpad at once, at best: one runs while the next is moved in."""
 
@@ -47,17 +48,21 @@ class Launch:
     resident
         Arrays that stay in the scratchpad for the tile's next launch if that names the same mapping
         object.
+    room
+        Words of arrays of one dimension that the kernel works in, by parameter.
     """
 
     inputs: Mapping[str, Words | Gathered]
     outputs: Mapping[str, Words]
     scalars: Mapping[str, object] = field(default_factory=dict)
     resident: Mapping[str, Words] = field(default_factory=dict)
+    room: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def nbytes(self) -> int:
         """In the scratchpad, without what is resident."""
-        return _size([*self.inputs.values(), *self.outputs.values()])
+        room = sum(padded(_WORD * words) for words in self.room.values())
+        return _size([*self.inputs.values(), *self.outputs.values()]) + room
 
 
 def run_launches(
@@ -145,6 +150,9 @@ class _TileSteps:
             arguments[name] = self._at(name, address, array)
             leaving.append((address, array))
             address += padded(array.nbytes)
+        for name, words in launch.room.items():
+            arguments[name] = At(address, (words,))
+            address += padded(_WORD * words)
         run = job.run(tile, self._program, after=waits, **arguments, **launch.scalars)
         self._users[self._slot].append(run)
         self._freed[place] = [
@@ -160,8 +168,8 @@ def _places(start: int, launch: int, size: int, kernel: str) -> list[int]:
         if start + places * launch <= size:
             return [start + launch * place for place in range(places)]
     raise SceneError(
-        f"a launch of `{kernel}` needs {launch} bytes beside {start} that stay, and a scratchpad has "
-        f"{size}",
+        f"a launch of `{kernel}` needs {launch} bytes beside {start} that stay, and a scratchpad "
+        f"has {size}",
         hint="use a model with narrower layers, or a fabric with larger scratchpads",
     )
 

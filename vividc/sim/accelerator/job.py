@@ -25,7 +25,6 @@ from vividc.sim.bind import scalar_inputs
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
 
-
 _IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
 """Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
 

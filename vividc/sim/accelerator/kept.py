@@ -1,4 +1,4 @@
-"""What is made of a program is kept for the next job: mirroring and decoding cost more than runs."""
+"""What is made of a program is kept for the next job: decoding costs more than running."""
 
 from __future__ import annotations
 
