@@ -10,7 +10,7 @@ from vividc.render.array.block_map import BlockMap
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.hash_encoding import hash_encoding
-from vividc.render.array.networks import SAMPLES, dense_layer, run_network
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP, March
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
@@ -125,11 +125,3 @@ class InstantNGPField:
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")
-
-
-def in_blocks(rows: Float32Array) -> Float32Array:
-    """Return rows [n, F] as blocks [B, 16, F], the last one filled up with its last row."""
-    missing = -len(rows) % SAMPLES
-    if missing:
-        rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
-    return np.ascontiguousarray(rows).reshape(-1, SAMPLES, rows.shape[1])

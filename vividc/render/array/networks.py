@@ -63,6 +63,14 @@ def dense_layer(
     return DenseLayer(np.ascontiguousarray(packed), inputs, outputs, relu)
 
 
+def in_blocks(rows: Float32Array) -> Float32Array:
+    """Return rows [n, F] as blocks [B, 16, F], the last one filled up with its last row."""
+    missing = -len(rows) % SAMPLES
+    if missing:
+        rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
+    return np.ascontiguousarray(rows).reshape(-1, SAMPLES, rows.shape[1])
+
+
 def run_network(
     device: Device,
     ledger: Ledger,
