@@ -1,6 +1,14 @@
 """The fabric a program runs on: data read from YAML, with the shipped fabrics as presets."""
 
-from vividc.arch.accelerator import DMA, DRAM, Accelerator, Configuration, NoC, Orientation
+from vividc.arch.accelerator import (
+    DMA,
+    DRAM,
+    Accelerator,
+    Configuration,
+    NoC,
+    Orientation,
+    TileGroup,
+)
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
 from vividc.arch.layers import family_names, preset_names
 from vividc.arch.load import load as load_tile
@@ -26,6 +34,7 @@ __all__ = [
     "Orientation",
     "Routing",
     "Scratchpad",
+    "TileGroup",
     "accelerator_names",
     "family_names",
     "is_isomorphism",

@@ -7,6 +7,7 @@ algorithm.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 from vividc.arch.fabric import Fabric
@@ -63,6 +64,22 @@ class Configuration:
 
 
 @dataclass(frozen=True)
+class TileGroup:
+    """Tiles that work as one array, with their scratchpads and controllers joined.
+
+    Attributes
+    ----------
+    fabric
+        The joined array.
+    tiles
+        Which tiles it consists of.
+    """
+
+    fabric: Fabric
+    tiles: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Accelerator:
     """Tiles and what feeds them, built by `vividc.arch.load`; `source` is its YAML text.
 
@@ -71,6 +88,8 @@ class Accelerator:
     tiles
         Fabric of each tile, row by row. A tile's place in its 2x2 cluster says on which two edges
         its load/store units are: each is a reflection of the north-west one.
+    groups
+        Other forms that the tiles take: arrays of several tiles.
     """
 
     name: str
@@ -82,9 +101,29 @@ class Accelerator:
     dma: DMA
     configuration: Configuration
     source: str = ""
+    groups: tuple[TileGroup, ...] = ()
+
+    @cached_property
+    def units(self) -> tuple[Fabric, ...]:
+        """Fabrics of the tiles, and behind them of the groups: all that can run a program."""
+        return (*self.tiles, *(group.fabric for group in self.groups))
+
+    @cached_property
+    def sharing(self) -> tuple[frozenset[int], ...]:
+        """For each unit the others that consist of some of the same tiles: one of them is in use
+        at a time.
+        """
+        parts = [{tile} for tile in range(len(self.tiles))]
+        parts += [set(group.tiles) for group in self.groups]
+        return tuple(
+            frozenset(k for k, other in enumerate(parts) if k != unit and mine & other)
+            for unit, mine in enumerate(parts)
+        )
 
     def orientation(self, tile: int) -> Orientation:
-        """The outer corner of tile number `tile` within its 2x2 cluster."""
+        """The outer corner of tile number `tile` within its 2x2 cluster; no group is mirrored."""
+        if tile >= len(self.tiles):
+            return "nw"
         row, col = divmod(tile, self.cols)
         if row % 2 == 0:
             return "nw" if col % 2 == 0 else "ne"

@@ -1,5 +1,6 @@
 """Matrix products on the array as a systolic one: the TPU-like mode."""
 
+from vividc.gemm.job import MlpRun, choose_layout, mlp_job
 from vividc.gemm.layer import Activation, GemmResult, Layer, gemm, mlp
 from vividc.gemm.modes import FABRICS, MODES, Choice, LayerShape, Mode, Prediction, choose, predict
 from vividc.gemm.program import GemmProgram, gemm_program
@@ -13,11 +14,14 @@ __all__ = [
     "GemmResult",
     "Layer",
     "LayerShape",
+    "MlpRun",
     "Mode",
     "Prediction",
     "choose",
+    "choose_layout",
     "gemm",
     "gemm_program",
     "mlp",
+    "mlp_job",
     "predict",
 ]

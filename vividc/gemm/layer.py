@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,17 @@ from vividc.mapper.systolic import (
     read_blocks,
     write_blocks,
 )
-from vividc.sim import simulate
+from vividc.sim import Launch
+from vividc.sim.bind import bind
+from vividc.sim.run import CYCLE_LIMIT
+from vividc.sim.tile import AUTO, shared_tile
 
-Activation = Literal["none", "relu"]
+Fused = Literal["none", "relu"]
+Apart = Literal["exp", "sigmoid"]
+Activation = Fused | Apart
+FUSED: Final = get_args(Fused)
+"""Activations on the way out of the array; the others are for jobs (`mlp_job`)."""
+ACTIVATIONS: Final = (*FUSED, *get_args(Apart))
 Matrix = NDArray[np.float32]
 
 
@@ -46,7 +54,14 @@ class Layer:
     def shape(self) -> LayerShape:
         """Sizes of the layer."""
         depth, cols = self.weights.shape
-        return LayerShape(depth, cols, self.activation == "relu")
+        return LayerShape(depth, cols, self.activation == "relu", self.apart is not None)
+
+    @property
+    def apart(self) -> Apart | None:
+        """The activation, if the tiles compute it in GPU-like mode."""
+        if self.activation == "exp" or self.activation == "sigmoid":  # noqa: PLR1714 - narrows
+            return self.activation
+        return None
 
 
 @dataclass(frozen=True)
@@ -81,7 +96,7 @@ def gemm(
     *,
     activation: Activation = "none",
     mode: str = "auto",
-    engine: str = "reference",
+    engine: str = AUTO,
 ) -> GemmResult:
     """activation(a b + bias) on the array, simulated.
 
@@ -96,8 +111,7 @@ def gemm(
     mode
         "tpu-unified", "tpu-partitioned" or "auto", the one with fewer cycles.
     engine
-        Engine of the simulator. The native one compiles the loop first, which takes minutes for
-        the thousands of operations of the 16x16 array.
+        Engine of the simulator.
 
     Raises
     ------
@@ -108,12 +122,12 @@ def gemm(
 
 
 def mlp(
-    x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = "reference"
+    x: Matrix, layers: Sequence[Layer], *, mode: str = "auto", engine: str = AUTO
 ) -> GemmResult:
     """All layers, one after the other, on pieces of rows that stay in the scratchpad: what one
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
-    _check(x, layers)
+    check_layers(x, layers, FUSED)
     chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
     name, arrays = FABRICS[chosen.mode]
     share = -(-x.shape[0] // arrays)
@@ -177,14 +191,18 @@ class _Run:
         return found[: x.shape[0], : self._layers[-1].shape.cols]
 
     def _launch(self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands) -> None:
-        bands = _bands(layer, self._array.cols)[given.bands.start : given.bands.stop]
+        bands = bands_of(layer, self._array.cols)[given.bands.start : given.bands.stop]
         buffer[: bands.size, Stream.B] = bands.ravel()
         arguments = program.launch(buffer, given)
-        self._cycles += simulate(program.program, *arguments, engine=self._engine).cycles
+        bound = bind(program.program, arguments, {})
+        launch = Launch(bound.memory, bound.inputs, CYCLE_LIMIT, bound.extents)
+        run = shared_tile(program.program, self._engine).run(launch)
+        bound.copy_back(run.memory, program.program.stored_arrays)
+        self._cycles += run.cycles
         self._launches += 1
 
 
-def _bands(layer: Layer, cols: int) -> Matrix:
+def bands_of(layer: Layer, cols: int) -> Matrix:
     """Weights and bias by blocks of columns, the last one filled with zeros: float32 [bands,
     depth + 1, cols].
     """
@@ -196,7 +214,18 @@ def _bands(layer: Layer, cols: int) -> Matrix:
     return whole.reshape(depth + 1, -1, cols).transpose(1, 0, 2)
 
 
-def _check(x: Matrix, layers: Sequence[Layer]) -> None:
+def check_layers(
+    x: Matrix, layers: Sequence[Layer], activations: Sequence[str] = ACTIVATIONS
+) -> None:
+    """Refuse what is no MLP on float32 arrays.
+
+    Raises
+    ------
+    ArgumentError
+        Wrong types or sizes, or an activation that is not among `activations`.
+    """
+    if not layers:
+        raise ArgumentError("there are no layers", hint="give one or more")
     _check_array("the input", x, 2)
     columns = x.shape[1]
     for number, layer in enumerate(layers):
@@ -209,9 +238,11 @@ def _check(x: Matrix, layers: Sequence[Layer]) -> None:
                 hint="an input [rows, depth] takes weights [depth, columns]",
             )
         columns = layer.weights.shape[1]
-        if layer.activation not in get_args(Activation):
-            known = ", ".join(get_args(Activation))
+        if layer.activation not in activations:
+            known = ", ".join(activations)
             reason = f"unknown activation {layer.activation!r} of {name}"
+            if layer.activation in ACTIVATIONS:
+                reason = f"activation {layer.activation!r} of {name} is one of jobs: mlp_job"
             raise ArgumentError(reason, hint=f"activations: {known}")
         if layer.bias is not None:
             _check_array(f"the bias of {name}", layer.bias, 1)

@@ -51,11 +51,14 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class LayerShape:
-    """Sizes of one layer: its inner dimension, its outputs, and whether max(x, 0) follows."""
+    """Sizes of one layer: its inner dimension, its outputs, and whether max(x, 0) follows; whether
+    something follows that the array cannot do, so that its results leave the scratchpad.
+    """
 
     depth: int
     cols: int
     relu: bool = False
+    ends: bool = False
 
 
 def padded(columns: int, block: int) -> int:

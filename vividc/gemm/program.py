@@ -50,7 +50,9 @@ class Shape:
     overhead: int
 
     @staticmethod
-    def of(array: SystolicArray, depth: int, *, relu: bool = False) -> Shape:
+    def of(
+        array: SystolicArray, depth: int, *, relu: bool = False, words: int | None = None
+    ) -> Shape:
         """The product of `gemm_region` with the same arguments.
 
         Raises
@@ -58,7 +60,7 @@ class Shape:
         SystolicError
             The array's memories are too small for `depth`.
         """
-        schedule, layout = plan(array, depth, relu=relu)
+        schedule, layout = plan(array, depth, relu=relu, words=words)
         controller = array.fabric.controller
         start = 1 + controller.control_latency
         return Shape(layout, schedule.ii, schedule.span, start + controller.switch_cycles)
@@ -151,7 +153,7 @@ def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> Gem
     if faults:
         raise InternalError(f"systolic mapping of depth {depth}: {faults[0].message}")
     kernel, mappings = _kernel(array, region)
-    reports = {1: _report(region)}
+    reports = {1: region_report(region)}
     return GemmProgram(encode(kernel, machine, mappings, reports=reports), region.layout)
 
 
@@ -178,7 +180,7 @@ def _start() -> DFG:
     return builder.build()
 
 
-def _report(region: GemmRegion) -> MapResult:
+def region_report(region: GemmRegion) -> MapResult:
     """What is proved for this graph, with the loads of a column of B on one PE."""
     ii, depth = region.mapping.ii, region.layout.depth
     least = depth + 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from threading import Lock
 from typing import Final
 
 from vividc.errors import ArgumentError
@@ -59,3 +61,29 @@ class Tile:
             launch's memory is as it was.
         """
         return self._engine.run(launch)
+
+
+_KEPT: Final = 64
+_LOCK: Final = Lock()
+_known: OrderedDict[tuple[int, str], Tile] = OrderedDict()
+
+
+def shared_tile(program: Program, engine: str = AUTO) -> Tile:
+    """A tile with a program, the same one each time: decoding takes longer than many a launch.
+
+    Raises
+    ------
+    ArgumentError
+        The engine is unknown.
+    """
+    key = id(program), engine
+    with _LOCK:
+        if key in _known:
+            _known.move_to_end(key)
+            return _known[key]
+    tile = Tile(program, engine)  # it keeps the program, so that its id stays in use
+    with _LOCK:
+        _known[key] = tile
+        if len(_known) > _KEPT:
+            _known.popitem(last=False)
+    return tile

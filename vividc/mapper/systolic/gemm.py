@@ -7,13 +7,15 @@ over blocks of rows and of columns alike.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import LatencyClass, Opcode
-from vividc.mapper.mapping import Mapping, Place, Step, Subject
+from vividc.mapper.mapping import Mapping as Placement
+from vividc.mapper.mapping import Place, Step, Subject
 from vividc.mapper.systolic.array import SystolicArray, SystolicError
 from vividc.mapper.systolic.layout import GROUP_BYTES, TABLE_ROW, BlockLayout, Stream
 from vividc.mapper.systolic.schedule import SystolicSchedule, least_ii
@@ -33,7 +35,7 @@ class GemmRegion:
     """A loop region and its mapping."""
 
     dfg: DFG
-    mapping: Mapping
+    mapping: Placement
     layout: BlockLayout
 
 
@@ -48,12 +50,21 @@ def windows(layout: BlockLayout, stream: Stream) -> int:
     return last * GROUP_BYTES // OFFSETS + 1
 
 
-def base_name(stream: Stream, window: int) -> str:
-    """Live-in with the address of element 0 of a stream, `window` times the offsets' range on."""
-    return f"{stream.name.lower()}{window}"
+def base_name(stream: Stream, window: int, name: str | None = None) -> str:
+    """Live-in with the address of element 0 of a stream, `window` times the offsets' range on; the
+    stream goes by `name`, None: its own.
+    """
+    return f"{name or stream.name.lower()}{window}"
 
 
-def gemm_region(array: SystolicArray, depth: int, *, relu: bool = False) -> GemmRegion:
+def gemm_region(
+    array: SystolicArray,
+    depth: int,
+    *,
+    relu: bool = False,
+    words: int | None = None,
+    names: Mapping[Stream, str] | None = None,
+) -> GemmRegion:
     """The loop over blocks of C, mapped.
 
     Parameters
@@ -62,6 +73,10 @@ def gemm_region(array: SystolicArray, depth: int, *, relu: bool = False) -> Gemm
         The inner dimension (columns of A, rows of B), 1 or more.
     relu
         max(x, 0) of every result on its way out.
+    words
+        Of the part of the scratchpad that holds the operands; None: all of it.
+    names
+        Prefix of each stream's live-ins; None: as of `base_name`.
 
     Raises
     ------
@@ -69,16 +84,16 @@ def gemm_region(array: SystolicArray, depth: int, *, relu: bool = False) -> Gemm
         The configuration memory is too short for `depth` FMAs a PE, the schedule has more stages
         than the controller, or one block does not fit the scratchpad.
     """
-    schedule, layout = plan(array, depth, relu=relu)
-    made = _Construction(array, schedule, layout)
+    schedule, layout = plan(array, depth, relu=relu, words=words)
+    made = _Construction(array, schedule, layout, names or {})
     made.run()
     dfg = made.builder.build()
-    mapping = Mapping(schedule.ii, made.places, made.routes, Subject(dfg, array.fabric))
+    mapping = Placement(schedule.ii, made.places, made.routes, Subject(dfg, array.fabric))
     return GemmRegion(dfg, mapping, layout)
 
 
 def plan(
-    array: SystolicArray, depth: int, *, relu: bool = False
+    array: SystolicArray, depth: int, *, relu: bool = False, words: int | None = None
 ) -> tuple[SystolicSchedule, BlockLayout]:
     """Schedule and memory layout of `gemm_region` without its graph.
 
@@ -91,7 +106,8 @@ def plan(
         raise SystolicError(f"an inner dimension of {depth}", hint="it is 1 or more")
     ii = least_ii(array, depth, activated=relu)
     schedule = SystolicSchedule(array, depth, ii, relu)
-    layout = BlockLayout(array.rows, array.cols, depth, array.fabric.scratchpad.words)
+    room = array.fabric.scratchpad.words if words is None else words
+    layout = BlockLayout(array.rows, array.cols, depth, room)
     _demand_room(array, schedule, layout)
     return schedule, layout
 
@@ -110,7 +126,7 @@ def _demand_room(array: SystolicArray, schedule: SystolicSchedule, layout: Block
         raise SystolicError(text, loc=fabric.name, hint="pad the inner dimension with zeros")
     if min(layout.blocks(max(depth, array.cols)), layout.room // layout.band) < 1:
         text = f"one block of {layout.rows}x{depth} by {depth}x{layout.cols} does not fit the "
-        text += f"{fabric.scratchpad.size_bytes} bytes of the scratchpad of fabric {fabric.name}"
+        text += f"{4 * layout.words} bytes of the scratchpad of fabric {fabric.name}"
         raise SystolicError(text, loc=fabric.name, hint=hint)
 
 
@@ -118,7 +134,11 @@ class _Construction:
     """Nodes with their places, edges with their routes, in one pass over the array."""
 
     def __init__(
-        self, array: SystolicArray, schedule: SystolicSchedule, layout: BlockLayout
+        self,
+        array: SystolicArray,
+        schedule: SystolicSchedule,
+        layout: BlockLayout,
+        names: Mapping[Stream, str],
     ) -> None:
         self.builder = GraphBuilder("gemm")
         self.places: dict[int, Place] = {}
@@ -126,6 +146,7 @@ class _Construction:
         self._array = array
         self._schedule = schedule
         self._layout = layout
+        self._names = names
         self._edges = 0
 
     def run(self) -> None:
@@ -163,7 +184,7 @@ class _Construction:
         """Where the iteration's block of a matrix lies, from the table."""
         shift = (TABLE_ROW * GROUP_BYTES).bit_length() - 1
         node = Node(0, Opcode.LOAD, name=BUFFER, shift=shift, offset=stream * GROUP_BYTES)
-        base = self.builder.live_in(base_name(Stream.TABLE, 0))
+        base = self._base(Stream.TABLE, 0)
         return self._add(node, [self.builder.iv()], where, base=base)
 
     def _load(self, stream: Stream, element: int, index: Operand, where: Place) -> Operand:
@@ -197,7 +218,10 @@ class _Construction:
     def _address(self, stream: Stream, element: int) -> tuple[Operand, int]:
         """Base and offset of an element: the offset has fewer bits than the scratchpad."""
         window, offset = divmod(element * GROUP_BYTES, OFFSETS)
-        return self.builder.live_in(base_name(stream, window)), offset
+        return self._base(stream, window), offset
+
+    def _base(self, stream: Stream, window: int) -> Operand:
+        return self.builder.live_in(base_name(stream, window, self._names.get(stream)))
 
     def _add(
         self,

@@ -53,7 +53,7 @@ class BlockMap:
         SceneError
             Not even one block fits a scratchpad.
         """
-        tiles = len(device.new_job().accelerator.tiles)
+        tiles = device.tiles
         counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
         shares = [
             [self._launch(*span, counts) for span in self._spans(first, last)]

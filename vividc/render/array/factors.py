@@ -180,7 +180,7 @@ class FactorGrid:
 
     def _run(self, ledger: Ledger, stage: str, kernel: str, launches: Sequence[Launch]) -> None:
         """Neighbouring chunks to the same tile."""
-        tiles = len(self.device.new_job().accelerator.tiles)
+        tiles = self.device.tiles
         bounds = [len(launches) * tile // tiles for tile in range(tiles + 1)]
         shares = [launches[first:last] for first, last in pairwise(bounds)]
         run_launches(self.device, ledger, stage, f"render/tensor_factors:{kernel}", shares)

@@ -137,7 +137,7 @@ class _Passes:
         self._grids, self._device, self._ledger, self._stage = grids, device, ledger, stage
         self._points, self._out = points, out
         self._chunks = -(-len(points) // CHUNK)
-        self._tiles = len(device.new_job().accelerator.tiles)
+        self._tiles = device.tiles
         levels = len(grids.scales)
         self._cells = np.empty((self._chunks, levels * CHUNK), np.uint32)
         self._slots = np.empty((self._chunks, levels, CHUNK), np.uint32)

@@ -108,7 +108,7 @@ def _run_layer(
     groups: npt.NDArray[np.int32] | None,
 ) -> Float32Array:
     """Run a layer, a part of its neurons after the other if its weights are many."""
-    size = device.new_job().accelerator.fabric.scratchpad.size_bytes
+    size = device.scratchpad_bytes
     parts = []
     for packed in _parts(layer, size, 1 if groups is None else 2):
         out = np.empty((len(values), packed.shape[1] * NEURONS, SAMPLES), dtype=np.float32)

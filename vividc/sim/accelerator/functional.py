@@ -9,23 +9,19 @@ from collections import defaultdict
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, InternalError
-from vividc.sim.accelerator.kept import Kept
+from vividc.program import WORD_BYTES
 from vividc.sim.accelerator.memory import Buffers, Working
 from vividc.sim.accelerator.steps import Array, Configure, Execute, Piece, Step, Transfer
 from vividc.sim.engine import Launch, Run
-from vividc.sim.tile import Tile
+from vividc.sim.tile import Tile, shared_tile
 
 Memory = NDArray[np.uint32]
-
-_TILES: Kept[Tile] = Kept(256)
-"""Decoded programs, by program and engine."""
 
 
 @dataclass
@@ -96,7 +92,9 @@ class _State:
         self.working = working
         self.outcome = Outcome()
         self._buffers = buffers
-        self._pads = [np.zeros(t.scratchpad.words, np.uint32) for t in accelerator.tiles]
+        self._pads = [np.zeros(unit.scratchpad.words, np.uint32) for unit in accelerator.units]
+        self._sharing = accelerator.sharing
+        self._used: set[int] = set()
         self._tiles: dict[int, Tile] = {}
 
     def prepare(self, steps: Sequence[Step], engine: str) -> None:
@@ -104,15 +102,21 @@ class _State:
         for step in steps:
             for program in step.programs if isinstance(step, Configure) else ():
                 if id(program) not in self._tiles:
-                    self._tiles[id(program)] = _TILES.get(
-                        program, engine, partial(Tile, program, engine)
-                    )
+                    self._tiles[id(program)] = shared_tile(program, engine)
+
+    def _take(self, unit: int) -> None:
+        """What other forms of the same tiles had in their scratchpads is lost."""
+        for other in self._sharing[unit] & self._used:
+            self._pads[other][:] = 0
+            self._used.remove(other)
+        self._used.add(unit)
 
     def transfer(self, number: int, step: Transfer) -> None:
         """Move words; 64-bit elements do not occur."""
+        for tile in step.tiles:
+            self._take(tile)
         if step.kind == "move out":
-            pad = self._pads[step.tiles[0]].view(np.uint8)
-            raw = pad[step.address : step.address + step.view.nbytes].copy()
+            raw = self._at(step.tiles[0], step, step.view.nbytes).copy().view(np.uint8)
             if step.view.dtype == np.bool_:
                 raw = (raw != 0).view(np.uint8)
             self.working.write(step.view, raw)
@@ -124,7 +128,15 @@ class _State:
         if view.dtype == np.bool_:
             raw = (raw != 0).view(np.uint8)
         for tile in step.tiles:
-            self._pads[tile].view(np.uint8)[step.address : step.address + raw.size] = raw
+            place = self._at(tile, step, raw.size)
+            place[:] = raw.view(place.dtype)
+
+    def _at(self, tile: int, step: Transfer, size: int) -> NDArray[np.generic]:
+        """A view of the bytes, or of the words, of a tile that a transfer moves."""
+        pad: NDArray[np.generic] = self._pads[tile]
+        if step.pitch == WORD_BYTES:
+            pad = pad.view(np.uint8)
+        return pad[step.places(size)]
 
     def _chosen(self, number: int, step: Transfer, view: Array) -> Array:
         assert step.indices is not None
@@ -145,6 +157,7 @@ class _State:
     def launch(self, step: Step, cycle_limit: int) -> Launch:
         """What the engine gets."""
         assert isinstance(step, Execute)
+        self._take(step.tile)
         memory = self._pads[step.tile]
         for local in step.program.locals:
             if local.contents:

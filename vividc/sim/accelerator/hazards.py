@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from vividc.errors import ArgumentError
-from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer, kind_of
+from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer, kind_of, tiles_of
 
 Place = tuple[str, int]
 """A memory: ("tile", number) or ("dram", number of the array)."""
@@ -21,14 +21,22 @@ class _Use:
     writes: bool
 
 
-def predecessors(steps: Sequence[Step]) -> list[tuple[int, ...]]:
-    """What each step waits for: its `after`, and for a run the tile's previous run and the
-    configuration.
+def predecessors(
+    steps: Sequence[Step], sharing: Sequence[frozenset[int]] = ()
+) -> list[tuple[int, ...]]:
+    """What each step waits for: its `after`, for a run the tile's previous run and the
+    configuration, and for a run or transfer all those before it of other forms of its tiles
+    (`sharing`, by unit).
     """
     last: dict[int, int] = {}
     found: list[tuple[int, ...]] = []
+    used: dict[int, list[int]] = defaultdict(list)
     for number, step in enumerate(steps):
         waits = set(step.after)
+        if any(sharing) and not isinstance(step, Configure):
+            for unit in tiles_of(step):
+                waits |= {earlier for other in sharing[unit] for earlier in used[other]}
+                used[unit].append(number)
         if isinstance(step, Execute):
             waits.add(step.configured_by)
             if step.tile in last:
@@ -105,7 +113,8 @@ def _transfer_uses(step: Transfer) -> Iterator[tuple[Place, int, int, bool]]:
     size = step.view.nbytes
     if step.kind == "gather" and step.indices is not None:
         size = len(step.indices) * (step.view[:1].nbytes or 0)
+    start, end = step.extent(size)
     for tile in step.tiles:
-        yield ("tile", tile), step.address, step.address + size, not out
+        yield ("tile", tile), start, end, not out
     for piece in (*step.pieces, *step.index_pieces):
         yield ("dram", piece.buffer), piece.offset, piece.offset + piece.size, out

@@ -71,8 +71,10 @@ class Job:
         address: int,
         *,
         after: Sequence[int] = (),
+        pitch: int = WORD_BYTES,
     ) -> int:
-        """Copy an array, contiguous or strided, from DRAM to byte `address` of the scratchpads.
+        """Copy an array, contiguous or strided, from DRAM to byte `address` of the scratchpads,
+        each word `pitch` bytes behind the one before.
 
         Raises
         ------
@@ -81,11 +83,11 @@ class Job:
         """
         where = self._tiles(tiles)
         array = _array(source)
-        self._fits(address, array.nbytes, where)
         pieces = self._buffers.pieces(array)
-        return self._add(
-            Transfer("move in", where, address, pieces, array, after=self._after(after))
+        step = Transfer(
+            "move in", where, address, pieces, array, after=self._after(after), pitch=pitch
         )
+        return self._transfer(step)
 
     def gather(
         self,
@@ -132,8 +134,10 @@ class Job:
         target: NDArray[np.generic],
         *,
         after: Sequence[int] = (),
+        pitch: int = WORD_BYTES,
     ) -> int:
-        """Copy from byte `address` of a tile's scratchpad to an array, contiguous or strided.
+        """Copy from byte `address` of a tile's scratchpad, word by word `pitch` bytes apart, to an
+        array, contiguous or strided.
 
         Raises
         ------
@@ -144,11 +148,11 @@ class Job:
         array = _array(target)
         if not array.flags.writeable:
             raise ArgumentError("the target of a move out is read-only", hint="pass a copy")
-        self._fits(address, array.nbytes, where)
         pieces = self._buffers.pieces(array)
-        return self._add(
-            Transfer("move out", where, address, pieces, array, after=self._after(after))
+        step = Transfer(
+            "move out", where, address, pieces, array, after=self._after(after), pitch=pitch
         )
+        return self._transfer(step)
 
     def configure(
         self, tiles: int | Sequence[int], program: Program, *, after: Sequence[int] = ()
@@ -237,6 +241,17 @@ class Job:
             self.accelerator, self.steps, self._buffers, engine, cycle_limit, threads
         )
 
+    def _transfer(self, step: Transfer) -> int:
+        """A move in or out."""
+        apart = step.pitch != WORD_BYTES
+        if step.pitch < WORD_BYTES or step.pitch % WORD_BYTES:
+            raise ArgumentError(f"a pitch of {step.pitch} bytes: it is a multiple of {WORD_BYTES}")
+        if apart and (step.view.itemsize != WORD_BYTES or step.address % WORD_BYTES):
+            raise ArgumentError("with a pitch, whole words move, to a multiple of 4")
+        start, end = step.extent(step.view.nbytes)
+        self._fits(start, end - start, step.tiles)
+        return self._add(step)
+
     def _add(self, step: Step) -> int:
         self._steps.append(step)
         return len(self._steps) - 1
@@ -249,7 +264,7 @@ class Job:
 
     def _tiles(self, tiles: int | Sequence[int]) -> tuple[int, ...]:
         chosen = (tiles,) if isinstance(tiles, int) else tuple(tiles)
-        count = len(self.accelerator.tiles)
+        count = len(self.accelerator.units)
         if not chosen or len(set(chosen)) < len(chosen):
             raise ArgumentError("a step names its tiles once each")
         for tile in chosen:
@@ -260,7 +275,7 @@ class Job:
     def _fits(
         self, address: int, size: int, tiles: tuple[int, ...], what: str = "the array"
     ) -> None:
-        room = min(self.accelerator.tiles[tile].scratchpad.size_bytes for tile in tiles)
+        room = min(self.accelerator.units[tile].scratchpad.size_bytes for tile in tiles)
         if address < 0 or address + size > room:
             raise ArgumentError(
                 f"{what} would lie at bytes {address} to {address + size}, and the scratchpad has "
@@ -268,26 +283,35 @@ class Job:
             )
 
     def _image(self, program: Program, tile: int) -> Program:
+        grouped = tile >= len(self.accelerator.tiles)
+        home = self.accelerator.units[tile] if grouped else self.accelerator.fabric
         corner = self.accelerator.orientation(tile)
-        key = (id(program), corner)
+        key = (id(program), f"{corner} {home.name}")
         if key not in self._images:
-            home = self.accelerator.fabric
             if not arch.is_isomorphism(program.fabric, home, tuple(range(len(home.pes)))):
+                what = f"unit {tile}" if grouped else "the tiles"
                 raise ArgumentError(
-                    f"{program.name} was compiled for {program.fabric_name}, and the tiles of "
-                    f"{self.accelerator.name} are {home.name}",
+                    f"{program.name} was compiled for {program.fabric_name}, and {what} of "
+                    f"{self.accelerator.name} {'is' if grouped else 'are'} {home.name}",
                     hint=f"compile it with fabric={self.accelerator.name!r}",
                 )
-            there = self.accelerator.tiles[tile]
-
-            def mirrored() -> tuple[Fabric, Fabric, Program]:
-                places = arch.reflection(home, corner)
-                return home, there, reflected_program(program, there, places)
-
-            kept = _IMAGES.get(program, corner, mirrored)
-            self._images[key] = (kept if kept[:2] == (home, there) else mirrored())[2]
+            image = program
+            if not grouped:
+                image = _mirrored(program, home, self.accelerator.tiles[tile], corner)
+            self._images[key] = image
             self._images[id(program), ""] = program  # keeps the id from being used again
         return self._images[key]
+
+
+def _mirrored(program: Program, home: Fabric, there: Fabric, corner: str) -> Program:
+    """The program of the tile in a corner; kept for the next job."""
+
+    def mirrored() -> tuple[Fabric, Fabric, Program]:
+        places = arch.reflection(home, corner)
+        return home, there, reflected_program(program, there, places)
+
+    kept = _IMAGES.get(program, corner, mirrored)
+    return (kept if kept[:2] == (home, there) else mirrored())[2]
 
 
 def _array(value: object) -> NDArray[np.generic]:

@@ -1,4 +1,4 @@
-"""What is made of a program is kept for the next job: decoding costs more than running."""
+"""What is made of a program is kept for the next job: it takes longer than running it."""
 
 from __future__ import annotations
 

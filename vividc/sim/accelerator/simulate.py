@@ -24,7 +24,7 @@ def simulate_steps(
     threads: int | None,
 ) -> JobResult:
     """Carry a graph out (see `Job.simulate`)."""
-    waits = predecessors(steps)
+    waits = predecessors(steps, accelerator.sharing)
     check_order(steps, waits)
     outcome = carry_out(accelerator, steps, waits, buffers, engine, cycle_limit, threads)
     timing = schedule(accelerator, steps, waits, outcome)

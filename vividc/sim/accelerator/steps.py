@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.program import Program
+from vividc.program import WORD_BYTES, Program
 
 Array = NDArray[np.generic]
 Kind = Literal["move in", "gather", "configure", "run", "move out"]
@@ -41,6 +41,8 @@ class Transfer:
         The array whose elements move, as the caller gave it (gather: its chosen rows).
     after
         Steps that must be done before.
+    pitch
+        Bytes from a word to the next in the scratchpad.
     """
 
     kind: Literal["move in", "gather", "move out"]
@@ -51,11 +53,27 @@ class Transfer:
     index_pieces: tuple[Piece, ...] = ()
     indices: Array | None = None
     after: tuple[int, ...] = ()
+    pitch: int = WORD_BYTES
 
     @property
     def size(self) -> int:
         """Bytes that arrive."""
         return sum(piece.size for piece in self.pieces)
+
+    def places(self, size: int) -> slice:
+        """Where `size` bytes lie: of the scratchpad's bytes if they lie together, else of its
+        words.
+        """
+        if self.pitch == WORD_BYTES:
+            return slice(self.address, self.address + size)
+        first, step = self.address // WORD_BYTES, self.pitch // WORD_BYTES
+        return slice(first, first + size // WORD_BYTES * step, step)
+
+    def extent(self, size: int) -> tuple[int, int]:
+        """First byte and end of all that lies between the first and the last of `size` bytes."""
+        if self.pitch == WORD_BYTES or not size:
+            return self.address, self.address + size
+        return self.address, self.address + (size // WORD_BYTES - 1) * self.pitch + WORD_BYTES
 
 
 @dataclass(frozen=True, slots=True, eq=False)

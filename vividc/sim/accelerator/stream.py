@@ -20,7 +20,12 @@ class Stream:
     time. Of those that may be loaded the earliest step is.
     """
 
-    def __init__(self, configuration: Configuration, steps: Sequence[Step]) -> None:
+    def __init__(
+        self,
+        configuration: Configuration,
+        steps: Sequence[Step],
+        sharing: Sequence[frozenset[int]] = (),
+    ) -> None:
         self._configuration = configuration
         self._ready: set[int] = set()
         self._is_loading = False
@@ -28,7 +33,7 @@ class Stream:
         self._runs_left: Counter[_Held] = Counter(
             (step.configured_by, step.tile) for step in steps if isinstance(step, Execute)
         )
-        self._replaced = _replaced(steps)
+        self._replaced = _replaced(steps, sharing)
 
     def cycles(self, step: Configure) -> int:
         """How long it takes to load."""
@@ -68,12 +73,17 @@ class Stream:
         return self._configuration.double_buffered and held in self._started
 
 
-def _replaced(steps: Sequence[Step]) -> dict[int, list[_Held]]:
-    """What each configuration finds in its tiles."""
+def _replaced(steps: Sequence[Step], sharing: Sequence[frozenset[int]]) -> dict[int, list[_Held]]:
+    """What each configuration finds in its tiles, in whatever form they were."""
     held: dict[int, int] = {}
     found: dict[int, list[_Held]] = {}
     for number, step in enumerate(steps):
         if isinstance(step, Configure):
-            found[number] = [(held[tile], tile) for tile in step.tiles if tile in held]
+            units = set(step.tiles)
+            for tile in step.tiles if sharing else ():
+                units |= sharing[tile]
+            found[number] = [(held[unit], unit) for unit in sorted(units) if unit in held]
+            for unit in units:
+                held.pop(unit, None)
             held.update(dict.fromkeys(step.tiles, number))
     return found

@@ -12,6 +12,7 @@ from functools import partial
 
 from vividc.arch import Accelerator
 from vividc.errors import InternalError
+from vividc.program import WORD_BYTES
 from vividc.sim.accelerator.bursts import bursts
 from vividc.sim.accelerator.clockwork import Clock
 from vividc.sim.accelerator.event import Event
@@ -97,7 +98,7 @@ class _Simulation:
         self._moved = Moved()
         self._resources = Resources(accelerator, self._clock, self._moved, self._take_banks)
         self._spans = [Span() for _ in steps]
-        self._tiles = [TileClock() for _ in accelerator.tiles]
+        self._tiles = [TileClock() for _ in accelerator.units]
         self._events: list[Event] = []
         self._engines = list(range(accelerator.dma.engines))
         self._queue: list[tuple[int, int]] = []
@@ -106,7 +107,7 @@ class _Simulation:
         for number, before in enumerate(waits):
             for other in before:
                 self._followers[other].append(number)
-        self._stream = Stream(accelerator.configuration, steps)
+        self._stream = Stream(accelerator.configuration, steps, accelerator.sharing)
 
     def run(self) -> Timing:
         for number, left in enumerate(self._left):
@@ -178,7 +179,8 @@ class _Simulation:
 
     def _transfer(self, engine: int, number: int, step: Transfer) -> TransferRun:
         machine = self._machine
-        line = 4 * min(machine.tiles[tile].scratchpad.banks for tile in step.tiles)
+        banks = min(machine.units[tile].scratchpad.banks for tile in step.tiles)
+        line = max(WORD_BYTES, WORD_BYTES * (WORD_BYTES * banks // step.pitch))
         pieces = self._outcome.gathered[number] if step.kind == "gather" else step.pieces
         return TransferRun(
             resources=self._resources,

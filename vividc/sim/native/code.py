@@ -48,7 +48,7 @@ def compiled(program: Program) -> Compiled:
     planned = plan(program)
     text = module_text(program, planned)
     key = sha256(f"{host()}\n{text}".encode()).hexdigest()
-    words = planned.layout.spill + spill_words(planned)
+    words = planned.layout.spill + spill_words(planned, program.fabric.scratchpad.banks)
     return Compiled(planned, (words, image(program)), _native(key, text))
 
 

@@ -72,7 +72,9 @@ class _Running:
         self._state = self._initial()
 
     def _initial(self) -> MachineState:
-        return initial_state(self._program, self._code.plan.layout, self._code.blank, self._launch)
+        state = initial_state(self._program, self._code.plan.layout, self._code.blank, self._launch)
+        state.context[Place.TABLES] = self._code.plan.table_words.ctypes.data
+        return state
 
     def run(self) -> Run:
         """Run to the end."""

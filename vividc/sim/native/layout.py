@@ -32,6 +32,7 @@ class Place(IntEnum):
     SWITCH_CYCLES = 7
     RESUME = 8  # 1: inside a loop, which was suspended
     NOW = 9  # cycle of the suspension
+    TABLES = 10  # address of the words of all tables
 
 
 class Status(IntEnum):

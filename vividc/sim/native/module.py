@@ -11,8 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vividc.program import Program
+from vividc.sim.native import bulk
 from vividc.sim.native.body import Machine
+from vividc.sim.native.bulk_tables import BulkTables, bulk_tables
 from vividc.sim.native.counts import RegionCounts, region_counts
 from vividc.sim.native.layout import Layout, Place, Status, layout
 from vividc.sim.native.operations import DECLARATIONS
@@ -23,7 +28,9 @@ from vividc.sim.native.trace import RegionFlow, trace
 
 ENTRY: Final = "run"
 _DECLARATIONS: Final = (
-    "declare i64 @llvm.smin.i64(i64, i64)\ndeclare i64 @llvm.smax.i64(i64, i64)\n" + DECLARATIONS
+    "declare i64 @llvm.smin.i64(i64, i64)\ndeclare i64 @llvm.smax.i64(i64, i64)\n"
+    + DECLARATIONS
+    + bulk.DECLARATIONS
 )
 
 
@@ -37,11 +44,17 @@ class Plan:
         Of each region; None: the reference engine runs it.
     counts
         What the sums of each region tell.
+    tables
+        Of each region that runs by tables.
+    table_words
+        int32: their words, one region's behind the other's.
     """
 
     flows: tuple[RegionFlow | None, ...]
     counts: tuple[RegionCounts | None, ...]
     layout: Layout
+    tables: tuple[BulkTables | None, ...]
+    table_words: NDArray[np.int32]
 
 
 def plan(program: Program) -> Plan:
@@ -49,7 +62,11 @@ def plan(program: Program) -> Plan:
     flows = tuple(trace(program, index) for index in range(len(program.table)))
     counts = tuple(None if flow is None else region_counts(flow) for flow in flows)
     sizes = [0 if one is None else len(one.classes) for one in counts]
-    return Plan(flows, counts, layout(program, sizes))
+    pes = len(program.fabric.pes)
+    tables = tuple(None if flow is None else bulk_tables(flow, pes) for flow in flows)
+    words = [table.words for table in tables if table is not None]
+    joined = np.concatenate([np.zeros(0, np.int32), *words])
+    return Plan(flows, counts, layout(program, sizes), tables, joined)
 
 
 def module_text(program: Program, planned: Plan) -> str:
@@ -57,18 +74,26 @@ def module_text(program: Program, planned: Plan) -> str:
     scratchpad = program.fabric.scratchpad
     machine = Machine(planned.layout, scratchpad.size_bytes, scratchpad.banks)
     switch_cycles = program.fabric.controller.switch_cycles
-    regions = [
-        region_function(
-            index, flow, () if counts is None else counts.classes, machine, switch_cycles
-        )
-        for index, (flow, counts) in enumerate(zip(planned.flows, planned.counts, strict=True))
-    ]
+    regions, first = [], 0
+    for index, (flow, counts, tables) in enumerate(
+        zip(planned.flows, planned.counts, planned.tables, strict=True)
+    ):
+        classes = () if counts is None else counts.classes
+        placed = None if tables is None else (tables, first)
+        regions.append(region_function(index, flow, classes, machine, switch_cycles, placed))
+        first += 0 if tables is None else tables.words.size
     return "\n".join([_DECLARATIONS, *regions, _dispatch(len(regions))])
 
 
-def spill_words(planned: Plan) -> int:
+def spill_words(planned: Plan, banks: int) -> int:
     """Words that the largest suspended loop takes in the context: an upper bound."""
-    return max((_carried(flow) for flow in planned.flows if flow is not None), default=0)
+    sizes = [0]
+    for flow, tables in zip(planned.flows, planned.tables, strict=True):
+        if tables is not None:
+            sizes.append(bulk.bulk_words(tables, banks))
+        elif flow is not None:
+            sizes.append(_carried(flow))
+    return max(sizes)
 
 
 def _dispatch(regions: int) -> str:

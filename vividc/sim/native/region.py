@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from vividc.sim.native.body import Body, Key, Machine, Surroundings
+from vividc.sim.native.bulk import write_bulk
+from vividc.sim.native.bulk_tables import BulkTables
 from vividc.sim.native.counts import CountClass
 from vividc.sim.native.ending import COUNTERS, End, finish
 from vividc.sim.native.frame import Frame
@@ -30,18 +32,25 @@ def region_function(
     classes: Sequence[CountClass],
     machine: Machine,
     switch_cycles: int,
+    placed: tuple[BulkTables, int] | None = None,
 ) -> str:
-    """Text of the function `region{index}`; None: one that leaves the region to the reference."""
+    """Text of the function `region{index}`; no flow: one that leaves the region to the reference.
+
+    Parameters
+    ----------
+    placed
+        The region's tables, and their first word among all, if it runs by tables.
+    """
     code = Code()
     if flow is None:
         code.do(f"ret i32 {Status.IRREGULAR:d}")
     else:
         sums = machine.layout.sums[index]
-        _write(Frame(code, machine, flow, classes, switch_cycles, sums))
+        _write(Frame(code, machine, flow, classes, switch_cycles, sums), placed)
     return "\n".join([f"define internal i32 @region{index}({ARGUMENTS}) {{", *code.lines, "}", ""])
 
 
-def _write(frame: Frame) -> None:
+def _write(frame: Frame, placed: tuple[BulkTables, int] | None) -> None:
     code, row = frame.code, frame.flow.row
     code.start("entry")
     frame.base = frame.get(Place.CYCLE)
@@ -53,11 +62,12 @@ def _write(frame: Frame) -> None:
         code.start("some")
     _demand_valid(frame)
     around = _surroundings(frame)
-    plan = schedule(frame.flow)
-    if row.kind == "straight":
-        _write_straight(frame, plan, around)
+    if placed is not None:
+        write_bulk(frame, around, *placed)
+    elif row.kind == "straight":
+        _write_straight(frame, schedule(frame.flow), around)
     else:
-        write_loop(frame, plan, around, _initial(frame))
+        write_loop(frame, schedule(frame.flow), around, _initial(frame))
     for status in (Status.FAULT, Status.LIMIT, Status.IRREGULAR):
         code.start(status.name.lower())
         code.do(f"ret i32 {status:d}")

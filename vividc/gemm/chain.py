@@ -1,0 +1,249 @@
+"""Several layers as one program: each layer is a loop, and what one writes the next one reads where
+it lies in the scratchpad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.dfg.cfg import DType, Param
+from vividc.dfg.graph_builder import GraphBuilder
+from vividc.dfg.ir import DFG, Control
+from vividc.dfg.regions import Kernel, Region
+from vividc.errors import InternalError
+from vividc.gemm.program import Shape, region_report
+from vividc.mapper import Mapping, MapProblem, MapResult, violations
+from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.systolic import (
+    BUFFER,
+    GROUP_BYTES,
+    OFFSETS,
+    TABLE_ROW,
+    BlockLayout,
+    GemmRegion,
+    Stream,
+    SystolicArray,
+    base_name,
+    gemm_region,
+    windows,
+)
+from vividc.program import WORD_BYTES, Program, encode
+
+LINE = 16
+"""Words along the second dimension of the buffer: no dimension of an array may be as long as it."""
+START_CONTEXTS = 2
+"""Contexts of the start of a loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A layer of a chain: its inner dimension, its blocks of columns, whether max(x, 0) follows."""
+
+    depth: int
+    bands: int
+    relu: bool = False
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Layers that run as one program on an array, and where their operands lie.
+
+    Odd layers read what even ones write. The weights of all layers lie one behind the other in the
+    stream of B, the tables of places in theirs.
+
+    Attributes
+    ----------
+    parts
+        Equal parts of the scratchpad, each with all operands: transfers to one hide behind a run
+        on the other.
+    """
+
+    array: SystolicArray
+    links: tuple[Link, ...]
+    parts: int
+
+    @property
+    def words(self) -> int:
+        """Words of a part."""
+        return self.array.fabric.scratchpad.words // self.parts
+
+    @cached_property
+    def shapes(self) -> tuple[Shape, ...]:
+        """The layers' products.
+
+        Raises
+        ------
+        SystolicError
+            One of them fits no array's memories.
+        """
+        return tuple(
+            Shape.of(self.array, link.depth, relu=link.relu, words=self.words)
+            for link in self.links
+        )
+
+    @property
+    def layouts(self) -> tuple[BlockLayout, ...]:
+        """Where the layers' operands lie."""
+        return tuple(shape.layout for shape in self.shapes)
+
+    @property
+    def contexts(self) -> int:
+        """Contexts of the program."""
+        return sum(shape.ii + START_CONTEXTS for shape in self.shapes)
+
+    @property
+    def weights(self) -> tuple[int, ...]:
+        """First element of each layer's weights in the stream of B, and the end."""
+        sizes = [
+            link.bands * layout.band for link, layout in zip(self.links, self.layouts, strict=True)
+        ]
+        return tuple(int(x) for x in np.cumsum([0, *sizes]))
+
+    @property
+    def blocks(self) -> int:
+        """Most blocks of rows of a launch; 0: the chain does not fit."""
+        room = self.layouts[0].room
+        if self.weights[-1] > room or self.contexts > self.array.fabric.controller.contexts:
+            return 0
+        widths = [self.links[0].depth, *(link.bands * self.array.cols for link in self.links)]
+        table = TABLE_ROW * sum(link.bands for link in self.links)
+        return min(room // (self.array.rows * max(widths)), room // table)
+
+    def width(self, layer: int) -> int:
+        """Columns of a layer's input as they lie there; behind the last layer: of its output."""
+        if layer == 0:
+            return self.links[0].depth
+        return self.links[layer - 1].bands * self.array.cols
+
+    def cycles(self, blocks: int) -> int:
+        """Cycles of a launch over `blocks` blocks of rows: exact, as no two accesses meet."""
+        switches = (len(self.links) - 1) * self.array.fabric.controller.switch_cycles
+        pairs = zip(self.shapes, self.links, strict=True)
+        return switches + sum(shape.cycles(blocks * link.bands) for shape, link in pairs)
+
+    def tables(self, blocks: int) -> tuple[NDArray[np.uint32], tuple[int, ...]]:
+        """The tables of places for up to `blocks` blocks of rows, uint32 [elements], and the first
+        element of each layer's.
+
+        A launch of fewer blocks reads the beginning of each.
+        """
+        parts, starts, at = [], [], 0
+        for layer, (link, layout) in enumerate(zip(self.links, self.layouts, strict=True)):
+            block, band = np.divmod(np.arange(blocks * link.bands), link.bands)
+            rows = np.zeros((block.size, TABLE_ROW), np.int64)
+            rows[:, Stream.A] = block * layout.a(0, self.width(layer))
+            rows[:, Stream.B] = self.weights[layer] + band * layout.band
+            rows[:, Stream.C] = block * layout.c(0, link.bands * layout.cols)
+            rows[:, Stream.C] += band * layout.c(0, layout.cols)
+            parts.append((rows * GROUP_BYTES).astype(np.uint32).ravel())
+            starts.append(at)
+            at += parts[-1].size
+        return np.concatenate(parts), tuple(starts)
+
+    @staticmethod
+    def streams(layer: int) -> tuple[Stream, Stream]:
+        """Where a layer's input and output lie."""
+        return (Stream.C, Stream.A) if layer % 2 else (Stream.A, Stream.C)
+
+    @property
+    def output(self) -> Stream:
+        """Where the last layer's output lies."""
+        return self.streams(len(self.links) - 1)[1]
+
+    def scalars(self, part: int, blocks: int, tables: Sequence[int]) -> dict[str, int]:
+        """Scalar arguments of a launch.
+
+        Parameters
+        ----------
+        part
+            Which part of the scratchpad it works on.
+        tables
+            First element of each layer's table.
+        """
+        first = part * self.words * WORD_BYTES
+        found: dict[str, int] = {}
+        for layer, (link, layout) in enumerate(zip(self.links, self.layouts, strict=True)):
+            found[f"blocks{layer}"] = blocks * link.bands
+            for stream, prefix in _names(layer).items():
+                source = Stream[prefix.upper()] if prefix in ("a", "b", "c") else Stream.TABLE
+                offset = tables[layer] * GROUP_BYTES if stream is Stream.TABLE else 0
+                for window in range(windows(layout, stream)):
+                    name = base_name(stream, window, prefix)
+                    found[name] = first + source * WORD_BYTES + window * OFFSETS + offset
+        return found
+
+
+def _names(layer: int) -> dict[Stream, str]:
+    """Prefixes of the live-ins of a layer's streams."""
+    source, target = Chain.streams(layer)
+    return {
+        Stream.A: source.name.lower(),
+        Stream.B: "b",
+        Stream.C: target.name.lower(),
+        Stream.TABLE: f"table{layer}_",
+    }
+
+
+def chain_program(chain: Chain) -> Program:
+    """The program of a chain.
+
+    Raises
+    ------
+    SystolicError
+        A layer fits no array's memories.
+    """
+    made = tuple((link.depth, link.relu) for link in chain.links)
+    return _program(chain.array.fabric.name, made, chain.words)
+
+
+@lru_cache(maxsize=16)
+def _program(fabric: str, links: tuple[tuple[int, bool], ...], words: int) -> Program:
+    array = SystolicArray.of(arch.load_tile(fabric))
+    regions: list[Region] = []
+    mappings: dict[int, Mapping] = {}
+    reports: dict[int, MapResult] = {}
+    names: dict[str, None] = {}
+    counts = [f"blocks{layer}" for layer in range(len(links))]
+    for layer, (depth, relu) in enumerate(links):
+        start, loop = 2 * layer, 2 * layer + 1
+        onward = loop + 1 if layer + 1 < len(links) else None
+        region = gemm_region(array, depth, relu=relu, words=words, names=_names(layer))
+        _demand_legal(array, region.dfg, region.mapping, straight=False)
+        first = start_graph(counts[layer])
+        mappings[start] = list_schedule(MapProblem(first, array.fabric))
+        _demand_legal(array, first, mappings[start], straight=True)
+        mappings[loop] = region.mapping
+        reports[loop] = region_report(region)
+        regions.append(Region(f"start{layer}", "straight", first, next=loop))
+        regions.append(Region(f"gemm{layer}", "loop", region.dfg, next=onward, counted=True))
+        names |= dict.fromkeys(_live_ins(region, layer))
+    params = [Param(BUFFER, DType.F32, 2), *(Param(name, DType.I32) for name in (*counts, *names))]
+    kernel = Kernel("gemm", tuple(params), tuple(regions))
+    return encode(kernel, array.fabric, mappings, reports=reports)
+
+
+def _live_ins(region: GemmRegion, layer: int) -> list[str]:
+    return [
+        base_name(stream, window, prefix)
+        for stream, prefix in _names(layer).items()
+        for window in range(windows(region.layout, stream))
+    ]
+
+
+def _demand_legal(array: SystolicArray, dfg: DFG, mapping: Mapping, *, straight: bool) -> None:
+    faults = violations(dfg, array.fabric, mapping, straight=straight)
+    if faults:
+        raise InternalError(f"systolic mapping of {dfg.name}: {faults[0].message}")
+
+
+def start_graph(trip: str) -> DFG:
+    """The start of a loop: live-in `trip` is its trip count."""
+    builder = GraphBuilder("start")
+    builder.mark(builder.live_in(trip), Control.TRIP)
+    return builder.build()

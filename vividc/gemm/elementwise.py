@@ -1,0 +1,113 @@
+"""Activations that the edges of a systolic array cannot compute: the tiles do, in GPU-like mode.
+
+exp and sigmoid take FMAs, which the load/store units at the edge have none of; the job switches the
+tiles to a program of one loop over the results.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.dfg.cfg import DType, Param
+from vividc.dfg.graph_builder import GraphBuilder, Operand
+from vividc.dfg.ir import DFG, Node
+from vividc.dfg.opcodes import Opcode
+from vividc.dfg.pipeline import optimize
+from vividc.dfg.regions import Kernel, Region
+from vividc.errors import InternalError
+from vividc.gemm.chain import start_graph
+from vividc.gemm.layer import Apart
+from vividc.mapper import MapProblem, violations
+from vividc.mapper.api import map_dfg
+from vividc.mapper.list_schedule import list_schedule
+from vividc.program import WORD_BYTES, Program, encode
+from vividc.sim.accelerator import At, Job
+
+_ONE: Final = 0x3F800000
+_TIME_LIMIT_S: Final = 10.0
+_PARTS: Final = 2
+"""Chunks that a scratchpad holds: one comes or goes while the other is worked on."""
+
+
+def elementwise_steps(
+    job: Job, values: NDArray[np.float32], kind: Apart, before: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Add to a job: every element of a contiguous array in DRAM, replaced by its image.
+
+    Parameters
+    ----------
+    before
+        Steps that write `values`.
+
+    Returns
+    -------
+    The steps that must be done before `values` is read.
+    """
+    machine = job.accelerator
+    program = elementwise_program(kind)
+    tiles = range(len(machine.tiles))
+    flat = values.reshape(-1)
+    most = machine.fabric.scratchpad.words // _PARTS
+    size = min(most, -(-flat.size // (len(tiles) * _PARTS)))
+    starts = range(0, flat.size, size)
+    job.configure(tiles[: len(starts)], program)
+    free: dict[tuple[int, int], int] = {}
+    done = []
+    for number, start in enumerate(starts):
+        turn, tile = divmod(number, len(tiles))
+        part = turn % _PARTS
+        chunk = flat[start : start + size]
+        place = part * most * WORD_BYTES
+        waits = [*before, *([free[tile, part]] if (tile, part) in free else [])]
+        moved = job.move_in(tile, chunk, place, after=waits)
+        ran = job.run(tile, program, after=[moved], x=At(place, chunk.shape), n=chunk.size)
+        free[tile, part] = job.move_out(tile, place, chunk, after=[ran])
+        done.append(free[tile, part])
+    return tuple(done)
+
+
+@lru_cache(maxsize=8)
+def elementwise_program(kind: Apart) -> Program:
+    """A loop that replaces x[i] by its image, for 0 <= i < n.
+
+    exp is that of docs/math.md; sigmoid is 1 / (1 + exp(-x)), each operation rounded.
+    """
+    fabric = arch.load_tile("vivid-tile")
+    loop = optimize(_graph(kind))
+    result = map_dfg(loop, fabric, time_limit_s=_TIME_LIMIT_S, thrifty=True)
+    start = start_graph("n")
+    first = list_schedule(MapProblem(start, fabric))
+    faults = violations(start, fabric, first, straight=True)
+    if result.mapping is None or faults:
+        raise InternalError(f"{kind} was not mapped to {fabric.name}: {result.explain()}")
+    regions = (
+        Region("start", "straight", start, next=1),
+        Region(kind, "loop", loop, counted=True),
+    )
+    params = (Param("x", DType.F32, 1), Param("n", DType.I32))
+    kernel = Kernel(kind, params, regions)
+    return encode(kernel, fabric, {0: first, 1: result.mapping}, reports={1: result})
+
+
+def _graph(kind: Apart) -> DFG:
+    builder = GraphBuilder(kind)
+    base = builder.live_in("&x")
+    shift = WORD_BYTES.bit_length() - 1
+    load = Node(0, Opcode.LOAD, name="x", shift=shift)
+    word = builder.add_node(load, [builder.iv()], base=base)
+    store = Node(0, Opcode.STORE, name="x", shift=shift)
+    builder.add_node(store, [builder.iv(), _image(builder, kind, word)], base=base)
+    return builder.build()
+
+
+def _image(builder: GraphBuilder, kind: Apart, word: Operand) -> Operand:
+    if kind == "exp":
+        return builder.add(Opcode.EXP, [word])
+    one = builder.const(_ONE)
+    power = builder.add(Opcode.EXP, [builder.add(Opcode.FNEG, [word])])
+    return builder.add(Opcode.FDIV, [one, builder.add(Opcode.FADD, [one, power])])

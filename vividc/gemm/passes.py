@@ -1,0 +1,239 @@
+"""An MLP on an accelerator in a TPU-like mode: which layers run together, on how many rows at once,
+and what that costs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from vividc import arch
+from vividc.arch import Accelerator, TileGroup
+from vividc.errors import ArchError
+from vividc.gemm.chain import Chain, Link
+from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, padded
+from vividc.mapper.systolic import SystolicArray, SystolicError
+from vividc.program import WORD_BYTES
+
+_FEWEST_BLOCKS = 4
+"""A chain is not made longer if fewer blocks of rows would fit: a launch fills the array once."""
+_MOST_LINKS = 6
+"""Layers of a chain: each takes entries of the constant stores."""
+_PIECES = 4
+"""Pieces of the rows on each array, if there are enough: transfers of one hide behind another."""
+
+
+@dataclass(frozen=True)
+class Pass:
+    """Layers from number `first` on as one program, over all rows; of a layer whose weights do not
+    fit, the blocks of columns `bands`.
+    """
+
+    first: int
+    chain: Chain
+    bands: range
+
+    @property
+    def stop(self) -> int:
+        """The first layer behind it."""
+        return self.first + len(self.chain.links)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How an MLP runs in a mode.
+
+    Attributes
+    ----------
+    compute
+        Cycles of the runs on the array with most of them.
+    moved
+        Cycles that DRAM's channel is busy, about.
+    configured
+        Cycles of the configuration stream.
+    """
+
+    mode: Mode
+    rows: int
+    passes: tuple[Pass, ...]
+    compute: int
+    moved: int
+    configured: int
+
+    @property
+    def cycles(self) -> int:
+        """Estimate for the whole job: with a scratchpad in parts, transfers hide behind runs, or
+        runs behind transfers.
+        """
+        hides = self.passes[0].chain.parts > 1
+        spent = max(self.compute, self.moved) if hides else self.compute + self.moved
+        return spent + self.configured
+
+    @property
+    def arrays(self) -> int:
+        """Arrays side by side."""
+        return FABRICS[self.mode][1]
+
+    def pieces(self, chain: Chain) -> list[range]:
+        """Blocks of rows of each launch of a pass, the arrays taking turns."""
+        return _pieces(self.rows, chain, self.arrays)
+
+
+def with_arrays(accelerator: Accelerator) -> Accelerator:
+    """An accelerator of 4x4 ViViD tiles with the arrays of the TPU-like modes as further units.
+
+    Raises
+    ------
+    ArchError
+        The accelerator is no other of this form.
+    """
+    if accelerator.groups:
+        return accelerator
+    tile = arch.load_tile("vivid-tile")
+    if (accelerator.rows, accelerator.cols) != (4, 4) or not _is_like(accelerator, tile):
+        raise ArchError(
+            f"accelerator {accelerator.name} has no TPU-like modes: they join 4x4 tiles of "
+            "vivid-tile",
+            loc=accelerator.name,
+            hint="choose the accelerator vivid, or a file that extends it",
+        )
+    groups = [TileGroup(arch.load_tile("vivid-16x16"), tuple(range(16)))]
+    corners = (0, 2, 8, 10)
+    quarters = arch.load_tile("vivid-8x8")
+    groups += [TileGroup(quarters, (t, t + 1, t + 4, t + 5)) for t in corners]
+    return Accelerator(
+        name=accelerator.name,
+        rows=accelerator.rows,
+        cols=accelerator.cols,
+        tiles=accelerator.tiles,
+        dram=accelerator.dram,
+        noc=accelerator.noc,
+        dma=accelerator.dma,
+        configuration=accelerator.configuration,
+        source=accelerator.source,
+        groups=tuple(groups),
+    )
+
+
+def _is_like(accelerator: Accelerator, tile: arch.Fabric) -> bool:
+    home = accelerator.fabric
+    same = arch.is_isomorphism(tile, home, tuple(range(len(home.pes))))
+    return same and len(home.pes) == len(tile.pes)
+
+
+def units(accelerator: Accelerator, mode: Mode) -> tuple[int, ...]:
+    """The units of an accelerator that work in a mode."""
+    name = FABRICS[mode][0]
+    known = enumerate(accelerator.units)
+    return tuple(number for number, fabric in known if fabric.name == name)
+
+
+def lay_out(
+    rows: int, shapes: Sequence[LayerShape], mode: Mode, accelerator: Accelerator
+) -> Layout:
+    """The better of two ways to run an MLP in a mode: with the scratchpad in one or two parts.
+
+    Raises
+    ------
+    SystolicError
+        A layer does not fit the array's memories, or an unknown mode.
+    """
+    name, arrays = FABRICS[check_mode(mode)]
+    array = SystolicArray.of(arch.load_tile(name))
+    found, refusal = [], None
+    for parts in (2, 1):
+        try:
+            passes = _passes(array, shapes, parts)
+        except SystolicError as error:
+            refusal = error
+            continue
+        found.append(_costs(rows, shapes, mode, passes, arrays, accelerator))
+    if not found:
+        assert refusal is not None
+        raise refusal
+    return min(found, key=lambda layout: layout.cycles)
+
+
+def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> tuple[Pass, ...]:
+    ends = {k for k, shape in enumerate(shapes) if shape.ends}
+    links = [Link(s.depth, padded(s.cols, array.cols) // array.cols, s.relu) for s in shapes]
+    found: list[Pass] = []
+    first = 0
+    while first < len(links):
+        stop = first + 1
+        while stop < min(len(links), first + _MOST_LINKS) and stop - 1 not in ends:
+            longer = Chain(array, tuple(links[first : stop + 1]), parts)
+            if longer.blocks < _FEWEST_BLOCKS:
+                break
+            stop += 1
+        chain = Chain(array, tuple(links[first:stop]), parts)
+        if chain.blocks:
+            found.append(Pass(first, chain, range(links[first].bands)))
+        else:
+            found += _by_columns(array, links[first], first, parts)
+        first = stop
+    return tuple(found)
+
+
+def _by_columns(array: SystolicArray, link: Link, first: int, parts: int) -> list[Pass]:
+    """Passes over one layer whose weights do not fit, each with some blocks of columns."""
+    most = next(
+        (n for n in range(link.bands, 0, -1) if _one(array, link, n, parts).blocks),
+        0,
+    )
+    if not most:
+        chain = _one(array, link, 1, parts)
+        size = chain.words * WORD_BYTES
+        raise SystolicError(
+            f"{array.rows} rows of {link.depth} columns and {array.cols} columns of the weights do "
+            f"not fit the {size} bytes of scratchpad of fabric {array.fabric.name}",
+            loc=array.fabric.name,
+            hint="split the inner dimension and add the parts, or choose the mode tpu-unified",
+        )
+    starts = range(0, link.bands, most)
+    return [
+        Pass(first, _one(array, link, len(bands), parts), bands)
+        for bands in (range(at, min(at + most, link.bands)) for at in starts)
+    ]
+
+
+def _one(array: SystolicArray, link: Link, bands: int, parts: int) -> Chain:
+    return Chain(array, (Link(link.depth, bands, link.relu),), parts)
+
+
+def _pieces(rows: int, chain: Chain, arrays: int) -> list[range]:
+    blocks = -(-rows // chain.array.rows)
+    share = -(-blocks // arrays)
+    count = max(-(-share // chain.blocks), min(_PIECES, -(-share // _FEWEST_BLOCKS)))
+    size, longer = divmod(blocks, min(count * arrays, blocks))
+    found, at = [], 0
+    for number in range(min(count * arrays, blocks)):
+        end = at + size + (number < longer)
+        found.append(range(at, end))
+        at = end
+    return found
+
+
+def _costs(
+    rows: int,
+    shapes: Sequence[LayerShape],
+    mode: Mode,
+    passes: tuple[Pass, ...],
+    arrays: int,
+    accelerator: Accelerator,
+) -> Layout:
+    compute = words = entries = 0
+    for one in passes:
+        chain = one.chain
+        pieces = _pieces(rows, chain, arrays)
+        busy = [0] * arrays
+        for number, piece in enumerate(pieces):
+            busy[number % arrays] += chain.cycles(len(piece))
+        compute += max(busy)
+        blocks = -(-rows // chain.array.rows) * chain.array.rows
+        words += blocks * (chain.width(0) + chain.width(len(chain.links)))
+        words += chain.parts * chain.weights[-1]
+        entries += arrays * len(chain.array.fabric.pes) * chain.contexts
+    moved = words * WORD_BYTES // accelerator.dram.bytes_per_cycle
+    configured = entries // accelerator.configuration.entries_per_cycle
+    return Layout(mode, rows, passes, compute, moved, configured)
