@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch import Accelerator, Fabric
+from vividc.arch.reflect import Orientation
 from vividc.errors import ArgumentError, demand_type
 from vividc.program import WORD_BYTES, Program
 from vividc.program.reflect import reflected_program
@@ -303,7 +304,7 @@ class Job:
         return self._images[key]
 
 
-def _mirrored(program: Program, home: Fabric, there: Fabric, corner: str) -> Program:
+def _mirrored(program: Program, home: Fabric, there: Fabric, corner: Orientation) -> Program:
     """The program of the tile in a corner; kept for the next job."""
 
     def mirrored() -> tuple[Fabric, Fabric, Program]:
