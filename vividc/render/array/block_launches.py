@@ -57,12 +57,17 @@ class Launch:
 
 
 def run_launches(
-    device: Device, ledger: Ledger, stage: str, kernel: str, launches: Sequence[Launch]
+    device: Device,
+    ledger: Ledger,
+    stage: str,
+    kernel: str,
+    launches: Sequence[Launch],
+    **options: object,
 ) -> list[int]:
     """Run launches on all tiles in one job, and return what each returned (0: nothing).
 
     Launches with the same `shared` arrays in a row stay on one tile. While one runs, what the next
-    one needs is moved in, if the scratchpad holds both.
+    one needs is moved in, if the scratchpad holds both. `options` are those of `vividc.compile`.
 
     Raises
     ------
@@ -71,7 +76,7 @@ def run_launches(
     """
     if not launches:
         return []
-    program = device.programs.get(kernel)
+    program = device.programs.get(kernel, **options)
     job = device.new_job()
     runs = [0] * len(launches)
     for tile, share in enumerate(dealt(launches, device.tiles)):
