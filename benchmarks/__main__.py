@@ -17,7 +17,17 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, frames, gemm, general, mappers, quality, render_kernels
+from benchmarks import (
+    c_kernels,
+    engines,
+    formats,
+    frames,
+    gemm,
+    general,
+    mappers,
+    quality,
+    render_kernels,
+)
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -88,16 +98,31 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, MAPPERS)
-DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
-MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, MAPPERS: mappers}
+FORMATS = "formats"
+CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, MAPPERS)
+DEFAULT = (
+    *TABLES,
+    ENGINES,
+    FRAMES,
+    QUALITY,
+    FORMATS,
+    GEMM,
+)  # the mappers' table takes hours: by name only
+MODULES = {
+    ENGINES: engines,
+    FRAMES: frames,
+    QUALITY: quality,
+    FORMATS: formats,
+    MAPPERS: mappers,
+}
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
+    FORMATS: lambda *_: formats.rows(),
     MAPPERS: mappers.rows,
 }
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",)}
+PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
 """Where tables are made that `--fabric` has no say in."""
 
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 from hypothesis import strategies as st
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, ELEMENTARY, OPCODES, ORDER, PRED, Opcode, Type
+from vividc.dfg.lane_semantics import LANE_SEMANTICS
+from vividc.dfg.opcodes import BASE, ELEMENTARY, LANE_TYPES, OPCODES, ORDER, PRED, Opcode, Type
 from vividc.dfg.semantics import SEMANTICS
 from vividc.dfg.words import word_of
 from vividc.errors import SourceLoc
@@ -21,7 +22,8 @@ INPUTS = ("n", "a")
 
 _INTEGERS = (0, 1, 2, 3, 31, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF)
 _FLOATS = tuple(map(word_of, (0.0, -0.0, 1.0, -1.0, 0.5, 2.0, 3.25, -7.75, 1e-40, 1e30, 0.1)))
-_OPERATIONS = tuple(op for op in SEMANTICS if op not in ELEMENTARY)
+_LANES = tuple(op for op in SEMANTICS if op in LANE_SEMANTICS)
+_OPERATIONS = tuple(op for op in SEMANTICS if op not in ELEMENTARY and op not in LANE_SEMANTICS)
 _COMPARISONS = tuple(op for op in SEMANTICS if OPCODES[op].result is Type.PRED)
 _GUARDED = (Opcode.ADD, Opcode.SUB, Opcode.SMAX, Opcode.FADD, Opcode.FSUB, Opcode.FMA, Opcode.SHL)
 
@@ -178,8 +180,8 @@ def _fits(node: Node, wanted: Type) -> bool:
         return False
     if wanted is Type.PRED:
         return given is Type.PRED
-    if wanted is Type.F32:
-        return given in (Type.F32, Type.ANY) and node.op not in (Opcode.MOV, Opcode.SELECT)
+    if wanted is Type.F32 or wanted in LANE_TYPES:
+        return given in (wanted, Type.ANY) and node.op not in (Opcode.MOV, Opcode.SELECT)
     if wanted is Type.I32:
         return given in (Type.I32, Type.PRED) or node.op is Opcode.CONST
     return True
@@ -207,10 +209,12 @@ def dfgs(draw: st.DrawFn, max_operations: int = 10) -> DFG:
 
 def _add_operations(builder: _Builder) -> None:
     """One operation, or one of the idioms that passes look for."""
-    kinds = ("operation",) * 6 + ("load", "store", "guarded", "extremum", "product")
+    kinds = ("operation",) * 6 + ("load", "store", "guarded", "extremum", "product", "lanes")
     kind = builder.draw(st.sampled_from(kinds))
     if kind == "operation":
         builder.operation(builder.draw(st.sampled_from(_OPERATIONS)))
+    elif kind == "lanes":
+        builder.operation(builder.draw(st.sampled_from(_LANES)))
     elif kind in ("load", "store"):
         builder.memory(Opcode(kind))
     else:

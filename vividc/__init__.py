@@ -4,8 +4,9 @@ from vividc import arch, dfg, lang, launch, mapper, program
 from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
+from vividc.gemm.kernels import simulate
 from vividc.program import Program, load
-from vividc.sim import Result, simulate
+from vividc.sim import Result
 
 __version__ = "0.1.0"
 

@@ -18,9 +18,19 @@ from vividc.dfg.normalize import normalize
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.product import Product
 from vividc.dfg.regions import Kernel, Region
-from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
+from vividc.errors import (
+    InternalError,
+    KernelError,
+    MappingFailed,
+    TimeLimit,
+    VividcWarning,
+    demand_type,
+)
 from vividc.frontend import KernelFunction, LLKernel
+from vividc.gemm.kernels import AUTO, check_kernel_mode
+from vividc.gemm.modes import MODES as GEMM_MODES
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.list_schedule import list_schedule
@@ -33,6 +43,7 @@ from vividc.planning.estimate import Estimator, Shape
 from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
+from vividc.planning.products import priced, recognise
 from vividc.program import Program, encode
 from vividc.program.programmable import demand_programmable
 
@@ -87,6 +98,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     jam: Factors | None = None,
     flatten: Choices | None = None,
     progress: Progress | None = None,
+    mode: str = AUTO,
 ) -> Program:
     """Compiles `kernel` for a tile, or for the tiles of an accelerator.
 
@@ -107,22 +119,29 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         iterations of it together in the loop inside it. 1 leaves a loop as it is.
     flatten
         Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
+    mode
+        How an accelerator runs a kernel that is a matrix product (docs/gemm.md): "gpu", on its
+        tiles, "tpu-unified", "tpu-partitioned", or "auto", what is predicted to take fewest cycles
+        with the sizes of a launch.
 
     Raises
     ------
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
     loaded = _checked(kernel, fabric, time_limit_s)
+    check_kernel_mode(mode)
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     wanted = transform_options(transform, unroll, jam, flatten)
     options = CompileOptions(
         mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
+    product = _product(kernel, loaded, options, mode)
     program = _compile_stages(function, machine, options)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
-    return replace(program, warnings=(*told, *program.warnings), parallel=parallel)
+    warned = (*told, *program.warnings)
+    return replace(program, warnings=warned, parallel=parallel, product=product)
 
 
 def _checked(
@@ -137,6 +156,49 @@ def _checked(
     demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
     check_time_limit(time_limit_s)
     return machine
+
+
+def _product(
+    kernel: KernelFunction | LLKernel,
+    machine: Fabric | Accelerator,
+    options: CompileOptions,
+    mode: str,
+) -> Product | None:
+    """The matrix product that a kernel is; one that is to run as such must be one.
+
+    Raises
+    ------
+    KernelError
+        The mode is TPU-like, and the kernel or the machine has no such mode.
+    """
+    found: Product | str = "the fabric is one tile: give an accelerator, as vivid"
+    if isinstance(machine, Accelerator):
+        function = _whole(kernel, options.strict_fp)
+        found = recognise(function)
+        if not options.contract:
+            found = "its sums are chains of FMAs, which --no-contract forbids"
+        if isinstance(found, Product):
+            estimator = Estimator(machine.fabric, PassOptions(options.contract))
+            return replace(priced(found, function, estimator, options.transform), mode=mode)
+    if mode in GEMM_MODES:
+        raise KernelError(
+            f"{kernel.name} cannot run in mode {mode}: {found}",
+            hint="a matrix product is three loops, as in docs/gemm.md; or choose the mode gpu",
+        )
+    return None
+
+
+def why_no_product(kernel: KernelFunction | LLKernel) -> str:
+    """Why a kernel is no matrix product; "": it is one."""
+    found = recognise(_whole(kernel, strict_fp=False))
+    return found if isinstance(found, str) else ""
+
+
+def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
+    """The kernel in SSA form, loops over `prange` as any other."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", VividcWarning)  # they are told of elsewhere
+        return normalize(kernel.lower(strict_fp=strict_fp))
 
 
 def _lowered(

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vividc.arch import load, load_text, schema
-from vividc.dfg.opcodes import LatencyClass
+from vividc.dfg.ir import Node
+from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import ArchError
 
 DOCS = Path(__file__).parents[2] / "docs" / "fabric-yaml.md"
@@ -70,7 +71,9 @@ def test_floating_point_variant_takes_two_lines():
     fabric = load_text("extends: vivid-tile\nlatencies: {float: 1}\n", "fast-fp.yaml")
     tile = load("vivid-tile")
     changed = {lat for lat, cycles in fabric.latencies.items() if cycles != tile.latencies[lat]}
-    assert changed == {LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA}
+    assert changed == {
+        *(LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA, LatencyClass.DOT),
+    }
     assert fabric.name == "fast-fp"
     assert (fabric.pes, fabric.links) == (tile.pes, tile.links)
 
@@ -268,3 +271,27 @@ def test_any_lines_are_a_fabric_or_an_arch_error(lines):
     except ArchError:
         return
     assert load_text(fabric.source) == fabric
+
+
+def test_slices_of_float_units_by_pe():
+    assert all(pe.sliced for pe in load("vivid-tile").pes)
+    assert not any(pe.sliced for pe in load("hycube-4x4").pes)
+    text = "extends: vivid-tile\npe: {sliced: false}\noverrides: [{at: {rows: 1}, sliced: true}]\n"
+    fabric = load_text(text, "some.yaml")
+    assert [pe.sliced for pe in fabric.pes] == [pe.row == 1 for pe in fabric.pes]
+    fma, plain = Node(0, Opcode.FMA_E4M3X4), Node(1, Opcode.FMA)
+    assert [fabric.supports(pe.id, fma) for pe in fabric.pes] == [pe.sliced for pe in fabric.pes]
+    assert all(fabric.supports(pe.id, plain) for pe in fabric.pes)
+    assert [pe.executes(fma.info) for pe in fabric.pes] == [pe.sliced for pe in fabric.pes]
+    assert all(fabric.supports(pe.id, Node(2, Opcode.SELECT_X4)) for pe in fabric.pes)
+
+
+def test_dot_follows_fma_unless_a_layer_says():
+    assert load_text("extends: vivid-tile\nlatencies: {fma: 7}").latencies[LatencyClass.DOT] == 7
+    fabric = load_text("extends: vivid-tile\nlatencies: {dot: 9}")
+    assert fabric.latencies[LatencyClass.DOT] == 9
+    assert fabric.latencies[LatencyClass.FMA] == 4
+    some = load_text("extends: mesh-1x2\noverrides: [{at: {cols: 0}, executes: [int, fadd]}]")
+    assert [LatencyClass.DOT in pe.classes for pe in some.pes] == [False, True]
+    none = load_text("extends: mesh-1x2\nabsent: [fma]")
+    assert not any(LatencyClass.DOT in pe.classes for pe in none.pes)

@@ -22,7 +22,7 @@ def test_vivid_tile_has_the_stated_parameters():
     fabric = load("vivid-tile")
     assert (fabric.name, fabric.rows, fabric.cols, fabric.clock_ghz) == ("vivid-tile", 4, 4, 1.0)
     one = ("int", "compare", "select", "store", "generic")
-    four = ("fadd", "fmul", "fma")
+    four = ("fadd", "fmul", "fma", "dot")
     expected = dict.fromkeys(one, 1) | dict.fromkeys(four, 4) | {"imul": 2, "convert": 2, "load": 2}
     expected |= {"source": 0, "sink": 0}
     assert {lat.value: cycles for lat, cycles in fabric.latencies.items()} == expected

@@ -117,9 +117,9 @@ def test_fields_are_adjacent_and_named_once(name: str) -> None:
     assert len(layout.by_name) == len(layout.fields)
 
 
-def test_word_of_the_default_tile_is_149_bits() -> None:
+def test_word_of_the_default_tile_is_150_bits() -> None:
     layout = word_layout(fabric_of("vivid-tile"))
-    assert (layout.bits, layout.words_per_entry) == (149, 5)
+    assert (layout.bits, layout.words_per_entry) == (150, 5)
     assert layout.by_name["offset"].width == 16
     assert layout.links == 4
 

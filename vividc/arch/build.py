@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from types import MappingProxyType
 
 import yaml
@@ -81,6 +81,7 @@ def _canonical_text(spec: Spec) -> str:
 
 def _latencies(spec: Spec) -> dict[LatencyClass, int]:
     given: dict[str, int] = spec.latencies.model_dump(by_alias=True)
+    given["dot"] = given["dot"] or given["fma"]
     cycles = {lat: given[lat.value] for lat in TIMED_CLASSES}
     return {LatencyClass.SOURCE: 0, LatencyClass.SINK: 0, **cycles}
 
@@ -154,6 +155,7 @@ def _pe(index: int, setting: PESpec, spec: Spec) -> PE:
         constants=setting.constants,
         rotating=bool(setting.register_file.rotating),
         written_by_fu=setting.register_file.written_by == "fu",
+        sliced=setting.sliced is not False,
     )
 
 
@@ -161,13 +163,19 @@ def _classes(setting: PESpec, spec: Spec) -> frozenset[LatencyClass]:
     if setting.executes == "all":
         compute = _COMPUTE
     else:
-        compute = frozenset(LatencyClass(name) for name in setting.executes)
+        compute = _with_dot(LatencyClass(name) for name in setting.executes)
     return (compute | (_MEMORY if setting.memory else frozenset())) - _absent(spec)
 
 
 def _absent(spec: Spec) -> frozenset[LatencyClass]:
-    compute = frozenset(LatencyClass(name) for name in spec.absent if name != "memory")
+    compute = _with_dot(LatencyClass(name) for name in spec.absent if name != "memory")
     return compute | (_MEMORY if "memory" in spec.absent else frozenset())
+
+
+def _with_dot(classes: Iterable[LatencyClass]) -> frozenset[LatencyClass]:
+    """`dot` comes and goes with `fma`: both are the sliced unit's."""
+    found = frozenset(classes)
+    return found | {LatencyClass.DOT} if LatencyClass.FMA in found else found
 
 
 def _override_problems(spec: Spec, tree: Tree) -> Iterator[Problem]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import LatencyClass
+from vividc.dfg.opcodes import LatencyClass, OpInfo
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,9 @@ class PE:
         Its registers are renamed at every iteration: each iteration writes its own.
     written_by_fu
         Its registers take the FU's result only, not what the crossbar carries.
+    sliced
+        Its float unit is made of slices: what it does with FP32 it does with two FP16 or four FP8
+        numbers, too.
     """
 
     id: int
@@ -45,6 +48,11 @@ class PE:
     constants: int
     rotating: bool = False
     written_by_fu: bool = False
+    sliced: bool = True
+
+    def executes(self, op: OpInfo) -> bool:
+        """Whether its FU, or its load/store unit, has an operation."""
+        return op.latency_class in self.classes and (self.sliced or not op.sliced)
 
     @property
     def has_memory(self) -> bool:
@@ -168,6 +176,8 @@ class Fabric:
         """Whether `node` may be placed on `pe`. A live-out may lie on every PE."""
         if node.latency_class is LatencyClass.SINK:
             return True
+        if not self.pes[pe].sliced and node.info.sliced:
+            return False
         return node.latency_class in self.pes[pe].classes
 
     @cached_property

@@ -28,7 +28,7 @@ TIMED_CLASSES: Final[tuple[LatencyClass, ...]] = tuple(
 )
 LATENCY_GROUPS: Final[dict[str, tuple[LatencyClass, ...]]] = {
     "all": TIMED_CLASSES,
-    "float": (LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA),
+    "float": (LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA, LatencyClass.DOT),
 }
 
 _AXES = 2
@@ -87,7 +87,7 @@ class StrictModel(BaseModel):
 
 
 _Absent = Literal[
-    "int", "imul", "compare", "select", "fadd", "fmul", "fma", "convert", "generic", "memory"
+    "int", "imul", "compare", "select", "fadd", "fmul", "fma", "dot", "convert", "generic", "memory"
 ]
 _Latency = Annotated[int, Field(ge=1, le=64)]
 _Registers = Annotated[int, Field(ge=0, le=256)]
@@ -127,6 +127,7 @@ class PELayer(StrictModel):
 
     memory: bool | None = None
     executes: _Executes | None = None
+    sliced: bool | None = None
     register_file: RegisterFileLayer | None = None
     constants: _Constants | None = None
 
@@ -150,6 +151,7 @@ class OccupancyLayer(StrictModel):
     fadd: _Latency | None = None
     fmul: _Latency | None = None
     fma: _Latency | None = None
+    dot: _Latency | None = None
     convert: _Latency | None = None
     load: _Latency | None = None
     store: _Latency | None = None
@@ -181,6 +183,7 @@ class LatenciesLayer(StrictModel):
     fadd: _Latency | None = None
     fmul: _Latency | None = None
     fma: _Latency | None = None
+    dot: _Latency | None = None
     convert: _Latency | None = None
     load: _Latency | None = None
     store: _Latency | None = None
@@ -238,6 +241,7 @@ class PESpec(StrictModel):
 
     memory: bool
     executes: _Executes
+    sliced: bool | None = None
     register_file: RegisterFileSpec
     constants: _Constants
 
@@ -252,6 +256,7 @@ class LatenciesSpec(StrictModel):
     fadd: _Latency
     fmul: _Latency
     fma: _Latency
+    dot: _Latency | None = None  # as `fma` if a file does not say
     convert: _Latency
     load: _Latency
     store: _Latency

@@ -11,9 +11,10 @@ import vividc
 from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.kernels import kernel_file, load_kernel
-from vividc.cli.loop_report import factors, print_loops
+from vividc.cli.loop_report import factors, print_loops, print_product
 from vividc.cli.program_report import print_regions
 from vividc.cli.report import print_json, progress
+from vividc.gemm.modes import MODES
 from vividc.program import Program
 
 SCHEMA = "vividc.compile/1"
@@ -66,6 +67,13 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
 )
+@click.option(
+    "--mode",
+    type=click.Choice(["auto", "gpu", *MODES]),
+    default="auto",
+    show_default=True,
+    help="How an accelerator runs a kernel that is a matrix product.",
+)
 @click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
@@ -84,6 +92,7 @@ def command(
     jam: dict[int, int],
     flatten: tuple[int, ...],
     no_flatten: tuple[int, ...],
+    mode: str,
     explain: bool,
     output: Path | None,
     as_json: bool,
@@ -111,6 +120,7 @@ def command(
             jam=jam,
             flatten=dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False),
             progress=report,
+            mode=mode,
         )
     program.save(path)
     if as_json:
@@ -119,6 +129,7 @@ def command(
         print_regions(program)
         if explain:
             print_loops(program)
+            print_product(program, function, fabric)
         click.echo(f"written: {path}")
 
 
@@ -150,5 +161,6 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
             {**asdict(loop), "loc": None if loop.loc is None else str(loop.loc)}
             for loop in program.loops
         ],
+        "product": None if program.product is None else asdict(program.product),
         "warnings": [str(warning) for warning in program.warnings],
     }

@@ -7,7 +7,12 @@ from collections.abc import Iterator
 
 import click
 
+from vividc import arch
+from vividc.arch import Accelerator
 from vividc.cli.report import print_table
+from vividc.driver import why_no_product
+from vividc.frontend import KernelFunction, LLKernel
+from vividc.gemm.kernels import explain
 from vividc.program import Program
 from vividc.program.tables import LoopReport, TransformReport
 
@@ -41,6 +46,16 @@ def print_loops(program: Program) -> None:
             tried,
             numeric="line by before after",
         )
+
+
+def print_product(program: Program, kernel: KernelFunction | LLKernel, fabric: str) -> None:
+    """Print in which mode an accelerator runs a kernel that is a matrix product, or why it is
+    none.
+    """
+    machine = arch.load(fabric)
+    if not isinstance(machine, Accelerator):
+        return
+    click.echo(explain(program, machine) or f"no matrix product: {why_no_product(kernel)}")
 
 
 def _loop(loop: LoopReport) -> tuple[object, ...]:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode, Type
+from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode, Type, never_meet
 from vividc.dfg.order import zero_cycle
 
 WORD_LIMIT: Final = 1 << 32
@@ -28,7 +28,7 @@ def check(dfg: DFG) -> list[str]:
 
     Types: words are untyped bits, so an integer operation may read a float's bits and a logic
     operation may read and make predicates; what never makes sense is a predicate read as a float,
-    or a float as a predicate.
+    a float as a predicate, or a float of one format as one of another.
     """
     structure = [*_identifiers(dfg), *_endpoints(dfg)]
     if structure:  # the other rules look nodes up by id
@@ -136,7 +136,7 @@ def _types_agree(dfg: DFG) -> Iterator[str]:
                 # Some foreign graphs chain a store's completion as a value.
                 if not foreign:
                     yield f"{_show(edge)}: {dfg.by_id[source].op.value} {source} has no result"
-            elif {given, wanted} == {Type.F32, Type.PRED}:
+            elif never_meet(given, wanted):
                 yield f"{_show(edge)}: {given.value} read as {wanted.value}"
 
 
@@ -212,7 +212,7 @@ def _control_marks(dfg: DFG) -> Iterator[str]:
     for node in dfg.nodes:
         if node.control is not None and (not node.uses_fu or node.info.result is Type.NONE):
             yield f"node {node.id} ({node.op.value}) has no result to mark {node.control.value}"
-        elif node.control is not None and node.info.result is Type.F32:
+        elif node.control is not None and never_meet(node.info.result, Type.PRED):
             yield f"node {node.id} ({node.op.value}) is marked {node.control.value}, but is a float"
         if node.unless_exit and node.op not in _EFFECTS and node.op is not Opcode.LOAD:
             yield f"node {node.id} ({node.op.value}): only memory and live-outs are unless_exit"

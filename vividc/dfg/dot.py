@@ -30,6 +30,7 @@ _COLOURS: Final = {
     LatencyClass.FADD: "lightblue",
     LatencyClass.FMUL: "lightblue",
     LatencyClass.FMA: "lightblue",
+    LatencyClass.DOT: "lightblue",
     LatencyClass.CONVERT: "lightblue",
     LatencyClass.SELECT: "khaki",
     LatencyClass.COMPARE: "khaki",

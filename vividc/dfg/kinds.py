@@ -6,12 +6,18 @@ from typing import Final
 
 from vividc.dfg.opcodes import MEMORY, OPCODES, LatencyClass, Opcode, Type
 
-_PRECISIONS: Final = ((Type.F32, "f32"), (Type.I32, "i32"))
+_PRECISIONS: Final = (
+    *((type_, type_.value) for type_ in (Type.F16, Type.E4M3, Type.E5M2)),
+    (Type.F32, "f32"),
+    (Type.I32, "i32"),
+)
 _NOT_EXECUTED: Final = (LatencyClass.SOURCE, LatencyClass.SINK, LatencyClass.GENERIC)
 
 
 def kind_of(opcode: Opcode) -> tuple[str, str]:
-    """Latency class and precision: "f32", "i32", or "word" for what moves words of any type."""
+    """Latency class and precision: a float's format, "i32", or "word" for what moves words of any
+    type.
+    """
     info = OPCODES[opcode]
     if opcode in MEMORY:
         return info.latency_class.value, "word"

@@ -23,6 +23,9 @@ class Type(Enum):
 
     I32 = "i32"
     F32 = "f32"
+    F16 = "f16"  # one number, or two in the lanes of a word (`vividc.formats`)
+    E4M3 = "e4m3"  # one to four
+    E5M2 = "e5m2"
     PRED = "pred"
     ANY = "any"
     NONE = "none"
@@ -41,6 +44,7 @@ class LatencyClass(Enum):
     FMUL = "fmul"
     FMA = "fma"
     CONVERT = "convert"
+    DOT = "dot"
     LOAD = "load"
     STORE = "store"
     GENERIC = "generic"  # an operation of a foreign DFG, known by its name only
@@ -95,6 +99,66 @@ class Opcode(Enum):
     SITOFP = "sitofp"
     UITOFP = "uitofp"
     FPTOSI = "fptosi"
+    # Lanes of a word: two f16, or four e4m3 or e5m2 (`dfg.lane_semantics`).
+    SELECT_X2 = "select.x2"
+    SELECT_X4 = "select.x4"
+    MERGE_X2 = "merge.x2"
+    MERGE_X4 = "merge.x4"
+    EXTRACT_X2 = "extract.x2"
+    EXTRACT_X4 = "extract.x4"
+    FADD_F16X2 = "fadd.f16x2"
+    FSUB_F16X2 = "fsub.f16x2"
+    FMUL_F16X2 = "fmul.f16x2"
+    FMA_F16X2 = "fma.f16x2"
+    FMIN_F16X2 = "fmin.f16x2"
+    FMAX_F16X2 = "fmax.f16x2"
+    FCMP_OEQ_F16X2 = "fcmp.oeq.f16x2"
+    FCMP_UNE_F16X2 = "fcmp.une.f16x2"
+    FCMP_OLT_F16X2 = "fcmp.olt.f16x2"
+    FCMP_OLE_F16X2 = "fcmp.ole.f16x2"
+    FCMP_ULT_F16X2 = "fcmp.ult.f16x2"
+    FCMP_ULE_F16X2 = "fcmp.ule.f16x2"
+    FPTRUNC_F16 = "fptrunc.f16"
+    FPEXT_F16 = "fpext.f16"
+    PACK_F16X2 = "pack.f16x2"
+    UNPACK_F16X2 = "unpack.f16x2"
+    DOT_F16X2 = "dot.f16x2"
+    FADD_E4M3X4 = "fadd.e4m3x4"
+    FSUB_E4M3X4 = "fsub.e4m3x4"
+    FMUL_E4M3X4 = "fmul.e4m3x4"
+    FMA_E4M3X4 = "fma.e4m3x4"
+    FMIN_E4M3X4 = "fmin.e4m3x4"
+    FMAX_E4M3X4 = "fmax.e4m3x4"
+    FCMP_OEQ_E4M3X4 = "fcmp.oeq.e4m3x4"
+    FCMP_UNE_E4M3X4 = "fcmp.une.e4m3x4"
+    FCMP_OLT_E4M3X4 = "fcmp.olt.e4m3x4"
+    FCMP_OLE_E4M3X4 = "fcmp.ole.e4m3x4"
+    FCMP_ULT_E4M3X4 = "fcmp.ult.e4m3x4"
+    FCMP_ULE_E4M3X4 = "fcmp.ule.e4m3x4"
+    FPTRUNC_E4M3 = "fptrunc.e4m3"
+    FPEXT_E4M3 = "fpext.e4m3"
+    PACK_E4M3X4 = "pack.e4m3x4"
+    PACK_HIGH_E4M3X4 = "pack_high.e4m3x4"
+    UNPACK_E4M3X4 = "unpack.e4m3x4"
+    DOT_E4M3X4 = "dot.e4m3x4"
+    FADD_E5M2X4 = "fadd.e5m2x4"
+    FSUB_E5M2X4 = "fsub.e5m2x4"
+    FMUL_E5M2X4 = "fmul.e5m2x4"
+    FMA_E5M2X4 = "fma.e5m2x4"
+    FMIN_E5M2X4 = "fmin.e5m2x4"
+    FMAX_E5M2X4 = "fmax.e5m2x4"
+    FCMP_OEQ_E5M2X4 = "fcmp.oeq.e5m2x4"
+    FCMP_UNE_E5M2X4 = "fcmp.une.e5m2x4"
+    FCMP_OLT_E5M2X4 = "fcmp.olt.e5m2x4"
+    FCMP_OLE_E5M2X4 = "fcmp.ole.e5m2x4"
+    FCMP_ULT_E5M2X4 = "fcmp.ult.e5m2x4"
+    FCMP_ULE_E5M2X4 = "fcmp.ule.e5m2x4"
+    FPTRUNC_E5M2 = "fptrunc.e5m2"
+    FPEXT_E5M2 = "fpext.e5m2"
+    PACK_E5M2X4 = "pack.e5m2x4"
+    PACK_HIGH_E5M2X4 = "pack_high.e5m2x4"
+    UNPACK_E5M2X4 = "unpack.e5m2x4"
+    DOT_E5M2X4 = "dot.e5m2x4"
     LOAD = "load"
     STORE = "store"
     GENERIC = "generic"
@@ -153,6 +217,75 @@ class OpInfo:
         """Number of data operands."""
         return len(self.operands)
 
+    @property
+    def sliced(self) -> bool:
+        """Needs an FU whose float unit is made of slices: it works on numbers of 8 or 16 bits."""
+        return not LANE_TYPES.isdisjoint((*self.operands, self.result))
+
+
+LANE_TYPES: Final = frozenset({Type.F16, Type.E4M3, Type.E5M2})
+"""Types of the formats of less than 32 bits."""
+_FLOATS: Final = LANE_TYPES | {Type.F32, Type.PRED}
+
+
+def never_meet(given: Type, wanted: Type) -> bool:
+    """Whether a word of one type read as the other makes no sense: floats of two formats, or a
+    float and a predicate.
+    """
+    return given is not wanted and given in _FLOATS and wanted in _FLOATS
+
+
+def _lane_rows() -> list[OpInfo]:
+    """Operations on lanes; those of the three formats are alike."""
+    i, x, lat = Type.I32, Type.ANY, LatencyClass
+    rows = []
+    for op in Opcode:
+        name, _, width = op.value.rpartition(".")
+        kind = _LANES.get(width)
+        if width in ("x2", "x4"):
+            shapes = {
+                "select": ((x, x, x), x, lat.SELECT),
+                "merge": ((x, x), x, lat.INT),
+                "extract": ((x, i), x, lat.INT),
+            }
+            rows.append(OpInfo(op, *shapes[name]))
+        elif kind is not None:
+            rows.append(_lane_row(op, name, kind))
+    return rows
+
+
+_LANES: Final = {
+    "f16": Type.F16,
+    "e4m3": Type.E4M3,
+    "e5m2": Type.E5M2,
+    "f16x2": Type.F16,
+    "e4m3x4": Type.E4M3,
+    "e5m2x4": Type.E5M2,
+}
+"""Type of the numbers of an operation by the last part of its name."""
+
+
+def _lane_row(op: Opcode, name: str, n: Type) -> OpInfo:
+    i, f, lat = Type.I32, Type.F32, LatencyClass
+    if name.startswith("fcmp"):
+        return OpInfo(op, (n, n), i, lat.COMPARE, name in ("fcmp.oeq", "fcmp.une"))
+    shapes: dict[str, tuple[tuple[Type, ...], Type, LatencyClass]] = {
+        "fadd": ((n, n), n, lat.FADD),
+        "fsub": ((n, n), n, lat.FADD),
+        "fmul": ((n, n), n, lat.FMUL),
+        "fma": ((n, n, n), n, lat.FMA),
+        "fmin": ((n, n), n, lat.COMPARE),
+        "fmax": ((n, n), n, lat.COMPARE),
+        "fptrunc": ((f,), n, lat.CONVERT),
+        "fpext": ((n,), f, lat.CONVERT),
+        "pack": ((f, f), n, lat.CONVERT),
+        "pack_high": ((f, f, n), n, lat.CONVERT),
+        "unpack": ((n, i), f, lat.CONVERT),
+        "dot": ((n, n, f), f, lat.DOT),
+    }
+    operands, result, latency_class = shapes[name]
+    return OpInfo(op, operands, result, latency_class, name in ("fadd", "fmul", "fma", "dot"))
+
 
 def _table() -> dict[Opcode, OpInfo]:
     i, f, p, x, none = Type.I32, Type.F32, Type.PRED, Type.ANY, Type.NONE
@@ -203,7 +336,7 @@ def _table() -> dict[Opcode, OpInfo]:
     row((o.HYPOT,), (f, f), f, lat.GENERIC, commutes=True)
     row((o.SDIV, o.UDIV, o.SREM, o.UREM), (i, i), i, lat.GENERIC)
     row((o.CTPOP, o.CTLZ, o.CTTZ, o.BSWAP, o.BITREVERSE), (i,), i, lat.GENERIC)
-    return {info.opcode: info for info in rows}
+    return {info.opcode: info for info in (*rows, *_lane_rows())}
 
 
 OPCODES: Final[dict[Opcode, OpInfo]] = _table()

@@ -12,7 +12,8 @@ number, and -0 is smaller than +0. `fptosi` truncates, saturates, and turns NaN 
 Results are computed in binary64 and rounded once: sums and differences of binary32 numbers survive
 the double rounding (Figueroa, "When is double rounding innocuous?", 1995), products are exact in
 binary64, and `fma` rounds its binary64 sum to odd first (Boldo and Melquiond, "Emulation of FMA and
-correctly rounded sums: proved algorithms using rounding to odd", 2008).
+correctly rounded sums: proved algorithms using rounding to odd", 2008). Operations on numbers of 16
+and 8 bits are in `dfg.lane_semantics`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from struct import Struct
 from typing import Final
 
 from vividc.dfg.elementary import ELEMENTARY_SEMANTICS
+from vividc.dfg.lane_semantics import LANE_SEMANTICS
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.words import (
     CANONICAL_NAN,
@@ -338,5 +340,6 @@ SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.SITOFP: _sitofp,
     Opcode.UITOFP: _uitofp,
     Opcode.FPTOSI: _fptosi,
+    **LANE_SEMANTICS,
     **ELEMENTARY_SEMANTICS,
 }

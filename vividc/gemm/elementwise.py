@@ -29,7 +29,7 @@ from vividc.program import WORD_BYTES, Program, encode
 from vividc.sim.accelerator import At, Job
 
 _ONE: Final = 0x3F800000
-_TIME_LIMIT_S: Final = 10.0
+_TIME_LIMIT_S: Final = 5.0
 _PARTS: Final = 2
 """Chunks that a scratchpad holds: one comes or goes while the other is worked on."""
 

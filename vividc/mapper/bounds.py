@@ -87,8 +87,9 @@ def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     for node in problem.dfg.placed:
         if usable_pes(problem, node):
             continue
+        slices = ", which needs slices for 16 or 8 bits" if node.info.sliced else ""
         fault = (
-            "no PE allowed for it has that operation"
+            f"no PE allowed for it has that operation{slices}"
             if not problem.candidates(node)
             else f"its {len(problem.constants_of(node))} constants fit no PE's constant store"
         )

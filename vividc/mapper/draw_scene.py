@@ -22,7 +22,10 @@ _GROUPS: Final = (
     (("memory"), (LatencyClass.LOAD, LatencyClass.STORE), tint(OKABE_ITO["green"], 0.55)),
     (
         "floating point",
-        (LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA, LatencyClass.CONVERT),
+        (
+            *(LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA),
+            *(LatencyClass.DOT, LatencyClass.CONVERT),
+        ),
         tint(OKABE_ITO["sky"], 0.7),
     ),
     ("integer", (LatencyClass.INT, LatencyClass.IMUL), tint(OKABE_ITO["orange"], 0.6)),

@@ -85,9 +85,14 @@ def _refuse_impossible(problem: MapProblem) -> None:
     for node in problem.dfg.placed:
         if not problem.candidates(node):
             raise MappingFailed(
-                f"no PE permitted to {_show(node)} executes {node.latency_class.value}",
+                f"no PE permitted to {_show(node)} executes {_needed(node)}",
                 loc=node.loc,
             )
+
+
+def _needed(node: Node) -> str:
+    lanes = " on 16 or 8 bits (`sliced`)" if node.info.sliced else ""
+    return f"{node.latency_class.value}{lanes}"
 
 
 def _refuse_too_long(problem: MapProblem, length: int) -> None:

@@ -111,6 +111,8 @@ def _place_faults(
         return
     if node.latency_class not in fabric.pes[place.pe].classes:
         yield "op", f"lies on PE {place.pe}, whose FU has no {node.latency_class.value}"
+    elif node.info.sliced and not fabric.pes[place.pe].sliced:
+        yield "op", f"lies on PE {place.pe}, whose FU has no slices for 16 or 8 bits"
 
 
 # --- FU, controller, dependences ------------------------------------------------------------------

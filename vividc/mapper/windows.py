@@ -141,7 +141,7 @@ def _best_corner(problem: MapProblem, rows: int, cols: int) -> tuple[Window, int
     for top, left in corners:
         part = window(fabric, top, left, rows, cols)
         found.append((part, mii(all_bounds(replace(problem, fabric=part.fabric)))))
-        if len({(pe.classes, pe.registers, pe.constants) for pe in fabric.pes}) == 1:
+        if len({(pe.classes, pe.sliced, pe.registers, pe.constants) for pe in fabric.pes}) == 1:
             break
     return min(found, key=lambda item: item[1])
 

@@ -25,6 +25,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from vividc.dfg.cfg import DType, LocalArray, Param
 from vividc.dfg.parallel import Parallel
+from vividc.dfg.product import Product
 from vividc.errors import BundleError
 from vividc.program.tables import (
     DebugRow,
@@ -83,6 +84,7 @@ class Manifest:
     locals: tuple[LocalArray, ...] = ()
     loops: tuple[LoopReport, ...] = ()
     parallel: Parallel | None = None
+    product: Product | None = None
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

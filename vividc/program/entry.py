@@ -188,7 +188,7 @@ def _operation_faults(entry: Entry, fabric: Fabric, pe: int) -> Iterator[str]:
     if issue is None:
         return
     info = OPCODES[issue.op]
-    if info.latency_class not in fabric.pes[pe].classes:
+    if not fabric.pes[pe].executes(info):
         yield f"operation {issue.op.value}"
     for port in range(info.arity):
         if issue.operands[port].select.kind is Sel.NONE:

@@ -16,6 +16,7 @@ from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
 from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.dfg.parallel import Parallel, is_well_formed
+from vividc.dfg.product import Product
 from vividc.errors import BundleError, VividcError, demand_type
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
 from vividc.program.decode import decode
@@ -63,6 +64,9 @@ class Program:
         What became of the loops of the source, innermost first (`vividc compile --explain`).
     parallel
         The loop that a launch spreads over the tiles of an accelerator, if there is one.
+    product
+        The matrix product that the kernel is, if it is one: an accelerator may run it in a TPU-like
+        mode instead.
     """
 
     name: str
@@ -84,6 +88,7 @@ class Program:
     locals: tuple[LocalArray, ...] = ()
     loops: tuple[LoopReport, ...] = ()
     parallel: Parallel | None = None
+    product: Product | None = None
 
     @property
     def fabric_name(self) -> str:
@@ -173,6 +178,7 @@ def _manifest(program: Program) -> Manifest:
         locals=program.locals,
         loops=program.loops,
         parallel=program.parallel,
+        product=program.product,
     )
 
 
@@ -221,6 +227,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         locals=manifest.locals,
         loops=manifest.loops,
         parallel=manifest.parallel,
+        product=manifest.product,
     )
 
 
@@ -244,6 +251,7 @@ def _faults(program: Program) -> Iterator[str]:
     if program.return_high is not None and program.returns not in WIDE_DTYPES:
         yield "its return value has more words than its return type"
     yield from _parallel_faults(program)
+    yield from _product_faults(program)
     if len(program.entries) != contexts:
         yield "its configuration memory is incomplete"
 
@@ -265,6 +273,23 @@ def _parallel_faults(program: Program) -> Iterator[str]:
         yield "its parallel loop uses an array that it has not"
     if parallel.result is not None and not 0 <= parallel.result < len(parallel.reductions):
         yield "it returns a reduction that it has not"
+
+
+def _product_faults(program: Program) -> Iterator[str]:
+    """What the description of a matrix product names must be there."""
+    product = program.product
+    if product is None:
+        return
+    keys = _input_keys(program.params)
+    factors = (product.left, product.right, product.result)
+    sizes = (product.rows, product.cols, product.depth, *(factor.stride for factor in factors))
+    if any(isinstance(size, str) and size not in keys for size in sizes):
+        yield "its matrix product has a size that is no input"
+    ndims = {param.name: param.ndim for param in program.params}
+    if any(ndims.get(factor.array) != 2 for factor in factors):  # noqa: PLR2004 - matrices
+        yield "its matrix product is not one of matrices that it has"
+    if product.bias and ndims.get(product.bias) != 1:
+        yield "the bias of its matrix product is no array that it has"
 
 
 def _store_faults(program: Program) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 
 import numpy as np
@@ -55,17 +56,22 @@ def module(ops: list[Opcode]) -> str:
     return "\n".join([DECLARATIONS, head, *code.lines, "}", ""])
 
 
-def native_results(operands: np.ndarray, name: str) -> np.ndarray:
-    """[triples, operations] uint32."""
-    run = loaded(object_code(module(OPS)), name)
-    results = np.zeros((len(operands), len(OPS)), np.uint32)
-    counts = np.array([len(operands)], np.uint32)
-    run(results.ctypes.data, counts.ctypes.data, operands.ctypes.data)
+def compiled(ops: list[Opcode], name: str) -> Callable[[np.ndarray], np.ndarray]:
+    """[triples, operations] uint32 of [triples, 3] uint32; `name` is used once in a process."""
+    run = loaded(object_code(module(ops)), name)
+
+    def results(operands: np.ndarray) -> np.ndarray:
+        words = np.ascontiguousarray(operands, np.uint32)
+        found = np.zeros((len(words), len(ops)), np.uint32)
+        counts = np.array([len(words)], np.uint32)
+        run(found.ctypes.data, counts.ctypes.data, words.ctypes.data)
+        return found
+
     return results
 
 
 def assert_operations_agree(operands: np.ndarray, name: str) -> None:
-    results = native_results(np.ascontiguousarray(operands, np.uint32), name).tolist()
+    results = compiled(OPS, name)(operands).tolist()
     triples = operands.tolist()
     for number, op in enumerate(OPS):
         function, arity = SEMANTICS[op], OPCODES[op].arity

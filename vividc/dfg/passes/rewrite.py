@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import BASE, PRED, Opcode, Type
+from vividc.dfg.opcodes import BASE, PRED, Opcode, Type, never_meet
 from vividc.errors import SourceLoc
 
 _INIT_SOURCES = frozenset({Opcode.CONST, Opcode.LIVE_IN})
@@ -185,7 +185,7 @@ class Rewrite:
         if edge.port == BASE and (source.op not in _INIT_SOURCES or value.distance):
             return False
         wanted = _port_type(reader, edge.port)
-        return {source.info.result, wanted} != {Type.F32, Type.PRED}
+        return not never_meet(source.info.result, wanted)
 
     def _append_node(self, node: Node, operands: Iterable[Value]) -> int:
         self.nodes[node.id] = node

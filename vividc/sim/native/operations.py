@@ -6,11 +6,12 @@ operations; an arithmetic NaN becomes the canonical one by a select.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from vividc.dfg.opcodes import Opcode
 from vividc.dfg.words import CANONICAL_NAN, INT_MAX, SIGN_BIT
+from vividc.sim.native.lanes import LANE_DECLARATIONS, LANE_LOWERINGS, Lowering
 from vividc.sim.native.text import Code
 
 DECLARATIONS: Final = (
@@ -18,9 +19,7 @@ DECLARATIONS: Final = (
     "declare i32 @llvm.fptosi.sat.i32.f32(float)\n"
     "declare i32 @llvm.smin.i32(i32, i32)\n"
     "declare i32 @llvm.smax.i32(i32, i32)\n"
-)
-
-Lowering = Callable[[Code, Sequence[str]], str]
+) + LANE_DECLARATIONS
 
 
 def lower(code: Code, op: Opcode, words: Sequence[str]) -> str:
@@ -199,6 +198,7 @@ _LOWERINGS: Final[dict[Opcode, Lowering]] = {
     Opcode.SITOFP: _converted("sitofp"),
     Opcode.UITOFP: _converted("uitofp"),
     Opcode.FPTOSI: _fptosi,
+    **LANE_LOWERINGS,
 }
 
 LOWERED: Final = frozenset(_LOWERINGS)
