@@ -10,12 +10,14 @@ import numpy.typing as npt
 from vividc.render.array.device import Device, open_device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger
+from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
 from vividc.render.array.options import ArrayOptions
+from vividc.render.array.tensorf import TensoRFField
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
-from vividc.render.radiance import KiloNeRF
+from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
 
 _GOLDEN = 0.6180339887498949
@@ -93,4 +95,8 @@ def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
 def _field(scene: Scene, device: Device) -> ArrayField:
     if isinstance(scene, KiloNeRF):
         return KiloNeRFOnArray(scene, device)
+    if isinstance(scene, InstantNGP):
+        return InstantNGPField(scene, device)
+    if isinstance(scene, TensoRF):
+        return TensoRFField(scene, device)
     raise SceneError("the array does not render scenes of this method yet")

@@ -16,7 +16,7 @@ _PRIMES = np.array([1, 2654435761, 805459861], dtype=np.uint32)
 _CORNERS = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)], dtype=np.int64)
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
-_DIRECTION_TERMS = 16
+DIRECTION_TERMS = 16
 """Spherical harmonics of degree 0 to 3 of the direction."""
 
 
@@ -78,7 +78,7 @@ class InstantNGP:
         """Return r, g, b [n, 3] of features seen along unit `directions` [n, 3]."""
 
         def of_block(features: Float32Array, directions: Float32Array) -> tuple[Float32Array]:
-            values = np.concatenate((features, sh_basis(directions, _DIRECTION_TERMS)), axis=1)
+            values = np.concatenate((features, sh_basis(directions, DIRECTION_TERMS)), axis=1)
             for index in (0, 1):
                 values = relu(layer(f"rgb{index}", values, self.colour_weights[index], None))
             return (sigmoid(layer("rgb2", values, self.colour_weights[2], None)),)
@@ -103,7 +103,7 @@ def read_instant_ngp(archive: Archive) -> InstantNGP:
     encoded = sum(level.table.shape[1] for level in levels)
     hidden = archive.floats("sigma0", (None, encoded)).shape[0]
     features = archive.floats("sigma1", (None, hidden)).shape[0]
-    inputs = features + _DIRECTION_TERMS
+    inputs = features + DIRECTION_TERMS
     width = archive.floats("rgb0", (None, inputs)).shape[0]
     shapes = {"rgb0": (width, inputs), "rgb1": (width, width), "rgb2": (3, width)}
     return InstantNGP(

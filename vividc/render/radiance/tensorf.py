@@ -12,9 +12,9 @@ from vividc.render.arrays import Float32Array, frozen_float32
 from vividc.render.radiance.layers import Layer, in_blocks, relu, sigmoid
 from vividc.render.radiance.occupancy import March, in_box, read_march
 
-_PLANE_AXES = ((0, 1), (0, 2), (1, 2))
+PLANE_AXES = ((0, 1), (0, 2), (1, 2))
 """Axes along the columns and the rows of plane k."""
-_LINE_AXES = (2, 1, 0)
+LINE_AXES = (2, 1, 0)
 _FEATURES = 27
 _FREQUENCIES = np.array([1.0, 2.0], dtype=np.float32)
 _INPUTS = 150
@@ -131,7 +131,7 @@ def read_tensorf(archive: Archive) -> TensoRF:
 def _factors(archive: Archive, kind: str, resolution: Sequence[int]) -> tuple[Factors, ...]:
     pairs = []
     for k, ((column_axis, row_axis), line_axis) in enumerate(
-        zip(_PLANE_AXES, _LINE_AXES, strict=True)
+        zip(PLANE_AXES, LINE_AXES, strict=True)
     ):
         shape = (None, resolution[row_axis], resolution[column_axis])
         plane = archive.floats(f"{kind}_plane_{k}", shape)
@@ -144,7 +144,7 @@ def _products(factors: tuple[Factors, ...], place: Float32Array) -> list[Float32
     """Return plane times line at `place` [n, 3] in 0..1, [n, C] for each pair."""
     products = []
     for pair, (column_axis, row_axis), line_axis in zip(
-        factors, _PLANE_AXES, _LINE_AXES, strict=True
+        factors, PLANE_AXES, LINE_AXES, strict=True
     ):
         row, down = _node(place[:, row_axis], pair.plane.shape[0])
         column, right = _node(place[:, column_axis], pair.plane.shape[1])

@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.arch import Accelerator
+from vividc.arch import Accelerator, Fabric
+from vividc.arch.reflect import Orientation
 from vividc.errors import ArgumentError, demand_type
 from vividc.program import WORD_BYTES, Program
 from vividc.program.reflect import reflected_program
+from vividc.sim.accelerator.kept import Kept
 from vividc.sim.accelerator.memory import Buffers
 from vividc.sim.accelerator.result import JobResult
 from vividc.sim.accelerator.simulate import simulate_steps
@@ -23,6 +25,9 @@ from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer
 from vividc.sim.bind import scalar_inputs
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
+
+_IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
+"""Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -293,11 +298,21 @@ class Job:
                 )
             image = program
             if not grouped:
-                places = arch.reflection(home, corner)
-                image = reflected_program(program, self.accelerator.tiles[tile], places)
+                image = _mirrored(program, home, self.accelerator.tiles[tile], corner)
             self._images[key] = image
             self._images[id(program), ""] = program  # keeps the id from being used again
         return self._images[key]
+
+
+def _mirrored(program: Program, home: Fabric, there: Fabric, corner: Orientation) -> Program:
+    """The program of the tile in a corner; kept for the next job."""
+
+    def mirrored() -> tuple[Fabric, Fabric, Program]:
+        places = arch.reflection(home, corner)
+        return home, there, reflected_program(program, there, places)
+
+    kept = _IMAGES.get(program, corner, mirrored)
+    return (kept if kept[:2] == (home, there) else mirrored())[2]
 
 
 def _array(value: object) -> NDArray[np.generic]:

@@ -1,0 +1,219 @@
+"""Instant-NGP and TensoRF on the array against the float32 references, on samples of the mic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vividc import KernelFunction
+from vividc.render import SceneError, read_scene
+from vividc.render.array import (
+    ArrayField,
+    Device,
+    Ledger,
+    block_map,
+    factors,
+    hash_encoding,
+    open_device,
+)
+from vividc.render.array.hash_encoding import hash_encoding as encoding_of
+from vividc.render.array.instant_ngp import InstantNGPField
+from vividc.render.array.launches import Gathered, Launch
+from vividc.render.array.networks import dense_layer, run_network
+from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.tensorf import TensoRFField
+from vividc.render.arrays import Float32Array
+from vividc.render.radiance import March
+from vividc.render.radiance.layers import linear
+
+MIC = Path(__file__).parents[3] / "scenes" / "mic"
+
+
+@dataclass(frozen=True)
+class Method:
+    file: str
+    make: Callable[..., ArrayField]
+    thickness: float
+    features: float
+
+
+METHODS = {
+    # The place in a cell of a level of 256 errs by 2**-16 or so, and the network amplifies it.
+    "instant-ngp": Method("mic_ngp_hash.npz", InstantNGPField, 5e-4, 1e-3),
+    "tensorf": Method("mic_tensorf_vm.npz", TensoRFField, 2e-4, 0.0),
+}
+
+
+class Host:
+    """A device whose programs are the kernels themselves: numba runs them, none is mapped."""
+
+    tiles = 16
+    scratchpad_bytes = 32768
+
+    @property
+    def programs(self) -> Host:
+        return self
+
+    def get(self, kernel: str) -> KernelFunction:
+        path, _, name = kernel.partition(":")
+        found: KernelFunction = getattr(_module(kernel_folder() / f"{path}.py"), name)
+        return found
+
+
+@pytest.fixture
+def host(monkeypatch: pytest.MonkeyPatch) -> Host:
+    for module in (block_map, factors, hash_encoding):
+        monkeypatch.setattr(module, "run_launches", launch_by_numba)
+    return Host()
+
+
+@pytest.fixture(scope="module")
+def device() -> Device:
+    return open_device("vivid")
+
+
+def launch_by_numba(
+    host: Host, ledger: Ledger, stage: str, kernel: str, shares: Sequence[Sequence[Launch]]
+) -> None:
+    function = host.get(kernel)
+    flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
+    assert len(shares) <= host.tiles
+    for launch in (launch for share in shares for launch in share):
+        assert launch.nbytes <= host.scratchpad_bytes
+        given: dict[str, object] = dict(launch.scalars)
+        for name, array in {**launch.resident, **launch.inputs}.items():
+            rows = array.table[array.indices] if isinstance(array, Gathered) else array
+            given[name] = rows.flatten() if flat[name] else rows.copy()
+        given |= {name: np.zeros(words, np.uint32) for name, words in launch.room.items()}
+        results = {
+            name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
+            for name, array in launch.outputs.items()
+        }
+        function(*({**given, **results}[name] for name in flat))
+        for name, array in launch.outputs.items():
+            array[...] = results[name].reshape(array.shape)
+
+
+def samples_of(march: March, count: int) -> tuple[Float32Array, Float32Array]:
+    """Random points in occupied cells, neighbours next to each other, and directions."""
+    rng = np.random.default_rng(7)
+    cells = np.argwhere(march.occupied)
+    chosen = cells[np.sort(rng.integers(0, len(cells), count))]
+    place = (chosen + rng.random((count, 3))) / march.occupied.shape
+    points = march.box[0] + place.astype(np.float32) * (march.box[1] - march.box[0])
+    directions = rng.standard_normal((count, 3)).astype(np.float32)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.clip(points, march.box[0], march.box[1]).astype(np.float32), directions
+
+
+def assert_like_reference(method: Method, device: object, count: int) -> Ledger:
+    model = read_scene(MIC / method.file)[1]
+    points, directions = samples_of(model.march, count)
+    ledger = Ledger()
+    field = method.make(model, device)
+    thickness, features = field.density(points, ledger)
+    exact, exact_features = model.density(points, linear)
+    np.testing.assert_allclose(thickness, exact, rtol=method.thickness, atol=1e-6)
+    np.testing.assert_allclose(features, exact_features, atol=method.features)
+    colour = field.colour(points, exact_features, directions, ledger)
+    np.testing.assert_allclose(
+        colour, model.colour(points, exact_features, directions, linear), atol=5e-5
+    )
+    assert field.march is model.march
+    assert field.weight_min == model.weight_min
+    assert field.transmittance_min == model.transmittance_min
+    return ledger
+
+
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+@pytest.mark.parametrize("count", [1, 300])
+def test_kernels_by_numba_are_near_the_reference(method: Method, count: int, host: Host) -> None:
+    assert_like_reference(method, host, count)
+
+
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+def test_a_sample_does_not_depend_on_the_others(method: Method, host: Host) -> None:
+    """The picture is then the same to the last bit with and without lookahead."""
+    model = read_scene(MIC / method.file)[1]
+    points, directions = samples_of(model.march, 200)
+    field = method.make(model, host)
+    thickness, features = field.density(points, Ledger())
+    some = np.arange(3, 200, 7)
+    fewer, fewer_features = field.density(points[some], Ledger())
+    np.testing.assert_array_equal(fewer, thickness[some])
+    np.testing.assert_array_equal(fewer_features, features[some])
+    whole = field.colour(points, features, directions, Ledger())
+    part = field.colour(points[some], features[some], directions[some], Ledger())
+    np.testing.assert_array_equal(part, whole[some])
+
+
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+def test_no_samples_at_all(method: Method, host: Host) -> None:
+    model = read_scene(MIC / method.file)[1]
+    field = method.make(model, host)
+    none = np.zeros((0, 3), np.float32)
+    thickness, features = field.density(none, Ledger())
+    assert thickness.shape == (0,)
+    assert field.colour(none, features, none, Ledger()).shape == (0, 3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+def test_the_array_is_near_the_reference(method: Method, device: Device) -> None:
+    ledger = assert_like_reference(method, device, 700)
+    assert all(stage.cycles > 0 for stage in ledger.stages.values())
+
+
+def test_cells_are_gathered_once_a_chunk(host: Host) -> None:
+    """Samples of one cell in every level take one cell's rows in each."""
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    points = np.repeat(samples_of(model.march, 1)[0], 128, axis=0).reshape(-1, 16, 3)
+    ledger = Ledger()
+    encoding_of(model).encode(host, ledger, "encoding", points)
+    assert ledger.counts["encoded_cells"] == len(model.levels)
+
+
+def test_a_level_finer_than_a_cells_number_is_refused() -> None:
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    fine = replace(model.levels[-1], scale=np.float32(2047))
+    with pytest.raises(SceneError, match="2047 cells a side"):
+        encoding_of(replace(model, levels=(*model.levels[:-1], fine)))
+
+
+def test_other_numbers_of_features_a_row_are_refused() -> None:
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    wide = replace(model.levels[0], table=np.zeros((4096, 4), np.float32))
+    with pytest.raises(SceneError, match="4 features a row"):
+        encoding_of(replace(model, levels=(wide, *model.levels[1:])))
+
+
+def test_a_box_outside_the_cube_is_refused() -> None:
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    with pytest.raises(SceneError, match="leaves the cube"):
+        encoding_of(replace(model, cube_side=model.cube_side / 2))
+
+
+@pytest.mark.parametrize("groups", [None, 3])
+@pytest.mark.parametrize("sizes", [(5, 9, 3), (150, 128, 3), (64, 64)])
+def test_networks_equal_numpy(sizes: tuple[int, ...], groups: int | None, host: Host) -> None:
+    rng = np.random.default_rng(1)
+    lead = () if groups is None else (groups,)
+    weights = [rng.standard_normal((*lead, *pair)).astype(np.float32) for pair in pairwise(sizes)]
+    biases = [rng.standard_normal((*lead, size)).astype(np.float32) for size in sizes[1:]]
+    chosen = None if groups is None else np.sort(rng.integers(0, groups, 40)).astype(np.int32)
+    x = rng.standard_normal((40, sizes[0], 16)).astype(np.float32)
+    layers = [dense_layer(w, b, relu=True) for w, b in zip(weights, biases, strict=True)]
+    found = run_network(host, Ledger(), "network", layers, x, chosen)
+    values = x.transpose(0, 2, 1)
+    for weight, bias in zip(weights, biases, strict=True):
+        own = weight if chosen is None else weight[chosen]
+        shift = bias if chosen is None else bias[chosen][:, None]
+        values = np.maximum(values @ own + shift, 0)
+    np.testing.assert_allclose(
+        found.transpose(0, 2, 1)[..., : sizes[-1]], values, rtol=1e-4, atol=1e-3
+    )

@@ -1,0 +1,127 @@
+"""Instant-NGP as a field that the array computes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from vividc.render.array.block_map import BlockMap
+from vividc.render.array.device import Device
+from vividc.render.array.frame import Ledger
+from vividc.render.array.hash_encoding import hash_encoding
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
+from vividc.render.arrays import Float32Array
+from vividc.render.radiance import InstantNGP, March
+from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
+
+_BATCH: Final = 32_768
+"""Samples that go through the stages together; a multiple of a block's."""
+_CHANNELS: Final = 3
+
+
+class InstantNGPField:
+    """`ArrayField` of an Instant-NGP model: hash encoding, density and colour networks.
+
+    Parameters
+    ----------
+    model
+        As read from a scene.
+    device
+        Where it is computed.
+
+    Raises
+    ------
+    SceneError
+        The model has a form that the kernels have not (see `hash_encoding`).
+    """
+
+    def __init__(self, model: InstantNGP, device: Device) -> None:
+        self._model, self._device = model, device
+        self._encoding = hash_encoding(model)
+        self._density_layers = [
+            dense_layer(weights, relu=hidden)
+            for weights, hidden in zip(model.density_weights, (True, False), strict=True)
+        ]
+        first, *others = model.colour_weights
+        # The kernel puts the direction's terms before the features.
+        swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
+        self._colour_layers = [
+            dense_layer(weights, relu=hidden)
+            for weights, hidden in zip((swapped, *others), (True, True, False), strict=True)
+        ]
+        self._features = model.density_weights[-1].shape[1]
+
+    @property
+    def march(self) -> March:
+        """How rays are sampled."""
+        return self._model.march
+
+    @property
+    def weight_min(self) -> float:
+        """A sample's colour counts only if its weight is above this."""
+        return self._model.weight_min
+
+    @property
+    def transmittance_min(self) -> float:
+        """A sample's colour counts only if the light before it is at least this."""
+        return self._model.transmittance_min
+
+    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
+        """Return optical thickness [n] of one step, and the density network's outputs [n, F]."""
+        count = len(points)
+        thickness = np.empty((-(-count // SAMPLES), SAMPLES), dtype=np.float32)
+        features = np.empty((*thickness.shape, self._features), dtype=np.float32)
+        for first in range(0, count, _BATCH):
+            blocks = in_blocks(points[first : first + _BATCH])
+            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
+            self._density(blocks, thickness[place], features[place], ledger)
+        return thickness.reshape(-1)[:count], features.reshape(-1, self._features)[:count]
+
+    def colour(
+        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+    ) -> Float32Array:
+        """Return r, g, b [n, 3] of features seen along unit `directions` [n, 3]."""
+        count = len(features)
+        rgb = np.empty((-(-count // SAMPLES), SAMPLES, _CHANNELS), dtype=np.float32)
+        for first in range(0, count, _BATCH):
+            here = slice(first, first + _BATCH)
+            blocks = in_blocks(features[here])
+            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
+            self._colour(blocks, in_blocks(directions[here]), rgb[place], ledger)
+        return rgb.reshape(-1, _CHANNELS)[:count]
+
+    def _density(
+        self,
+        points: Float32Array,
+        thickness: Float32Array,
+        features: Float32Array,
+        ledger: Ledger,
+    ) -> None:
+        device = self._device
+        encoded = self._encoding.encode(device, ledger, "hash encoding", points)
+        outputs = run_network(device, ledger, "density network", self._density_layers, encoded)
+        BlockMap(
+            kernel="render/instant_ngp:density",
+            inputs={"x": outputs},
+            outputs={"thickness": thickness, "features": features},
+            scalars={
+                "limit": np.float32(self._model.exponent_max),
+                "step": np.float32(self._model.march.step),
+            },
+        ).run(device, ledger, "density")
+
+    def _colour(
+        self, features: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
+    ) -> None:
+        device = self._device
+        inputs = np.empty((len(features), self._colour_layers[0].inputs, SAMPLES), np.float32)
+        BlockMap(
+            kernel="render/instant_ngp:colour_inputs",
+            inputs={"features": features, "directions": directions},
+            outputs={"out": inputs},
+        ).run(device, ledger, "direction encoding")
+        outputs = run_network(device, ledger, "colour network", self._colour_layers, inputs)
+        BlockMap(
+            kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
+        ).run(device, ledger, "colour")

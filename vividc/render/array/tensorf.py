@@ -1,0 +1,127 @@
+"""TensoRF as a field that the array computes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from vividc.render.array.block_map import BlockMap
+from vividc.render.array.device import Device
+from vividc.render.array.factors import CHANNELS, Pair, channel_pairs, factor_grid
+from vividc.render.array.frame import Ledger
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
+from vividc.render.arrays import Float32Array
+from vividc.render.radiance import March, TensoRF
+from vividc.render.radiance.tensorf import LINE_AXES
+
+_BATCH: Final = 16_384
+"""Samples that go through the stages together; a multiple of a block's."""
+_CHANNELS: Final = 3
+
+
+class TensoRFField:
+    """`ArrayField` of a TensoRF model: factors, and the colour network.
+
+    Parameters
+    ----------
+    model
+        As read from a scene.
+    device
+        Where it is computed.
+    """
+
+    def __init__(self, model: TensoRF, device: Device) -> None:
+        self._model, self._device = model, device
+        lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
+        self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
+        self._density_pairs = channel_pairs(model.density_factors)
+        self._appearance_pairs = channel_pairs(model.appearance_factors)
+        self._basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
+        self._layers = [
+            dense_layer(weights, bias, relu=hidden)
+            for weights, bias, hidden in zip(
+                model.weights, model.biases, (True, True, False), strict=True
+            )
+        ]
+
+    @property
+    def march(self) -> March:
+        """How rays are sampled."""
+        return self._model.march
+
+    @property
+    def weight_min(self) -> float:
+        """A sample's colour counts only if its weight is above this."""
+        return self._model.weight_min
+
+    @property
+    def transmittance_min(self) -> float:
+        """A sample's colour counts only if the light before it is at least this."""
+        return self._model.transmittance_min
+
+    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
+        """Return optical thickness [n] of one step, and no features, [n, 0]."""
+        count = len(points)
+        thickness = np.empty(-(-count // SAMPLES) * SAMPLES, dtype=np.float32)
+        for first in range(0, count, _BATCH):
+            samples = in_blocks(points[first : first + _BATCH]).reshape(-1, 3)
+            self._density(samples, thickness[first : first + len(samples)], ledger)
+        return thickness[:count], np.zeros((count, 0), dtype=np.float32)
+
+    def colour(
+        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+    ) -> Float32Array:
+        """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
+        count = len(points)
+        rgb = np.empty((-(-count // SAMPLES), SAMPLES, _CHANNELS), dtype=np.float32)
+        for first in range(0, count, _BATCH):
+            here = slice(first, first + _BATCH)
+            blocks = in_blocks(points[here])
+            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
+            self._colour(blocks.reshape(-1, 3), in_blocks(directions[here]), rgb[place], ledger)
+        return rgb.reshape(-1, _CHANNELS)[:count]
+
+    def _density(self, points: Float32Array, thickness: Float32Array, ledger: Ledger) -> None:
+        model = self._model
+        found = self._grid.cells(ledger, "density factors", points)
+        sums = self._grid.sums(ledger, "density factors", found, self._density_pairs)
+        BlockMap(
+            kernel="render/tensor_factors:density",
+            inputs={"sums": sums},
+            outputs={"thickness": thickness.reshape(-1, SAMPLES)},
+            scalars={
+                "shift": np.float32(model.density_shift),
+                "step": np.float32(model.march.step * model.distance_scale),
+            },
+        ).run(self._device, ledger, "density")
+
+    def _colour(
+        self, points: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
+    ) -> None:
+        device = self._device
+        found = self._grid.cells(ledger, "appearance factors", points)
+        products = self._grid.products(ledger, "appearance factors", found, self._appearance_pairs)
+        features = run_network(device, ledger, "basis", [self._basis], products)
+        inputs = np.empty((len(features), self._layers[0].inputs, SAMPLES), dtype=np.float32)
+        BlockMap(
+            kernel="render/tensor_factors:colour_inputs",
+            inputs={"features": features, "directions": directions},
+            outputs={"out": inputs},
+        ).run(device, ledger, "position encoding")
+        outputs = run_network(device, ledger, "colour network", self._layers, inputs)
+        BlockMap(
+            kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
+        ).run(device, ledger, "colour")
+
+
+def _spread(basis: Float32Array, pairs: list[list[Pair]], model: TensoRF) -> Float32Array:
+    """Return the basis with rows of 0 for the channels that fill up a group of 16."""
+    rows = []
+    start = 0
+    for group, factors in zip(pairs, model.appearance_factors, strict=True):
+        channels = factors.line.shape[1]
+        missing = CHANNELS * len(group) - channels
+        rows.append(np.pad(basis[start : start + channels], ((0, missing), (0, 0))))
+        start += channels
+    return np.concatenate(rows)
