@@ -1,0 +1,267 @@
+"""Blending of 3D Gaussian Splatting (Kerbl et al. 2023) for one screen tile of 16x16 pixels: with the
+late test of alpha, and with Lookahead Culling II, which decides on the exponent before exp.
+
+A run takes a part of the tile's depth-sorted list, already in the scratchpad, and carries colour and
+transmittance on: lists of any length are blended part by part. Both kernels first cull the list for
+blocks of 4x4 pixels, and both give the same picture to the last bit.
+
+A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b;
+-b / c; -b / a. A row of `pixels` is r, g, b, transmittance, which is negative once the pixel is done.
+"""
+
+import math
+
+import numba
+import numpy as np
+
+import vividc
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+ALPHA_MAX = np.float32(0.99)
+ALPHA_MIN = np.float32(1.0 / 255.0)
+TRANSMITTANCE_MIN = np.float32(1e-4)
+BLOCK_REACH = np.float32(3.0)
+# What float32 may err in an exponent: absolute (thresholds, exp), and relative to its terms.
+MARGIN = np.float32(1e-4)
+ROUNDING = np.float32(4e-6)
+
+SPLAT_WORDS = 12
+SIDE = 4
+BLOCK = 16
+SEGMENT = 48
+LIST_PART = 160
+SURVIVORS = 768
+# Masks that change nothing: they tell the compiler that an index is small and not negative.
+PLACES = 2047
+IN_LIST = 255
+IN_SURVIVORS = 1023
+IN_BLOCK = 15
+IN_TWO_BLOCKS = 31
+
+
+@numba.njit
+def clear_pixels(pixels):
+    """Black, and nothing in the way."""
+    for p in range(256):
+        pixels[4 * p] = ZERO
+        pixels[4 * p + 1] = ZERO
+        pixels[4 * p + 2] = ZERO
+        pixels[4 * p + 3] = ONE
+
+
+@numba.njit
+def over_white(pixels):
+    """Adds what is left of a white background."""
+    for p in range(256):
+        left = abs(pixels[4 * p + 3])
+        pixels[4 * p] += left
+        pixels[4 * p + 1] += left
+        pixels[4 * p + 2] += left
+        pixels[4 * p + 3] = left
+
+
+@numba.njit
+def cull(splats, n, x, y, kept):
+    """Places of the splats that may be seen in the block of 4x4 pixels from (x, y); how many.
+
+    The quadratic form is least at the mean, or on an edge of the block that faces it.
+    """
+    count = np.int32(0)
+    for k in range(n):
+        o = (SPLAT_WORDS * k) & PLACES
+        right = splats[o] - x
+        left = right - BLOCK_REACH
+        bottom = splats[o + 1] - y
+        top = bottom - BLOCK_REACH
+        a = splats[o + 2]
+        b = TWO * splats[o + 3]
+        c = splats[o + 4]
+        near_x = min(max(ZERO, left), right)
+        near_y = min(max(ZERO, top), bottom)
+        v = min(max(splats[o + 10] * near_x, top), bottom)
+        u = min(max(splats[o + 11] * near_y, left), right)
+        least = min(
+            (a * near_x + b * v) * near_x + c * v * v, (c * near_y + b * u) * near_y + a * u * u
+        )
+        far_x = abs(right) + BLOCK_REACH
+        far_y = abs(bottom) + BLOCK_REACH
+        terms = (a * far_x + abs(b) * far_y) * far_x + c * far_y * far_y
+        if HALF * least <= MARGIN + ROUNDING * terms - splats[o + 6]:
+            kept[count & IN_LIST] = o
+            count = np.int32(count + 1)
+    return count & IN_LIST
+
+
+@vividc.kernel(
+    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
+)
+def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
+    """`counts` gains tests of blocks, exponents, and exps; `first` and `last` parts of a list."""
+    kept = np.empty(LIST_PART, np.int32)
+    live_x = np.empty(BLOCK, np.float32)
+    live_y = np.empty(BLOCK, np.float32)
+    live_pixel = np.empty(BLOCK, np.int32)
+    state = np.empty(4 * BLOCK, np.float32)
+    new = np.empty(4 * BLOCK, np.float32)
+    exponents = np.empty(SURVIVORS, np.float32)
+    survivors = np.empty(SURVIVORS, np.int32)
+    if first != 0:
+        clear_pixels(pixels)
+    for block in range(4 * (height + 3 >> 2)):
+        column = SIDE * (block & 3)
+        row = SIDE * (block >> 2)
+        x = x0 + np.float32(np.int32(column))
+        y = y0 + np.float32(np.int32(row))
+        here = 64 * row + 4 * column
+        found = cull(splats, n, x, y, kept)
+        counts[0] += n
+        for p in range(BLOCK):
+            o = here + 64 * (p >> 2) + 4 * (p & 3)
+            new[4 * p] = pixels[o]
+            new[4 * p + 1] = pixels[o + 1]
+            new[4 * p + 2] = pixels[o + 2]
+            new[4 * p + 3] = pixels[o + 3]
+        for start in range(0, found, SEGMENT):
+            end = min(start + SEGMENT, found)
+            live = 0
+            for p in range(BLOCK):
+                t = new[4 * p + 3]
+                state[4 * p] = new[4 * p]
+                state[4 * p + 1] = new[4 * p + 1]
+                state[4 * p + 2] = new[4 * p + 2]
+                state[4 * p + 3] = t
+                if t > ZERO:
+                    live_x[live] = x + np.float32(np.int32(p & 3))
+                    live_y[live] = y + np.float32(np.int32(p >> 2))
+                    live_pixel[live] = p
+                    live = (live + 1) & IN_TWO_BLOCKS
+            if live == 0:
+                break
+            steps = (live * (end - start)) & IN_SURVIVORS
+            count = np.int32(0)
+            q = np.int32(0)
+            first_kept = np.int32(start)
+            last_kept = np.int32(end - 1)
+            j = first_kept
+            for _ in range(steps):
+                o = kept[j & IN_LIST] & PLACES
+                k = q & IN_BLOCK
+                dx = splats[o] - live_x[k]
+                dy = splats[o + 1] - live_y[k]
+                power = (
+                    -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy)
+                    - splats[o + 3] * dx * dy
+                )
+                if power >= splats[o + 6] and power <= ZERO:
+                    exponents[count & IN_SURVIVORS] = power
+                    survivors[count & IN_SURVIVORS] = 16 * o + live_pixel[k]
+                    count = np.int32(count + 1)
+                if j == last_kept:
+                    j = first_kept
+                    q = np.int32(q + 1)
+                else:
+                    j = np.int32(j + 1)
+            counts[1] += steps
+            counts[2] += count
+            before = -1
+            t = ZERO
+            r = ZERO
+            g = ZERO
+            b = ZERO
+            for s in range(count & IN_SURVIVORS):
+                code = survivors[s]
+                p = code & IN_BLOCK
+                o = (code >> 4) & PLACES
+                if p != before:
+                    r = state[4 * p]
+                    g = state[4 * p + 1]
+                    b = state[4 * p + 2]
+                    t = state[4 * p + 3]
+                before = p
+                alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(exponents[s]))
+                if alpha < ALPHA_MIN:
+                    alpha = ZERO
+                weight = alpha * t
+                left = t * (ONE - alpha)
+                if left >= TRANSMITTANCE_MIN:
+                    r += splats[o + 7] * weight
+                    g += splats[o + 8] * weight
+                    b += splats[o + 9] * weight
+                    t = left
+                else:
+                    t = -abs(t)
+                new[4 * p] = r
+                new[4 * p + 1] = g
+                new[4 * p + 2] = b
+                new[4 * p + 3] = t
+        for p in range(BLOCK):
+            o = here + 64 * (p >> 2) + 4 * (p & 3)
+            pixels[o] = new[4 * p]
+            pixels[o + 1] = new[4 * p + 1]
+            pixels[o + 2] = new[4 * p + 2]
+            pixels[o + 3] = new[4 * p + 3]
+    if last != 0:
+        over_white(pixels)
+
+
+@vividc.kernel(
+    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
+)
+def blend_late(splats, pixels, counts, n, x0, y0, height, first, last):
+    """As `blend_lookahead`, but exp is taken of every entry of a block's list."""
+    kept = np.empty(LIST_PART, np.int32)
+    if first != 0:
+        clear_pixels(pixels)
+    for block in range(4 * (height + 3 >> 2)):
+        column = SIDE * (block & 3)
+        row = SIDE * (block >> 2)
+        x = x0 + np.float32(np.int32(column))
+        y = y0 + np.float32(np.int32(row))
+        here = 64 * row + 4 * column
+        found = cull(splats, n, x, y, kept)
+        counts[0] += n
+        for p in range(BLOCK):
+            place = here + 64 * (p >> 2) + 4 * (p & 3)
+            r = pixels[place]
+            g = pixels[place + 1]
+            b = pixels[place + 2]
+            t = pixels[place + 3]
+            if t < ZERO:
+                continue
+            px = x + np.float32(np.int32(p & 3))
+            py = y + np.float32(np.int32(p >> 2))
+            done = ONE
+            looked = np.int32(0)
+            for j in range(found):
+                o = kept[j] & PLACES
+                looked = np.int32(looked + 1)
+                dx = splats[o] - px
+                dy = splats[o + 1] - py
+                power = (
+                    -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy)
+                    - splats[o + 3] * dx * dy
+                )
+                if power > ZERO:
+                    continue
+                alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(power))
+                if alpha < ALPHA_MIN:
+                    continue
+                left = t * (ONE - alpha)
+                if left < TRANSMITTANCE_MIN:
+                    done = -ONE
+                    break
+                weight = alpha * t
+                r += splats[o + 7] * weight
+                g += splats[o + 8] * weight
+                b += splats[o + 9] * weight
+                t = left
+            counts[1] += looked
+            pixels[place] = r
+            pixels[place + 1] = g
+            pixels[place + 2] = b
+            pixels[place + 3] = t * done
+    if last != 0:
+        over_white(pixels)
