@@ -1,0 +1,83 @@
+"""3D Gaussian Splatting rendered by the array: projection, sorting and blending (Kerbl et al. 2023)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from vividc.render.array.device import Device
+from vividc.render.array.frame import ArrayFrame, Ledger
+from vividc.render.array.options import ArrayOptions
+from vividc.render.array.programs import Programs
+from vividc.render.array.splat_blend import blend_splats
+from vividc.render.array.splat_project import project_on_array
+from vividc.render.array.splat_scene import device_scene, screen_tiles
+from vividc.render.array.splat_sort import sort_on_array
+from vividc.render.arrays import Float32Array
+from vividc.render.blend_reference import BlendOptions
+from vividc.render.camera import Camera
+from vividc.render.ply import Gaussians
+
+Progress = Callable[[float], None]
+_PROJECTED, _SORTED = 0.05, 0.15
+"""Rough shares of the time."""
+
+
+def render_splats(
+    scene: Gaussians,
+    camera: Camera,
+    options: ArrayOptions | None = None,
+    progress: Progress | None = None,
+    device: Device | None = None,
+) -> ArrayFrame:
+    """Render a view of a scene of Gaussians on the array.
+
+    Every value of splats, lists and pixels is computed by kernels of `kernels/render`; the host makes
+    the launch graphs, and reads counts between them.
+
+    Parameters
+    ----------
+    options
+        Switches. With `sample` below 1 only that share of the screen tiles is blended; projection
+        and sorting are always of the whole frame.
+    progress
+        Called with the share that is done, 0 to 1.
+    device
+        The accelerator with its programs; None: that of `options.fabric`.
+
+    Raises
+    ------
+    SceneError
+        A parameter of the scene is not finite, or the image is too large.
+    """
+    chosen = ArrayOptions() if options is None else options
+    machine = Device(Programs(chosen.fabric), chosen.engine) if device is None else device
+    tell = progress if progress is not None else _silent
+    columns, rows = screen_tiles(camera)
+    arrays = device_scene(scene)
+    ledger = Ledger()
+    # Culling of blocks trusts the threshold; what only lookahead may get wrong must not reach it.
+    margin = chosen.exponent_margin if chosen.lookahead else BlendOptions().margin
+    splats = project_on_array(machine, ledger, arrays, camera, margin)
+    tell(_PROJECTED)
+    image = _white(camera)
+    if len(splats):
+        lists = sort_on_array(machine, ledger, splats, columns, rows)
+        tell(_SORTED)
+        image = blend_splats(
+            machine, ledger, splats, lists, camera, chosen.lookahead, chosen.sample
+        )
+        ledger.count(splats=len(splats), list_entries=len(lists.slots))
+    tell(1.0)
+    clock_ghz = machine.new_job().accelerator.fabric.clock_ghz
+    stages = tuple(ledger.stages.values())
+    return ArrayFrame(image, stages, dict(ledger.counts), clock_ghz, chosen.sample)
+
+
+def _white(camera: Camera) -> Float32Array:
+    return np.ones((camera.height, camera.width, 3), dtype=np.float32)
+
+
+def _silent(_: float) -> None:
+    """Nobody asked."""
