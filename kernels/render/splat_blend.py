@@ -5,8 +5,9 @@ A run takes a part of the tile's depth-sorted list, already in the scratchpad, a
 transmittance on: lists of any length are blended part by part. Both kernels first cull the list for
 blocks of 4x4 pixels, and both give the same picture to the last bit.
 
-A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b;
--b / c; -b / a. A row of `pixels` is r, g, b, transmittance, which is negative once the pixel is done.
+A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b; half
+the width and height of the box in which it may be seen, with half a block. A row of `pixels` is r, g,
+b, transmittance, which is negative once the pixel is done.
 """
 
 import math
@@ -15,6 +16,7 @@ import numba
 import numpy as np
 
 import vividc
+from vividc.lang import bitcast_f32, bitcast_i32
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -24,9 +26,13 @@ ALPHA_MAX = np.float32(0.99)
 ALPHA_MIN = np.float32(1.0 / 255.0)
 TRANSMITTANCE_MIN = np.float32(1e-4)
 BLOCK_REACH = np.float32(3.0)
+HALF_REACH = np.float32(1.5)
 # What float32 may err in an exponent: absolute (thresholds, exp), and relative to its terms.
 MARGIN = np.float32(1e-4)
 ROUNDING = np.float32(4e-6)
+
+# Minus the exponent's bits of a first guess of 1 / x.
+RECIPROCAL = 0x7EF311C3
 
 SPLAT_WORDS = 12
 SIDE = 4
@@ -64,32 +70,58 @@ def over_white(pixels):
 
 
 @numba.njit
-def cull(splats, n, x, y, kept):
-    """Places of the splats that may be seen in the block of 4x4 pixels from (x, y); how many.
+def nearly_inverse(x):
+    """1 / x to one part in 10^4, of a positive normal x: two steps of Newton's."""
+    guess = bitcast_f32(RECIPROCAL - bitcast_i32(x))
+    guess = guess * (TWO - x * guess)
+    return guess * (TWO - x * guess)
+
+
+@numba.njit
+def near(splats, n, x, y, near_by):
+    """Places of the splats whose bounding box meets the block of 4x4 pixels from (x, y); how many."""
+    middle_x = x + HALF_REACH
+    middle_y = y + HALF_REACH
+    count = np.int32(0)
+    for k in range(n):
+        o = (SPLAT_WORDS * k) & PLACES
+        across = abs(splats[o] - middle_x)
+        down = abs(splats[o + 1] - middle_y)
+        if across <= splats[o + 10] and down <= splats[o + 11]:
+            near_by[count & IN_LIST] = o
+            count = np.int32(count + 1)
+    return count & IN_LIST
+
+
+@numba.njit
+def cull(splats, near_by, n, x, y, kept):
+    """Of those, the splats that may be seen in the block; how many.
 
     The quadratic form is least at the mean, or on an edge of the block that faces it.
     """
     count = np.int32(0)
     for k in range(n):
-        o = (SPLAT_WORDS * k) & PLACES
+        o = near_by[k] & PLACES
         right = splats[o] - x
         left = right - BLOCK_REACH
         bottom = splats[o + 1] - y
         top = bottom - BLOCK_REACH
         a = splats[o + 2]
-        b = TWO * splats[o + 3]
+        b = splats[o + 3]
         c = splats[o + 4]
         near_x = min(max(ZERO, left), right)
         near_y = min(max(ZERO, top), bottom)
-        v = min(max(splats[o + 10] * near_x, top), bottom)
-        u = min(max(splats[o + 11] * near_y, left), right)
+        v = min(max(-b * near_x * nearly_inverse(c), top), bottom)
+        u = min(max(-b * near_y * nearly_inverse(a), left), right)
+        b = TWO * b
         least = min(
             (a * near_x + b * v) * near_x + c * v * v, (c * near_y + b * u) * near_y + a * u * u
         )
         far_x = abs(right) + BLOCK_REACH
         far_y = abs(bottom) + BLOCK_REACH
         terms = (a * far_x + abs(b) * far_y) * far_x + c * far_y * far_y
-        if HALF * least <= MARGIN + ROUNDING * terms - splats[o + 6]:
+        # So that it is kept where something is no number.
+        if not HALF * least > MARGIN + ROUNDING * terms - splats[o + 6]:
             kept[count & IN_LIST] = o
             count = np.int32(count + 1)
     return count & IN_LIST
@@ -100,6 +132,7 @@ def cull(splats, n, x, y, kept):
 )
 def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
     """`counts` gains tests of blocks, exponents, and exps; `first` and `last` parts of a list."""
+    near_by = np.empty(LIST_PART, np.int32)
     kept = np.empty(LIST_PART, np.int32)
     live_x = np.empty(BLOCK, np.float32)
     live_y = np.empty(BLOCK, np.float32)
@@ -116,7 +149,8 @@ def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
         x = x0 + np.float32(np.int32(column))
         y = y0 + np.float32(np.int32(row))
         here = 64 * row + 4 * column
-        found = cull(splats, n, x, y, kept)
+        boxed = near(splats, n, x, y, near_by)
+        found = cull(splats, near_by, boxed, x, y, kept)
         counts[0] += n
         for p in range(BLOCK):
             o = here + 64 * (p >> 2) + 4 * (p & 3)
@@ -212,6 +246,7 @@ def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
 )
 def blend_late(splats, pixels, counts, n, x0, y0, height, first, last):
     """As `blend_lookahead`, but exp is taken of every entry of a block's list."""
+    near_by = np.empty(LIST_PART, np.int32)
     kept = np.empty(LIST_PART, np.int32)
     if first != 0:
         clear_pixels(pixels)
@@ -221,7 +256,8 @@ def blend_late(splats, pixels, counts, n, x0, y0, height, first, last):
         x = x0 + np.float32(np.int32(column))
         y = y0 + np.float32(np.int32(row))
         here = 64 * row + 4 * column
-        found = cull(splats, n, x, y, kept)
+        boxed = near(splats, n, x, y, near_by)
+        found = cull(splats, near_by, boxed, x, y, kept)
         counts[0] += n
         for p in range(BLOCK):
             place = here + 64 * (p >> 2) + 4 * (p & 3)

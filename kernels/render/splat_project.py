@@ -28,8 +28,15 @@ OPACITY_MIN = np.float32(1.0 / 255.0)
 LOG_OPACITY_MIN = np.float32(-5.541263545158426)
 NEVER = np.float32(1e30)
 LARGEST = np.float32(3e38)
-# Minus the exponent's bits of a first guess of 1 / x.
-RECIPROCAL = 0x7EF311C3
+# Minus half the exponent's bits of a first guess of 1 / sqrt(x).
+INVERSE_ROOT = 0x5F3759DF
+ONE_AND_HALF = np.float32(1.5)
+# Twice the exponent, and a little more; what rounding of the conic adds; half a block of 4x4 pixels.
+BOX_SLACK = np.float32(2.002)
+BOX_SKEW = np.float32(4e-6)
+LARGEST_SKEW = np.float32(1e4)
+BLOCK_MARGIN = np.float32(1.51)
+SMALLEST = np.float32(1e-6)
 
 ROW_WORDS = 12
 ENTRY_WORDS = 3
@@ -112,11 +119,12 @@ def splat_covariance(geometry, camera, placed):
 
 
 @numba.njit
-def nearly_inverse(x):
-    """1 / x to one part in 10^4, of a positive normal x: two steps of Newton's."""
-    guess = bitcast_f32(RECIPROCAL - bitcast_i32(x))
-    guess = guess * (TWO - x * guess)
-    return guess * (TWO - x * guess)
+def nearly_root(x):
+    """The square root of a positive x to one part in 10^5: two steps of Newton's for its inverse."""
+    guess = bitcast_f32(INVERSE_ROOT - (bitcast_i32(x) >> 1))
+    half = HALF * x
+    guess = guess * (ONE_AND_HALF - half * guess * guess)
+    return x * (guess * (ONE_AND_HALF - half * guess * guess))
 
 
 @vividc.kernel(
@@ -162,10 +170,18 @@ def splat_footprints(
             c = xx * inverse
             peak = opacity[i, 0]
             least = LOG_OPACITY_MIN - math.log(max(peak, OPACITY_MIN)) - margin
+            # A box around all that may be seen, and by how much the conic's rounding may move it.
+            skew = xx * yy * inverse
+            reach = max(-least, ZERO) * (BOX_SLACK + BOX_SKEW * skew) + SMALLEST
+            across = nearly_root(reach * xx) + BLOCK_MARGIN
+            down = nearly_root(reach * yy) + BLOCK_MARGIN
+            if not (a * c > b * b and skew < LARGEST_SKEW):
+                least = -NEVER
+                across = NEVER
+                down = NEVER
             if peak < OPACITY_MIN:
                 least = ONE
-            if not (a * c > b * b):
-                least = -NEVER
+                across = -ONE
             o = (ROW_WORDS * count) & SMALL_ROW
             splats[o] = x
             splats[o + 1] = y
@@ -174,8 +190,8 @@ def splat_footprints(
             splats[o + 4] = c
             splats[o + 5] = peak
             splats[o + 6] = least
-            splats[o + 10] = xy * nearly_inverse(xx)
-            splats[o + 11] = xy * nearly_inverse(yy)
+            splats[o + 10] = across
+            splats[o + 11] = down
             bits = bitcast_i32(depth)
             e = (ENTRY_WORDS * count) & SMALL_ENTRY
             entries[e] = first_y | (last_y << 8) | (first_x << 16) | (last_x << 24)

@@ -19,6 +19,8 @@ from vividc.render.crop import TILE_PX
 
 _FILE = "render/splat_blend"
 _STAGE = "blend"
+_MAPPING_S = 150.0
+"""Seven loops; their IIs are the time of a frame."""
 _LIST_PART = 160
 """Entries of a list that a run takes, as in the kernels' file."""
 _PART_BYTES = WORD * ROW_WORDS * _LIST_PART
@@ -101,7 +103,7 @@ def blend_splats(
 ) -> Float32Array:
     """Return the picture [height, width, 3] over white; screen tiles without splats are not run."""
     kernel = "blend_lookahead" if lookahead else "blend_late"
-    program = device.programs.get(f"{_FILE}:{kernel}")
+    program = device.programs.get(f"{_FILE}:{kernel}", time_limit_s=_MAPPING_S)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
     image = np.ones((rows * TILE_PX, columns * TILE_PX, 4), dtype=np.float32)
     job = device.new_job()

@@ -22,6 +22,7 @@ _PLACES = 2
 _PLACE_WORDS = 4096
 _CAMERA_WORDS = 17
 _FILE = "render/splat_project"
+_MAPPING_S = 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +150,7 @@ class _Projection:
         self, chunks: int, written: list[int], target: _Footprints, scalars: dict[str, object]
     ) -> list[int]:
         """Return the runs, whose values are how many Gaussians of each chunk are seen."""
-        program = self.device.programs.get(f"{_FILE}:splat_footprints")
+        program = self.device.programs.get(f"{_FILE}:splat_footprints", time_limit_s=_MAPPING_S)
         tiles = len(self.job.accelerator.tiles)
         freed: dict[tuple[int, int], list[int]] = {}
         for tile in range(min(tiles, chunks)):

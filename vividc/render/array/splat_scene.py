@@ -63,9 +63,9 @@ def device_scene(scene: Gaussians) -> DeviceScene:
             )
     means, scales, rotations, opacity, sh = columns.values()
     return DeviceScene(
-        geometry=np.ascontiguousarray(np.concatenate((means, scales, rotations), axis=1)),
-        opacity=np.ascontiguousarray(opacity),
-        appearance=np.ascontiguousarray(np.concatenate((means, sh), axis=1)),
+        geometry=np.concatenate((means, scales, rotations), axis=1),
+        opacity=np.array(opacity, order="C"),
+        appearance=np.concatenate((means, sh), axis=1),
         degree=scene.sh_degree,
     )
 
