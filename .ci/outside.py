@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import vividc
+from vividc.render.array.programs import Programs, kernel_folder
 
 
 @vividc.kernel("void(float32[::1], float32[::1], int32)")
@@ -33,6 +34,10 @@ def main(checkout: Path) -> None:
     np.savez("in.npz", x=x, y=np.ones(64, dtype=np.float32), n=np.int32(64))
     command = [str(Path(sys.executable).parent / "vividc"), "simulate", "saxpy.vivid"]
     subprocess.run([*command, "--inputs", "in.npz", "--check"], check=True, timeout=120)
+
+    kernels = Programs(vividc.arch.load_accelerator("vivid"))
+    assert kernel_folder() == home.parent / "kernels"
+    assert kernels.get("render/marching:sample_points").name == "sample_points"
 
     iis = ", ".join(f"{region.name} II {region.ii}" for region in program.regions)
     print(f"wheel: saxpy in {result.cycles} cycles ({iis})")

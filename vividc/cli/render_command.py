@@ -14,8 +14,10 @@ from rich.console import Console
 from rich.progress import Progress
 
 import vividc
+from vividc import arch
 from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
+from vividc.cli.frame_report import frame_body, print_frame
 from vividc.cli.report import print_json, print_table
 from vividc.errors import VividcError
 from vividc.render import (
@@ -37,6 +39,7 @@ from vividc.render import (
     ssim,
     write_png,
 )
+from vividc.render.array import ArrayFrame, ArrayOptions, render_array
 from vividc.render.arrays import Float32Array
 from vividc.render.blend_reference import BlendOptions
 
@@ -119,14 +122,22 @@ def _size(
     type=click.Choice([REFERENCE, ARRAY]),
     default=REFERENCE,
     show_default=True,
-    help="Float32 on the host, or (3DGS) blending by the array, compared with the former.",
+    help="Float32 on the host, or every stage by the array, compared with the former.",
 )
 @click.option(
     "--blend",
     "program",
     type=options.FILE,
     metavar="P.vivid",
-    help="For --engine array: kernels/gs_blend.py, compiled for the array's tile.",
+    help="For --engine array: only blend there, by kernels/gs_blend.py compiled for its tile.",
+)
+@click.option(
+    "--sample",
+    type=float,
+    default=1.0,
+    show_default=True,
+    metavar="SHARE",
+    help="For --engine array: share of the blocks of pixels that is simulated; the rest is white.",
 )
 @click.option(
     "--fabric",
@@ -150,14 +161,15 @@ def command(
     exponent_margin: float,
     engine: str,
     program: Path | None,
+    sample: float,
     fabric: str,
     output: Path | None,
     as_json: bool,
 ) -> None:
     """Render SCENE (3DGS .ply; npz of KiloNeRF, Instant-NGP, TensoRF) and compare with the truth.
 
-    The reference engine computes in float32 on the host. With the array, the host projects and
-    sorts, and the simulated tiles blend every pixel.
+    The reference engine computes in float32 on the host. With the array, the simulated tiles
+    compute every sample and every pixel, stage by stage (with --blend, of 3DGS the blending alone).
     """
     if output is not None:
         _check_picture(output)
@@ -166,24 +178,33 @@ def command(
         raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
     view = _view(views_file, view_index)
     found, model = read_scene(scene, method)
+    if sample != 1 and engine != ARRAY:
+        raise SceneError("only the array is simulated", loc="--sample", hint="--engine array")
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
     with _bar(f"rendering {camera.width}x{camera.height}") as progress:
         picture = render_reference(model, camera, switches, progress)
-    image, on_array = picture.image, None
+    image, on_array, frame = picture.image, None, None
+    if engine == ARRAY and blend is None:
+        wanted = ArrayOptions(fabric, "auto", lookahead == "on", exponent_margin, sample)
+        rendered = _on_array(model, camera, wanted)
+        image = rendered.image
+        frame = frame_body(rendered, arch.load_accelerator(fabric), picture.image)
     if blend is not None:
         blended = blend_on_array(*blend, camera, fabric)
         image, on_array = blended.image, _array_body(blended, picture.image)
     if output is not None:
         write_png(output, image)
     truth = None if view is None else view.truth_at(camera.width, camera.height)
-    body = _body(picture, image, truth) | {"array": on_array}
+    body = _body(picture, image, truth) | {"array": on_array, "frame": frame}
     body = {"scene": str(scene), "method": found, "engine": engine, "lookahead": lookahead} | body
     if as_json:
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
     else:
         _print(body, None if view is None else view.name, output)
+        if frame is not None:
+            print_frame(frame)
 
 
 def _check_picture(output: Path) -> None:
@@ -225,11 +246,21 @@ def _blending(
         if program is not None:
             raise SceneError("only the array blends with it", loc="--blend", hint=_ARRAY_HINT)
         return None
-    if not isinstance(scene, Gaussians):
-        raise SceneError("the array renders 3DGS scenes only", loc="--engine array")
     if program is None:
-        raise SceneError("no --blend program is given", loc="--engine array", hint=_ARRAY_HINT)
+        return None
+    if not isinstance(scene, Gaussians):
+        raise SceneError("only scenes of 3DGS are blended with it", loc="--blend")
     return vividc.load(program), scene
+
+
+def _on_array(scene: Scene, camera: Camera, wanted: ArrayOptions) -> ArrayFrame:
+    title = f"simulating {camera.width}x{camera.height}"
+    with _bar(title) as progress:
+        return render_array(scene, camera, wanted, progress, _tell)
+
+
+def _tell(line: str) -> None:
+    click.echo(line, err=True)
 
 
 def _array_body(blended: ArrayPicture, reference: Float32Array) -> dict[str, object]:

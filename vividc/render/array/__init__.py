@@ -1,1 +1,20 @@
 """The renderers on the array: stages are compiled kernels, the host makes launch graphs."""
+
+from vividc.render.array.device import Device, open_device
+from vividc.render.array.field import ArrayField
+from vividc.render.array.frame import ArrayFrame, Ledger, Stage
+from vividc.render.array.options import ArrayOptions
+from vividc.render.array.programs import Programs
+from vividc.render.array.render import render_array
+
+__all__ = [
+    "ArrayField",
+    "ArrayFrame",
+    "ArrayOptions",
+    "Device",
+    "Ledger",
+    "Programs",
+    "Stage",
+    "open_device",
+    "render_array",
+]

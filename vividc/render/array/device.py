@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import vividc
@@ -17,9 +18,24 @@ class Device:
     programs: Programs
     engine: str = "auto"
 
+    @property
+    def tiles(self) -> int:
+        """How many there are."""
+        return len(self.programs.machine.tiles)
+
+    @property
+    def scratchpad_bytes(self) -> int:
+        """Of each tile."""
+        return self.programs.machine.fabric.scratchpad.size_bytes
+
+    @property
+    def clock_ghz(self) -> float:
+        """Of the tiles."""
+        return self.programs.machine.fabric.clock_ghz
+
     def new_job(self) -> Job:
         """Return an empty launch graph."""
-        return Job(self.programs.accelerator)
+        return Job(self.programs.machine)
 
     def spread(self, ledger: Ledger, stage: str, kernel: str, *arguments: object) -> JobResult:
         """Spread a kernel's loop over `numba.prange` over the tiles, and book it under a stage.
@@ -28,7 +44,7 @@ class Device:
         """
         program = self.programs.get(kernel)
         with ledger.timed(stage):
-            machine = self.programs.accelerator
+            machine = self.programs.machine
             result = vividc.simulate(program, *arguments, fabric=machine, engine=self.engine)
         ledger.add(stage, result)
         return result
@@ -39,3 +55,16 @@ class Device:
             result = job.simulate(engine=self.engine)
         ledger.add(stage, result)
         return result
+
+
+def open_device(
+    fabric: str = "vivid", engine: str = "auto", tell: Callable[[str], None] | None = None
+) -> Device:
+    """Return an accelerator by name or YAML file; `tell` gets a line for each kernel it compiles.
+
+    Raises
+    ------
+    ArchError
+        The fabric is unknown, faulty or a single tile.
+    """
+    return Device(Programs(vividc.arch.load_accelerator(fabric), tell), engine)

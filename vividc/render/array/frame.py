@@ -7,6 +7,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from time import perf_counter
 
+import numpy as np
+import numpy.typing as npt
+
 from vividc.launch import JobResult, JobStats
 from vividc.render.arrays import Float32Array
 
@@ -86,6 +89,8 @@ class ArrayFrame:
     sampled
         Share of the blocks that were simulated; below 1 the other pixels are white, and cycles
         are of the simulated blocks only.
+    simulated
+        [height, width] bool: pixels of those blocks; None: all.
     """
 
     image: Float32Array
@@ -93,6 +98,7 @@ class ArrayFrame:
     counts: dict[str, int]
     clock_ghz: float
     sampled: float = 1.0
+    simulated: npt.NDArray[np.bool_] | None = None
 
     @property
     def cycles(self) -> int:

@@ -9,7 +9,7 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -24,7 +24,6 @@ CACHE_VARIABLE: Final = "VIVIDC_CACHE_DIR"
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
 _COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
-_MAPPING_S: Final = 20.0
 
 Options = Mapping[str, object]
 """Keywords of `vividc.compile`."""
@@ -40,14 +39,17 @@ class Programs:
 
     Attributes
     ----------
-    accelerator
-        A preset's name, or a YAML file.
+    machine
+        What the kernels are compiled for.
     tell
         Called with a line for each kernel that has to be compiled.
+    mapping_s
+        Seconds for mapping a kernel.
     """
 
-    accelerator: str = "vivid"
+    machine: vividc.arch.Accelerator
     tell: Callable[[str], None] | None = None
+    mapping_s: float = 20.0
     _loaded: dict[str, vividc.Program] = field(default_factory=dict)
 
     def get(self, kernel: str, **options: object) -> vividc.Program:
@@ -65,6 +67,7 @@ class Programs:
         VividcError
             It cannot be compiled for this accelerator.
         """
+        options = {"time_limit_s": self.mapping_s, **options}
         name = f"{kernel} {sorted(options.items())}"
         if name not in self._loaded:
             self._loaded[name] = self._load(kernel, options)
@@ -88,13 +91,12 @@ class Programs:
         found = getattr(_module(file), function, None)
         if not isinstance(found, vividc.KernelFunction):
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
-        keywords: dict[str, object] = {"time_limit_s": _MAPPING_S, **options}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
             compiled: vividc.Program = vividc.compile(
                 found,
-                self.accelerator,
-                **keywords,  # type: ignore[arg-type]
+                self.machine,
+                **options,  # type: ignore[arg-type]
             )
         return compiled
 
@@ -103,8 +105,7 @@ class Programs:
         folder = cache_folder()
         if folder is None:
             return None
-        machine = repr(vividc.arch.load_accelerator(self.accelerator))
-        parts = (function, machine, repr(sorted(options.items())), compiler_digest())
+        parts = (function, _text(self.machine), repr(sorted(options.items())), compiler_digest())
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
         return folder / f"{function}-{digest.hexdigest()[:32]}.vivid"
@@ -164,6 +165,20 @@ def _module(file: Path) -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def _text(value: object) -> str:
+    """Return a text that is the same in each process: sets have no order of their own."""
+    if is_dataclass(value) and not isinstance(value, type):
+        inner = (f"{f.name}={_text(getattr(value, f.name))}" for f in fields(value))
+        return f"{type(value).__name__}({', '.join(inner)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(sorted(f'{_text(k)}: {_text(v)}' for k, v in value.items()))}}}"
+    if isinstance(value, frozenset | set):
+        return f"{{{', '.join(sorted(map(_text, value)))}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
+    return repr(value)
 
 
 def _source(file: Path) -> bytes:

@@ -1,0 +1,243 @@
+"""KiloNeRF (Reiser et al. 2021): samples find their network, are sorted by it, and run through it.
+
+Layers take four samples and eight neurons at a time: 32 sums that do not wait for one another.
+"""
+
+import math
+
+import numba
+import numpy as np
+from numba import prange
+
+import vividc
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TWO = np.float32(2.0)
+LARGEST = np.float32(80.0)
+LOWEST = np.float32(-3.4e38)
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], int32[:, :, ::1], int32[::1], float32[:, ::1])")
+def cells(points, box, networks, chosen, local):
+    """Network of each point (-1: none), and its place in that network's cell, -1 to 1.
+
+    `box` is the lowest corner and the extent.
+    """
+    for i in prange(points.shape[0]):
+        x = (points[i, 0] - box[0]) / box[3] * np.float32(networks.shape[0])
+        y = (points[i, 1] - box[1]) / box[4] * np.float32(networks.shape[1])
+        z = (points[i, 2] - box[2]) / box[5] * np.float32(networks.shape[2])
+        cx = min(max(np.int32(np.floor(x)), 0), networks.shape[0] - 1)
+        cy = min(max(np.int32(np.floor(y)), 0), networks.shape[1] - 1)
+        cz = min(max(np.int32(np.floor(z)), 0), networks.shape[2] - 1)
+        chosen[i] = networks[cx, cy, cz]
+        local[i, 0] = (x - np.float32(np.int32(cx))) * TWO - ONE
+        local[i, 1] = (y - np.float32(np.int32(cy))) * TWO - ONE
+        local[i, 2] = (z - np.float32(np.int32(cz))) * TWO - ONE
+
+
+@vividc.kernel("void(int32[::1], int32, int32[::1], int32[::1], int32[::1], int32[::1])")
+def sort_by_network(networks, first, starts, cursors, order, places):
+    """Counting sort of a chunk's samples by network, those without one (-1) first; stable.
+
+    `starts[k]` is where network k - 1 starts; `order` lists the samples in that order, and
+    `places` says where each went, both counted from `first`. `cursors` is room to work in.
+    """
+    for k in range(len(starts)):
+        starts[k] = 0
+    for i in range(len(networks)):
+        starts[networks[i] + 2] += 1
+    total = np.int32(0)
+    for k in range(len(starts)):
+        total += starts[k]
+        starts[k] = total
+        cursors[k] = total
+    for i in range(len(networks)):
+        place = cursors[networks[i] + 1]
+        cursors[networks[i] + 1] = place + 1
+        order[place] = first + i
+        places[i] = first + place
+
+
+@vividc.kernel("void(float32[:, ::1], int32, float32[:, ::1])")
+def positional_encoding(points, frequencies, out):
+    """x, sin x, cos x, sin 2x, cos 2x, ... of 3-vectors within -2 to 2 (Mildenhall et al. 2020)."""
+    for i in prange(points.shape[0]):
+        for axis in range(3):
+            out[i, axis] = points[i, axis]
+        for level in range(frequencies):
+            scale = np.float32(np.int32(1 << level))
+            for axis in range(3):
+                angle = scale * min(max(points[i, axis], -TWO), TWO)
+                out[i, 3 + 6 * level + axis] = math.sin(angle)
+                out[i, 6 + 6 * level + axis] = math.cos(angle)
+
+
+@numba.njit
+def run_layers(values, weights, layers, samples):
+    """Linear layers of a network, one after the other, over all samples.
+
+    A row of `layers` says where a layer finds its inputs in `values`, the words between two
+    samples' inputs, how many there are; where its weights [inputs, neurons] are in `weights`, how
+    many neurons (a multiple of 8); where its results go, and the words between two samples';
+    whether they are cut at 0; and where its bias is, or -1 where the results so far are added to.
+    """
+    for layer in range(layers.shape[0]):
+        source = layers[layer, 0]
+        pitch = layers[layer, 1]
+        width = layers[layer, 2]
+        neurons = layers[layer, 4]
+        target = layers[layer, 5]
+        step = layers[layer, 6]
+        lowest = ZERO if layers[layer, 7] else LOWEST
+        for s in range(0, samples, 4):
+            for o in range(0, neurons, 8):
+                x = np.int32(source + s * pitch)
+                w = np.int32(layers[layer, 3] + o)
+                y = np.int32(target + s * step + o)
+                if layers[layer, 8] >= 0:
+                    b = np.int32(layers[layer, 8] + o)
+                    a0 = b0 = c0 = d0 = weights[b + 0]
+                    a1 = b1 = c1 = d1 = weights[b + 1]
+                    a2 = b2 = c2 = d2 = weights[b + 2]
+                    a3 = b3 = c3 = d3 = weights[b + 3]
+                    a4 = b4 = c4 = d4 = weights[b + 4]
+                    a5 = b5 = c5 = d5 = weights[b + 5]
+                    a6 = b6 = c6 = d6 = weights[b + 6]
+                    a7 = b7 = c7 = d7 = weights[b + 7]
+                else:
+                    a0 = values[y + 0 * step + 0]
+                    a1 = values[y + 0 * step + 1]
+                    a2 = values[y + 0 * step + 2]
+                    a3 = values[y + 0 * step + 3]
+                    a4 = values[y + 0 * step + 4]
+                    a5 = values[y + 0 * step + 5]
+                    a6 = values[y + 0 * step + 6]
+                    a7 = values[y + 0 * step + 7]
+                    b0 = values[y + 1 * step + 0]
+                    b1 = values[y + 1 * step + 1]
+                    b2 = values[y + 1 * step + 2]
+                    b3 = values[y + 1 * step + 3]
+                    b4 = values[y + 1 * step + 4]
+                    b5 = values[y + 1 * step + 5]
+                    b6 = values[y + 1 * step + 6]
+                    b7 = values[y + 1 * step + 7]
+                    c0 = values[y + 2 * step + 0]
+                    c1 = values[y + 2 * step + 1]
+                    c2 = values[y + 2 * step + 2]
+                    c3 = values[y + 2 * step + 3]
+                    c4 = values[y + 2 * step + 4]
+                    c5 = values[y + 2 * step + 5]
+                    c6 = values[y + 2 * step + 6]
+                    c7 = values[y + 2 * step + 7]
+                    d0 = values[y + 3 * step + 0]
+                    d1 = values[y + 3 * step + 1]
+                    d2 = values[y + 3 * step + 2]
+                    d3 = values[y + 3 * step + 3]
+                    d4 = values[y + 3 * step + 4]
+                    d5 = values[y + 3 * step + 5]
+                    d6 = values[y + 3 * step + 6]
+                    d7 = values[y + 3 * step + 7]
+                for k in range(width):
+                    w0 = weights[w + k * neurons + 0]
+                    w1 = weights[w + k * neurons + 1]
+                    w2 = weights[w + k * neurons + 2]
+                    w3 = weights[w + k * neurons + 3]
+                    w4 = weights[w + k * neurons + 4]
+                    w5 = weights[w + k * neurons + 5]
+                    w6 = weights[w + k * neurons + 6]
+                    w7 = weights[w + k * neurons + 7]
+                    value = values[x + 0 * pitch + k]
+                    a0 += value * w0
+                    a1 += value * w1
+                    a2 += value * w2
+                    a3 += value * w3
+                    a4 += value * w4
+                    a5 += value * w5
+                    a6 += value * w6
+                    a7 += value * w7
+                    value = values[x + 1 * pitch + k]
+                    b0 += value * w0
+                    b1 += value * w1
+                    b2 += value * w2
+                    b3 += value * w3
+                    b4 += value * w4
+                    b5 += value * w5
+                    b6 += value * w6
+                    b7 += value * w7
+                    value = values[x + 2 * pitch + k]
+                    c0 += value * w0
+                    c1 += value * w1
+                    c2 += value * w2
+                    c3 += value * w3
+                    c4 += value * w4
+                    c5 += value * w5
+                    c6 += value * w6
+                    c7 += value * w7
+                    value = values[x + 3 * pitch + k]
+                    d0 += value * w0
+                    d1 += value * w1
+                    d2 += value * w2
+                    d3 += value * w3
+                    d4 += value * w4
+                    d5 += value * w5
+                    d6 += value * w6
+                    d7 += value * w7
+                values[y + 0 * step + 0] = max(a0, lowest)
+                values[y + 0 * step + 1] = max(a1, lowest)
+                values[y + 0 * step + 2] = max(a2, lowest)
+                values[y + 0 * step + 3] = max(a3, lowest)
+                values[y + 0 * step + 4] = max(a4, lowest)
+                values[y + 0 * step + 5] = max(a5, lowest)
+                values[y + 0 * step + 6] = max(a6, lowest)
+                values[y + 0 * step + 7] = max(a7, lowest)
+                values[y + 1 * step + 0] = max(b0, lowest)
+                values[y + 1 * step + 1] = max(b1, lowest)
+                values[y + 1 * step + 2] = max(b2, lowest)
+                values[y + 1 * step + 3] = max(b3, lowest)
+                values[y + 1 * step + 4] = max(b4, lowest)
+                values[y + 1 * step + 5] = max(b5, lowest)
+                values[y + 1 * step + 6] = max(b6, lowest)
+                values[y + 1 * step + 7] = max(b7, lowest)
+                values[y + 2 * step + 0] = max(c0, lowest)
+                values[y + 2 * step + 1] = max(c1, lowest)
+                values[y + 2 * step + 2] = max(c2, lowest)
+                values[y + 2 * step + 3] = max(c3, lowest)
+                values[y + 2 * step + 4] = max(c4, lowest)
+                values[y + 2 * step + 5] = max(c5, lowest)
+                values[y + 2 * step + 6] = max(c6, lowest)
+                values[y + 2 * step + 7] = max(c7, lowest)
+                values[y + 3 * step + 0] = max(d0, lowest)
+                values[y + 3 * step + 1] = max(d1, lowest)
+                values[y + 3 * step + 2] = max(d2, lowest)
+                values[y + 3 * step + 3] = max(d3, lowest)
+                values[y + 3 * step + 4] = max(d4, lowest)
+                values[y + 3 * step + 5] = max(d5, lowest)
+                values[y + 3 * step + 6] = max(d6, lowest)
+                values[y + 3 * step + 7] = max(d7, lowest)
+
+
+@vividc.kernel(
+    "void(float32[::1], float32[::1], int32[:, ::1], int32, int32, float32, float32[::1])"
+)
+def density_network(values, weights, layers, first, pitch, step, thickness):
+    """Optical thickness of a step at each sample: the last layer's first result, not below 0, which
+    is at `first`, `pitch` words apart. The other results stay in `values`.
+    """
+    samples = len(thickness)
+    run_layers(values, weights, layers, samples)
+    for sample in range(samples):
+        thickness[sample] = max(values[first + sample * pitch], ZERO) * step
+
+
+@vividc.kernel("void(float32[::1], float32[::1], int32[:, ::1], int32, int32, float32[:, ::1])")
+def colour_network(values, weights, layers, first, pitch, colours):
+    """Red, green and blue of each sample: the sigmoid of the last layer's first three results."""
+    samples = colours.shape[0]
+    run_layers(values, weights, layers, samples)
+    for sample in range(samples):
+        for channel in range(3):
+            exponent = -values[first + sample * pitch + channel]
+            exponent = min(max(exponent, -LARGEST), LARGEST)
+            colours[sample, channel] = ONE / (ONE + math.exp(exponent))

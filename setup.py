@@ -1,0 +1,10 @@
+"""Puts `kernels/` into the package: the renderers on the array compile them where it is installed."""
+
+from setuptools import find_namespace_packages, setup
+
+KERNELS = ("vividc.kernels", "vividc.kernels.render")
+
+setup(
+    packages=[*find_namespace_packages(include=["vividc*"]), *KERNELS],
+    package_dir={"vividc.kernels": "kernels"},
+)

@@ -1,0 +1,30 @@
+"""Occupancy in bricks: every cell is found again through coarse bits, ranks and bricks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vividc.render.array.bricks import Bricks, pack_bricks
+
+
+def cell(bricks: Bricks, x: int, y: int, z: int) -> bool:
+    """One cell, read as the marching kernel does."""
+    _, _, _, columns, rows = map(int, bricks.grid)
+    brick = ((x >> 2) * columns + (y >> 2)) * rows + (z >> 2)
+    word = int(bricks.coarse[brick >> 5])
+    if not word >> (brick & 31) & 1:
+        return False
+    before = int(bricks.ranks[brick >> 5]) + (word & ((1 << (brick & 31)) - 1)).bit_count()
+    bit = (x & 3) << 4 | (y & 3) << 2 | (z & 3)
+    return bool(int(bricks.cells[2 * before + (bit >> 5)]) >> (bit & 31) & 1)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.01, 0.3, 1.0])
+def test_cells_are_found_again(share: float) -> None:
+    occupied = np.random.default_rng(1).random((9, 18, 13)) < share
+    bricks = pack_bricks(occupied)
+    found = [cell(bricks, *place) for place in np.ndindex(occupied.shape)]
+    np.testing.assert_array_equal(np.reshape(found, occupied.shape), occupied)
+    assert list(bricks.grid) == [9, 18, 13, 5, 4]
+    assert bricks.size_bytes == sum(map(len, (bricks.coarse, bricks.ranks, bricks.cells))) * 4

@@ -1,0 +1,77 @@
+"""Launches dealt out to tiles, arrays that stay, and transfers behind runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vividc.render import SceneError
+from vividc.render.array import Device, Ledger, open_device
+from vividc.render.array.block_launches import Launch, Move, dealt, run_launches
+from vividc.render.array.gather import gather_rows
+
+KERNEL = "saxpy:saxpy"
+
+
+@pytest.fixture(scope="module")
+def device() -> Device:
+    return open_device("vivid")
+
+
+def launch(x: np.ndarray, y: np.ndarray, *, shared: bool = False) -> Launch:
+    return Launch(
+        shapes={"x": x.shape, "y": y.shape},
+        inputs={"y": (Move(y),)} if shared else {"x": (Move(x),), "y": (Move(y),)},
+        outputs={"y": (Move(y),)},
+        shared={"x": x} if shared else {},
+        scalars={"n": len(x), "a": 2.0},
+    )
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_every_launch_runs_once(device: Device, shared: bool) -> None:
+    rng = np.random.default_rng(3)
+    xs = [rng.random(30, dtype=np.float32) for _ in range(3)]
+    ys = [rng.random(30, dtype=np.float32) for _ in range(40)]
+    expected = [y + np.float32(2) * xs[i * 3 // 40] for i, y in enumerate(ys)]
+    ledger = Ledger()
+    launches = [launch(xs[i * 3 // 40], y, shared=shared) for i, y in enumerate(ys)]
+    returned = run_launches(device, ledger, "test", KERNEL, launches)
+    np.testing.assert_allclose(ys, expected, rtol=1e-6)
+    assert returned == [0] * 40
+    stage = ledger.stages["test"]
+    assert (stage.jobs, stage.runs) == (1, 40)
+    moved_in = 40 * 120 if shared else 80 * 120
+    assert stage.stats[0]["bytes"]["scratchpad_in"] >= moved_in
+
+
+def test_no_launches_are_no_job(device: Device) -> None:
+    ledger = Ledger()
+    assert run_launches(device, ledger, "test", KERNEL, []) == []
+    assert not ledger.stages
+
+
+def test_launches_of_one_group_stay_on_a_tile() -> None:
+    x = [np.zeros(4, np.float32) for _ in range(3)]
+    y = np.zeros(4, np.float32)
+    launches = [launch(x[i], y, shared=True) for i in (0, 0, 0, 1, 1, 2)]
+    assert dealt(launches, 2) == [[0, 1, 2], [3, 4, 5]]
+    assert sorted(sum(dealt(launches, 5), [])) == list(range(6))
+
+
+def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:
+    x = np.zeros(5000, np.float32)
+    with pytest.raises(SceneError, match=r"needs \d+ bytes of a scratchpad of 32768: x 20000"):
+        run_launches(device, Ledger(), "test", KERNEL, [launch(x, x.copy())])
+
+
+def test_rows_are_gathered_in_pieces(device: Device) -> None:
+    rng = np.random.default_rng(4)
+    table = rng.random((50, 7), dtype=np.float32)
+    rows = [rng.integers(0, 50, n).astype(np.int32) for n in (3, 0, 700)]
+    ledger = Ledger()
+    np.testing.assert_array_equal(
+        gather_rows(device, ledger, "test", table, rows), table[np.concatenate(rows)]
+    )
+    assert gather_rows(device, ledger, "other", table, []).shape == (0, 7)
+    assert list(ledger.stages) == ["test"]

@@ -1,0 +1,70 @@
+"""Programs of stages: found, compiled once, kept on disk, and compiled again if damaged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import vividc
+from vividc.render import SceneError
+from vividc.render.array.programs import Programs, cache_folder, compiler_digest, kernel_folder
+
+FIR = "prefix_sum:prefix_sum"
+
+
+def programs(told: list[str]) -> Programs:
+    return Programs(vividc.arch.load_accelerator("vivid"), told.append, mapping_s=5)
+
+
+def test_a_kernel_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
+    told: list[str] = []
+    first = programs(told).get(FIR)
+    assert told == ["compiling prefix_sum:prefix_sum (kept for the next time)"]
+    (bundle,) = (tmp_path / "programs").iterdir()
+    held = programs(told)
+    again = held.get(FIR)
+    assert again is held.get(FIR)
+    assert len(told) == 1
+    assert [r.ii for r in again.regions] == [r.ii for r in first.regions]
+    bundle.write_bytes(bundle.read_bytes()[:100])
+    programs(told).get(FIR)
+    assert len(told) == 2
+    assert vividc.load(bundle).name == "prefix_sum"
+
+
+def test_options_and_places_are_told_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
+    told: list[str] = []
+    programs(told).get(FIR)
+    programs(told).get(FIR, transform="none")
+    assert len(list((tmp_path / "programs").iterdir())) == len(told) == 2
+
+
+def test_without_a_cache_nothing_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", "")
+    assert cache_folder() is None
+    assert programs([]).get(FIR).name == "prefix_sum"
+
+
+def test_a_folder_that_cannot_be_written_is_no_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path / "file"))
+    assert programs([]).get(FIR).name == "prefix_sum"
+
+
+def test_mistakes_are_messages() -> None:
+    with pytest.raises(SceneError, match=r"prefix_sum\.py: has no kernel `absent`"):
+        programs([]).get("prefix_sum:absent")
+    with pytest.raises(SceneError, match=r"absent\.py: cannot be read: No such file"):
+        programs([]).get("absent:kernel")
+
+
+def test_the_digest_and_the_folder() -> None:
+    assert compiler_digest() == compiler_digest()
+    assert (kernel_folder() / "render" / "marching.py").is_file()

@@ -1,0 +1,397 @@
+"""The ray-marched renderers on the array: `radiance.volume.render_rays`, stage by stage.
+
+Every sample and every pixel is computed by kernels (kernels/render/marching.py). The host makes the
+launch graphs: it reads how many samples a block of rays has, and how many survive, between two
+jobs, as the host of a GPU would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from vividc.render.array.block_launches import Launch, Move, run_launches
+from vividc.render.array.bricks import Bricks, pack_bricks
+from vividc.render.array.device import Device
+from vividc.render.array.field import ArrayField
+from vividc.render.array.frame import Ledger
+from vividc.render.array.gather import gather_rows
+from vividc.render.arrays import Float32Array
+from vividc.render.camera import Camera
+from vividc.render.errors import SceneError
+from vividc.render.radiance import March
+
+Int32Array = npt.NDArray[np.int32]
+
+SIDE = 8
+"""Pixels of a block's side."""
+RAYS = SIDE * SIDE
+_KERNELS = "render/marching"
+_WORD = 4
+_BLOCKS_AT_ONCE = 512
+_RAY_WORDS = 6
+_LARGEST_ROOM = 2048
+_SPARE_WORDS = 256
+"""For the other small arrays of the marching kernel, and what aligning them takes."""
+_MOST_STEPS = 1 << 15
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Rays in a row in the batch, and its samples: numbers in the batch."""
+
+    first_ray: int
+    rays: int
+    first: int = 0
+    samples: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Survivors:
+    """What a batch's colour is computed of: numbers of samples and rays, and weights.
+
+    Each block's are at the head of its own part of the arrays: `blocks` says where, `listed` how
+    many.
+    """
+
+    samples: Int32Array
+    rays: Int32Array
+    weights: Float32Array
+    blocks: tuple[Block, ...]
+    listed: tuple[int, ...]
+
+    @property
+    def total(self) -> int:
+        """Of all blocks."""
+        return sum(self.listed)
+
+    def parts(self) -> Iterator[slice]:
+        """Yield where each block's are."""
+        for block, count in zip(self.blocks, self.listed, strict=True):
+            yield slice(block.first, block.first + count)
+
+
+class Marcher:
+    """Renders blocks of a camera's pixels."""
+
+    def __init__(
+        self, device: Device, field: ArrayField, camera: Camera, lookahead: bool, ledger: Ledger
+    ) -> None:
+        self._device = device
+        self._field = field
+        self._camera = camera
+        self._lookahead = lookahead
+        self._ledger = ledger
+        march = field.march
+        self._geometry = _geometry(march, camera)
+        self._bricks = pack_bricks(march.occupied)
+        self._room = _room(march, self._bricks, device.scratchpad_bytes)
+        self._limits = np.array([field.transmittance_min, field.weight_min], dtype=np.float32)
+        self._directions = np.empty((0, 3), dtype=np.float32)
+
+    def render(self, corners: Int32Array) -> Float32Array:
+        """Return r, g, b over white and transmittance, [n, 64, 4], of blocks of 8x8 pixels.
+
+        Parameters
+        ----------
+        corners
+            [n, 2] int32 first column and row of each.
+        """
+        camera, ledger = self._camera, self._ledger
+        self._directions = self._camera_rays(corners)
+        inside = np.minimum((camera.width, camera.height) - corners, SIDE)
+        ledger.count(rays=int(inside.prod(axis=1).sum()))
+        blocks, items, entries = self._march(len(corners))
+        points, rays = self._points(blocks, items, entries)
+        ledger.count(density_samples=len(points))
+        thickness = np.zeros(0, dtype=np.float32)
+        features = np.zeros((0, 1), dtype=np.float32)
+        if len(points):
+            thickness, features = self._field.density(points, ledger)
+        survivors, left = self._light(blocks, thickness, rays)
+        counted = sum(np.count_nonzero(survivors.weights[part]) for part in survivors.parts())
+        ledger.count(colour_samples=survivors.total, counted_samples=int(counted))
+        colours = np.zeros((0, 3), dtype=np.float32)
+        if survivors.total:
+            colours = self._field.colour(*self._compacted(survivors, points, features), ledger)
+        return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
+
+    def _camera_rays(self, corners: Int32Array) -> Float32Array:
+        camera = self._camera
+        pose = np.ascontiguousarray(camera.c2w[:3, :3], dtype=np.float32)
+        focal = camera.focal
+        lens = np.array([camera.width, camera.height, focal, 1 / focal], dtype=np.float32)
+        directions = np.zeros((len(corners), RAYS, 3), dtype=np.float32)
+        kernel = f"{_KERNELS}:camera_rays"
+        self._device.spread(self._ledger, "ray generation", kernel, pose, lens, corners, directions)
+        return directions.reshape(-1, 3)
+
+    def _march(self, count: int) -> tuple[list[Block], list[Int32Array], Float32Array]:
+        """Return blocks with how many samples each has, their items, and where rays enter.
+
+        A block with more samples than there is room for is cut into halves and marched again.
+        """
+        entries = np.zeros(count * RAYS, dtype=np.float32)
+        todo = [Block(number * RAYS, RAYS) for number in range(count)]
+        done: dict[int, tuple[Block, Int32Array]] = {}
+        while todo:
+            items = [np.zeros(self._room, dtype=np.int32) for _ in todo]
+            launches = [
+                self._march_launch(block, room, entries)
+                for block, room in zip(todo, items, strict=True)
+            ]
+            found = self._run("ray marching", "march_rays", launches)
+            again: list[Block] = []
+            for block, room, samples in zip(todo, items, found, strict=True):
+                if samples > self._room:
+                    again += _halves(block)
+                else:
+                    marched = Block(block.first_ray, block.rays, 0, samples)
+                    done[block.first_ray] = marched, room[:samples]
+            todo = again
+        blocks, kept, first = [], [], 0
+        for _, (block, room) in sorted(done.items()):
+            blocks.append(Block(block.first_ray, block.rays, first, block.samples))
+            kept.append(room)
+            first += block.samples
+        return blocks, kept, entries
+
+    def _march_launch(self, block: Block, items: Int32Array, entries: Float32Array) -> Launch:
+        rays, room = (block.rays,), (self._room,)
+        bricks = self._bricks
+        shared = {
+            "geometry": self._geometry,
+            "grid": bricks.grid,
+            "coarse": bricks.coarse,
+            "ranks": bricks.ranks,
+            "bricks": bricks.cells,
+        }
+        own = {"entries": rays, "exits": rays, "steps": rays, "candidates": room, "items": room}
+        return Launch(
+            shapes={
+                "directions": (block.rays, 3),
+                **{name: array.shape for name, array in shared.items()},
+                **own,
+            },
+            inputs={"directions": (Move(self._rays_of(block)),)},
+            outputs={
+                "entries": (Move(entries[block.first_ray : block.first_ray + block.rays]),),
+                "items": (Move(items),),
+            },
+            shared=shared,
+            scalars={"most": self._field.march.samples},
+        )
+
+    def _points(
+        self, blocks: Sequence[Block], items: Sequence[Int32Array], entries: Float32Array
+    ) -> tuple[Float32Array, Int32Array]:
+        """Return the place [n, 3] and the ray [n] of each sample."""
+        total = sum(block.samples for block in blocks)
+        points = np.zeros((total, 3), dtype=np.float32)
+        rays = np.zeros(total, dtype=np.int32)
+        launches = []
+        for block, item in zip(blocks, items, strict=True):
+            if not block.samples:
+                continue
+            part = slice(block.first, block.first + block.samples)
+            of_rays = entries[block.first_ray : block.first_ray + block.rays]
+            launches.append(
+                Launch(
+                    shapes={
+                        "directions": (block.rays, 3),
+                        "entries": (block.rays,),
+                        "geometry": self._geometry.shape,
+                        "items": (block.samples,),
+                        "points": (block.samples, 3),
+                        "rays": (block.samples,),
+                    },
+                    inputs={
+                        "directions": (Move(self._rays_of(block)),),
+                        "entries": (Move(of_rays),),
+                        "items": (Move(item),),
+                    },
+                    outputs={"points": (Move(points[part]),), "rays": (Move(rays[part]),)},
+                    shared={"geometry": self._geometry},
+                    scalars={"first_ray": block.first_ray},
+                    cost=block.samples + 20,
+                )
+            )
+        self._run("ray marching", "sample_points", launches)
+        return points, rays
+
+    def _light(
+        self, blocks: Sequence[Block], thickness: Float32Array, rays: Int32Array
+    ) -> tuple[_Survivors, Float32Array]:
+        """Return the samples whose colour is computed, and the light behind all samples [rays]."""
+        kept, kept_rays = np.zeros_like(rays), np.zeros_like(rays)
+        weights = np.zeros_like(thickness)
+        left = np.zeros(len(self._directions), dtype=np.float32)
+        launches = []
+        for block in blocks:
+            part = slice(block.first, block.first + block.samples)
+            of_rays = slice(block.first_ray, block.first_ray + block.rays)
+            count = (block.samples,)
+            launches.append(
+                Launch(
+                    shapes={
+                        **dict.fromkeys(("thickness", "rays", "kept", "kept_rays"), count),
+                        "weights": count,
+                        "left": (block.rays,),
+                        "limits": self._limits.shape,
+                    },
+                    inputs={"thickness": (Move(thickness[part]),), "rays": (Move(rays[part]),)},
+                    outputs={
+                        "left": (Move(left[of_rays]),),
+                        "kept": (Move(kept[part]),),
+                        "kept_rays": (Move(kept_rays[part]),),
+                        "weights": (Move(weights[part]),),
+                    },
+                    shared={"limits": self._limits},
+                    scalars={
+                        "first_ray": block.first_ray,
+                        "first_sample": block.first,
+                        "keep_all": int(not self._lookahead),
+                    },
+                    cost=block.samples + 40,
+                )
+            )
+        counts = self._run("transmittance", "transmittance", launches)
+        return _Survivors(kept, kept_rays, weights, tuple(blocks), tuple(counts)), left
+
+    def _compacted(
+        self, survivors: _Survivors, points: Float32Array, features: Float32Array
+    ) -> tuple[Float32Array, Float32Array, Float32Array]:
+        """Return points, features and directions of the survivors: rows that DMA gathers."""
+        samples = [survivors.samples[part] for part in survivors.parts()]
+        rays = [survivors.rays[part] for part in survivors.parts()]
+        tables = ((points, samples), (features, samples), (self._directions, rays))
+        gathered = [
+            gather_rows(self._device, self._ledger, "compaction", table, rows)
+            for table, rows in tables
+        ]
+        return gathered[0], gathered[1], gathered[2]
+
+    def _accumulate(
+        self, survivors: _Survivors, colours: Float32Array, left: Float32Array
+    ) -> Float32Array:
+        """Return r, g, b over white and transmittance of each ray [n, 4]."""
+        out = np.zeros((len(left), 4), dtype=np.float32)
+        launches, first = [], 0
+        for block, part in zip(survivors.blocks, survivors.parts(), strict=True):
+            of_rays = slice(block.first_ray, block.first_ray + block.rays)
+            samples = part.stop - part.start
+            count = (samples,)
+            of_block = colours[first : first + samples]
+            first += samples
+            launches.append(
+                Launch(
+                    shapes={
+                        "weights": count,
+                        "rays": count,
+                        "colours": (samples, 3),
+                        "left": (block.rays,),
+                        "out": (block.rays, 4),
+                    },
+                    inputs={
+                        "weights": (Move(survivors.weights[part]),),
+                        "rays": (Move(survivors.rays[part]),),
+                        "colours": (Move(of_block),),
+                        "left": (Move(left[of_rays]),),
+                    },
+                    outputs={"out": (Move(out[of_rays]),)},
+                    scalars={"first_ray": block.first_ray},
+                    cost=samples + 40,
+                )
+            )
+        self._run("accumulation", "accumulate", launches)
+        return out
+
+    def _rays_of(self, block: Block) -> Float32Array:
+        return self._directions[block.first_ray : block.first_ray + block.rays]
+
+    def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
+        """Run launches, and count what the host reads of them: a word each."""
+        returned = run_launches(self._device, self._ledger, stage, f"{_KERNELS}:{kernel}", launches)
+        self._ledger.count(launches=len(launches))
+        return returned
+
+
+def block_corners(camera: Camera) -> Int32Array:
+    """Return the first column and row of each block of 8x8 pixels, [n, 2] int32, row by row."""
+    columns = np.arange(0, camera.width, SIDE)
+    rows = np.arange(0, camera.height, SIDE)
+    corners = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    return corners.astype(np.int32)
+
+
+def render_blocks(
+    device: Device,
+    field: ArrayField,
+    camera: Camera,
+    corners: Int32Array,
+    *,
+    lookahead: bool = True,
+    ledger: Ledger,
+    progress: Callable[[float], None] | None = None,
+) -> Float32Array:
+    """Return the picture [height, width, 3] over white; pixels of no block are white.
+
+    Parameters
+    ----------
+    corners
+        Of the blocks that are computed (`block_corners`).
+    """
+    image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
+    marcher = Marcher(device, field, camera, lookahead, ledger)
+    done = 0
+    for part in _batches(corners):
+        for (column, row), block in zip(part, marcher.render(part), strict=True):
+            width, height = min(SIDE, camera.width - column), min(SIDE, camera.height - row)
+            pixels = block.reshape(SIDE, SIDE, 4)[:height, :width, :3]
+            image[row : row + height, column : column + width] = pixels
+        done += len(part)
+        if progress is not None:
+            progress(done / len(corners))
+    return image
+
+
+def _batches(corners: Int32Array) -> Iterator[Int32Array]:
+    for first in range(0, len(corners), _BLOCKS_AT_ONCE):
+        yield np.ascontiguousarray(corners[first : first + _BLOCKS_AT_ONCE])
+
+
+def _geometry(march: March, camera: Camera) -> Float32Array:
+    """Return the table that kernels/render/marching.py calls `geometry`."""
+    cells = np.array(march.occupied.shape, dtype=np.float32) / (march.box[1] - march.box[0])
+    rest = (march.near, march.far, march.step)
+    parts = (camera.position, march.box[0], march.box[1], cells, rest)
+    return np.concatenate(parts, dtype=np.float32)
+
+
+def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
+    """Return how many samples of a block of rays there is room for in the scratchpad.
+
+    Raises
+    ------
+    SceneError
+        Not even for those of one ray.
+    """
+    free = scratchpad_bytes - bricks.size_bytes
+    words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * RAYS
+    room = min(_LARGEST_ROOM, words // 2)
+    if room < march.samples or march.samples > _MOST_STEPS:
+        raise SceneError(
+            f"the occupancy of {' x '.join(map(str, march.occupied.shape))} cells takes "
+            f"{bricks.size_bytes} bytes of a scratchpad of {scratchpad_bytes}, and the "
+            f"{march.samples} samples of a ray must fit beside it",
+            hint="store a coarser occupancy, or use a fabric with larger scratchpads",
+        )
+    return room
+
+
+def _halves(block: Block) -> tuple[Block, Block]:
+    left = block.rays // 2
+    return Block(block.first_ray, left), Block(block.first_ray + left, block.rays - left)

@@ -1,0 +1,96 @@
+"""A scene of any method, rendered on the array."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from vividc.render.array.device import Device, open_device
+from vividc.render.array.field import ArrayField
+from vividc.render.array.frame import ArrayFrame, Ledger
+from vividc.render.array.kilonerf import KiloNeRFOnArray
+from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
+from vividc.render.array.options import ArrayOptions
+from vividc.render.camera import Camera
+from vividc.render.errors import SceneError
+from vividc.render.radiance import KiloNeRF
+from vividc.render.scenes import Scene
+
+_GOLDEN = 0.6180339887498949
+
+
+def render_array(
+    scene: Scene,
+    camera: Camera,
+    options: ArrayOptions | None = None,
+    progress: Callable[[float], None] | None = None,
+    tell: Callable[[str], None] | None = None,
+) -> ArrayFrame:
+    """Render a scene on the simulated accelerator.
+
+    Parameters
+    ----------
+    progress
+        Called with the share of the blocks that are done, 0 to 1.
+    tell
+        Called with a line for each kernel that has to be compiled.
+
+    Raises
+    ------
+    SceneError
+        The method is not rendered on the array, the scene does not fit it, or an option is out of
+        its range.
+    ArchError
+        The fabric is unknown, faulty or a single tile.
+    """
+    options = options or ArrayOptions()
+    if not 0 < options.sample <= 1:
+        raise SceneError(
+            f"a share of {options.sample} of the blocks cannot be simulated",
+            loc="--sample",
+            hint="give a number above 0 and at most 1",
+        )
+    device = open_device(options.fabric, options.engine, tell)
+    field = _field(scene, device)
+    corners = sampled(block_corners(camera), options.sample)
+    ledger = Ledger()
+    image = render_blocks(
+        device,
+        field,
+        camera,
+        corners,
+        lookahead=options.lookahead,
+        ledger=ledger,
+        progress=progress,
+    )
+    share = len(corners) / len(block_corners(camera))
+    stages = tuple(ledger.stages.values())
+    simulated = None if options.sample == 1 else pixels_of(corners, camera)
+    return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
+
+
+def sampled(corners: Int32Array, share: float) -> Int32Array:
+    """Return about a share of the blocks, spread evenly: the same ones each time.
+
+    Block k counts if the fractional part of k times the golden ratio's is below the share (Weyl
+    1916); at least one does.
+    """
+    place = np.arange(len(corners)) * _GOLDEN % 1.0
+    chosen = corners[place < share]
+    return chosen if len(chosen) else corners[:1]
+
+
+def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
+    """Return which pixels are in blocks of 8x8 pixels with these corners, [height, width]."""
+    inside = np.zeros((camera.height, camera.width), dtype=np.bool_)
+    for column, row in corners:
+        inside[row : row + SIDE, column : column + SIDE] = True
+    return inside
+
+
+def _field(scene: Scene, device: Device) -> ArrayField:
+    if isinstance(scene, KiloNeRF):
+        return KiloNeRFOnArray(scene, device)
+    raise SceneError("the array does not render scenes of this method yet")
