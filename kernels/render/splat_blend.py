@@ -1,13 +1,13 @@
-"""Blending of 3D Gaussian Splatting (Kerbl et al. 2023) for one screen tile of 16x16 pixels: with the
-late test of alpha, and with Lookahead Culling II, which decides on the exponent before exp.
+"""Blending of 3D Gaussian Splatting (Kerbl et al. 2023) for one screen tile of 16x16 pixels: with
+the late test of alpha, and with Lookahead Culling II, which decides on the exponent before exp.
 
-A run takes a part of the tile's depth-sorted list, already in the scratchpad, and carries colour and
-transmittance on: lists of any length are blended part by part. Both kernels first cull the list for
-blocks of 4x4 pixels, and both give the same picture to the last bit.
+A run takes a part of the tile's depth-sorted list, already in the scratchpad, and carries colour
+and transmittance on: lists of any length are blended part by part. Both kernels first cull the list
+for blocks of 4x4 pixels, and both give the same picture to the last bit.
 
-A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b; half
-the width and height of the box in which it may be seen, with half a block. A row of `pixels` is r, g,
-b, transmittance, which is negative once the pixel is done.
+A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b;
+half the width and height of the box in which it may be seen, with half a block. A row of `pixels`
+is r, g, b, transmittance, which is negative once the pixel is done.
 """
 
 import math
@@ -79,7 +79,7 @@ def nearly_inverse(x):
 
 @numba.njit
 def near(splats, n, x, y, near_by):
-    """Places of the splats whose bounding box meets the block of 4x4 pixels from (x, y); how many."""
+    """Places of the splats whose box meets the block of 4x4 pixels from (x, y); how many."""
     middle_x = x + HALF_REACH
     middle_y = y + HALF_REACH
     count = np.int32(0)
@@ -127,6 +127,111 @@ def cull(splats, near_by, n, x, y, kept):
     return count & IN_LIST
 
 
+@numba.njit
+def load_block(pixels, here, new):
+    """Takes the pixels of a block of 4x4."""
+    for p in range(BLOCK):
+        o = here + 64 * (p >> 2) + 4 * (p & 3)
+        new[4 * p] = pixels[o]
+        new[4 * p + 1] = pixels[o + 1]
+        new[4 * p + 2] = pixels[o + 2]
+        new[4 * p + 3] = pixels[o + 3]
+
+
+@numba.njit
+def store_block(new, pixels, here):
+    """Puts the pixels of a block of 4x4 back."""
+    for p in range(BLOCK):
+        o = here + 64 * (p >> 2) + 4 * (p & 3)
+        pixels[o] = new[4 * p]
+        pixels[o + 1] = new[4 * p + 1]
+        pixels[o + 2] = new[4 * p + 2]
+        pixels[o + 3] = new[4 * p + 3]
+
+
+@numba.njit
+def list_live(new, x, y, state, live_x, live_y, live_pixel):
+    """The pixels that are not done, after the block from (x, y) was copied; how many."""
+    live = 0
+    for p in range(BLOCK):
+        t = new[4 * p + 3]
+        state[4 * p] = new[4 * p]
+        state[4 * p + 1] = new[4 * p + 1]
+        state[4 * p + 2] = new[4 * p + 2]
+        state[4 * p + 3] = t
+        if t > ZERO:
+            live_x[live] = x + np.float32(np.int32(p & 3))
+            live_y[live] = y + np.float32(np.int32(p >> 2))
+            live_pixel[live] = p
+            live = (live + 1) & IN_TWO_BLOCKS
+    return live
+
+
+@numba.njit
+def find_survivors(splats, kept, first, last, live_x, live_y, live_pixel, steps, powers, survivors):
+    """Exponents of splats kept[first] to kept[last] at each live pixel that may count; how many.
+
+    A survivor is 16 times the splat's place, and the pixel.
+    """
+    count = np.int32(0)
+    q = np.int32(0)
+    j = first
+    for _ in range(steps):
+        o = kept[j & IN_LIST] & PLACES
+        k = q & IN_BLOCK
+        dx = splats[o] - live_x[k]
+        dy = splats[o + 1] - live_y[k]
+        power = (
+            -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy) - splats[o + 3] * dx * dy
+        )
+        if power >= splats[o + 6] and power <= ZERO:
+            powers[count & IN_SURVIVORS] = power
+            survivors[count & IN_SURVIVORS] = 16 * o + live_pixel[k]
+            count = np.int32(count + 1)
+        if j == last:
+            j = first
+            q = np.int32(q + 1)
+        else:
+            j = np.int32(j + 1)
+    return count & IN_SURVIVORS
+
+
+@numba.njit
+def blend_survivors(splats, powers, survivors, count, state, new):
+    """Takes exp of the survivors, and blends them: pixels from `state` to `new`."""
+    before = -1
+    t = ZERO
+    r = ZERO
+    g = ZERO
+    b = ZERO
+    for s in range(count):
+        code = survivors[s]
+        p = code & IN_BLOCK
+        o = (code >> 4) & PLACES
+        if p != before:
+            r = state[4 * p]
+            g = state[4 * p + 1]
+            b = state[4 * p + 2]
+            t = state[4 * p + 3]
+        before = p
+        alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(powers[s]))
+        if alpha < ALPHA_MIN:
+            alpha = ZERO
+        weight = alpha * t
+        left = t * (ONE - alpha)
+        if left >= TRANSMITTANCE_MIN:
+            r += splats[o + 7] * weight
+            g += splats[o + 8] * weight
+            b += splats[o + 9] * weight
+            t = left
+        else:
+            t = -abs(t)
+        new[4 * p] = r
+        new[4 * p + 1] = g
+        new[4 * p + 2] = b
+        new[4 * p + 3] = t
+
+
 @vividc.kernel(
     "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
 )
@@ -139,106 +244,75 @@ def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
     live_pixel = np.empty(BLOCK, np.int32)
     state = np.empty(4 * BLOCK, np.float32)
     new = np.empty(4 * BLOCK, np.float32)
-    exponents = np.empty(SURVIVORS, np.float32)
+    powers = np.empty(SURVIVORS, np.float32)
     survivors = np.empty(SURVIVORS, np.int32)
     if first != 0:
         clear_pixels(pixels)
     for block in range(4 * (height + 3 >> 2)):
-        column = SIDE * (block & 3)
-        row = SIDE * (block >> 2)
-        x = x0 + np.float32(np.int32(column))
-        y = y0 + np.float32(np.int32(row))
-        here = 64 * row + 4 * column
+        x = x0 + np.float32(np.int32(SIDE * (block & 3)))
+        y = y0 + np.float32(np.int32(SIDE * (block >> 2)))
+        here = 256 * (block >> 2) + 16 * (block & 3)
         boxed = near(splats, n, x, y, near_by)
         found = cull(splats, near_by, boxed, x, y, kept)
         counts[0] += n
-        for p in range(BLOCK):
-            o = here + 64 * (p >> 2) + 4 * (p & 3)
-            new[4 * p] = pixels[o]
-            new[4 * p + 1] = pixels[o + 1]
-            new[4 * p + 2] = pixels[o + 2]
-            new[4 * p + 3] = pixels[o + 3]
+        load_block(pixels, here, new)
         for start in range(0, found, SEGMENT):
             end = min(start + SEGMENT, found)
-            live = 0
-            for p in range(BLOCK):
-                t = new[4 * p + 3]
-                state[4 * p] = new[4 * p]
-                state[4 * p + 1] = new[4 * p + 1]
-                state[4 * p + 2] = new[4 * p + 2]
-                state[4 * p + 3] = t
-                if t > ZERO:
-                    live_x[live] = x + np.float32(np.int32(p & 3))
-                    live_y[live] = y + np.float32(np.int32(p >> 2))
-                    live_pixel[live] = p
-                    live = (live + 1) & IN_TWO_BLOCKS
+            live = list_live(new, x, y, state, live_x, live_y, live_pixel)
             if live == 0:
                 break
             steps = (live * (end - start)) & IN_SURVIVORS
-            count = np.int32(0)
-            q = np.int32(0)
-            first_kept = np.int32(start)
-            last_kept = np.int32(end - 1)
-            j = first_kept
-            for _ in range(steps):
-                o = kept[j & IN_LIST] & PLACES
-                k = q & IN_BLOCK
-                dx = splats[o] - live_x[k]
-                dy = splats[o + 1] - live_y[k]
-                power = (
-                    -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy)
-                    - splats[o + 3] * dx * dy
-                )
-                if power >= splats[o + 6] and power <= ZERO:
-                    exponents[count & IN_SURVIVORS] = power
-                    survivors[count & IN_SURVIVORS] = 16 * o + live_pixel[k]
-                    count = np.int32(count + 1)
-                if j == last_kept:
-                    j = first_kept
-                    q = np.int32(q + 1)
-                else:
-                    j = np.int32(j + 1)
+            one = np.int32(start)
+            other = np.int32(end - 1)
+            count = find_survivors(
+                splats, kept, one, other, live_x, live_y, live_pixel, steps, powers, survivors
+            )
             counts[1] += steps
             counts[2] += count
-            before = -1
-            t = ZERO
-            r = ZERO
-            g = ZERO
-            b = ZERO
-            for s in range(count & IN_SURVIVORS):
-                code = survivors[s]
-                p = code & IN_BLOCK
-                o = (code >> 4) & PLACES
-                if p != before:
-                    r = state[4 * p]
-                    g = state[4 * p + 1]
-                    b = state[4 * p + 2]
-                    t = state[4 * p + 3]
-                before = p
-                alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(exponents[s]))
-                if alpha < ALPHA_MIN:
-                    alpha = ZERO
-                weight = alpha * t
-                left = t * (ONE - alpha)
-                if left >= TRANSMITTANCE_MIN:
-                    r += splats[o + 7] * weight
-                    g += splats[o + 8] * weight
-                    b += splats[o + 9] * weight
-                    t = left
-                else:
-                    t = -abs(t)
-                new[4 * p] = r
-                new[4 * p + 1] = g
-                new[4 * p + 2] = b
-                new[4 * p + 3] = t
-        for p in range(BLOCK):
-            o = here + 64 * (p >> 2) + 4 * (p & 3)
-            pixels[o] = new[4 * p]
-            pixels[o + 1] = new[4 * p + 1]
-            pixels[o + 2] = new[4 * p + 2]
-            pixels[o + 3] = new[4 * p + 3]
+            blend_survivors(splats, powers, survivors, count, state, new)
+        store_block(new, pixels, here)
     if last != 0:
         over_white(pixels)
+
+
+@numba.njit
+def blend_pixel(splats, kept, found, px, py, pixels, place):
+    """Blends the splats kept over one pixel; how many were looked at."""
+    r = pixels[place]
+    g = pixels[place + 1]
+    b = pixels[place + 2]
+    t = pixels[place + 3]
+    if t < ZERO:
+        return np.int32(0)
+    done = ONE
+    looked = np.int32(0)
+    for j in range(found):
+        o = kept[j] & PLACES
+        looked = np.int32(looked + 1)
+        dx = splats[o] - px
+        dy = splats[o + 1] - py
+        power = (
+            -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy) - splats[o + 3] * dx * dy
+        )
+        if power > ZERO:
+            continue
+        alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(power))
+        if alpha < ALPHA_MIN:
+            continue
+        left = t * (ONE - alpha)
+        if left < TRANSMITTANCE_MIN:
+            done = -ONE
+            break
+        weight = alpha * t
+        r += splats[o + 7] * weight
+        g += splats[o + 8] * weight
+        b += splats[o + 9] * weight
+        t = left
+    pixels[place] = r
+    pixels[place + 1] = g
+    pixels[place + 2] = b
+    pixels[place + 3] = t * done
+    return looked
 
 
 @vividc.kernel(
@@ -251,53 +325,16 @@ def blend_late(splats, pixels, counts, n, x0, y0, height, first, last):
     if first != 0:
         clear_pixels(pixels)
     for block in range(4 * (height + 3 >> 2)):
-        column = SIDE * (block & 3)
-        row = SIDE * (block >> 2)
-        x = x0 + np.float32(np.int32(column))
-        y = y0 + np.float32(np.int32(row))
-        here = 64 * row + 4 * column
+        x = x0 + np.float32(np.int32(SIDE * (block & 3)))
+        y = y0 + np.float32(np.int32(SIDE * (block >> 2)))
+        here = 256 * (block >> 2) + 16 * (block & 3)
         boxed = near(splats, n, x, y, near_by)
         found = cull(splats, near_by, boxed, x, y, kept)
         counts[0] += n
         for p in range(BLOCK):
-            place = here + 64 * (p >> 2) + 4 * (p & 3)
-            r = pixels[place]
-            g = pixels[place + 1]
-            b = pixels[place + 2]
-            t = pixels[place + 3]
-            if t < ZERO:
-                continue
             px = x + np.float32(np.int32(p & 3))
             py = y + np.float32(np.int32(p >> 2))
-            done = ONE
-            looked = np.int32(0)
-            for j in range(found):
-                o = kept[j] & PLACES
-                looked = np.int32(looked + 1)
-                dx = splats[o] - px
-                dy = splats[o + 1] - py
-                power = (
-                    -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy)
-                    - splats[o + 3] * dx * dy
-                )
-                if power > ZERO:
-                    continue
-                alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(power))
-                if alpha < ALPHA_MIN:
-                    continue
-                left = t * (ONE - alpha)
-                if left < TRANSMITTANCE_MIN:
-                    done = -ONE
-                    break
-                weight = alpha * t
-                r += splats[o + 7] * weight
-                g += splats[o + 8] * weight
-                b += splats[o + 9] * weight
-                t = left
-            counts[1] += looked
-            pixels[place] = r
-            pixels[place + 1] = g
-            pixels[place + 2] = b
-            pixels[place + 3] = t * done
+            place = here + 64 * (p >> 2) + 4 * (p & 3)
+            counts[1] += blend_pixel(splats, kept, found, px, py, pixels, place)
     if last != 0:
         over_white(pixels)

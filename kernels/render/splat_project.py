@@ -1,5 +1,5 @@
-"""What 3D Gaussian Splatting (Kerbl et al. 2023) does before sorting: EWA projection (Zwicker et al.
-2001), footprints and bounds in screen tiles of 16x16 pixels, and colour of the splats that are seen.
+"""What 3D Gaussian Splatting (Kerbl et al. 2023) does before sorting: EWA projection (Zwicker et
+al. 2001), footprints and bounds in screen tiles of 16x16 pixels, and colour of what is seen.
 
 Cameras look along +z, y down; pixel (0, 0) has its centre at 0.
 """
@@ -31,7 +31,7 @@ LARGEST = np.float32(3e38)
 # Minus half the exponent's bits of a first guess of 1 / sqrt(x).
 INVERSE_ROOT = 0x5F3759DF
 ONE_AND_HALF = np.float32(1.5)
-# Twice the exponent, and a little more; what rounding of the conic adds; half a block of 4x4 pixels.
+# Twice the exponent, and a little more; what the conic's rounding adds; half a block of 4x4 pixels.
 BOX_SLACK = np.float32(2.002)
 BOX_SKEW = np.float32(4e-6)
 LARGEST_SKEW = np.float32(1e4)
@@ -120,11 +120,41 @@ def splat_covariance(geometry, camera, placed):
 
 @numba.njit
 def nearly_root(x):
-    """The square root of a positive x to one part in 10^5: two steps of Newton's for its inverse."""
+    """The square root of a positive x to one part in 10^5: Newton's method for its inverse."""
     guess = bitcast_f32(INVERSE_ROOT - (bitcast_i32(x) >> 1))
     half = HALF * x
     guess = guess * (ONE_AND_HALF - half * guess * guess)
     return x * (guess * (ONE_AND_HALF - half * guess * guess))
+
+
+@numba.njit
+def three_deviations(xx, yy, determinant):
+    """Of a covariance along its longer axis, in whole pixels."""
+    middle = HALF * (xx + yy)
+    spread = math.sqrt(max(MIN_SPREAD, middle * middle - determinant))
+    return np.ceil(THREE * math.sqrt(middle + spread))
+
+
+@numba.njit
+def write_splat(splats, o, x, y, a, b, c, peak, least, across, down):
+    """A row but for its colour."""
+    splats[o] = x
+    splats[o + 1] = y
+    splats[o + 2] = a
+    splats[o + 3] = b
+    splats[o + 4] = c
+    splats[o + 5] = peak
+    splats[o + 6] = least
+    splats[o + 10] = across
+    splats[o + 11] = down
+
+
+@numba.njit
+def write_entry(entries, e, bounds, slot, bits):
+    """What is sorted."""
+    entries[e] = bounds
+    entries[e + 1] = slot
+    entries[e + 2] = bits
 
 
 @vividc.kernel(
@@ -156,9 +186,7 @@ def splat_footprints(
         determinant = xx * yy - xy * xy
         usable = depth > NEAR_DEPTH and determinant > ZERO and determinant < LARGEST
         inverse = ONE / determinant
-        middle = HALF * (xx + yy)
-        spread = math.sqrt(max(MIN_SPREAD, middle * middle - determinant))
-        radius = np.ceil(THREE * math.sqrt(middle + spread))
+        radius = three_deviations(xx, yy, determinant)
         first_x = np.int32(min(max((x - radius) * A_TILE, ZERO), wide))
         first_y = np.int32(min(max((y - radius) * A_TILE, ZERO), high))
         last_x = np.int32(min(max((x + radius + LAST_IN_TILE) * A_TILE, ZERO), wide))
@@ -183,20 +211,11 @@ def splat_footprints(
                 least = ONE
                 across = -ONE
             o = (ROW_WORDS * count) & SMALL_ROW
-            splats[o] = x
-            splats[o + 1] = y
-            splats[o + 2] = a
-            splats[o + 3] = b
-            splats[o + 4] = c
-            splats[o + 5] = peak
-            splats[o + 6] = least
-            splats[o + 10] = across
-            splats[o + 11] = down
+            write_splat(splats, o, x, y, a, b, c, peak, least, across, down)
             bits = bitcast_i32(depth)
             e = (ENTRY_WORDS * count) & SMALL_ENTRY
-            entries[e] = first_y | (last_y << 8) | (first_x << 16) | (last_x << 24)
-            entries[e + 1] = np.int32(first + count)
-            entries[e + 2] = bits
+            bounds = first_y | (last_y << 8) | (first_x << 16) | (last_x << 24)
+            write_entry(entries, e, bounds, np.int32(first + count), bits)
             sources[count & SMALL_ENTRY] = i
             nearest = min(nearest, bits)
             farthest = max(farthest, bits)

@@ -1,9 +1,9 @@
-"""Binning and sorting for 3D Gaussian Splatting: a stable radix sort by depth (Knuth, The Art of Computer
-Programming 3, 5.2.5), then lists of screen tiles, first by row and then by column.
+"""Binning and sorting for 3D Gaussian Splatting: a stable radix sort by depth (Knuth, The Art of
+Computer Programming 3, 5.2.5), then lists of screen tiles, first by row and then by column.
 
-Each pass counts the digits of chunks, turns the counts into places, and scatters each chunk within its
-scratchpad; the runs of equal digits then move to their places. Entries are rows of 3 words (bounds, id,
-bits of the depth) or 2 words (bounds, id).
+Each pass counts the digits of chunks, turns the counts into places, and scatters each chunk within
+its scratchpad; the runs of equal digits then move to their places. Entries are rows of 3 words
+(bounds, splat, bits of the depth) or 2 words (bounds, splat).
 """
 
 import numpy as np
@@ -51,8 +51,8 @@ def depth_scatter(entries, n, least, shift, counts, out):
 
 @vividc.kernel("void(int32[::1], int32, int32, int32[::1])")
 def chunk_places(counts, chunks, digits, total):
-    """Counts [chunks, digits] become places, in the order of digits and then of chunks, from total[0]
-    on, which becomes the place of what comes next.
+    """Counts [chunks, digits] become places, in the order of digits and then of chunks, from
+    total[0] on, which becomes the place of what comes next.
     """
     place = total[0]
     digit = np.int32(0)
@@ -70,7 +70,7 @@ def chunk_places(counts, chunks, digits, total):
 
 @vividc.kernel("void(int32[::1], int32, int32, int32, int32[::1])")
 def span_counts(entries, n, words, shift, counts):
-    """How many entries of `words` words cover each value from one byte of their bounds to the next."""
+    """How many entries of `words` words cover each value from one byte of bounds to the next."""
     for d in range(len(counts)):
         counts[d] = 0
     for i in range(n):
@@ -81,8 +81,8 @@ def span_counts(entries, n, words, shift, counts):
 
 @vividc.kernel("void(int32[::1], int32, int32, int32, int32[::1], int32[::1])")
 def row_scatter(entries, n, low, high, counts, out):
-    """An entry of two words for each row from `low` to `high` that an entry of three covers, by row;
-    `counts` are those of all rows, and used up.
+    """An entry of two words for each row from `low` to `high` that an entry of three covers, by
+    row; `counts` are those of all rows, and used up.
     """
     total = np.int32(0)
     for d in range(low & BYTE, high & BYTE):

@@ -99,18 +99,21 @@ def blend_splats(
     lists: ScreenLists,
     camera: Camera,
     lookahead: bool,
-    sample: float,
+    chosen: Int32Array,
 ) -> Float32Array:
-    """Return the picture [height, width, 3] over white; screen tiles without splats are not run."""
+    """Return the picture [height, width, 3] over white, of the `chosen` screen tiles.
+
+    Those without splats are not run.
+    """
     kernel = "blend_lookahead" if lookahead else "blend_late"
     program = device.programs.get(f"{_FILE}:{kernel}", time_limit_s=_MAPPING_S)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
     image = np.ones((rows * TILE_PX, columns * TILE_PX, 4), dtype=np.float32)
     job = device.new_job()
-    tiles = len(job.accelerator.tiles)
+    tiles = device.tiles
     counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
     graph = _Blend(job, program, splats, lists, image, counts)
-    screens = _screens(lists, camera, columns, sample)
+    screens = _screens(lists, camera, columns, chosen)
     for tile, share in enumerate(_shares(screens, tiles)):
         if share:
             graph.tile(tile, share)
@@ -125,12 +128,11 @@ def _count(ledger: Ledger, counts: Int32Array, lookahead: bool) -> None:
     ledger.count(block_tests=tests, evaluated=evaluated, exponentials=exponentials)
 
 
-def _screens(lists: ScreenLists, camera: Camera, columns: int, sample: float) -> list[_Screen]:
-    """Return the screen tiles in which something may be seen; of them `sample`, evenly spread."""
+def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Screen]:
+    """Return those of the chosen screen tiles in which something may be seen."""
     found = []
-    for tile in np.flatnonzero(np.diff(lists.start)).tolist():
-        if sample < 1 and int((tile + 1) * sample) == int(tile * sample):
-            continue
+    lengths = np.diff(lists.start)[chosen]
+    for tile in chosen[lengths > 0].tolist():
         x, y = tile % columns * TILE_PX, tile // columns * TILE_PX
         height = min(TILE_PX, camera.height - y)
         found.append(_Screen(x, y, height, int(lists.start[tile]), int(lists.start[tile + 1])))

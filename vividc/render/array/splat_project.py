@@ -86,7 +86,7 @@ def _footprints(
     plan = _Projection(device, job, scene, camera_words(camera), placed)
     written = plan.covariances(chunks)
     target = _Footprints(splats, entries, sources, depths)
-    scalars = {"margin": margin, "columns": columns, "rows": rows}
+    scalars: dict[str, object] = {"margin": margin, "columns": columns, "rows": rows}
     runs = plan.footprints(chunks, written, target, scalars)
     result = device.finish(ledger, "projection", job)
     counts = tuple(int(result.values[run] or 0) for run in runs)
@@ -119,7 +119,7 @@ class _Projection:
     def covariances(self, chunks: int) -> list[int]:
         """Return the step after which each chunk lies projected in DRAM."""
         program = self.device.programs.get(f"{_FILE}:splat_covariance")
-        tiles = len(self.job.accelerator.tiles)
+        tiles = self.device.tiles
         camera_at = _PLACES * _PLACE_WORDS * WORD - _CAMERA_WORDS * WORD
         cameras = self.job.move_in(range(min(tiles, chunks)), self.camera, camera_at)
         freed: dict[tuple[int, int], int] = {}
@@ -151,7 +151,7 @@ class _Projection:
     ) -> list[int]:
         """Return the runs, whose values are how many Gaussians of each chunk are seen."""
         program = self.device.programs.get(f"{_FILE}:splat_footprints", time_limit_s=_MAPPING_S)
-        tiles = len(self.job.accelerator.tiles)
+        tiles = self.device.tiles
         freed: dict[tuple[int, int], list[int]] = {}
         for tile in range(min(tiles, chunks)):
             for place in range(_PLACES):
@@ -176,9 +176,7 @@ class _Projection:
                 "depths": At(at["depths"], (2,)),
             }
             first = {"first": chunk * _CHUNK}
-            run = self.job.run(
-                tile, program, after=[*moves, *before], **arrays, **scalars, **first
-            )
+            run = self.job.run(tile, program, after=[*moves, *before], **arrays, **scalars, **first)
             runs.append(run)
             freed[tile, place] = [
                 self.job.move_out(tile, at["splats"], target.splats[part], after=[run]),
@@ -206,7 +204,7 @@ def _colour(
     """Fill in the colours of the splats that are seen; only their coefficients are fetched."""
     program = device.programs.get(f"{_FILE}:splat_colours_{scene.degree}")
     job = device.new_job()
-    tiles = len(job.accelerator.tiles)
+    tiles = device.tiles
     words = scene.appearance.shape[1]
     most = min(_CHUNK, _PLACE_WORDS // (words + ROW_WORDS))
     freed: dict[tuple[int, int], list[int]] = {}
@@ -238,5 +236,7 @@ def _colour(
 def _pieces(spans: list[tuple[int, int]], most: int) -> list[tuple[int, int]]:
     """Cut spans into pieces of at most `most`."""
     return [
-        (start, min(start + most, last)) for first, last in spans for start in range(first, last, most)
+        (start, min(start + most, last))
+        for first, last in spans
+        for start in range(first, last, most)
     ]

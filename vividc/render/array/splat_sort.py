@@ -1,9 +1,9 @@
 """Sorting of 3DGS on the array: by depth, then into the lists of screen tiles.
 
-A pass counts digits (or rows, or columns) of chunks, turns the counts into places, and scatters each
-chunk within a scratchpad; the runs of equal digits go to their places by DMA. The host reads counts and
-places, which it needs to launch the transfers. Every pass is stable, so lists are in the order of
-depth, and of the scene on ties.
+A pass counts digits (or rows, or columns) of chunks, turns the counts into places, and scatters
+each chunk within a scratchpad; the runs of equal digits go to their places by DMA. The host reads
+counts and places, which it needs to launch the transfers. Every pass is stable, so lists are in the
+order of depth, and of the scene on ties.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class ScreenLists:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Chunk:
-    """What a tile works on at once: pieces of entries, one behind the other; a list of its group."""
+    """What a tile works on at once: pieces of entries, one behind the other, of one group."""
 
     pieces: tuple[Int32Array, ...]
     group: int = 0
@@ -73,7 +73,7 @@ class _Counted:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Scatter:
-    """How a pass scatters: its kernel, words of what it writes, bounds of digits it takes or not."""
+    """How a pass scatters: its kernel, words of what it writes, whether it takes part of digits."""
 
     program: vividc.Program
     words: int
@@ -95,7 +95,7 @@ def _by_depth(device: Device, ledger: Ledger, splats: DeviceSplats) -> Int32Arra
     bits = (splats.farthest - splats.nearest).bit_length()
     stage = "sorting"
     for shift in range(0, max(bits, 1), _DIGIT_BITS):
-        chunks = _chunks(pieces, len(splats), _tiles(device))
+        chunks = _chunks(pieces, len(splats), device.tiles)
         scalars = {"least": splats.nearest, "shift": shift}
         count = device.programs.get(f"{_FILE}:depth_counts")
         counted = _count(device, ledger, stage, chunks, 1 << _DIGIT_BITS, count, scalars)
@@ -112,7 +112,7 @@ def _bin(
     """Return the lists of screen tiles of entries that are in the order of depth."""
     stage = "binning"
     count = device.programs.get(f"{_FILE}:span_counts")
-    chunks = _chunks([ordered], len(ordered), _tiles(device))
+    chunks = _chunks([ordered], len(ordered), device.tiles)
     counted = _count(device, ledger, stage, chunks, rows, count, {"words": 3, "shift": 0})
     by_row = np.zeros((int(counted.totals[0]), 2), dtype=np.int32)
     scatter = _Scatter(device.programs.get(f"{_FILE}:row_scatter"), 2, {}, ranged=True)
@@ -121,9 +121,7 @@ def _bin(
     starts = [*counted.places[0].tolist(), len(by_row)]
     lists = [by_row[first:last] for first, last in pairwise(starts)]
     chunks = [
-        _Chunk((some,), row)
-        for row, entries in enumerate(lists)
-        for some in _cut(entries, _CHUNK)
+        _Chunk((some,), row) for row, entries in enumerate(lists) for some in _cut(entries, _CHUNK)
     ]
     counted = _count(device, ledger, stage, chunks, columns, count, {"words": 2, "shift": 16})
     # A row's lists come behind those of the rows before.
@@ -144,10 +142,6 @@ def _starts(
     for number in reversed(range(len(chunks))):
         start[chunks[number].group] = places[number]
     return np.append(start.ravel(), base[-1]).astype(np.int32)
-
-
-def _tiles(device: Device) -> int:
-    return len(device.new_job().accelerator.tiles)
 
 
 def _chunks(pieces: Sequence[Int32Array], total: int, tiles: int) -> list[_Chunk]:
@@ -191,7 +185,7 @@ def _count(
         totals=np.zeros(groups, dtype=np.int32),
     )
     job = device.new_job()
-    tiles = len(job.accelerator.tiles)
+    tiles = device.tiles
     last: dict[int, list[int]] = {}
     for number, chunk in enumerate(chunks):
         tile = number % tiles
@@ -213,7 +207,9 @@ def _count(
         if members:
             span = slice(members[0], members[-1] + 1)
             tile = group % tiles
-            last[tile] = _place(device, job, tile, counted, group, span, [*done, *last.get(tile, [])])
+            last[tile] = _place(
+                device, job, tile, counted, group, span, [*done, *last.get(tile, [])]
+            )
     device.finish(ledger, stage, job)
     return counted
 
@@ -263,7 +259,7 @@ def _scatter(
 ) -> None:
     """Scatter chunks to the places of their digits in `out`."""
     job = device.new_job()
-    tiles = len(job.accelerator.tiles)
+    tiles = device.tiles
     last: dict[int, list[int]] = {}
     for number, chunk in enumerate(chunks):
         tile = number % tiles
@@ -291,9 +287,7 @@ def _scatter(
     device.finish(ledger, stage, job)
 
 
-def _move_in(
-    job: Job, tile: int, chunk: _Chunk, after: Sequence[int]
-) -> tuple[int, list[int]]:
+def _move_in(job: Job, tile: int, chunk: _Chunk, after: Sequence[int]) -> tuple[int, list[int]]:
     """Bring the pieces of a chunk; return their words and the steps."""
     steps, at = [], 0
     for piece in chunk.pieces:
