@@ -34,9 +34,7 @@ def test_a_kernel_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert vividc.load(bundle).name == "prefix_sum"
 
 
-def test_options_and_places_are_told_apart(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_options_and_places_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
     told: list[str] = []
     programs(told).get(FIR)

@@ -123,7 +123,8 @@ def _bin(
     chunks = [
         _Chunk((some,), row) for row, entries in enumerate(lists) for some in _cut(entries, _CHUNK)
     ]
-    counted = _count(device, ledger, stage, chunks, columns, count, {"words": 2, "shift": 16})
+    scalars = {"words": 2, "shift": 16}
+    counted = _count(device, ledger, stage, chunks, columns, count, scalars, rows)
     # A row's lists come behind those of the rows before.
     base = np.zeros(rows + 1, dtype=np.int32)
     np.cumsum(counted.totals, out=base[1:])
@@ -176,9 +177,9 @@ def _count(
     digits: int,
     program: vividc.Program,
     scalars: Scalars,
+    groups: int = 1,
 ) -> _Counted:
     """Count the digits of chunks, and turn the counts of each group into places."""
-    groups = 1 + max((chunk.group for chunk in chunks), default=0)
     counted = _Counted(
         counts=np.zeros((len(chunks), digits), dtype=np.int32),
         places=np.zeros((len(chunks), digits), dtype=np.int32),
