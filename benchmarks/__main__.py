@@ -17,7 +17,17 @@ from pathlib import Path
 import click
 
 import vividc
-from benchmarks import c_kernels, engines, frames, gemm, general, mappers, quality, render_kernels
+from benchmarks import (
+    c_kernels,
+    engines,
+    frames,
+    gemm,
+    general,
+    mappers,
+    quality,
+    render_kernels,
+    splats,
+)
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -88,16 +98,25 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM, MAPPERS)
-DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM)  # the mappers' table takes hours: by name only
-MODULES = {ENGINES: engines, FRAMES: frames, QUALITY: quality, MAPPERS: mappers}
+SPLATS = "splats"
+CHOICES = (*TABLES, ENGINES, FRAMES, SPLATS, QUALITY, GEMM, MAPPERS)
+DEFAULT = (
+    *TABLES,
+    ENGINES,
+    FRAMES,
+    SPLATS,
+    QUALITY,
+    GEMM,
+)  # the mappers' table takes hours: by name only
+MODULES = {ENGINES: engines, FRAMES: frames, SPLATS: splats, QUALITY: quality, MAPPERS: mappers}
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
+    SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     MAPPERS: mappers.rows,
 }
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",)}
+PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), SPLATS: ("vivid",)}
 """Where tables are made that `--fabric` has no say in."""
 
 

@@ -105,8 +105,7 @@ def blend_splats(
 
     Those without splats are not run.
     """
-    kernel = "blend_lookahead" if lookahead else "blend_late"
-    program = device.programs.get(f"{_FILE}:{kernel}", time_limit_s=_MAPPING_S)
+    program = blend_program(device, lookahead)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
     image = np.ones((rows * TILE_PX, columns * TILE_PX, 4), dtype=np.float32)
     job = device.new_job()
@@ -120,6 +119,12 @@ def blend_splats(
     device.finish(ledger, _STAGE, job)
     _count(ledger, counts, lookahead)
     return np.ascontiguousarray(image[: camera.height, : camera.width, :3])
+
+
+def blend_program(device: Device, lookahead: bool) -> vividc.Program:
+    """Return the program that blends, with Lookahead Culling II or with the late test."""
+    kernel = "blend_lookahead" if lookahead else "blend_late"
+    return device.programs.get(f"{_FILE}:{kernel}", time_limit_s=_MAPPING_S)
 
 
 def _count(ledger: Ledger, counts: Int32Array, lookahead: bool) -> None:

@@ -67,6 +67,8 @@ def render_splats(
     image = _white(camera)
     if len(splats):
         lists = sort_on_array(machine, ledger, splats, columns, rows)
+        for stage in ledger.stages.values():
+            stage.whole = True
         tell(_SORTED)
         image = blend_splats(machine, ledger, splats, lists, camera, chosen.lookahead, screens)
         ledger.count(splats=len(splats), list_entries=len(lists.slots))
