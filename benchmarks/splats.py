@@ -23,24 +23,27 @@ from vividc.render import (
     render_reference,
     scaled_camera,
 )
-from vividc.render.array import ArrayFrame, ArrayOptions, Device, open_device
-from vividc.render.array.splat_blend import blend_program
+from vividc.render.array import ArrayFrame, Device, open_device
+from vividc.render.array.splat_blend import Culling, blend_program
 from vividc.render.array.splats import render_splats
 
 TITLE = "3D Gaussian Splatting rendered by the array"
 NOTES = (
     "Whole frames on the 16 tiles of `vivid`: every splat, list entry and pixel is computed by",
     "kernels of `kernels/render/splat_*.py`. Cycles of a stage are those of its jobs one after the",
-    "other, with configuration and DMA; lists is the share of sorting and binning. Lookahead off",
-    "takes exp of every entry that is left after culling blocks of 4x4 pixels, on only of those",
-    "whose exponent may count; the pictures are the same to the last bit. Seconds are of the",
+    "other, with configuration and DMA; lists is the share of sorting and binning. Without culling",
+    "exp is taken of every pair of a pixel and an entry of its list (`--lookahead off`); Lookahead",
+    "Culling II (on) compares exponents with a threshold before exp, at best of blocks of 4x4 pixels",
+    "at once, then of pixels. The pictures are the same to the last bit. Seconds are of the",
     "simulation on all cores, without compiling; memory is the peak so far.",
 )
 HEADER = (
-    "| scene | size | lookahead | splats | list entries | cycles | frames/s | projection | colour "
-    "| sorting | binning | blend | lists | exponents | exps | PSNR to float32 dB | s | peak MB |\n"
-    "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+    "| scene | size | culling | splats | list entries | cycles | frames/s | projection | colour "
+    "| sorting | binning | blend | lists | pairs | exponents | exps | PSNR to float32 dB | s "
+    "| peak MB |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
 )
+CULLINGS: tuple[Culling, ...] = ("none", "blocks", "pixels")
 STAGES = ("projection", "colour", "sorting", "binning", "blend")
 EXP_OPERATIONS = 14
 """Of the array, as in docs/math.md."""
@@ -57,35 +60,34 @@ def rows(accelerator: str) -> Iterator[str]:
     _, mic = read_scene(_MIC / "mic_3dgs_sh3.ply")
     view = read_views(_MIC / "ref_gs.npz")[0].camera
     for size in _SIZES:
-        yield from _pair("mic, view 0", mic, scaled_camera(view, size, size), device)
+        yield from _rows_of("mic, view 0", mic, scaled_camera(view, size, size), device)
     for file in sorted((_SHARED / "playbot").glob("*.npz")):
         _, scene = read_scene(file)
-        yield from _pair(file.stem, scene, orbit_camera(scene, *_ORBIT), device)
+        yield from _rows_of(file.stem, scene, orbit_camera(scene, *_ORBIT), device)
     if not _SHARED.is_dir():
         yield f"\nNo other scenes: `../{_SHARED.relative_to(_ROOT.parent)}` is not there."
     yield from _loops(device)
 
 
-def _pair(name: str, scene: object, camera: Camera, device: Device) -> Iterator[str]:
-    """Yield a row without and one with lookahead."""
+def _rows_of(name: str, scene: object, camera: Camera, device: Device) -> Iterator[str]:
+    """Yield a row for each kind of culling."""
     if not isinstance(scene, Gaussians):
         yield f"| {name} | no Gaussians |"
         return
     reference = render_reference(scene, camera).image
-    for lookahead in (False, True):
-        options = ArrayOptions(lookahead=lookahead)
-        render_splats(_few(scene), camera, options, device=device)  # compiles the kernels
+    for culling in CULLINGS:
+        render_splats(_few(scene), camera, device=device, culling=culling)  # compiles the kernels
         began = time.perf_counter()
-        frame = render_splats(scene, camera, options, device=device)
+        frame = render_splats(scene, camera, device=device, culling=culling)
         seconds = time.perf_counter() - began
         peak_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         cells = (
-            *(name, f"{camera.width}x{camera.height}", "on" if lookahead else "off"),
+            *(name, f"{camera.width}x{camera.height}", culling),
             *(f"{frame.counts['splats']:,}", f"{frame.counts['list_entries']:,}"),
             *(f"{frame.cycles:,}", f"{frame.frames_a_second:,.1f}"),
             *(f"{_cycles(frame, stage):,}" for stage in STAGES),
             f"{(_cycles(frame, 'sorting') + _cycles(frame, 'binning')) / frame.cycles:.0%}",
-            *(f"{frame.counts['evaluated']:,}", f"{frame.counts['exponentials']:,}"),
+            *(f"{frame.counts[name]:,}" for name in ("evaluated", "exponents", "exponentials")),
             *(f"{psnr(frame.image, reference):.1f}", f"{seconds:.1f}", f"{peak_mb:,.0f}"),
         )
         yield f"| {' | '.join(cells)} |"
@@ -104,8 +106,8 @@ def _loops(device: Device) -> Iterator[str]:
     """Yield the loops of the blending kernels, and how much of those that take exp is exp."""
     yield "\n| kernel | line | operations | II | exp's share of operations |"
     yield "|---|---|---|---|---|"
-    for lookahead in (False, True):
-        program = blend_program(device, lookahead)
+    for culling in CULLINGS:
+        program = blend_program(device, culling)
         for region in program.regions:
             if region.kind == "loop" and region.loc is not None:
                 exp = _takes_exp(region.loc)

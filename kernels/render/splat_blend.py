@@ -1,9 +1,10 @@
 """Blending of 3D Gaussian Splatting (Kerbl et al. 2023) for one screen tile of 16x16 pixels: with
-the late test of alpha, and with Lookahead Culling II, which decides on the exponent before exp.
+the late test of alpha (`blend_late`), and with Lookahead Culling II, which decides on the exponent
+before exp: for blocks of 4x4 pixels (`blend_blocks`), and then for each pixel (`blend_lookahead`).
 
 A run takes a part of the tile's depth-sorted list, already in the scratchpad, and carries colour
-and transmittance on: lists of any length are blended part by part. Both kernels first cull the list
-for blocks of 4x4 pixels, and both give the same picture to the last bit.
+and transmittance on: lists of any length are blended part by part. All three give the same picture
+to the last bit.
 
 A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b;
 half the width and height of the box in which it may be seen, with half a block. A row of `pixels`
@@ -46,6 +47,7 @@ IN_LIST = 255
 IN_SURVIVORS = 1023
 IN_BLOCK = 15
 IN_TWO_BLOCKS = 31
+IN_PIXELS = 1023
 
 
 @numba.njit
@@ -201,6 +203,7 @@ def blend_survivors(splats, powers, survivors, count, state, new):
     """Takes exp of the survivors, and blends them: pixels from `state` to `new`."""
     before = -1
     t = ZERO
+    left = ZERO
     r = ZERO
     g = ZERO
     b = ZERO
@@ -213,23 +216,25 @@ def blend_survivors(splats, powers, survivors, count, state, new):
             g = state[4 * p + 1]
             b = state[4 * p + 2]
             t = state[4 * p + 3]
+            left = t
         before = p
         alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(powers[s]))
         if alpha < ALPHA_MIN:
             alpha = ZERO
         weight = alpha * t
-        left = t * (ONE - alpha)
-        if left >= TRANSMITTANCE_MIN:
+        t *= ONE - alpha
+        # Once below it stays below: what has become of t then no longer counts.
+        if t >= TRANSMITTANCE_MIN:
             r += splats[o + 7] * weight
             g += splats[o + 8] * weight
             b += splats[o + 9] * weight
-            t = left
+            left = t
         else:
-            t = -abs(t)
+            left = -abs(left)
         new[4 * p] = r
         new[4 * p + 1] = g
         new[4 * p + 2] = b
-        new[4 * p + 3] = t
+        new[4 * p + 3] = left
 
 
 @vividc.kernel(
@@ -276,8 +281,96 @@ def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
 
 
 @numba.njit
-def blend_pixel(splats, kept, found, px, py, pixels, place):
-    """Blends the splats kept over one pixel; how many were looked at."""
+def blend_all(splats, kept, first, last, live_x, live_y, live_pixel, steps, state, new):
+    """Takes exp of splats kept[first] to kept[last] at each live pixel, and blends what counts:
+    pixels from `state` to `new`.
+    """
+    t = ZERO
+    left = ZERO
+    r = ZERO
+    g = ZERO
+    b = ZERO
+    q = np.int32(0)
+    j = first
+    for _ in range(steps):
+        o = kept[j & IN_LIST] & PLACES
+        k = q & IN_BLOCK
+        p = live_pixel[k] & IN_BLOCK
+        dx = splats[o] - live_x[k]
+        dy = splats[o + 1] - live_y[k]
+        power = (
+            -HALF * (splats[o + 2] * dx * dx + splats[o + 4] * dy * dy) - splats[o + 3] * dx * dy
+        )
+        if j == first:
+            r = state[4 * p]
+            g = state[4 * p + 1]
+            b = state[4 * p + 2]
+            t = state[4 * p + 3]
+            left = t
+        alpha = min(ALPHA_MAX, splats[o + 5] * math.exp(power))
+        if power > ZERO or alpha < ALPHA_MIN:
+            alpha = ZERO
+        weight = alpha * t
+        t *= ONE - alpha
+        # Once below it stays below: what has become of t then no longer counts.
+        if t >= TRANSMITTANCE_MIN:
+            r += splats[o + 7] * weight
+            g += splats[o + 8] * weight
+            b += splats[o + 9] * weight
+            left = t
+        else:
+            left = -abs(left)
+        new[4 * p] = r
+        new[4 * p + 1] = g
+        new[4 * p + 2] = b
+        new[4 * p + 3] = left
+        if j == last:
+            j = first
+            q = np.int32(q + 1)
+        else:
+            j = np.int32(j + 1)
+
+
+@vividc.kernel(
+    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
+)
+def blend_blocks(splats, pixels, counts, n, x0, y0, height, first, last):
+    """As `blend_lookahead`, but only blocks are culled: exp is taken of every exponent."""
+    near_by = np.empty(LIST_PART, np.int32)
+    kept = np.empty(LIST_PART, np.int32)
+    live_x = np.empty(BLOCK, np.float32)
+    live_y = np.empty(BLOCK, np.float32)
+    live_pixel = np.empty(BLOCK, np.int32)
+    state = np.empty(4 * BLOCK, np.float32)
+    new = np.empty(4 * BLOCK, np.float32)
+    if first != 0:
+        clear_pixels(pixels)
+    for block in range(4 * (height + 3 >> 2)):
+        x = x0 + np.float32(np.int32(SIDE * (block & 3)))
+        y = y0 + np.float32(np.int32(SIDE * (block >> 2)))
+        here = 256 * (block >> 2) + 16 * (block & 3)
+        boxed = near(splats, n, x, y, near_by)
+        found = cull(splats, near_by, boxed, x, y, kept)
+        counts[0] += n
+        load_block(pixels, here, new)
+        for start in range(0, found, SEGMENT):
+            end = min(start + SEGMENT, found)
+            live = list_live(new, x, y, state, live_x, live_y, live_pixel)
+            if live == 0:
+                break
+            steps = (live * (end - start)) & IN_SURVIVORS
+            one = np.int32(start)
+            other = np.int32(end - 1)
+            blend_all(splats, kept, one, other, live_x, live_y, live_pixel, steps, state, new)
+            counts[1] += steps
+        store_block(new, pixels, here)
+    if last != 0:
+        over_white(pixels)
+
+
+@numba.njit
+def blend_pixel(splats, n, px, py, pixels, place):
+    """Blends splats over one pixel; how many were looked at."""
     r = pixels[place]
     g = pixels[place + 1]
     b = pixels[place + 2]
@@ -286,8 +379,8 @@ def blend_pixel(splats, kept, found, px, py, pixels, place):
         return np.int32(0)
     done = ONE
     looked = np.int32(0)
-    for j in range(found):
-        o = kept[j] & PLACES
+    for k in range(n):
+        o = (SPLAT_WORDS * k) & PLACES
         looked = np.int32(looked + 1)
         dx = splats[o] - px
         dy = splats[o + 1] - py
@@ -319,22 +412,12 @@ def blend_pixel(splats, kept, found, px, py, pixels, place):
     "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
 )
 def blend_late(splats, pixels, counts, n, x0, y0, height, first, last):
-    """As `blend_lookahead`, but exp is taken of every entry of a block's list."""
-    near_by = np.empty(LIST_PART, np.int32)
-    kept = np.empty(LIST_PART, np.int32)
+    """As `blend_lookahead`, but nothing is culled: every pixel tests alpha, as in the original."""
     if first != 0:
         clear_pixels(pixels)
-    for block in range(4 * (height + 3 >> 2)):
-        x = x0 + np.float32(np.int32(SIDE * (block & 3)))
-        y = y0 + np.float32(np.int32(SIDE * (block >> 2)))
-        here = 256 * (block >> 2) + 16 * (block & 3)
-        boxed = near(splats, n, x, y, near_by)
-        found = cull(splats, near_by, boxed, x, y, kept)
-        counts[0] += n
-        for p in range(BLOCK):
-            px = x + np.float32(np.int32(p & 3))
-            py = y + np.float32(np.int32(p >> 2))
-            place = here + 64 * (p >> 2) + 4 * (p & 3)
-            counts[1] += blend_pixel(splats, kept, found, px, py, pixels, place)
+    for p in range(16 * height):
+        px = x0 + np.float32(np.int32(p & 15))
+        py = y0 + np.float32(np.int32(p >> 4))
+        counts[1] += blend_pixel(splats, n, px, py, pixels, 4 * p & IN_PIXELS)
     if last != 0:
         over_white(pixels)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -21,6 +22,7 @@ _FILE = "render/splat_blend"
 _STAGE = "blend"
 _MAPPING_S = 150.0
 """Seven loops; their IIs are the time of a frame."""
+_BLOCK_PIXELS = 16
 _LIST_PART = 160
 """Entries of a list that a run takes, as in the kernels' file."""
 _PART_BYTES = WORD * ROW_WORDS * _LIST_PART
@@ -28,6 +30,13 @@ _TILE_BYTES = WORD * 4 * TILE_PX * TILE_PX
 _PIXELS_AT = 2 * _PART_BYTES
 _COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
 _COUNTS = 4
+Culling: TypeAlias = Literal["none", "blocks", "pixels"]
+"""What Lookahead Culling II decides before exp: nothing, blocks of pixels, or then also pixels."""
+_KERNELS: dict[Culling, str] = {
+    "none": "blend_late",
+    "blocks": "blend_blocks",
+    "pixels": "blend_lookahead",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,14 +107,14 @@ def blend_splats(
     splats: DeviceSplats,
     lists: ScreenLists,
     camera: Camera,
-    lookahead: bool,
+    culling: Culling,
     chosen: Int32Array,
 ) -> Float32Array:
     """Return the picture [height, width, 3] over white, of the `chosen` screen tiles.
 
-    Those without splats are not run.
+    Those without splats are not run. The picture is the same with every kind of culling.
     """
-    program = blend_program(device, lookahead)
+    program = blend_program(device, culling)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
     image = np.ones((rows * TILE_PX, columns * TILE_PX, 4), dtype=np.float32)
     job = device.new_job()
@@ -117,20 +126,21 @@ def blend_splats(
         if share:
             graph.tile(tile, share)
     device.finish(ledger, _STAGE, job)
-    _count(ledger, counts, lookahead)
+    _count(ledger, counts, culling)
     return np.ascontiguousarray(image[: camera.height, : camera.width, :3])
 
 
-def blend_program(device: Device, lookahead: bool) -> vividc.Program:
-    """Return the program that blends, with Lookahead Culling II or with the late test."""
-    kernel = "blend_lookahead" if lookahead else "blend_late"
-    return device.programs.get(f"{_FILE}:{kernel}", time_limit_s=_MAPPING_S)
+def blend_program(device: Device, culling: Culling) -> vividc.Program:
+    """Return the program that blends with this culling."""
+    return device.programs.get(f"{_FILE}:{_KERNELS[culling]}", time_limit_s=_MAPPING_S)
 
 
-def _count(ledger: Ledger, counts: Int32Array, lookahead: bool) -> None:
-    tests, evaluated, survivors = (int(n) for n in counts.sum(axis=0, dtype=np.int64)[:3])
-    exponentials = survivors if lookahead else evaluated
-    ledger.count(block_tests=tests, evaluated=evaluated, exponentials=exponentials)
+def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:
+    """Book what was decided: pairs of an entry and a pixel, exponents, exps."""
+    tests, exponents, survivors = (int(n) for n in counts.sum(axis=0, dtype=np.int64)[:3])
+    pairs = exponents if culling == "none" else _BLOCK_PIXELS * tests
+    exponentials = survivors if culling == "pixels" else exponents
+    ledger.count(evaluated=pairs, exponents=exponents, exponentials=exponentials)
 
 
 def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Screen]:

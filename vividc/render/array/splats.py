@@ -11,7 +11,7 @@ from vividc.render.array.device import Device, open_device
 from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.options import ArrayOptions
 from vividc.render.array.sampling import sampled
-from vividc.render.array.splat_blend import blend_splats
+from vividc.render.array.splat_blend import Culling, blend_splats
 from vividc.render.array.splat_project import project_on_array
 from vividc.render.array.splat_scene import device_scene, screen_tiles
 from vividc.render.array.splat_sort import sort_on_array
@@ -32,6 +32,7 @@ def render_splats(
     options: ArrayOptions | None = None,
     progress: Progress | None = None,
     device: Device | None = None,
+    culling: Culling | None = None,
 ) -> ArrayFrame:
     """Render a view of a scene of Gaussians on the array.
 
@@ -47,6 +48,8 @@ def render_splats(
         Called with the share that is done, 0 to 1.
     device
         The accelerator with its programs; None: that of `options.fabric`.
+    culling
+        How far Lookahead Culling II goes; None: to pixels if `options.lookahead`, else nowhere.
 
     Raises
     ------
@@ -59,7 +62,7 @@ def render_splats(
     columns, rows = screen_tiles(camera)
     arrays = device_scene(scene)
     ledger = Ledger()
-    # Culling of blocks trusts the threshold; what only lookahead may get wrong must not reach it.
+    # A margin with which lookahead may go wrong does nothing without it.
     margin = chosen.exponent_margin if chosen.lookahead else BlendOptions().margin
     splats = project_on_array(machine, ledger, arrays, camera, margin)
     tell(_PROJECTED)
@@ -70,7 +73,8 @@ def render_splats(
         for stage in ledger.stages.values():
             stage.whole = True
         tell(_SORTED)
-        image = blend_splats(machine, ledger, splats, lists, camera, chosen.lookahead, screens)
+        culling = culling or ("pixels" if chosen.lookahead else "none")
+        image = blend_splats(machine, ledger, splats, lists, camera, culling, screens)
         ledger.count(splats=len(splats), list_entries=len(lists.slots))
     tell(1.0)
     return ArrayFrame(
