@@ -33,8 +33,8 @@ NOTES = (
     "kernels of `kernels/render/splat_*.py`. Cycles of a stage are those of its jobs one after the",
     "other, with configuration and DMA; lists is the share of sorting and binning. Without culling",
     "exp is taken of every pair of a pixel and an entry of its list (`--lookahead off`); Lookahead",
-    "Culling II (on) compares exponents with a threshold before exp, at best of blocks of 4x4 pixels",
-    "at once, then of pixels. The pictures are the same to the last bit. Seconds are of the",
+    "Culling II (on) compares exponents with a threshold before exp, of blocks of 4x4 pixels",
+    "at once and then of pixels. The pictures are the same to the last bit. Seconds are of the",
     "simulation on all cores, without compiling; memory is the peak so far.",
 )
 HEADER = (
