@@ -30,6 +30,7 @@ from benchmarks import (
     render_kernels,
     renderers,
     simd,
+    splats,
 )
 from benchmarks.workloads import WORKLOADS, Workload
 
@@ -105,8 +106,9 @@ SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
 RENDERERS = "renderers"
+SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, RENDERERS, MAPPERS)  # the last ones take hours: by name only
+CHOICES = (*DEFAULT, SPLATS, RENDERERS, MAPPERS)  # the last ones take hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
@@ -114,11 +116,13 @@ MODULES = {
     FORMATS: formats,
     SIMD: simd,
     RENDERERS: renderers,
+    SPLATS: splats,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
     RENDERERS: lambda fabric, _: renderers.rows(fabric),
+    SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
     SIMD: simd.rows,
@@ -128,6 +132,7 @@ PLACES = {
     FRAMES: ("vivid",),
     FORMATS: ("any fabric",),
     RENDERERS: ("vivid",),
+    SPLATS: ("vivid",),
 }
 """Where tables are made that `--fabric` has no say in."""
 

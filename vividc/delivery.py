@@ -39,6 +39,17 @@ def residents(fabric: Fabric, mapped: Iterable[tuple[DFG, RegionMapping]]) -> Re
     return {pe: frozenset(keys) for pe, keys in held.items()}
 
 
+def with_homes(held: Residents, homes: Homes) -> Residents:
+    """The entries `held`, and those that the variables take in their homes: a straight region that
+    is mapped before a variable is written must leave room for it.
+    """
+    taken = {pe: set(keys) for pe, keys in held.items()}
+    for name, pes in homes.items():
+        for pe in pes:
+            taken[pe].add(("live_in", name))
+    return {pe: frozenset(keys) for pe, keys in taken.items()}
+
+
 def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMapping]) -> Homes:
     """The PEs whose constant stores hold each variable.
 

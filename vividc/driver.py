@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
-from vividc.delivery import deliver, residents, variable_homes
+from vividc.delivery import deliver, residents, variable_homes, with_homes
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
@@ -363,7 +363,8 @@ def map_kernel(
         if region.kind == "loop":
             continue
         ready = deliver(region, homes)
-        problem = MapProblem(ready.dfg, fabric, ready.allowed, residents(fabric, done))
+        held = with_homes(residents(fabric, done), homes)
+        problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
         results[index] = _map_straight(problem, options)
         regions[index] = replace(region, dfg=ready.dfg)
         done.append((ready.dfg, _mapping(results[index])))

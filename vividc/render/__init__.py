@@ -1,6 +1,6 @@
 """Scenes, cameras and float32 reference renderers: what the rendering kernels must equal."""
 
-from vividc.render.array_blend import ArrayPicture, blend_on_array
+from vividc.render.array.blend import ArrayPicture, blend_on_array
 from vividc.render.blend_reference import (
     Blended,
     BlendOptions,

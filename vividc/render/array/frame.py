@@ -30,6 +30,8 @@ class Stage:
         Of each job: where the cycles of the tiles went, and the bytes moved.
     seconds
         The host took to simulate it.
+    whole
+        Simulated for the whole frame, even if only some blocks of pixels are.
     """
 
     name: str
@@ -39,6 +41,7 @@ class Stage:
     runs: int = 0
     stats: list[JobStats] = field(default_factory=list)
     seconds: float = 0.0
+    whole: bool = False
 
 
 @dataclass(slots=True)
@@ -107,8 +110,10 @@ class ArrayFrame:
 
     @property
     def frames_a_second(self) -> float:
-        """At the tiles' clock, of the frame as sampled."""
-        return self.clock_ghz * 1e9 * self.sampled / self.cycles if self.cycles else 0.0
+        """At the tiles' clock; of a stage that is sampled, each block counts as the average."""
+        shares = (1.0 if stage.whole else self.sampled for stage in self.stages)
+        cycles = sum(stage.cycles / share for stage, share in zip(self.stages, shares, strict=True))
+        return self.clock_ghz * 1e9 / cycles if cycles else 0.0
 
 
 def total_cycles(stages: Iterable[Stage]) -> int:

@@ -14,13 +14,14 @@ from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
 from vividc.render.array.options import ArrayOptions
+from vividc.render.array.sampling import sampled
+from vividc.render.array.splats import render_splats
 from vividc.render.array.tensorf import TensoRFField
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
+from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
-
-_GOLDEN = 0.6180339887498949
 
 
 def render_array(
@@ -55,6 +56,8 @@ def render_array(
             hint="give a number above 0 and at most 1",
         )
     device = open_device(options.fabric, options.engine, tell)
+    if isinstance(scene, Gaussians):
+        return render_splats(scene, camera, options, progress, device)
     field = _field(scene, device)
     corners = sampled(block_corners(camera), options.sample)
     ledger = Ledger()
@@ -71,17 +74,6 @@ def render_array(
     stages = tuple(ledger.stages.values())
     simulated = None if options.sample == 1 else pixels_of(corners, camera)
     return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
-
-
-def sampled(corners: Int32Array, share: float) -> Int32Array:
-    """Return about a share of the blocks, spread evenly: the same ones each time.
-
-    Block k counts if the fractional part of k times the golden ratio's is below the share (Weyl
-    1916); at least one does.
-    """
-    place = np.arange(len(corners)) * _GOLDEN % 1.0
-    chosen = corners[place < share]
-    return chosen if len(chosen) else corners[:1]
 
 
 def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:

@@ -1,0 +1,117 @@
+"""3DGS rendered whole by the array: against the reference, and scenes that are unusual."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vividc.render import Camera, Gaussians, SceneError, psnr, render_reference, scaled_camera
+from vividc.render.array import ArrayOptions, Device, open_device, render_array
+from vividc.render.array.splats import render_splats
+
+
+@pytest.fixture(scope="module")
+def device() -> Device:
+    return open_device("vivid")
+
+
+def gaussians(means: list[list[float]], **changes: object) -> Gaussians:
+    n = len(means)
+    parts: dict[str, object] = {
+        "means": np.array(means, np.float32).reshape(n, 3),
+        "scales": np.full((n, 3), 0.1, np.float32),
+        "rotations": np.tile(np.array([1, 0, 0, 0], np.float32), (n, 1)),
+        "opacity": np.full(n, 0.8, np.float32),
+        "sh": np.ones((n, 1, 3), np.float32),
+    }
+    return Gaussians(**{**parts, **changes})  # type: ignore[arg-type]
+
+
+def ahead(width: int = 40, height: int = 24) -> Camera:
+    """Looks along -z from the origin."""
+    return Camera(np.eye(4, dtype=np.float32), 40.0, width, height)
+
+
+def test_no_gaussians_are_white() -> None:
+    frame = render_splats(gaussians([]), ahead())
+    np.testing.assert_array_equal(frame.image, np.ones((24, 40, 3)))
+    assert (frame.cycles, frame.stages, frame.frames_a_second) == (0, (), 0.0)
+
+
+@pytest.mark.parametrize("name", ["means", "scales", "rotations", "opacity", "sh"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_parameters_that_are_no_numbers_are_refused(name: str, value: float) -> None:
+    scene = gaussians([[0, 0, -3], [0, 1, -3]])
+    wrong = getattr(scene, name).copy()
+    wrong[1] = value
+    with pytest.raises(SceneError, match=f"`{name}` of Gaussian 1 is not finite"):
+        render_array(gaussians([[0, 0, -3], [0, 1, -3]], **{name: wrong}), ahead())
+
+
+def test_images_of_too_many_screen_tiles_are_refused() -> None:
+    with pytest.raises(SceneError, match="256x1 screen tiles"):
+        render_splats(gaussians([[0, 0, -3]]), ahead(4081, 16))
+
+
+@pytest.mark.slow
+def test_what_is_behind_the_camera_leaves_white(device: Device) -> None:
+    frame = render_splats(gaussians([[0, 0, 3], [0, 0, -0.1]]), ahead(), device=device)
+    np.testing.assert_array_equal(frame.image, np.ones((24, 40, 3)))
+    assert [stage.name for stage in frame.stages] == ["projection"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scale", [0.0, 1e-20, 0.3, 40.0, 1e18])
+def test_one_gaussian_of_any_size(device: Device, scale: float) -> None:
+    scene = gaussians([[0.1, 0.05, -3]], scales=np.full((1, 3), scale, np.float32))
+    frame = render_splats(scene, ahead(), device=device)
+    reference = render_reference(scene, ahead()).image
+    np.testing.assert_allclose(frame.image, reference, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_lookahead_gives_the_same_picture_with_fewer_exps(
+    device: Device, mic: Gaussians, mic_cameras: tuple
+) -> None:
+    camera = scaled_camera(mic_cameras[0], 75, 50)
+    reference = render_reference(mic, camera).image
+    late, early = (
+        render_splats(mic, camera, ArrayOptions(lookahead=on), device=device)
+        for on in (False, True)
+    )
+    np.testing.assert_array_equal(early.image, late.image)
+    assert early.counts["exponentials"] < late.counts["exponentials"] / 2
+    assert psnr(early.image, reference) > 80
+    names = ["projection", "colour", "sorting", "binning", "blend"]
+    assert [stage.name for stage in early.stages] == names
+    blocks = render_splats(mic, camera, device=device, culling="blocks")
+    np.testing.assert_array_equal(blocks.image, late.image)
+
+
+@pytest.mark.slow
+def test_margins_and_samples(device: Device, mic: Gaussians, mic_cameras: tuple) -> None:
+    camera = scaled_camera(mic_cameras[1], 64, 64)
+    whole = render_splats(mic, camera, device=device)
+    wide = render_splats(mic, camera, ArrayOptions(exponent_margin=1.0), device=device)
+    np.testing.assert_array_equal(wide.image, whole.image)
+    assert wide.counts["exponentials"] > whole.counts["exponentials"]
+    narrow = render_splats(mic, camera, ArrayOptions(exponent_margin=-1.0), device=device)
+    assert narrow.counts["exponentials"] < whole.counts["exponentials"]
+    assert 20 < psnr(narrow.image, whole.image) < 80
+    some = render_splats(mic, camera, ArrayOptions(sample=0.3), device=device)
+    assert some.simulated is not None
+    np.testing.assert_array_equal(some.image[some.simulated], whole.image[some.simulated])
+    np.testing.assert_array_equal(some.image[~some.simulated], 1)
+    assert 0 < some.sampled < 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_lower_degrees_of_colour(
+    device: Device, mic: Gaussians, mic_cameras: tuple, degree: int
+) -> None:
+    camera = scaled_camera(mic_cameras[2], 48, 48)
+    fewer = mic.sh[:, : (degree + 1) ** 2].copy()
+    scene = Gaussians(mic.means, mic.scales, mic.rotations, mic.opacity, fewer)
+    frame = render_splats(scene, camera, device=device)
+    assert psnr(frame.image, render_reference(scene, camera).image) > 80

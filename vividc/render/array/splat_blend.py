@@ -1,0 +1,169 @@
+"""Blending of 3DGS on the array: a screen tile at a time, its list part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+import vividc
+from vividc.launch import At, Job
+from vividc.render.array.device import Device
+from vividc.render.array.frame import Ledger
+from vividc.render.array.splat_project import ROW_WORDS, WORD, DeviceSplats
+from vividc.render.array.splat_sort import ScreenLists
+from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.camera import Camera
+from vividc.render.crop import TILE_PX
+
+_FILE = "render/splat_blend"
+_STAGE = "blend"
+_MAPPING_S = 150.0
+"""Seven loops; their IIs are the time of a frame."""
+_BLOCK_PIXELS = 16
+_LIST_PART = 160
+"""Entries of a list that a run takes, as in the kernels' file."""
+_PART_BYTES = WORD * ROW_WORDS * _LIST_PART
+_TILE_BYTES = WORD * 4 * TILE_PX * TILE_PX
+_PIXELS_AT = 2 * _PART_BYTES
+_COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
+_COUNTS = 4
+Culling: TypeAlias = Literal["none", "blocks", "pixels"]
+"""What Lookahead Culling II decides before exp: nothing, blocks of pixels, or then also pixels."""
+_KERNELS: dict[Culling, str] = {
+    "none": "blend_late",
+    "blocks": "blend_blocks",
+    "pixels": "blend_lookahead",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Screen:
+    """A screen tile to blend: its place in pixels, rows of pixels in the image, and its list."""
+
+    x: int
+    y: int
+    height: int
+    first: int
+    last: int
+
+    @property
+    def length(self) -> int:
+        return self.last - self.first
+
+
+@dataclass(slots=True, eq=False)
+class _Blend:
+    """The launch graph of blending."""
+
+    job: Job
+    program: vividc.Program
+    splats: DeviceSplats
+    lists: ScreenLists
+    image: Float32Array
+    counts: Int32Array
+
+    def tile(self, tile: int, share: Sequence[_Screen]) -> None:
+        """Add the steps of one tile: the next part of a list is fetched while one is blended."""
+        zeros = self.counts[tile]
+        counted = self.job.move_in(tile, zeros, _COUNTS_AT)
+        parts_freed: list[list[int]] = [[counted], [counted]]
+        pixels_freed: list[list[int]] = [[], []]
+        number, run = 0, counted
+        for screen, place in zip(share, _alternating(len(share)), strict=True):
+            starts = range(screen.first, screen.last, _LIST_PART)
+            pixels_at = _PIXELS_AT + place * _TILE_BYTES
+            for start in starts:
+                slots = self.lists.slots[start : min(start + _LIST_PART, screen.last)]
+                at = number % 2 * _PART_BYTES
+                freed = parts_freed[number % 2]
+                rows = self.job.gather(tile, self.splats.rows, slots, at, after=freed)
+                run = self.job.run(
+                    tile,
+                    self.program,
+                    splats=At(at, (ROW_WORDS * len(slots),)),
+                    pixels=At(pixels_at, (_TILE_BYTES // WORD,)),
+                    counts=At(_COUNTS_AT, (_COUNTS,)),
+                    n=len(slots),
+                    x0=np.float32(screen.x),
+                    y0=np.float32(screen.y),
+                    height=screen.height,
+                    first=int(start == screen.first),
+                    last=int(start == starts[-1]),
+                    after=[rows, *freed, *pixels_freed[place]],
+                )
+                parts_freed[number % 2] = [run]
+                number += 1
+            target = self.image[screen.y : screen.y + TILE_PX, screen.x : screen.x + TILE_PX]
+            pixels_freed[place] = [self.job.move_out(tile, pixels_at, target, after=[run])]
+        self.job.move_out(tile, _COUNTS_AT, zeros, after=[run])
+
+
+def blend_splats(
+    device: Device,
+    ledger: Ledger,
+    splats: DeviceSplats,
+    lists: ScreenLists,
+    camera: Camera,
+    culling: Culling,
+    chosen: Int32Array,
+) -> Float32Array:
+    """Return the picture [height, width, 3] over white, of the `chosen` screen tiles.
+
+    Those without splats are not run. The picture is the same with every kind of culling.
+    """
+    program = blend_program(device, culling)
+    columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
+    image = np.ones((rows * TILE_PX, columns * TILE_PX, 4), dtype=np.float32)
+    job = device.new_job()
+    tiles = device.tiles
+    counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
+    graph = _Blend(job, program, splats, lists, image, counts)
+    screens = _screens(lists, camera, columns, chosen)
+    for tile, share in enumerate(_shares(screens, tiles)):
+        if share:
+            graph.tile(tile, share)
+    device.finish(ledger, _STAGE, job)
+    _count(ledger, counts, culling)
+    return np.ascontiguousarray(image[: camera.height, : camera.width, :3])
+
+
+def blend_program(device: Device, culling: Culling) -> vividc.Program:
+    """Return the program that blends with this culling."""
+    return device.programs.get(f"{_FILE}:{_KERNELS[culling]}", time_limit_s=_MAPPING_S)
+
+
+def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:
+    """Book what was decided: pairs of an entry and a pixel, exponents, exps."""
+    tests, exponents, survivors = (int(n) for n in counts.sum(axis=0, dtype=np.int64)[:3])
+    pairs = exponents if culling == "none" else _BLOCK_PIXELS * tests
+    exponentials = survivors if culling == "pixels" else exponents
+    ledger.count(evaluated=pairs, exponents=exponents, exponentials=exponentials)
+
+
+def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Screen]:
+    """Return those of the chosen screen tiles in which something may be seen."""
+    found = []
+    lengths = np.diff(lists.start)[chosen]
+    for tile in chosen[lengths > 0].tolist():
+        x, y = tile % columns * TILE_PX, tile // columns * TILE_PX
+        height = min(TILE_PX, camera.height - y)
+        found.append(_Screen(x, y, height, int(lists.start[tile]), int(lists.start[tile + 1])))
+    return found
+
+
+def _shares(screens: Sequence[_Screen], tiles: int) -> list[list[_Screen]]:
+    """Give each tile screen tiles: the longest lists first, each to the tile with the least."""
+    shares: list[list[_Screen]] = [[] for _ in range(tiles)]
+    load = [0] * tiles
+    for screen in sorted(screens, key=lambda screen: -screen.length):
+        tile = load.index(min(load))
+        shares[tile].append(screen)
+        load[tile] += screen.length
+    return shares
+
+
+def _alternating(count: int) -> list[int]:
+    return [number % 2 for number in range(count)]
