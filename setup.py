@@ -1,4 +1,4 @@
-"""Puts `kernels/` into the package: the renderers on the array compile them where it is installed."""
+"""Puts `kernels/` into the package: the renderers on the array compile them at their users'."""
 
 from setuptools import find_namespace_packages, setup
 
