@@ -17,6 +17,7 @@ from vividc.dfg.graph_builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
+from vividc.gemm.kept import key_of, read_program, write_program
 from vividc.gemm.program import Shape, region_report
 from vividc.mapper import Mapping, MapProblem, MapResult, violations
 from vividc.mapper.list_schedule import list_schedule
@@ -215,6 +216,17 @@ def chain_program(chain: Chain) -> Program:
 @lru_cache(maxsize=16)
 def _program(fabric: str, links: tuple[tuple[int, bool, Precision], ...], words: int) -> Program:
     array = SystolicArray.of(arch.load_tile(fabric))
+    key = key_of(array.fabric, links, words)
+    program = read_program(key)
+    if program is None:
+        program = _built(array, links, words)
+        write_program(key, program)
+    return program
+
+
+def _built(
+    array: SystolicArray, links: tuple[tuple[int, bool, Precision], ...], words: int
+) -> Program:
     regions: list[Region] = []
     mappings: dict[int, Mapping] = {}
     reports: dict[int, MapResult] = {}
