@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from vividc import arch
-from vividc.gemm import FABRICS, Layer, LayerShape, Mode, mlp, predict
+from vividc.formats import FORMATS, round_array, to_floats
+from vividc.gemm import FABRICS, Layer, LayerShape, Mode, mlp, mlp_job, predict
 from vividc.gemm.program import Shape
-from vividc.mapper.systolic import SystolicArray
+from vividc.mapper.systolic import PRECISIONS, Precision, SystolicArray
 
 TITLE = "Matrix products on systolic arrays"
 NOTES = (
@@ -56,6 +57,8 @@ def rows() -> Iterator[str]:
     """All tables, line by line."""
     yield from _products()
     yield from _networks()
+    yield from _precisions()
+    yield from _jobs()
     yield from _simulated()
 
 
@@ -100,6 +103,56 @@ def _networks() -> Iterator[str]:
             f"| {network.name}, last layer | {one.cycles:,} | {one.utilization:.1%} "
             f"| {four.cycles:,} | {four.utilization:.1%} | {one.cycles / four.cycles:.2f}x |"
         )
+    yield ""
+
+
+def _precisions() -> Iterator[str]:
+    """One product with operands of each format, on random numbers."""
+    yield "Formats of operands, unified array, M = 65,536 (2 and 4 inner indices to a word; cycles"
+    yield "in pieces, and against FP32; K = 59 is 30 words of FP16 and 15 of FP8):"
+    yield ""
+    yield "| N, K | " + " | ".join(PRECISIONS) + " | error of f16 | of e4m3 | of e5m2 |"
+    yield "|---|" + "---|" * (len(PRECISIONS) + 3)
+    for cols, depth in ((32, 59), (64, 64), (128, 150), (128, 128)):
+        cycles = [
+            predict(65_536, [LayerShape(depth, cols, precision=each)], "tpu-unified").cycles
+            for each in PRECISIONS
+        ]
+        shown = [f"{cycles[0]:,}", *(f"{n:,} ({cycles[0] / n:.2f}x)" for n in cycles[1:])]
+        errors = [f"{_error(depth, cols, each):.1e}" for each in PRECISIONS[1:]]
+        yield f"| {cols}, {depth} | " + " | ".join([*shown, *errors]) + " |"
+    yield ""
+
+
+def _error(depth: int, cols: int, precision: Precision) -> float:
+    """Largest error over the largest result, operands of a normal distribution."""
+    rng = np.random.default_rng(2)
+    a, b = rng.standard_normal((64, depth)), rng.standard_normal((depth, cols))
+    fmt = FORMATS[precision]
+    one, other = (to_floats(fmt, round_array(fmt, x)).astype(np.float64) for x in (a, b))
+    return float(np.abs(one @ other - a @ b).max() / np.abs(a @ b).max())
+
+
+def _jobs() -> Iterator[str]:
+    """Whole jobs: the simulator's count, on random operands."""
+    yield "Whole jobs (`mlp_job`, M = 16,384): with configuration, launch words and transfers to"
+    yield "and from DRAM (32 bytes a cycle); utilisation as above, of all cycles:"
+    yield ""
+    yield "| network | mode | runs | cycles | utilisation | configuration | DRAM busy |"
+    yield "|---|---|---|---|---|---|---|"
+    for network in COLOUR[:2]:
+        rng = np.random.default_rng(3)
+        layers = [_layer(shape, rng) for shape in network.layers]
+        x = rng.uniform(-1, 1, (16_384, network.layers[0].depth)).astype(np.float32)
+        for mode in FABRICS:
+            run = mlp_job(x, layers, mode=mode)
+            stats = run.job.stats
+            waits = stats["stalls"]["configuration"] // len(stats["tiles"])
+            yield (
+                f"| {network.name} | {mode} | {stats['runs']} | {run.job.cycles:,} "
+                f"| {run.utilization:.1%} | {waits:,} "
+                f"| {stats['busy']['dram'] / run.job.cycles:.1%} |"
+            )
     yield ""
 
 

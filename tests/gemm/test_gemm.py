@@ -7,8 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
+from vividc.formats import FORMATS, round_array, to_floats
 from vividc.gemm import Layer, LayerShape, choose, gemm, gemm_program, mlp, predict
-from vividc.mapper.systolic import SystolicError
+from vividc.mapper.systolic import PRECISIONS, Precision, SystolicError
 
 U = 2.0**-24
 RNG = np.random.default_rng(7)
@@ -38,6 +39,34 @@ def test_a_product_is_numpys_within_the_bound(mode: str, rows: int, depth: int, 
     predicted = predict(rows, [shape], result.mode)
     assert (result.cycles, result.launches) == (predicted.cycles, predicted.launches)
     assert result.utilization == pytest.approx(predicted.utilization)
+
+
+@pytest.mark.parametrize(("precision", "words"), [("f16", 35), ("e4m3", 18), ("e5m2", 18)])
+def test_narrow_operands_share_words(precision: Precision, words: int) -> None:
+    a, b, bias = random(40, 69), random(69, 9), random(9)
+    result = gemm(a, b, bias, precision=precision, mode="tpu-partitioned")
+    fmt = FORMATS[precision]
+    one, other = (to_floats(fmt, round_array(fmt, matrix)) for matrix in (a, b))
+    chain = np.tile(bias, (40, 1))
+    for k in range(69):  # products are exact in float64, and so is each sum but for its rounding
+        chain = (chain + one[:, k : k + 1].astype(np.float64) * other[k]).astype(np.float32)
+    assert np.array_equal(result.values, chain)
+    assert np.all(
+        np.abs(chain - (one.astype(np.float64) @ other + bias)) <= bound(one, other, bias)
+    )
+    shape = LayerShape(69, 9, precision=precision)
+    assert shape.words == words
+    assert result.cycles == predict(40, [shape], result.mode).cycles
+
+
+def test_narrow_operands_take_fewer_cycles() -> None:
+    cycles = [
+        predict(4096, [LayerShape(256, 64, precision=precision)], "tpu-unified").cycles
+        for precision in PRECISIONS
+    ]
+    assert cycles[0] / cycles[1] > 1.9
+    assert cycles[0] / cycles[2] > 3.6
+    assert cycles[2] == cycles[3]
 
 
 def test_integers_are_exact() -> None:
@@ -113,6 +142,10 @@ def test_mistakes_are_told() -> None:
         gemm(random(4, 6), b, random(3))
     with pytest.raises(ArgumentError, match="unknown activation 'tanh'"):
         gemm(random(4, 6), b, activation="tanh")  # type: ignore[arg-type]
+    with pytest.raises(SystolicError, match="unknown precision 'f8'"):
+        gemm(random(4, 6), b, precision="f8")  # type: ignore[arg-type]
+    with pytest.raises(ArgumentError, match="layer 1 takes e4m3, and what the layer before writes"):
+        mlp(random(4, 6), [Layer(b), Layer(random(7, 2), precision="e4m3")])
     with pytest.raises(SystolicError, match="unknown mode 'tpu'"):
         gemm(random(4, 6), b, mode="tpu")
     with pytest.raises(SystolicError, match="takes 602 contexts"):

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.errors import ArchError, ArgumentError
-from vividc.gemm import Layer, LayerShape, mlp, mlp_job
+from vividc.gemm import Layer, LayerShape, gemm, mlp, mlp_job
 from vividc.gemm.passes import lay_out, units, with_arrays
 from vividc.launch import Job
-from vividc.mapper.systolic import SystolicError
+from vividc.mapper.systolic import Precision, SystolicError
 
 RNG = np.random.default_rng(11)
 VIVID = with_arrays(arch.load_accelerator("vivid"))
@@ -89,6 +89,19 @@ def test_exp_runs_on_the_tiles_of_the_same_job() -> None:
     last_gemm = max(start for start, _, name in runs if name == "gemm")
     assert last_gemm >= ends["exp"]
     assert run.job.stats["stalls"]["configuration"] > 0
+
+
+@pytest.mark.parametrize("precision", ["f16", "e5m2"])
+def test_results_are_packed_on_the_tiles(precision: Precision) -> None:
+    x = random(100, 5)
+    first = Layer(random(5, 7), random(7), "relu", precision)
+    last = Layer(random(7, 3), random(3), "none", precision)
+    run = mlp_job(x, [first, last], mode="tpu-partitioned")
+    hidden = gemm(x, first.weights, first.bias, activation="relu", precision=precision)
+    exact = gemm(hidden.values, last.weights, last.bias, precision=precision)
+    assert np.array_equal(run.values, exact.values)
+    loads = [event.program for event in run.job.events if event.kind == "configure"]
+    assert loads == ["gemm", f"pack_{precision}", "gemm"]
 
 
 def test_forms_of_the_same_tiles_exclude_each_other() -> None:

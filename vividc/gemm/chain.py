@@ -17,6 +17,7 @@ from vividc.dfg.graph_builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
+from vividc.gemm.kept import key_of, read_program, write_program
 from vividc.gemm.program import Shape, region_report
 from vividc.mapper import Mapping, MapProblem, MapResult, violations
 from vividc.mapper.list_schedule import list_schedule
@@ -27,6 +28,7 @@ from vividc.mapper.systolic import (
     TABLE_ROW,
     BlockLayout,
     GemmRegion,
+    Precision,
     Stream,
     SystolicArray,
     base_name,
@@ -43,11 +45,14 @@ START_CONTEXTS = 2
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A layer of a chain: its inner dimension, its blocks of columns, whether max(x, 0) follows."""
+    """A layer of a chain: its inner dimension in words, its blocks of columns, whether max(x, 0)
+    follows, and the format of its operands.
+    """
 
     depth: int
     bands: int
     relu: bool = False
+    precision: Precision = "f32"
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,13 @@ class Chain:
             One of them fits no array's memories.
         """
         return tuple(
-            Shape.of(self.array, link.depth, relu=link.relu, words=self.words)
+            Shape.of(
+                self.array,
+                link.depth,
+                relu=link.relu,
+                words=self.words,
+                precision=link.precision,
+            )
             for link in self.links
         )
 
@@ -198,22 +209,35 @@ def chain_program(chain: Chain) -> Program:
     SystolicError
         A layer fits no array's memories.
     """
-    made = tuple((link.depth, link.relu) for link in chain.links)
+    made = tuple((link.depth, link.relu, link.precision) for link in chain.links)
     return _program(chain.array.fabric.name, made, chain.words)
 
 
 @lru_cache(maxsize=16)
-def _program(fabric: str, links: tuple[tuple[int, bool], ...], words: int) -> Program:
+def _program(fabric: str, links: tuple[tuple[int, bool, Precision], ...], words: int) -> Program:
     array = SystolicArray.of(arch.load_tile(fabric))
+    key = key_of(array.fabric, links, words)
+    program = read_program(key)
+    if program is None:
+        program = _built(array, links, words)
+        write_program(key, program)
+    return program
+
+
+def _built(
+    array: SystolicArray, links: tuple[tuple[int, bool, Precision], ...], words: int
+) -> Program:
     regions: list[Region] = []
     mappings: dict[int, Mapping] = {}
     reports: dict[int, MapResult] = {}
     names: dict[str, None] = {}
     counts = [f"blocks{layer}" for layer in range(len(links))]
-    for layer, (depth, relu) in enumerate(links):
+    for layer, (depth, relu, precision) in enumerate(links):
         start, loop = 2 * layer, 2 * layer + 1
         onward = loop + 1 if layer + 1 < len(links) else None
-        region = gemm_region(array, depth, relu=relu, words=words, names=_names(layer))
+        region = gemm_region(
+            array, depth, relu=relu, words=words, names=_names(layer), precision=precision
+        )
         _demand_legal(array, region.dfg, region.mapping, straight=False)
         first = start_graph(counts[layer])
         mappings[start] = list_schedule(MapProblem(first, array.fabric))

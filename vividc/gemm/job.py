@@ -13,6 +13,8 @@ from vividc.gemm.chain import LINE, Chain, chain_program
 from vividc.gemm.elementwise import elementwise_steps
 from vividc.gemm.layer import Layer, Matrix, bands_of, check_layers
 from vividc.gemm.modes import MODES, Mode, check_mode
+from vividc.gemm.packed import packed
+from vividc.gemm.packing import pack_steps
 from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
 from vividc.mapper.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
 from vividc.program import WORD_BYTES, Program
@@ -114,7 +116,8 @@ def add_mlp(job: Job, x: Matrix, layers: Sequence[Layer], layout: Layout) -> Mat
     """Add the steps of an MLP to a job; its results, once the job is simulated, by blocks: float32
     [blocks, columns, rows of a block].
     """
-    source = blocks_of(x, layout.passes[0].chain.array)
+    first_words = packed(x, layers[0].precision)
+    source = blocks_of(first_words, layout.passes[0].chain.array)
     target = source
     before: tuple[int, ...] = ()
     done: tuple[int, ...] = ()
@@ -123,6 +126,9 @@ def add_mlp(job: Job, x: Matrix, layers: Sequence[Layer], layout: Layout) -> Mat
         if one.bands.start == 0:
             source = target
             before, done = done, ()
+            precision = layers[one.first].precision
+            if one.first and precision != "f32":
+                source, before = pack_steps(job, source, chain.width(0), precision, before)
             columns = -(-layers[last].shape.cols // chain.array.cols) * chain.array.cols
             target = np.zeros((source.shape[0], columns, chain.array.rows), np.float32)
         first = one.bands.start * chain.array.cols

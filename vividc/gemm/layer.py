@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from vividc import arch
 from vividc.errors import ArgumentError
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, launches_of, padded, pieces
+from vividc.gemm.packed import packed
 from vividc.gemm.program import GemmProgram, Operands, gemm_program
 from vividc.mapper.systolic import (
     STREAMS,
+    Precision,
     Stream,
     SystolicArray,
+    check_precision,
     read_blocks,
     write_blocks,
 )
@@ -44,17 +47,21 @@ class Layer:
         float32 [inputs, outputs].
     bias
         float32 [outputs]; None: zeros.
+    precision
+        Format that inputs and weights are rounded to; sums, bias and results are float32.
     """
 
     weights: Matrix
     bias: Matrix | None = None
     activation: Activation = "none"
+    precision: Precision = "f32"
 
     @property
     def shape(self) -> LayerShape:
         """Sizes of the layer."""
         depth, cols = self.weights.shape
-        return LayerShape(depth, cols, self.activation == "relu", self.apart is not None)
+        relu, ends = self.activation == "relu", self.apart is not None
+        return LayerShape(depth, cols, relu, ends, self.precision)
 
     @property
     def apart(self) -> Apart | None:
@@ -95,6 +102,7 @@ def gemm(
     bias: Matrix | None = None,
     *,
     activation: Activation = "none",
+    precision: Precision = "f32",
     mode: str = "auto",
     engine: str = AUTO,
 ) -> GemmResult:
@@ -108,6 +116,10 @@ def gemm(
     ----------
     a, b, bias
         float32 [rows, depth], [depth, cols], [cols].
+    precision
+        "f32", or "f16", "e4m3", "e5m2": `a` and `b` are rounded to it, and several of their
+        elements share a word. Products are exact and sums are float32, so that the bound holds for
+        the rounded operands.
     mode
         "tpu-unified", "tpu-partitioned" or "auto", the one with fewer cycles.
     engine
@@ -118,7 +130,7 @@ def gemm(
     ArgumentError, SystolicError
         Wrong types or sizes, an unknown mode, or a product that does not fit the array.
     """
-    return mlp(a, [Layer(b, bias, activation)], mode=mode, engine=engine)
+    return mlp(a, [Layer(b, bias, activation, precision)], mode=mode, engine=engine)
 
 
 def mlp(
@@ -128,6 +140,12 @@ def mlp(
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
     check_layers(x, layers, FUSED)
+    for number, layer in enumerate(layers[1:], 1):
+        if layer.precision != "f32":
+            raise ArgumentError(
+                f"layer {number} takes {layer.precision}, and what the layer before writes is f32",
+                hint="mlp_job packs it on the tiles",
+            )
     chosen = choose(x.shape[0], [layer.shape for layer in layers], mode).chosen
     name, arrays = FABRICS[chosen.mode]
     share = -(-x.shape[0] // arrays)
@@ -160,7 +178,10 @@ class _Run:
         self._cycles = 0
         self._launches = 0
         self._programs = [
-            gemm_program(fabric, layer.shape.depth, relu=layer.shape.relu) for layer in layers
+            gemm_program(
+                fabric, layer.shape.words, relu=layer.shape.relu, precision=layer.precision
+            )
+            for layer in layers
         ]
 
     def all_rows(self, x: Matrix) -> _Partial:
@@ -175,6 +196,7 @@ class _Run:
 
     def _piece(self, x: Matrix, blocks: int) -> Matrix:
         """Rows that fit the scratchpad: only `x`, weights and the last layer's results move."""
+        x = packed(x, self._layers[0].precision)
         rows, width = self._array.rows, x.shape[1]
         buffer = np.zeros((self._programs[0].layout.room, STREAMS), np.float32)
         whole = np.zeros((blocks * rows, width), np.float32)
@@ -203,12 +225,12 @@ class _Run:
 
 
 def bands_of(layer: Layer, cols: int) -> Matrix:
-    """Weights and bias by blocks of columns, the last one filled with zeros: float32 [bands,
-    depth + 1, cols].
+    """Weights and bias by blocks of columns, the last one filled with zeros: float32 [bands, words
+    of the depth + 1, cols].
     """
-    depth, outputs = layer.weights.shape
+    outputs, depth = layer.weights.shape[1], layer.shape.words
     whole = np.zeros((depth + 1, padded(outputs, cols)), np.float32)
-    whole[:depth, :outputs] = layer.weights
+    whole[:depth, :outputs] = packed(layer.weights.T, layer.precision).T
     if layer.bias is not None:
         whole[depth, :outputs] = layer.bias
     return whole.reshape(depth + 1, -1, cols).transpose(1, 0, 2)
@@ -230,6 +252,7 @@ def check_layers(
     columns = x.shape[1]
     for number, layer in enumerate(layers):
         name = f"layer {number}"
+        check_precision(layer.precision)
         _check_array(f"the weights of {name}", layer.weights, 2)
         if layer.weights.shape[0] != columns:
             raise ArgumentError(

@@ -8,7 +8,7 @@ from typing import Final, Literal, get_args
 
 from vividc import arch
 from vividc.gemm.program import Shape
-from vividc.mapper.systolic import BlockLayout, SystolicArray, SystolicError
+from vividc.mapper.systolic import BlockLayout, Precision, SystolicArray, SystolicError, lanes
 
 Mode = Literal["tpu-unified", "tpu-partitioned"]
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)
@@ -52,13 +52,20 @@ class Choice:
 @dataclass(frozen=True, slots=True)
 class LayerShape:
     """Sizes of one layer: its inner dimension, its outputs, and whether max(x, 0) follows; whether
-    something follows that the array cannot do, so that its results leave the scratchpad.
+    something follows that the array cannot do, so that its results leave the scratchpad; the format
+    of its operands.
     """
 
     depth: int
     cols: int
     relu: bool = False
     ends: bool = False
+    precision: Precision = "f32"
+
+    @property
+    def words(self) -> int:
+        """Words of a row of the input."""
+        return -(-self.depth // lanes(self.precision))
 
 
 def padded(columns: int, block: int) -> int:
@@ -82,7 +89,7 @@ def predict(rows: int, layers: Sequence[LayerShape], mode: Mode) -> Prediction:
     cycles = launches = 0
     for blocks in pieces(-(-rows // arrays), layers, array):
         for layer in layers:
-            shape = Shape.of(array, layer.depth, relu=layer.relu)
+            shape = Shape.of(array, layer.words, relu=layer.relu, precision=layer.precision)
             for bands in launches_of(layer, shape.layout, blocks):
                 cycles += shape.cycles(blocks * len(bands))
                 launches += 1
@@ -99,7 +106,7 @@ def pieces(rows: int, layers: Sequence[LayerShape], array: SystolicArray) -> tup
     SystolicError
         Not one block of rows fits, with the columns of the widest layer.
     """
-    widest = max(layers[0].depth, *(padded(layer.cols, array.cols) for layer in layers))
+    widest = max(layers[0].words, *(padded(layer.cols, array.cols) for layer in layers))
     layout = BlockLayout(array.rows, array.cols, 1, array.fabric.scratchpad.words)
     most = layout.blocks(widest)
     if not most:

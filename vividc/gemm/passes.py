@@ -156,7 +156,11 @@ def lay_out(
 
 def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> tuple[Pass, ...]:
     ends = {k for k, shape in enumerate(shapes) if shape.ends}
-    links = [Link(s.depth, padded(s.cols, array.cols) // array.cols, s.relu) for s in shapes]
+    links = [
+        Link(s.words, padded(s.cols, array.cols) // array.cols, s.relu, s.precision) for s in shapes
+    ]
+    # Results are FP32; packing them is for the tiles.
+    ends |= {k - 1 for k, shape in enumerate(shapes) if shape.precision != "f32"}
     found: list[Pass] = []
     first = 0
     while first < len(links):
@@ -198,7 +202,7 @@ def _by_columns(array: SystolicArray, link: Link, first: int, parts: int) -> lis
 
 
 def _one(array: SystolicArray, link: Link, bands: int, parts: int) -> Chain:
-    return Chain(array, (Link(link.depth, bands, link.relu),), parts)
+    return Chain(array, (Link(link.depth, bands, link.relu, link.precision),), parts)
 
 
 def _pieces(rows: int, chain: Chain, arrays: int) -> list[range]:

@@ -24,6 +24,7 @@ from vividc.mapper.systolic import (
     TABLE_ROW,
     BlockLayout,
     GemmRegion,
+    Precision,
     Stream,
     SystolicArray,
     base_name,
@@ -51,7 +52,12 @@ class Shape:
 
     @staticmethod
     def of(
-        array: SystolicArray, depth: int, *, relu: bool = False, words: int | None = None
+        array: SystolicArray,
+        depth: int,
+        *,
+        relu: bool = False,
+        words: int | None = None,
+        precision: Precision = "f32",
     ) -> Shape:
         """The product of `gemm_region` with the same arguments.
 
@@ -60,7 +66,7 @@ class Shape:
         SystolicError
             The array's memories are too small for `depth`.
         """
-        schedule, layout = plan(array, depth, relu=relu, words=words)
+        schedule, layout = plan(array, depth, relu=relu, words=words, precision=precision)
         controller = array.fabric.controller
         start = 1 + controller.control_latency
         return Shape(layout, schedule.ii, schedule.span, start + controller.switch_cycles)
@@ -133,13 +139,17 @@ class GemmProgram:
 
 
 @lru_cache(maxsize=16)
-def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> GemmProgram:
+def gemm_program(
+    fabric: str | Fabric, depth: int, *, relu: bool = False, precision: Precision = "f32"
+) -> GemmProgram:
     """The program for products with inner dimension `depth` on `fabric`.
 
     Parameters
     ----------
     relu
         max(x, 0) of every result.
+    precision
+        Format of the operands; `depth` counts words of them.
 
     Raises
     ------
@@ -148,7 +158,7 @@ def gemm_program(fabric: str | Fabric, depth: int, *, relu: bool = False) -> Gem
     """
     machine = arch.load_tile(fabric) if isinstance(fabric, str) else fabric
     array = SystolicArray.of(machine)
-    region = gemm_region(array, depth, relu=relu)
+    region = gemm_region(array, depth, relu=relu, precision=precision)
     faults = violations(region.dfg, machine, region.mapping)
     if faults:
         raise InternalError(f"systolic mapping of depth {depth}: {faults[0].message}")

@@ -16,7 +16,7 @@ from tests.sim.test_against_interpreter import FABRICS, compiled
 from vividc.errors import BundleError
 from vividc.gemm import GemmProgram, gemm_program
 from vividc.gemm.program import Operands
-from vividc.mapper.systolic import STREAMS, Stream
+from vividc.mapper.systolic import STREAMS, Precision, Stream
 from vividc.program import Program
 from vividc.sim import Launch
 from vividc.sim.native import bulk_tables, engine
@@ -73,10 +73,17 @@ def test_random_programs(name: str, source: tuple[object, ...]) -> None:
     assert_engines_agree(program, launch(program, np.arange(WORDS, dtype=np.int32)))
 
 
-def product(depth: int, blocks: int, *, relu: bool) -> tuple[GemmProgram, Launch]:
-    made = gemm_program("vivid-8x8", depth, relu=relu)
-    values = floats(made.layout.room * STREAMS, 3).reshape(-1, STREAMS)
-    values[5, Stream.A], values[9, Stream.B] = np.nan, np.inf
+def product(
+    depth: int, blocks: int, *, relu: bool, precision: Precision = "f32"
+) -> tuple[GemmProgram, Launch]:
+    made = gemm_program("vivid-8x8", depth, relu=relu, precision=precision)
+    size = made.layout.room * STREAMS
+    values = floats(size, 3).reshape(-1, STREAMS)
+    if precision == "f32":
+        values[5, Stream.A], values[9, Stream.B] = np.nan, np.inf
+    else:
+        codes = np.random.default_rng(4).integers(0, 256, 4 * size, np.uint8)
+        values = codes.view(np.float32).reshape(-1, STREAMS)
     given = Operands(Stream.A, Stream.C, depth, 7, blocks, range(1))
     return made, launch(made.program, *made.launch(values, given))
 
@@ -85,6 +92,13 @@ def product(depth: int, blocks: int, *, relu: bool) -> tuple[GemmProgram, Launch
 @pytest.mark.parametrize("relu", [False, True])
 def test_products(depth: int, blocks: int, relu: bool) -> None:
     made, given = product(depth, blocks, relu=relu)
+    demand_tables(made.program)
+    assert_engines_agree(made.program, given)
+
+
+@pytest.mark.parametrize("precision", ["f16", "e4m3", "e5m2"])
+def test_products_of_narrow_numbers(precision: Precision) -> None:
+    made, given = product(9, 30, relu=False, precision=precision)
     demand_tables(made.program)
     assert_engines_agree(made.program, given)
 
@@ -101,7 +115,7 @@ def test_neighbours_share_entries() -> None:
     entries = [
         int(tables.words[section.entries - 1])
         for section in tables.sections
-        if section.variant.op is bulk_tables.VECTOR
+        if section.variant.op in bulk_tables.VECTORS
     ]
     array = made.layout.rows * made.layout.cols
     assert sum(entries) < array * made.layout.depth / 2

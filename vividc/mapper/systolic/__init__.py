@@ -19,23 +19,35 @@ from vividc.mapper.systolic.layout import (
     read_blocks,
     write_blocks,
 )
+from vividc.mapper.systolic.precision import (
+    PRECISIONS,
+    PRODUCTS,
+    Precision,
+    check_precision,
+    lanes,
+)
 from vividc.mapper.systolic.schedule import SystolicSchedule, drain_slot, least_ii
 
 __all__ = [
     "BUFFER",
     "GROUP_BYTES",
     "OFFSETS",
+    "PRECISIONS",
+    "PRODUCTS",
     "STREAMS",
     "TABLE_ROW",
     "BlockLayout",
     "GemmRegion",
+    "Precision",
     "Stream",
     "SystolicArray",
     "SystolicError",
     "SystolicSchedule",
     "base_name",
+    "check_precision",
     "drain_slot",
     "gemm_region",
+    "lanes",
     "least_ii",
     "plan",
     "read_blocks",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import LatencyClass
+from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.errors import VividcError
 
 _LOAD_ROWS = 2
@@ -107,6 +107,18 @@ class SystolicArray:
             if LatencyClass.COMPARE not in self.fabric.pes[self.drain(col)].classes:
                 return f"PE {self.drain(col)} at its edge does not compare"
         return self._missing_multiplier()
+
+    def missing_product(self, op: Opcode) -> str | None:
+        """Why the PEs that multiply cannot do it with `op`; None: they can."""
+        info = OPCODES[op]
+        for row in range(self.rows):
+            for col in range(self.cols):
+                pe = self.fabric.pes[self.multiplier(row, col)]
+                if not pe.executes(info):
+                    return f"PE {pe.id} has no {op.value}"
+                if pe.registers < self.latency(info.latency_class):
+                    return f"PE {pe.id} has fewer registers than a {op.value} takes cycles"
+        return None
 
     def _missing_multiplier(self) -> str | None:
         for row in range(self.rows):

@@ -18,6 +18,7 @@ from vividc.mapper.mapping import Mapping as Placement
 from vividc.mapper.mapping import Place, Step, Subject
 from vividc.mapper.systolic.array import SystolicArray, SystolicError
 from vividc.mapper.systolic.layout import GROUP_BYTES, TABLE_ROW, BlockLayout, Stream
+from vividc.mapper.systolic.precision import PRODUCTS, Precision
 from vividc.mapper.systolic.schedule import SystolicSchedule, least_ii
 
 BUFFER = "buffer"
@@ -64,6 +65,7 @@ def gemm_region(
     relu: bool = False,
     words: int | None = None,
     names: Mapping[Stream, str] | None = None,
+    precision: Precision = "f32",
 ) -> GemmRegion:
     """The loop over blocks of C, mapped.
 
@@ -77,6 +79,8 @@ def gemm_region(
         Of the part of the scratchpad that holds the operands; None: all of it.
     names
         Prefix of each stream's live-ins; None: as of `base_name`.
+    precision
+        Format of the operands; `depth` counts words of them. Sums are FP32.
 
     Raises
     ------
@@ -84,7 +88,7 @@ def gemm_region(
         The configuration memory is too short for `depth` FMAs a PE, the schedule has more stages
         than the controller, or one block does not fit the scratchpad.
     """
-    schedule, layout = plan(array, depth, relu=relu, words=words)
+    schedule, layout = plan(array, depth, relu=relu, words=words, precision=precision)
     made = _Construction(array, schedule, layout, names or {})
     made.run()
     dfg = made.builder.build()
@@ -93,7 +97,12 @@ def gemm_region(
 
 
 def plan(
-    array: SystolicArray, depth: int, *, relu: bool = False, words: int | None = None
+    array: SystolicArray,
+    depth: int,
+    *,
+    relu: bool = False,
+    words: int | None = None,
+    precision: Precision = "f32",
 ) -> tuple[SystolicSchedule, BlockLayout]:
     """Schedule and memory layout of `gemm_region` without its graph.
 
@@ -105,7 +114,15 @@ def plan(
     if depth < 1:
         raise SystolicError(f"an inner dimension of {depth}", hint="it is 1 or more")
     ii = least_ii(array, depth, activated=relu)
-    schedule = SystolicSchedule(array, depth, ii, relu)
+    op = PRODUCTS[precision]
+    fault = array.missing_product(op)
+    if fault is not None:
+        raise SystolicError(
+            f"fabric {array.fabric.name} multiplies no {precision}: {fault}",
+            loc=array.fabric.name,
+            hint="choose the precision f32",
+        )
+    schedule = SystolicSchedule(array, depth, ii, relu, op)
     room = array.fabric.scratchpad.words if words is None else words
     layout = BlockLayout(array.rows, array.cols, depth, room)
     _demand_room(array, schedule, layout)
@@ -200,7 +217,7 @@ class _Construction:
             south = self._southward(i, j, self._schedule.load_b(j, k))
             kept = self._kept(i, j, k) if k else self._bias(i, j)
             where = Place(pe, self._schedule.multiply(i, j, k))
-            node = Node(0, Opcode.FMA)
+            node = Node(0, self._schedule.op)
             total = self._add(node, [left, right, total], where, [east, south, kept])
         return total
 
@@ -286,7 +303,7 @@ class _Construction:
         """The sum on its PE: from the output register, or where the next FMA comes a cycle later
         through a register, each time another one: these words of several blocks meet.
         """
-        fma = self._array.latency(LatencyClass.FMA)
+        fma = self._schedule.product_latency
         start = self._schedule.multiply(i, j, k - 1) + fma
         read = self._schedule.multiply(i, j, k)
         if read == start:

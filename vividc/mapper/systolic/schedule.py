@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import gcd
 
-from vividc.dfg.opcodes import LatencyClass
+from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.mapper.systolic.array import SystolicArray
 
 
@@ -54,17 +54,23 @@ class SystolicSchedule:
     depth: int
     ii: int
     activated: bool
+    op: Opcode = Opcode.FMA
+
+    @property
+    def product_latency(self) -> int:
+        """Cycles of what adds to a sum."""
+        return self.array.latency(OPCODES[self.op].latency_class)
 
     def step(self, k: int) -> int:
         """Cycles from a PE's first FMA of a block to its FMA k: the least that give each k a slot
         of its own, an FMA's latency or one cycle more apart. Those of `depth` and `depth` + 1 are
         slots that no FMA has.
         """
-        return self.array.latency(LatencyClass.FMA) * k + self.turn(k)
+        return self.product_latency * k + self.turn(k)
 
     def turn(self, k: int) -> int:
         """How often the steps of an FMA's latency have come round to a slot in use before FMA k."""
-        return k // (self.ii // gcd(self.array.latency(LatencyClass.FMA), self.ii))
+        return k // (self.ii // gcd(self.product_latency, self.ii))
 
     def multiply(self, i: int, j: int, k: int) -> int:
         """A(i, k) and B(k, j) are on the PE's incoming links in this cycle."""
@@ -100,7 +106,7 @@ class SystolicSchedule:
 
     def result(self, i: int, j: int) -> int:
         """The result is in the output register, and on the link to the north."""
-        fma = self.array.latency(LatencyClass.FMA)
+        fma = self.product_latency
         return self.multiply(i, j, self.depth - 1) + fma
 
     def drain(self, i: int, j: int) -> int:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import CANONICAL_NAN
 from vividc.sim.native.body import Key, Surroundings
-from vividc.sim.native.bulk_tables import LANES, BulkTables, Kind, Section
+from vividc.sim.native.bulk_tables import LANES, VECTORS, BulkTables, Kind, Section
+from vividc.sim.native.bulk_vectors import FLAGS, VECTOR_DECLARATIONS, WORDS, multiply_add, splat
 from vividc.sim.native.ending import COUNTERS, End, finish, finish_empty
 from vividc.sim.native.frame import Frame
 from vividc.sim.native.layout import BOUND_OF_WIDTH, Place, Status
@@ -23,15 +23,12 @@ from vividc.sim.native.text import FALSE, Code
 _WORD_BYTES: Final = 4
 _SERIAL: Final = 1 << 16
 """More than the accesses of a cycle."""
-_WORDS: Final = f"<{LANES} x i32>"
-_FLOATS: Final = f"<{LANES} x float>"
-_FLAGS: Final = f"<{LANES} x i1>"
 _CARRIED: Final = ("body", "row", "stalls", "reads", "writes")
 """Words of a suspended loop, before its arrays."""
 
 DECLARATIONS: Final = (
-    f"declare {_FLOATS} @llvm.fma.v{LANES}f32({_FLOATS}, {_FLOATS}, {_FLOATS})\n"
-    f"declare void @llvm.masked.store.v{LANES}i32.p0({_WORDS}, ptr, i32, {_FLAGS})\n"
+    VECTOR_DECLARATIONS
+    + f"declare void @llvm.masked.store.v{LANES}i32.p0({WORDS}, ptr, i32, {FLAGS})\n"
     "declare void @llvm.memmove.p0.p0.i64(ptr, ptr, i64, i1)\n"
     "declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)\n"
 )
@@ -230,8 +227,8 @@ class _Bulk:
                 return self._load(section, entry, inside)
             if variant.op is Opcode.STORE:
                 return self._store(section, entry, inside)
-            if variant.op is Opcode.FMA:
-                self._fma(section, entry)
+            if variant.op in VECTORS:
+                self._multiply(section, entry)
             else:
                 self._scalar(section, entry)
             return inside
@@ -263,23 +260,17 @@ class _Bulk:
         word = lower(code, variant.op, words)
         code.store("i32", word, self._from(self._now[Kind.ROW.name], self._field(entry, 0)))
 
-    def _fma(self, section: Section, entry: str) -> None:
-        code = self._code
-        words = [self._vector(kind, entry, k) for k, kind in enumerate(section.variant.kinds)]
-        x, y, z = (code.value(f"bitcast {_WORDS} {word} to {_FLOATS}") for word in words)
-        call = f"call {_FLOATS} @llvm.fma.v{LANES}f32({_FLOATS} {x}, {_FLOATS} {y}, {_FLOATS} {z})"
-        number = code.value(call)
-        is_nan = code.value(f"fcmp uno {_FLOATS} {number}, {number}")
-        bits = code.value(f"bitcast {_FLOATS} {number} to {_WORDS}")
-        nan = splat(str(CANONICAL_NAN))
-        word = code.value(f"select {_FLAGS} {is_nan}, {_WORDS} {nan}, {_WORDS} {bits}")
+    def _multiply(self, section: Section, entry: str) -> None:
+        code, variant = self._code, section.variant
+        words = [self._vector(kind, entry, k) for k, kind in enumerate(variant.kinds)]
+        word = multiply_add(code, variant.op, words)
         mask = code.load("i32", entry, 1 + len(words))
         flags = code.value(f"trunc i32 {mask} to i{LANES}")
-        lanes = code.value(f"bitcast i{LANES} {flags} to {_FLAGS}")
+        lanes = code.value(f"bitcast i{LANES} {flags} to {FLAGS}")
         place = self._from(self._now[Kind.ROW.name], self._field(entry, 0))
         code.do(
-            f"call void @llvm.masked.store.v{LANES}i32.p0({_WORDS} {word}, ptr {place}, "
-            f"i32 {_WORD_BYTES}, {_FLAGS} {lanes})"
+            f"call void @llvm.masked.store.v{LANES}i32.p0({WORDS} {word}, ptr {place}, "
+            f"i32 {_WORD_BYTES}, {FLAGS} {lanes})"
         )
 
     def _vector(self, kind: Kind, entry: str, number: int) -> str:
@@ -287,13 +278,13 @@ class _Bulk:
         code = self._code
         if kind is Kind.COUNTER:
             first = self._operand(kind, entry, number)
-            one = code.value(f"insertelement {_WORDS} poison, i32 {first}, i64 0")
+            one = code.value(f"insertelement {WORDS} poison, i32 {first}, i64 0")
             zeros = splat("0")
-            all_of = code.value(f"shufflevector {_WORDS} {one}, {_WORDS} poison, {_WORDS} {zeros}")
+            all_of = code.value(f"shufflevector {WORDS} {one}, {WORDS} poison, {WORDS} {zeros}")
             lanes = ", ".join(f"i32 {lane}" for lane in range(LANES))
-            return code.value(f"sub {_WORDS} {all_of}, <{lanes}>")
+            return code.value(f"sub {WORDS} {all_of}, <{lanes}>")
         place = self._from(self._now[kind.name], self._field(entry, 1 + number))
-        return code.value(f"load {_WORDS}, ptr {place}, align {_WORD_BYTES}")
+        return code.value(f"load {WORDS}, ptr {place}, align {_WORD_BYTES}")
 
     # Memory
 
@@ -407,8 +398,3 @@ def repeat(
         code.lines[phis + 1 + number] = f"  {values[name]} = phi {kind} {incoming}"
     code.start(f"{label}.done")
     return values
-
-
-def splat(word: str) -> str:
-    """A vector of equal words."""
-    return "<" + ", ".join([f"i32 {word}"] * LANES) + ">"

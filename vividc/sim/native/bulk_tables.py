@@ -2,9 +2,9 @@
 
 Every result has a place by time and PE, in a window of rows that slides along with the cycles: row
 t holds what the PEs issued in cycle t. An operand is then an offset from the present row, the same
-in every iteration. FMAs of neighbouring PEs whose operands are neighbours, too, share an entry;
-words that neighbours read one cycle after the other (they travel along a row of PEs) are neighbours
-in a second copy of the results, ordered by PE and age.
+in every iteration. Multiply-adds of neighbouring PEs whose operands are neighbours, too, share an
+entry; words that neighbours read one cycle after the other (they travel along a row of PEs) are
+neighbours in a second copy of the results, ordered by PE and age.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from vividc.program import Use
 from vividc.sim.native.trace import Constant, Counter, FlowOp, Read, RegionFlow, Result
 
 LANES: Final = 16
-"""FMAs of one entry."""
+"""Operations of one entry."""
 BULK_OPS: Final = 400
 """Loops with more operations become tables, where they can: straight code of thousands of
 operations takes LLVM minutes.
@@ -32,7 +32,8 @@ operations takes LLVM minutes.
 _ROWS: Final = 512
 """Cycles, about, between two moves of the window."""
 _WORD_BYTES: Final = 4
-VECTOR: Final = Opcode.FMA
+VECTORS: Final = frozenset({Opcode.FMA, Opcode.DOT_F16X2, Opcode.DOT_E4M3X4, Opcode.DOT_E5M2X4})
+"""Operations of which one entry holds several."""
 
 
 class Kind(IntEnum):
@@ -48,9 +49,9 @@ class Kind(IntEnum):
 class Variant:
     """Operations that one loop of native code runs.
 
-    An entry is the PE (its lane 0), an offset for each operand, and more: of FMAs a mask of lanes;
-    of loads and stores the offset of the base address among the constants, the byte offset, the
-    stage, and of loads whose results are kept by age the place in that copy.
+    An entry is the PE (its lane 0), an offset for each operand, and more: of multiply-adds a mask
+    of lanes; of loads and stores the offset of the base address among the constants, the byte
+    offset, the stage, and of loads whose results are kept by age the place in that copy.
 
     Attributes
     ----------
@@ -78,7 +79,7 @@ class Variant:
         """Words of an entry."""
         if self.is_memory:
             return 1 + len(self.kinds) + 3 + self.kept
-        return 1 + len(self.kinds) + (self.op is VECTOR)
+        return 1 + len(self.kinds) + (self.op in VECTORS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,10 +210,10 @@ class _Tables:
         return {constant: entries[constant.entry] * self._pes + constant.pe for constant in found}
 
     def _read_along_rows(self) -> set[int]:
-        """Loads that FMAs on neighbouring PEs read: these may come one cycle after the other."""
+        """Loads that several multiply-adds read: these may come one cycle after the other."""
         readers: dict[int, int] = defaultdict(int)
         for op in self._flow.ops:
-            if op.issue.op is VECTOR:
+            if op.issue.op in VECTORS:
                 for source in set(_results(op)):
                     readers[source.op] += 1
         ops = self._flow.ops
@@ -224,11 +225,13 @@ class _Tables:
     # Entries of a slot
 
     def _slot(self, slot: int, ops: Sequence[FlowOp]) -> None:
-        vectors = [op for op in ops if op.issue.op is VECTOR]
-        for variant, entry in self._vectors(vectors):
-            self._found[variant][slot].append(entry)
+        vectors = [op for op in ops if op.issue.op in VECTORS]
+        for op_ in sorted({op.issue.op for op in vectors}, key=lambda op: op.value):
+            same = [op for op in vectors if op.issue.op is op_]
+            for variant, entry in self._vectors(op_, same):
+                self._found[variant][slot].append(entry)
         for op in ops:
-            if op.issue.op is VECTOR:
+            if op.issue.op in VECTORS:
                 continue
             kinds = tuple(_scalar_kind(read) for read in op.reads)
             offsets = [
@@ -249,8 +252,8 @@ class _Tables:
         variant = Variant(issue.op, kinds, issue.shift, op.array, kept)
         self._found[variant][slot].append(entry)
 
-    def _vectors(self, ops: list[FlowOp]) -> Iterator[tuple[Variant, Entry]]:
-        """FMAs, as many to an entry as go together."""
+    def _vectors(self, op: Opcode, ops: list[FlowOp]) -> Iterator[tuple[Variant, Entry]]:
+        """Operations of one kind, as many to an entry as go together."""
         places = [self._ways(op) for op in ops]
         left = list(range(len(ops)))
         while left:
@@ -272,7 +275,7 @@ class _Tables:
                     best, chosen = together, ways
             mask = sum(1 << ops[k].pe - ops[first].pe for k in best)
             kinds, offsets = zip(*chosen, strict=True)
-            yield Variant(VECTOR, kinds), (ops[first].pe, *offsets, mask)
+            yield Variant(op, kinds), (ops[first].pe, *offsets, mask)
             taken = set(best)
             left = [k for k in left if k not in taken]
 

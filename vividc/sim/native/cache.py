@@ -17,7 +17,8 @@ from typing import Final
 
 VARIABLE: Final = "VIVIDC_CACHE_DIR"
 KEPT: Final = 4_000
-"""Files kept, of some ten KB each; the ones used longest ago go first."""
+"""Files kept, of some ten KB each (programs of products, which lie here too, some hundred); the
+ones used longest ago go first."""
 _HASH_BYTES: Final = 32
 
 

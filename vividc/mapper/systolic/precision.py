@@ -1,0 +1,40 @@
+"""Formats of the operands of a product: how many go into a word, and which operation multiplies."""
+
+from __future__ import annotations
+
+from typing import Final, Literal, get_args
+
+from vividc.dfg.opcodes import Opcode
+from vividc.formats import FORMATS
+from vividc.mapper.systolic.array import SystolicError
+
+Precision = Literal["f32", "f16", "e4m3", "e5m2"]
+PRECISIONS: Final[tuple[Precision, ...]] = get_args(Precision)
+
+PRODUCTS: Final[dict[Precision, Opcode]] = {
+    "f32": Opcode.FMA,
+    "f16": Opcode.DOT_F16X2,
+    "e4m3": Opcode.DOT_E4M3X4,
+    "e5m2": Opcode.DOT_E5M2X4,
+}
+"""The operation that adds a word's products to a sum in FP32."""
+
+
+def lanes(precision: Precision) -> int:
+    """Operands in a word."""
+    return 1 if precision == "f32" else FORMATS[precision].lanes
+
+
+def check_precision(name: str) -> Precision:
+    """`name` as a precision.
+
+    Raises
+    ------
+    SystolicError
+        There is no such format of operands.
+    """
+    for known in PRECISIONS:
+        if name == known:
+            return known
+    known_names = ", ".join(PRECISIONS)
+    raise SystolicError(f"unknown precision {name!r}", hint=f"precisions: {known_names}")
