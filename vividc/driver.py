@@ -17,9 +17,10 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.precision import FormatChoices, Precision, parse_precision
+from vividc.dfg.precision import FormatChoices, Precision, arithmetic_format, parse_precision
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.contract import contract
+from vividc.dfg.transform.in_format import in_format
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
@@ -184,6 +185,9 @@ def _compile_stages(
     fuse = options.contract and not parallel
     if options.contract and parallel:  # threads share products, and must round like one
         function = contract(function)
+    narrow = arithmetic_format(options.precision)
+    if narrow is not None:
+        function = in_format(contract(function) if options.contract else function, narrow)
     passes = PassOptions(fuse, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)
