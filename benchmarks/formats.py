@@ -67,9 +67,9 @@ def _two(errors: Floats | None) -> tuple[str, str]:
 def rows() -> Iterator[str]:
     """A line for each operation of each format."""
     for fmt in FORMATS.values():
-        for name, (function, arity) in _ARITHMETIC.items():
-            yield _arithmetic(fmt, name, function, arity).row(fmt, name)
-        yield _conversion(fmt).row(fmt, "convert")
+        for name in _ARITHMETIC:
+            yield arithmetic(fmt, name).row(fmt, name)
+        yield conversion(fmt).row(fmt, "convert")
         yield _subnormal(fmt).row(fmt, "subnormal")
         yield _dots(fmt).row(fmt, f"dot {_LENGTH}")
 
@@ -81,7 +81,9 @@ _ARITHMETIC: dict[str, tuple[Callable[..., Floats], int]] = {
 }
 
 
-def _arithmetic(fmt: Format, name: str, function: Callable[..., Floats], arity: int) -> Errors:
+def arithmetic(fmt: Format, name: str) -> Errors:
+    """Errors of "fadd", "fmul" or "fma"."""
+    function, arity = _ARITHMETIC[name]
     op = Opcode(f"{name}.{fmt.name}x{fmt.lanes}")
     codes = _operands(fmt, arity)
     exact = function(*(_values(fmt, column) for column in codes))
@@ -109,7 +111,8 @@ def _bound(fmt: Format) -> float:
     return fmt.epsilon / (1 + fmt.epsilon)
 
 
-def _conversion(fmt: Format) -> Errors:
+def conversion(fmt: Format) -> Errors:
+    """Errors of rounding FP32 numbers."""
     low, high = np.log2(fmt.min_normal), np.log2(fmt.max_finite)
     given = np.exp2(_random("convert").uniform(low, high, _COUNT)).astype(np.float32)
     got = _values(fmt, _truncated(fmt, given))

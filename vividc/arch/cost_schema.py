@@ -64,6 +64,7 @@ class AreaSpec(_Model):
     integer: CostSpec
     multiplier: CostSpec
     float: CostSpec
+    fp32: CostSpec | None = None  # without slices; as `float` if a table does not say
     address: CostSpec
     crosspoint: CostSpec
 

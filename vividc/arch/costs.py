@@ -92,7 +92,7 @@ class CostTable:
     banks
         By ascending size.
     area_um2
-        Of a PE's parts.
+        Of a PE's parts; "float" is a float unit made of slices, "fp32" one that is not.
     place
         File and line, for messages.
     """
@@ -224,6 +224,7 @@ def _cost(spec: CostSpec) -> Cost:
 def _table(spec: TableSpec, place: str) -> CostTable:
     point = spec.calibration
     areas = {name: getattr(spec.area_um2, name) for name in type(spec.area_um2).model_fields}
+    areas["fp32"] = areas["fp32"] or areas["float"]
     return CostTable(
         name=spec.name,
         node_nm=spec.node_nm,

@@ -154,3 +154,18 @@ def test_a_table_that_contradicts_its_calibration_is_refused(tile, old, new, mes
 def test_nothing_takes_nothing(table, tile):
     report = energy(Work(0, {}, Activity()), tile, table)
     assert (report["total_pj"], report["power_w"], report["items"]) == (0, 0, [])
+
+
+def test_an_issue_on_lanes_costs_by_its_format(table, tile):
+    """Two FP16 lanes take less than an FP32 multiply-add, four FP8 lanes less than those."""
+    counts = {"fma": 10, "fma.f16x2": 10, "fma.e4m3x4": 10, "fma.e5m2x4": 10, "dot.f16x2": 10}
+    found = energy(Work(100, counts, Activity()), tile, table)["operations_pj"]
+    assert found["fma.f32"] > found["fma.f16"] > found["fma.e4m3"] > found["fma.e5m2"]
+    assert found["dot.f16"] == pytest.approx(10 * (2 * 1.1 + 2 * 0.9))
+
+
+def test_a_float_unit_without_slices_is_smaller(table, tile):
+    """14251 um2 of slices of all formats against 6854 um2 of an FP32 unit."""
+    plain = load_text("extends: vivid-tile\npe: {sliced: false}\n")
+    saved = area(tile, table)["total_mm2"] - area(plain, table)["total_mm2"]
+    assert saved == pytest.approx(16 * (14251 - 6854) * 1e-6)

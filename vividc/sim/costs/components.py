@@ -21,7 +21,7 @@ def logic(fabric: Fabric) -> dict[str, int]:
     for pe in fabric.pes:
         found["integer"] += not pe.classes.isdisjoint(_INTEGER)
         found["multiplier"] += LatencyClass.IMUL in pe.classes
-        found["float"] += not pe.classes.isdisjoint(_FLOAT)
+        found["float" if pe.sliced else "fp32"] += not pe.classes.isdisjoint(_FLOAT)
         found["address"] += pe.has_memory
         found["crosspoint"] += _crosspoints(fabric, pe)
     return dict(found)
