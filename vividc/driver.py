@@ -20,7 +20,14 @@ from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.contract import contract
-from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
+from vividc.errors import (
+    InternalError,
+    KernelError,
+    MappingFailed,
+    TimeLimit,
+    VividcWarning,
+    demand_type,
+)
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
 from vividc.mapper.deadline import Deadline
@@ -125,7 +132,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset()
+    lines = _parallel_lines(kernel, wanted)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
@@ -144,6 +151,18 @@ def _checked(
     demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
     check_time_limit(time_limit_s)
     return machine
+
+
+def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: TransformOptions) -> frozenset[int]:
+    """Lines with loops over `prange`; some, if threads are asked for."""
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
+    if not lines and (wanted.threads or 1) > 1:
+        raise KernelError(
+            f"{kernel.name} has no loop over prange to make {wanted.threads} threads of",
+            loc=kernel.loc,
+            hint="write `for i in prange(n)` around independent iterations, or leave threads out",
+        )
+    return lines
 
 
 def _lowered(
