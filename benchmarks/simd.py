@@ -25,11 +25,11 @@ TITLE = "Threads of a tile"
 NOTES = (
     "`kernels/threads.py`: iterations of the loop over `prange` run as threads of one tile.",
     "Threads 0 is what the planner makes of the kernel by itself, threads or not; the others are",
-    "compiled without other transformations. Operations and II are of the hot loop; steady speed-up is",
-    "of cycles an iteration of a thread takes in it, the speed-up of all simulated cycles, both",
-    "against one thread without transformations. The blends are of real blocks of `scenes/mic` at",
-    "800x800 (view 0), each with the splats that can be seen in it: the longest list and a middle",
-    "one. `same`: every word that the kernel writes is that of one thread.",
+    "compiled without other transformations. Operations and II are of the hot loop; the steady",
+    "speed-up is of the cycles that an iteration of a thread takes in it, the speed-up of all",
+    "simulated cycles, both against one thread without transformations. The blends are of real",
+    "blocks of `scenes/mic` at 800x800 (view 0), each with the splats that can be seen in it: the",
+    "longest list and a middle one. `same`: every word that the kernel writes is that of one thread.",
 )
 HEADER = (
     "| kernel | threads | operations | II | bound | status | steady speed-up | simulated cycles "
