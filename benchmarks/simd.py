@@ -7,7 +7,8 @@ thread, bit by bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +24,13 @@ from vividc.render.splat import tile_lists
 
 TITLE = "Threads of a tile"
 NOTES = (
-    "`kernels/threads.py`: iterations of the loop over `prange` run as threads of one tile. Threads",
-    "0 is what the planner makes of the kernel by itself, threads or not; the others are compiled",
-    "without further transformations. Operations and II are of the hot loop; the steady speed-up is",
-    "of cycles an iteration of a thread takes in it, the speed-up of all simulated cycles, both",
-    "against one thread without transformations. The blends are of real blocks of `scenes/mic` at",
-    "800x800 (view 0), each with the splats that can be seen in it: the longest list and a middle",
-    "one. `same`: every word that the kernel writes is that of one thread.",
+    "`kernels/threads.py`: iterations of the loop over `prange` run as threads of one tile.",
+    "Threads 0 is what the planner makes of the kernel by itself, threads or not; the others are",
+    "compiled without other transformations. Operations and II are of the hot loop; the steady",
+    "speed-up is of the cycles that an iteration of a thread takes in it, the speed-up of all",
+    "simulated cycles, both against one thread without transformations. The blends are of real",
+    "blocks of `scenes/mic` at 800x800 (view 0), each with the splats that can be seen in it: the",
+    "longest list and a middle one. `same`: every word that is written is that of one thread.",
 )
 HEADER = (
     "| kernel | threads | operations | II | bound | status | steady speed-up | simulated cycles "
@@ -70,18 +71,23 @@ def _rows(workload: Workload, fabric: str, time_limit_s: float) -> Iterator[str]
 
 
 def _measure(workload: Workload, fabric: str, time_limit_s: float, count: int) -> _Measured:
-    mode = "none" if count else "auto"
-    program = vividc.compile(
-        replace(workload, name=workload.name.split(",", maxsplit=1)[0]).kernel(),
-        fabric=fabric,
-        time_limit_s=time_limit_s,
-        transform=mode,
-        threads=count or None,
-    )
+    name = workload.name.split(",", maxsplit=1)[0]
+    program = _compiled(name, fabric, time_limit_s, count)
     arguments = workload.fresh()
     result = vividc.simulate(program, *arguments)
     words = b"".join(a.tobytes() for a in arguments if isinstance(a, np.ndarray))
     return _Measured(program, result.cycles, words)
+
+
+@cache
+def _compiled(name: str, fabric: str, time_limit_s: float, count: int) -> vividc.Program:
+    return vividc.compile(
+        Workload(name, lambda _: (), _FILE).kernel(),
+        fabric=fabric,
+        time_limit_s=time_limit_s,
+        transform="none" if count else "auto",
+        threads=count or None,
+    )
 
 
 def _row(name: str, count: int, found: _Measured, first: _Measured) -> str:

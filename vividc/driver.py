@@ -21,7 +21,14 @@ from vividc.dfg.precision import FormatChoices, Precision, arithmetic_format, pa
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.contract import contract
 from vividc.dfg.transform.in_format import in_format
-from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcWarning, demand_type
+from vividc.errors import (
+    InternalError,
+    KernelError,
+    MappingFailed,
+    TimeLimit,
+    VividcWarning,
+    demand_type,
+)
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
 from vividc.mapper.deadline import Deadline
@@ -134,7 +141,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         parse_precision(precision),
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset()
+    lines = _parallel_lines(kernel, wanted)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
@@ -153,6 +160,18 @@ def _checked(
     demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
     check_time_limit(time_limit_s)
     return machine
+
+
+def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: TransformOptions) -> frozenset[int]:
+    """Lines with loops over `prange`; some, if threads are asked for."""
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
+    if not lines and (wanted.threads or 1) > 1:
+        raise KernelError(
+            f"{kernel.name} has no loop over prange to make {wanted.threads} threads of",
+            loc=kernel.loc,
+            hint="write `for i in prange(n)` around independent iterations, or leave threads out",
+        )
+    return lines
 
 
 def _lowered(

@@ -106,8 +106,8 @@ def choose(
     Raises
     ------
     KernelError
-        A factor is asked for a line without a loop, or of a loop that cannot be transformed so;
-        threads of a kernel without a loop over `prange`.
+        A factor is asked for a line without a loop, or of a loop that cannot be transformed so; or
+        threads, and there is no loop over `prange`.
     """
     tidied = tidy(function)
     hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
@@ -319,12 +319,12 @@ class _Chooser:
         headers = self._parallel()
         file = self.now.state.function.file
         if count > 1 and not headers:
-            text = "there is no loop over prange to make threads of"
-            if self.parallel:
-                text = "the loop over prange is gone: it runs once at most"
-            hint = "write `for i in prange(n)` around independent iterations, or leave threads out"
             line = min(self.parallel, default=0)
-            raise KernelError(text, loc=SourceLoc(file, line) if line else None, hint=hint)
+            raise KernelError(
+                "the loop over prange is gone: it runs once at most",
+                loc=SourceLoc(file, line) if line else None,
+                hint="leave threads out",
+            )
         for header in headers:
             loc = self.now.state.loc(header)
             self.fixed.add(header)

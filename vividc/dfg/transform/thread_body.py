@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import reduce
 
-from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Undefined, Value
+from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Value
 from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.chain import Chain
 from vividc.dfg.transform.levels import Edge, Level
@@ -252,8 +252,3 @@ def _elements(group: Group, instr: Instr) -> Value | None:
             shape: list[Value] = [Input(f"{param.name}.shape{n}") for n in range(param.ndim)]
             return reduce(lambda a, b: group.chain.emit(Opcode.MUL, Type.I32, a, b), shape)
     return None
-
-
-def undefined(values: Iterable[Value]) -> bool:
-    """Whether none of the values is defined."""
-    return all(isinstance(value, Undefined) for value in values)
