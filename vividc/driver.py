@@ -17,7 +17,13 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.precision import FormatChoices, Precision, arithmetic_format, parse_precision
+from vividc.dfg.precision import (
+    FormatChoices,
+    Precision,
+    arithmetic_format,
+    idle_names,
+    parse_precision,
+)
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.contract import contract
 from vividc.dfg.transform.in_format import in_format
@@ -141,6 +147,10 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         parse_precision(precision),
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
+    for name in idle_names(precision, function):
+        text = f"{kernel.name} has no {name}: its precision changes nothing"
+        warnings.warn(text, VividcWarning, stacklevel=2)
+        told = (*told, text)
     lines = _parallel_lines(kernel, wanted)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:

@@ -47,3 +47,11 @@ def test_a_carried_number_is_not_converted_in_the_loop(name: str) -> None:
     names = [instr.op.value.partition(".")[0] for instr in loop.instrs]
     assert names.count("fptrunc") == 2  # the two loaded factors
     assert "fpext" not in names
+
+
+def test_a_policy_that_changes_nothing_is_told() -> None:
+    with pytest.warns(vividc.VividcWarning, match="inner has no exp"):
+        program = vividc.compile(
+            inner, precision={"exp": "fp8"}, time_limit_s=3.0, transform="none"
+        )
+    assert any("exp" in text for text in program.warnings)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from vividc.dfg.cfg import Function
 from vividc.dfg.opcodes import Opcode
 from vividc.errors import ArgumentError
 from vividc.formats import E4M3, E5M2, F16, Format
@@ -13,6 +14,7 @@ FUNCTIONS: Final = {"exp": Opcode.EXP, "exp2": Opcode.EXP2}
 """Functions that a policy may name."""
 ARITHMETIC: Final = "fma"
 """Names sums, differences, products and fused products of float32."""
+_ARITHMETIC: Final = {Opcode.FADD, Opcode.FSUB, Opcode.FMUL, Opcode.FMA}
 NAMES: Final = (*FUNCTIONS, ARITHMETIC)
 ALL: Final = "all"
 """Each of `NAMES` that is not named."""
@@ -69,3 +71,10 @@ def formats_of(policy: Precision) -> dict[Opcode, Format]:
 def arithmetic_format(policy: Precision) -> Format | None:
     """The format of arithmetic; None: float32."""
     return next((FORMAT_NAMES[fmt] for name, fmt in policy if name == ARITHMETIC), None)
+
+
+def idle_names(wanted: FormatChoices | None, function: Function) -> tuple[str, ...]:
+    """What a policy names and the function does not have."""
+    there = {instr.op for block in function.blocks for instr in block.instrs}
+    opcodes = {name: {opcode} for name, opcode in FUNCTIONS.items()} | {ARITHMETIC: _ARITHMETIC}
+    return tuple(name for name in wanted or () if name in NAMES and not opcodes[name] & there)
