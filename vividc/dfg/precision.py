@@ -55,7 +55,7 @@ def parse_precision(wanted: FormatChoices | None) -> Precision:
         if name not in (*NAMES, ALL):
             hint = f"it can be set for {', '.join(NAMES)}; `{ALL}` is each of them"
             raise ArgumentError(f"no precision can be set for {name!r:.40}", hint=hint)
-        if fmt not in FORMAT_NAMES:
+        if not isinstance(fmt, str) or fmt not in FORMAT_NAMES:
             hint = f"formats are {', '.join(FORMAT_NAMES)}"
             raise ArgumentError(f"{fmt!r:.40} of {name} is no format", hint=hint)
     named = {name: wanted.get(name, wanted.get(ALL)) for name in NAMES}
