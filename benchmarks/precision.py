@@ -20,10 +20,10 @@ TITLE = "Precision: FP16 and FP8 against FP32"
 NOTES = (
     "Every figure is of a mapped and simulated program of `kernels/precision.py`, four threads a",
     "tile. FP8 is E4M3. A frame is the whole job, as in `frames.md`. Why the blending gains less",
-    "than the paper's: its four exps are a third of the loop's operations (56 of 167), and all else",
-    "stays FP32. exp in FP16 takes 12 operations for 14, two of them conversions; in FP8, 5. Even",
-    "if exp took one operation, the loop would have 115 and the II could not be below 8. FP8's",
-    "II is what a busy solver finds in a minute, one or two above the bound.",
+    "than the paper's: its four exps are a third of the loop's operations (56 of 167); all else",
+    "stays FP32. exp takes 12 operations in FP16, two of them conversions, 5 in FP8, 14 in FP32.",
+    "With exp as one operation the loop would have 115, and no II below 8. An II above its bound",
+    "is what the solver found in a minute.",
 )
 _ROOT = Path(__file__).resolve().parents[1]
 _MIC = _ROOT / "scenes" / "mic"
