@@ -25,7 +25,7 @@ from vividc.render.splat import tile_lists
 TITLE = "Threads of a tile"
 NOTES = (
     "`kernels/threads.py`: iterations of the loop over `prange` run as threads of one tile.",
-    "Numbers are compiled without other transformations; `1, auto` with all but threads, and `auto`",
+    "Numbers are compiled without other transformations; `1, auto` with all but threads, `auto`",
     "with what the planner chooses by itself. Operations and II are of the hot loop; the steady",
     "speed-up is of the cycles that an iteration of a thread takes in it, the speed-up of all",
     "simulated cycles, both against one thread without transformations. The blends are of real",
@@ -182,11 +182,11 @@ def _escape(_: np.random.Generator) -> Arguments:
 
 
 WORKLOADS = (
-    Workload("gs_blend_rows, longest list", _block(1.0), _FILE),
-    Workload("gs_blend_rows, middle list", _block(0.5), _FILE),
     Workload("march", _march, _FILE),
     Workload("escape_time", _escape, _FILE),
     Workload("dense_relu_samples", _dense, _FILE),
     Workload("fir_outputs", _fir, _FILE),
     Workload("frequency_encoding", _encoding, _FILE),
+    Workload("gs_blend_rows, longest list", _block(1.0), _FILE),
+    Workload("gs_blend_rows, middle list", _block(0.5), _FILE),
 )

@@ -7,7 +7,11 @@ from numba import prange
 
 import vividc
 from vividc import arch
+from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import PassOptions
+from vividc.dfg.transform.independent import meeting_array
+from vividc.dfg.transform.levels import level_of, with_own_latches
+from vividc.dfg.transform.tidy import tidy
 from vividc.planning.choose import Plan, choose
 from vividc.planning.estimate import Estimator
 from vividc.planning.options import TransformOptions
@@ -59,3 +63,54 @@ def test_threads_that_are_asked_for_are_made_without_other_transformations() -> 
     made = plan(TransformOptions("none", threads=3), orbits.prange_lines)
     assert kinds(made) == [("threads", 3)]
     assert made.asked == 1
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[:, ::1], int32)")
+def places(x, y, z, k):
+    for i in prange(len(x)):
+        y[3 * i + 1] = x[i]
+        y[3 * i] = x[i] + y[3 * i + 1]
+        for j in range(z.shape[1]):
+            z[i, j] = x[j] * k
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def counted_in_bins(x, bins):
+    for i in prange(len(x)):
+        bins[x[i]] += 1
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32)")
+def overlapping(x, y, n):
+    for i in prange(n):
+        y[2 * i] = x[i]
+        y[2 * i + 2] = x[i]
+
+
+@vividc.kernel("void(int32[::1])")
+def next_one(x):
+    for i in prange(len(x) - 1):
+        x[i + 1] = x[i]
+
+
+def meeting(kernel: vividc.KernelFunction) -> str | None:
+    function = tidy(kernel.lower())
+    header = find_loops(function)[-1].header
+    function = with_own_latches(function, header)
+    return meeting_array(function, level_of(function, header))
+
+
+def test_iterations_that_write_elements_of_their_own() -> None:
+    assert meeting(places) is None
+    assert meeting(orbits) is None
+
+
+def test_iterations_that_may_meet_get_no_threads_unasked() -> None:
+    assert meeting(counted_in_bins) == "bins"
+    assert meeting(overlapping) == "y"
+    assert meeting(next_one) == "x"
+    function = counted_in_bins.lower()
+    made = choose(function, ESTIMATOR, TransformOptions(), counted_in_bins.prange_lines)
+    assert not any(kind == "threads" for kind, _ in kinds(made))
+    (said,) = [d.reason for d in made.decisions if d.kind == "threads"]
+    assert said == "iterations may meet in bins: ask for threads if they do not"
