@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.transform.constant_trips import constant_trips
+from vividc.dfg.transform.independent import meeting_array
+from vividc.dfg.transform.levels import level_of, with_own_latches
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError, SourceLoc
@@ -163,12 +165,24 @@ class _Chooser:
             self._try(Candidate("full unrolling", loop.header))
         if self.options.threads is None:
             for header in self._parallel():
-                self._climb("threads", header)
+                self._climb_threads(header)
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
         self._flatten()
         for header in [loop.header for loop in self._innermost()]:
             self._climb("unrolling", header)
+
+    def _climb_threads(self, header: str) -> None:
+        """Threads where iterations prove to be independent: on one tile a loop over `prange` whose
+        iterations are not has run one after the other so far.
+        """
+        function = with_own_latches(self.now.state.function, header)
+        array = meeting_array(function, level_of(function, header))
+        if array is None:
+            self._climb("threads", header)
+            return
+        reason = f"iterations may meet in {array}: ask for threads if they do not"
+        self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
 
     def _flatten(self) -> None:
         """Flattens nests of two loops, then what has become one by that."""

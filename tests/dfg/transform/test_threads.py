@@ -237,3 +237,19 @@ def test_what_one_iteration_leaves_to_the_next_is_refused() -> None:
 
 def test_a_variable_that_iterations_replace_is_the_last_ones() -> None:
     agree(last_index, 4, np.zeros(6, np.int32))
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[::1], int32)")
+def loaded_limit(x, limits, y, m):
+    """The inner loop's limit is loaded again and again, and only some threads come to it."""
+    for i in prange(len(y)):
+        k = np.int32(0)
+        if x[i] > 3:
+            while k < limits[m]:
+                k += 1
+            y[i] = x[k] + k
+
+
+def test_a_thread_that_skips_a_loop_leaves_the_others_their_words() -> None:
+    x = np.array([1, 9, 2, 5, 3, 3, 8, 1, 7], np.int32)
+    agree(loaded_limit, 4, x, np.array([5, 3, 6], np.int32), np.zeros(9, np.int32), np.int32(1))

@@ -170,8 +170,7 @@ class Body:
             when = self._anyone(block)
             if when is not None and self.runs_ahead(instr):
                 when = inside_array(self.group, instr, operands)
-        exact = replace(instr, lane=None) if instr.op not in MEMORY else instr
-        done = self._copy(exact, operands, when, instr.array, exact=instr.exact)
+        done = self._copy(instr, operands, when, instr.array, exact=instr.exact)
         for values in self.group.values:
             values[instr.id] = done
 

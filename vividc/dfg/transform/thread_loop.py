@@ -45,8 +45,7 @@ def form_of(group: Group, level: Level) -> Form:
     """
     header = level.header
     if level.loop.header in group.uniform.stepping:
-        plain = not any(instr.op in MEMORY for instr in header.instrs)
-        return Form.IN_STEP if plain and level.latch != header.name else Form.FREE
+        return Form.IN_STEP
     cond = header.branch.cond
     own = {phi.id for phi in header.phis}
     is_counted = (
