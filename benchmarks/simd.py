@@ -7,7 +7,8 @@ thread, bit by bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -24,19 +25,23 @@ from vividc.render.splat import tile_lists
 TITLE = "Threads of a tile"
 NOTES = (
     "`kernels/threads.py`: iterations of the loop over `prange` run as threads of one tile.",
-    "Threads 0 is what the planner makes of the kernel by itself, threads or not; the others are",
-    "compiled without further transformations. Operations and II are of the hot loop; the steady",
-    "speed-up is of cycles an iteration of a thread takes in it, the speed-up of all simulated",
-    "cycles, both against one thread without transformations. The blends are of real blocks of",
-    "`scenes/mic` at 800x800 (view 0), each with the splats that can be seen in it: the longest list and a middle",
-    "one. `same`: every word that the kernel writes is that of one thread.",
+    "Numbers are compiled without other transformations; `1, auto` with all but threads, `auto`",
+    "with what the planner chooses by itself. Operations and II are of the hot loop; the steady",
+    "speed-up is of the cycles that an iteration of a thread takes in it, the speed-up of all",
+    "simulated cycles, both against one thread without transformations. The blends are of real",
+    "blocks of `scenes/mic` at 800x800 (view 0), each with the splats that can be seen in it: the",
+    "longest list and a middle one. `same`: every word that is written is that of one thread.",
 )
 HEADER = (
     "| kernel | threads | operations | II | bound | status | steady speed-up | simulated cycles "
     "| speed-up | same | transformations |\n"
     "|---|---|---|---|---|---|---|---|---|---|---|"
 )
-COUNTS = (1, 2, 4, 8, 0)
+FORMS: tuple[tuple[int | None, str], ...] = (
+    *((1, "none"), (2, "none"), (4, "none")),
+    *((1, "auto"), (None, "auto")),
+)
+"""Threads that are asked for, and what is done with loops otherwise."""
 _MIC = Path(__file__).resolve().parents[1] / "scenes" / "mic"
 _FILE = "threads"
 _SIZE = 800
@@ -59,34 +64,45 @@ class _Measured:
 
 def _rows(workload: Workload, fabric: str, time_limit_s: float) -> Iterator[str]:
     first: _Measured | None = None
-    for count in COUNTS:
+    for count, mode in FORMS:
+        label = str(count) if mode == "none" else "auto" if count is None else f"{count}, auto"
         try:
-            found = _measure(workload, fabric, time_limit_s, count)
+            found = _measure(workload, fabric, time_limit_s, count, mode)
         except VividcError as error:
-            yield f"| {workload.name} | {count} | {error.reason} |" + " |" * 8
+            yield f"| {workload.name} | {label} | {error.reason} |" + " |" * 8
             continue
         first = first or found
-        yield _row(workload.name, count, found, first)
+        steady = _hot(first.program).ii * (count or 0) / _hot(found.program).ii
+        shown = f"{steady:.2f}" if mode == "none" else ""
+        yield _row(f"{workload.name} | {label}", shown, found, first)
 
 
-def _measure(workload: Workload, fabric: str, time_limit_s: float, count: int) -> _Measured:
-    mode = "none" if count else "auto"
-    program = vividc.compile(
-        replace(workload, name=workload.name.split(",", maxsplit=1)[0]).kernel(),
-        fabric=fabric,
-        time_limit_s=time_limit_s,
-        transform=mode,
-        threads=count or None,
-    )
+def _measure(
+    workload: Workload, fabric: str, time_limit_s: float, count: int | None, mode: str
+) -> _Measured:
+    name = workload.name.split(",", maxsplit=1)[0]
+    program = _compiled(name, fabric, time_limit_s, count, mode)
     arguments = workload.fresh()
     result = vividc.simulate(program, *arguments)
     words = b"".join(a.tobytes() for a in arguments if isinstance(a, np.ndarray))
     return _Measured(program, result.cycles, words)
 
 
-def _row(name: str, count: int, found: _Measured, first: _Measured) -> str:
-    loop, before = _hot(found.program), _hot(first.program)
-    steady = before.ii * max(count, 1) / loop.ii
+@cache
+def _compiled(
+    name: str, fabric: str, time_limit_s: float, count: int | None, mode: str
+) -> vividc.Program:
+    return vividc.compile(
+        Workload(name, lambda _: (), _FILE).kernel(),
+        fabric=fabric,
+        time_limit_s=time_limit_s,
+        transform=mode,
+        threads=count,
+    )
+
+
+def _row(name: str, steady: str, found: _Measured, first: _Measured) -> str:
+    loop = _hot(found.program)
     done = ", ".join(
         f"{item.kind} by {item.factor}" if item.factor else item.kind
         for report in found.program.loops
@@ -94,8 +110,7 @@ def _row(name: str, count: int, found: _Measured, first: _Measured) -> str:
         if item.chosen
     )
     cells = (
-        *(name, count, loop.operations, loop.ii, loop.lower_bound, loop.status),
-        f"{steady:.2f}" if count else "",
+        *(name, loop.operations, loop.ii, loop.lower_bound, loop.status, steady),
         *(f"{found.cycles:,}", f"{first.cycles / found.cycles:.2f}"),
         "yes" if found.words == first.words else "NO",
         done or "-",
@@ -167,11 +182,11 @@ def _escape(_: np.random.Generator) -> Arguments:
 
 
 WORKLOADS = (
-    Workload("gs_blend_rows, longest list", _block(1.0), _FILE),
-    Workload("gs_blend_rows, middle list", _block(0.5), _FILE),
     Workload("march", _march, _FILE),
     Workload("escape_time", _escape, _FILE),
     Workload("dense_relu_samples", _dense, _FILE),
     Workload("fir_outputs", _fir, _FILE),
     Workload("frequency_encoding", _encoding, _FILE),
+    Workload("gs_blend_rows, longest list", _block(1.0), _FILE),
+    Workload("gs_blend_rows, middle list", _block(0.5), _FILE),
 )

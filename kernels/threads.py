@@ -1,4 +1,4 @@
-"""Kernels whose parallel loop a tile runs as threads: loops that end where a thread's data say."""
+"""Kernels whose parallel loop a tile runs as threads, each with loops that its own data end."""
 
 import math
 

@@ -18,10 +18,17 @@ from vividc.dfg.normalize import normalize
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.precision import FormatChoices, Precision, parse_precision
+from vividc.dfg.precision import (
+    FormatChoices,
+    Precision,
+    arithmetic_format,
+    idle_names,
+    parse_precision,
+)
 from vividc.dfg.product import Product
 from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.contract import contract
+from vividc.dfg.transform.in_format import in_format
 from vividc.errors import (
     InternalError,
     KernelError,
@@ -151,7 +158,11 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         parse_precision(precision),
     )
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset()
+    for name in idle_names(precision, function):
+        text = f"{kernel.name} has no {name}: its precision changes nothing"
+        warnings.warn(text, VividcWarning, stacklevel=2)
+        told = (*told, text)
+    lines = _parallel_lines(kernel, wanted)
     product = _product(kernel, loaded, options, mode)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
@@ -217,6 +228,18 @@ def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
         return normalize(kernel.lower(strict_fp=strict_fp))
 
 
+def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: TransformOptions) -> frozenset[int]:
+    """Lines with loops over `prange`; some, if threads are asked for."""
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
+    if not lines and (wanted.threads or 1) > 1:
+        raise KernelError(
+            f"{kernel.name} has no loop over prange to make {wanted.threads} threads of",
+            loc=kernel.loc,
+            hint="write `for i in prange(n)` around independent iterations, or leave threads out",
+        )
+    return lines
+
+
 def _lowered(
     kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
 ) -> tuple[Function, Parallel | None, tuple[str, ...]]:
@@ -247,6 +270,9 @@ def _compile_stages(
     fuse = options.contract and not parallel
     if options.contract and parallel:  # threads share products, and must round like one
         function = contract(function)
+    narrow = arithmetic_format(options.precision)
+    if narrow is not None:
+        function = in_format(contract(function) if options.contract else function, narrow)
     passes = PassOptions(fuse, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)

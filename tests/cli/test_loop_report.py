@@ -1,4 +1,4 @@
-"""`--explain`, `--unroll`, `--jam`, `--no-transform`: what is done with loops or refused."""
+"""`--explain`, `--unroll`, `--jam`, `--threads`, `--no-transform`: what is done with loops."""
 
 import json
 
@@ -78,3 +78,19 @@ def test_wrong_factors_are_refused(file, args, message):
     assert result.exit_code == 2
     assert message in result.stderr
     assert not output.exists()
+
+
+def test_threads_of_a_parallel_loop(tmp_path):
+    path = tmp_path / "k.py"
+    parallel = SOURCE.replace("import vividc", "import vividc\nfrom numba import prange", 1)
+    path.write_text(parallel.replace("in range", "in prange"))
+    (loop,) = loops(path, "--threads", "2", "--no-transform")
+    (item,) = loop["transforms"]
+    assert (item["kind"], item["factor"], item["chosen"]) == ("threads", 2, True)
+
+
+@pytest.mark.parametrize(("count", "reason"), [("9", "threads cannot be 9"), ("4", "prange")])
+def test_threads_that_cannot_be(file, count, reason):
+    result = run("compile", file, "-o", file.with_suffix(".vivid"), "--threads", count)
+    assert result.exit_code == 2
+    assert reason in result.stderr

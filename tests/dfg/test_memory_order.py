@@ -8,7 +8,8 @@ from random import Random
 import pytest
 
 from vividc.dfg.graph_builder import GraphBuilder
-from vividc.dfg.ir import Edge, EdgeKind
+from vividc.dfg.ir import Edge, EdgeKind, Node
+from vividc.dfg.lanes import Lane
 from vividc.dfg.memory_order import Access, order_accesses
 from vividc.dfg.opcodes import Opcode
 
@@ -23,7 +24,7 @@ def ordered(*shapes: tuple[bool, int, int, int | None]) -> tuple[list[Access], l
         op = Opcode.STORE if is_store else Opcode.LOAD
         node = builder.add(op, [])
         accesses.append(Access(node, "x", is_store, "base", None, offset, stride, width=width))
-    order_accesses(builder, accesses, in_loop=True)
+    order_accesses(builder, accesses, loop="header")
     return accesses, [edge for edge in builder.build().edges if edge.kind is EdgeKind.ORDER]
 
 
@@ -65,3 +66,19 @@ def test_an_address_that_is_not_affine_may_be_any_byte() -> None:
 def test_bytes_of_one_word_are_independent() -> None:
     _, edges = ordered(*((True, offset, 1, 4) for offset in range(4)))
     assert not edges
+
+
+@pytest.mark.parametrize(("loop", "kept"), [("h.threads", False), ("elsewhere", True)])
+def test_accesses_of_different_threads_have_no_order_in_their_loops(loop: str, kept: bool) -> None:
+    builder = GraphBuilder("threads")
+    accesses = []
+    for thread in (0, 1):
+        index = builder.live_in(f"i{thread}")
+        node = builder.add_node(Node(0, Opcode.STORE, name="x"), [index, builder.iv()])
+        lane = Lane(thread, 7, 0, ("groups", "h.threads"))
+        accesses.append(Access(node, "x", True, "&x", index, 0, None, lane=lane))
+    order_accesses(builder, accesses, loop=loop)
+    between = {(edge.src, edge.dst) for edge in builder.build().edges if not edge.is_data}
+    first, second = (access.node.node for access in accesses)
+    assert ((first, second) in between) is kept
+    assert {(first, first), (second, second)} <= between

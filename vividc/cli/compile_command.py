@@ -79,7 +79,7 @@ SCHEMA = "vividc.compile/1"
     multiple=True,
     metavar="FUNCTION=FORMAT",
     callback=formats,
-    help="Compute exp, exp2 or all in fp16, fp8, e5m2 or fp32.",
+    help="Compute exp, exp2, fma (arithmetic) or all in fp16, fp8, e5m2 or fp32.",
 )
 @click.option(
     "--mode",

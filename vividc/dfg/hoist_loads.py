@@ -18,6 +18,9 @@ from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.dfg.transform.peel import preheader_of
 
+_PREDICATE = 2
+"""Position of a load's predicate among its operands."""
+
 _WORTH_IT = 3
 """Fewer loads stay: they cost the loop less than what comes before it."""
 
@@ -58,8 +61,7 @@ class _Hoister:
         """The function with the loads before the loop, or as it was."""
         moved: set[int] = set()
         for load, guard in self._loads():
-            operands = load.operands if guard is None else (*load.operands, guard)
-            self.before.append(replace(load, operands=operands))
+            self.before.append(replace(load, operands=self._guarded(load, guard)))
             moved.add(load.id)
         if len(moved) < _WORTH_IT:
             return self.function
@@ -70,6 +72,13 @@ class _Hoister:
         preheader = block_of(self.function, preheader_of(self.function, self.loop))
         preheader = replace(preheader, instrs=(*preheader.instrs, *self.before))
         return with_blocks(self.function, [*changed, preheader])
+
+    def _guarded(self, load: Instr, guard: Value | None) -> tuple[Value, ...]:
+        """Operands of a load that runs under `guard` only, and under its own predicate if any."""
+        plain, own = load.operands[:_PREDICATE], load.operands[_PREDICATE:]
+        if guard is None or not own:
+            return load.operands if guard is None else (*plain, guard)
+        return (*plain, self._emit(Instr(0, Opcode.AND, Type.PRED, (own[0], guard), loc=load.loc)))
 
     def _loads(self) -> Iterator[tuple[Instr, Value | None]]:
         """Loads to move, each with the predicate under which the first iteration runs it."""

@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
+from vividc.dfg.cfg import Function
 from vividc.dfg.opcodes import Opcode
 from vividc.errors import ArgumentError
 from vividc.formats import E4M3, E5M2, F16, Format
 
 FUNCTIONS: Final = {"exp": Opcode.EXP, "exp2": Opcode.EXP2}
-"""What a policy may name; `all` is each of them."""
+"""Functions that a policy may name."""
+ARITHMETIC: Final = "fma"
+"""Names sums, differences, products and fused products of float32."""
+_ARITHMETIC: Final = {Opcode.FADD, Opcode.FSUB, Opcode.FMUL, Opcode.FMA}
+NAMES: Final = (*FUNCTIONS, ARITHMETIC)
 ALL: Final = "all"
+"""Each of `NAMES` that is not named."""
 FORMAT_NAMES: Final[dict[str, Format | None]] = {
     "fp32": None,
     "fp16": F16,
@@ -46,17 +52,29 @@ def parse_precision(wanted: FormatChoices | None) -> Precision:
         hint = 'write precision={"exp": "fp8"}'
         raise ArgumentError(f"a precision policy cannot be {wanted!r:.60}", hint=hint)
     for name, fmt in wanted.items():
-        if name not in (*FUNCTIONS, ALL):
-            hint = f"functions with a precision are {', '.join(FUNCTIONS)}; `{ALL}` is each of them"
+        if name not in (*NAMES, ALL):
+            hint = f"it can be set for {', '.join(NAMES)}; `{ALL}` is each of them"
             raise ArgumentError(f"no precision can be set for {name!r:.40}", hint=hint)
-        if fmt not in FORMAT_NAMES:
+        if not isinstance(fmt, str) or fmt not in FORMAT_NAMES:
             hint = f"formats are {', '.join(FORMAT_NAMES)}"
             raise ArgumentError(f"{fmt!r:.40} of {name} is no format", hint=hint)
-    named = {name: wanted.get(name, wanted.get(ALL)) for name in FUNCTIONS}
+    named = {name: wanted.get(name, wanted.get(ALL)) for name in NAMES}
     return tuple((name, fmt) for name, fmt in named.items() if fmt not in (None, "fp32"))
 
 
 def formats_of(policy: Precision) -> dict[Opcode, Format]:
     """The format of each opcode that has one."""
-    found = {FUNCTIONS[name]: FORMAT_NAMES[fmt] for name, fmt in policy}
+    found = {FUNCTIONS[name]: FORMAT_NAMES[fmt] for name, fmt in policy if name in FUNCTIONS}
     return {opcode: fmt for opcode, fmt in found.items() if fmt is not None}
+
+
+def arithmetic_format(policy: Precision) -> Format | None:
+    """The format of arithmetic; None: float32."""
+    return next((FORMAT_NAMES[fmt] for name, fmt in policy if name == ARITHMETIC), None)
+
+
+def idle_names(wanted: FormatChoices | None, function: Function) -> tuple[str, ...]:
+    """What a policy names and the function does not have."""
+    there = {instr.op for block in function.blocks for instr in block.instrs}
+    opcodes = {name: {opcode} for name, opcode in FUNCTIONS.items()} | {ARITHMETIC: _ARITHMETIC}
+    return tuple(name for name in wanted or () if name in NAMES and not opcodes[name] & there)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.transform.constant_trips import constant_trips
+from vividc.dfg.transform.independent import meeting_array
+from vividc.dfg.transform.levels import level_of, with_own_latches
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError, SourceLoc
@@ -106,8 +108,8 @@ def choose(
     Raises
     ------
     KernelError
-        A factor is asked for a line without a loop, or of a loop that cannot be transformed so;
-        threads of a kernel without a loop over `prange`.
+        A factor is asked for a line without a loop, or of a loop that cannot be transformed so; or
+        threads, and there is no loop over `prange`.
     """
     tidied = tidy(function)
     hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
@@ -163,12 +165,24 @@ class _Chooser:
             self._try(Candidate("full unrolling", loop.header))
         if self.options.threads is None:
             for header in self._parallel():
-                self._climb("threads", header)
+                self._climb_threads(header)
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
         self._flatten()
         for header in [loop.header for loop in self._innermost()]:
             self._climb("unrolling", header)
+
+    def _climb_threads(self, header: str) -> None:
+        """Threads where iterations prove to be independent: on one tile a loop over `prange` whose
+        iterations are not has run one after the other so far.
+        """
+        function = with_own_latches(self.now.state.function, header)
+        array = meeting_array(function, level_of(function, header))
+        if array is None:
+            self._climb("threads", header)
+            return
+        reason = f"iterations may meet in {array}: ask for threads if they do not"
+        self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
 
     def _flatten(self) -> None:
         """Flattens nests of two loops, then what has become one by that."""
@@ -319,12 +333,12 @@ class _Chooser:
         headers = self._parallel()
         file = self.now.state.function.file
         if count > 1 and not headers:
-            text = "there is no loop over prange to make threads of"
-            if self.parallel:
-                text = "the loop over prange is gone: it runs once at most"
-            hint = "write `for i in prange(n)` around independent iterations, or leave threads out"
             line = min(self.parallel, default=0)
-            raise KernelError(text, loc=SourceLoc(file, line) if line else None, hint=hint)
+            raise KernelError(
+                "the loop over prange is gone: it runs once at most",
+                loc=SourceLoc(file, line) if line else None,
+                hint="leave threads out",
+            )
         for header in headers:
             loc = self.now.state.loc(header)
             self.fixed.add(header)

@@ -79,8 +79,9 @@ def test_fewer_bits_take_fewer_operations(name: str) -> None:
 
 
 def test_all_is_each_function_that_is_not_named() -> None:
-    assert parse_precision({"all": "fp8", "exp2": "fp16"}) == (("exp", "fp8"), ("exp2", "fp16"))
-    assert parse_precision({"all": "fp8", "exp": "fp32"}) == (("exp2", "fp8"),)
+    rest = (("exp2", "fp16"), ("fma", "fp8"))
+    assert parse_precision({"all": "fp8", "exp2": "fp16"}) == (("exp", "fp8"), *rest)
+    assert parse_precision({"all": "fp8", "exp2": "fp16", "exp": "fp32"}) == rest
     assert parse_precision({"exp": "fp32"}) == parse_precision(None) == ()
 
 

@@ -10,7 +10,7 @@ import pytest
 from tests.dfg.passes.vectorised import fma
 from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret_region
-from vividc.dfg.ir import DFG
+from vividc.dfg.ir import DFG, Control
 from vividc.dfg.passes import expand_math
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT
 from vividc.dfg.passes.expand_exp import (
@@ -172,3 +172,10 @@ def test_the_error_bound_holds_over_a_dense_sweep() -> None:
             words = np.arange(start, stop, 61, dtype=np.uint64).astype(np.uint32)
             worst = max(worst, worst_ulp(words, twin(words)))
     assert worst <= MAX_ULP
+
+
+def test_a_quotient_that_is_a_trip_count_stays_one() -> None:
+    """The controller would have waited in vain for the trip count of `range(n // 3)`."""
+    graph = 'dfg "trips"\n%0 = live_in "n"\n%1 = const 3\n%2 = udiv %0, %1 trip\n'
+    nodes = expand_math(parse(graph)).nodes
+    assert [node.control for node in nodes if node.control is not None] == [Control.TRIP]

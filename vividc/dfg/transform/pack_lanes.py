@@ -15,9 +15,10 @@ from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Value
-from vividc.dfg.cfg_edit import definitions, map_values, next_id, uses
+from vividc.dfg.cfg_edit import definitions, map_values, next_id
 from vividc.dfg.loops import find_loops
 from vividc.dfg.opcodes import MEMORY, Opcode, Type
+from vividc.dfg.transform.dead import without_dead
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.dfg.transform.pack_groups import Group, find_groups
 from vividc.formats import Format, join
@@ -108,7 +109,7 @@ def _packed(function: Function, groups: Sequence[Group]) -> Function | None:
     if not groups:
         return function
     built = _Packer(function, groups).built()
-    return None if built is None else _without_dead(hoist_invariants(_without_dead(built)))
+    return None if built is None else without_dead(hoist_invariants(without_dead(built)))
 
 
 class _Packer:
@@ -311,24 +312,3 @@ def _in_order(items: list[tuple[float, Instr]]) -> tuple[Instr, ...] | None:
             if not waits[reader]:
                 heapq.heappush(ready, (by_id[reader][0], by_id[reader][1], reader))
     return tuple(done) if len(done) == len(by_id) else None
-
-
-def _without_dead(function: Function) -> Function:
-    """Without operations that nothing reads; accesses to memory and phis stay."""
-    while True:
-        read = {
-            value.id
-            for block in function.blocks
-            for value in (
-                *uses(block),
-                *(value for phi in block.phis for _, value in phi.incoming),
-            )
-            if isinstance(value, Ref)
-        }
-        blocks = tuple(
-            replace(b, instrs=tuple(i for i in b.instrs if i.id in read or i.op in MEMORY))
-            for b in function.blocks
-        )
-        if blocks == function.blocks:
-            return function
-        function = replace(function, blocks=blocks)

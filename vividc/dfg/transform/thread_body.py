@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import reduce
 
-from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Undefined, Value
+from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Value
 from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.chain import Chain
 from vividc.dfg.transform.levels import Edge, Level
@@ -170,8 +170,7 @@ class Body:
             when = self._anyone(block)
             if when is not None and self.runs_ahead(instr):
                 when = inside_array(self.group, instr, operands)
-        exact = replace(instr, lane=None) if instr.op not in MEMORY else instr
-        done = self._copy(exact, operands, when, instr.array, exact=instr.exact)
+        done = self._copy(instr, operands, when, instr.array, exact=instr.exact)
         for values in self.group.values:
             values[instr.id] = done
 
@@ -252,8 +251,3 @@ def _elements(group: Group, instr: Instr) -> Value | None:
             shape: list[Value] = [Input(f"{param.name}.shape{n}") for n in range(param.ndim)]
             return reduce(lambda a, b: group.chain.emit(Opcode.MUL, Type.I32, a, b), shape)
     return None
-
-
-def undefined(values: Iterable[Value]) -> bool:
-    """Whether none of the values is defined."""
-    return all(isinstance(value, Undefined) for value in values)

@@ -45,8 +45,7 @@ def form_of(group: Group, level: Level) -> Form:
     """
     header = level.header
     if level.loop.header in group.uniform.stepping:
-        plain = not any(instr.op in MEMORY for instr in header.instrs)
-        return Form.IN_STEP if plain and level.latch != header.name else Form.FREE
+        return Form.IN_STEP
     cond = header.branch.cond
     own = {phi.id for phi in header.phis}
     is_counted = (
@@ -109,7 +108,12 @@ class ThreadLoop:
         self.header, self.after = header, name(f"{level.loop.header}.left")
         self.edges: list[dict[Edge, Value]] = [{} for _ in group.threads]
         self.left: list[dict[int, Value]] = [{} for _ in group.threads]
+        self.last: list[dict[int, Value]] = [{} for _ in group.threads]
         self.following: list[_Next] = []
+        self.deciding = frozenset[int]() if level.children else _deciding(level)
+        """Values by which a thread leaves. What they need does not wait for whether it has left: it
+        may run on, and a copy keeps the last word for after the loop.
+        """
 
     def write(self) -> None:
         """The loop, after the open block, and an open one behind it, as which the threads' values
@@ -173,28 +177,37 @@ class ThreadLoop:
                 if thread and shared:
                     self.group.values[thread][phi.id] = self.group.values[0][phi.id]
                     continue
-                new = self.chain.phi(phi.type, (before, starts[thread][phi.id]), loc=phi.loc)
-                self.group.values[thread][phi.id] = Ref(new.id)
-                self.following.append((new, self._next(thread, phi, new)))
+                start = (before, starts[thread][phi.id])
+                new = self.chain.phi(phi.type, start, loc=phi.loc)
+                self.group.values[thread][phi.id] = self.last[thread][phi.id] = Ref(new.id)
+                if not self._is_frozen(phi.id):
+                    self.following.append((new, self._next(thread, phi)))
+                    continue
+                frozen = new
+                if phi.id in self.deciding:
+                    self.following.append((new, self._next(thread, phi)))
+                    frozen = self.chain.phi(phi.type, start, loc=phi.loc)
+                    self.last[thread][phi.id] = Ref(frozen.id)
+                self.following.append((frozen, self._freeze(thread, phi, frozen)))
 
-    def _next(self, thread: int, phi: Phi, new: Phi) -> Callable[[], Value]:
-        """What gives the next word of a phi: it stays as it is in a thread that is done, if it is
-        read after the loop.
+    def _next(self, thread: int, phi: Phi) -> Callable[[], Value]:
+        """What gives the next word of a phi, whether the thread is done or not."""
+        return lambda: self.group.value(thread, incoming(phi, self.level.latch))
+
+    def _freeze(self, thread: int, phi: Phi, frozen: Phi) -> Callable[[], Value]:
+        """What gives the next word of a phi that is read after the loop: it stays as it is in a
+        thread that is done.
         """
-        again = incoming(phi, self.level.latch)
-        frozen = self._is_frozen(phi.id)
+        following = self._next(thread, phi)
 
-        def following() -> Value:
-            value = self.group.value(thread, again)
-            if not frozen:
-                return value
+        def kept() -> Value:
             with self.chain.thread(thread, phi.id, phi.loc):
                 stop = self.stops[thread]
-                kept = self.chain.keep_unless(stop, value, Ref(new.id), phi.type)
-            self.left[thread][phi.id] = kept
-            return kept
+                value = self.chain.keep_unless(stop, following(), Ref(frozen.id), phi.type)
+            self.left[thread][phi.id] = value
+            return value
 
-        return following
+        return kept
 
     def _is_frozen(self, ident: int) -> bool:
         is_own = ident not in self.group.uniform.values
@@ -204,7 +217,7 @@ class ThreadLoop:
         if self.form is Form.IN_STEP:
             return Body(self.group, self.level, self.enters)
         everyone: list[Value | None] = [None for _ in self.enters]
-        ahead = frozenset[int]() if self.level.children else _loads_ahead(self.level)
+        ahead = _loads_ahead(self.level, self.deciding)
         return Body(self.group, self.level, everyone, done, ahead)
 
     def _kept(self, body: Body, before: str) -> list[_Next]:
@@ -279,8 +292,7 @@ class ThreadLoop:
         """What counted threads leave behind, if the count or the last of them ended the loop."""
         for thread in self.group.threads:
             for ident, last in self.left[thread].items():
-                carried = self.group.values[thread][ident]
-                kind = self.level.types[ident]
+                carried, kind = self.last[thread][ident], self.level.types[ident]
                 phi = self.chain.phi(kind, (header, carried), (end, last))
                 self.left[thread][ident] = Ref(phi.id)
 
@@ -302,15 +314,11 @@ def _start(level: Level, phi: Phi) -> Value:
     return next(value for name, value in phi.incoming if name != level.latch)
 
 
-def _loads_ahead(level: Level) -> frozenset[int]:
-    """Loads that decide when a thread leaves, and that a comparison can keep in their arrays.
-
-    If they waited for the exits of the iteration before, the loop would be no faster than the whole
-    way from a load to the exit. A load that finds nothing gives 0, which nobody uses.
-    """
+def _deciding(level: Level) -> frozenset[int]:
+    """Ids of what the exits of a loop without inner ones depend on, in any iteration."""
     deciding = {level.node(source) for source, _ in level.exits}
     deciding |= {node for exit_ in set(deciding) for node in nx.ancestors(level.graph, exit_)}
-    items = {i.id: i for block in level.blocks.values() for i in definitions(block)}
+    items = _items(level)
     work = [cond for name in deciding if (cond := level.blocks[name].branch.cond) is not None]
     found: set[int] = set()
     while work:
@@ -319,7 +327,21 @@ def _loads_ahead(level: Level) -> frozenset[int]:
             found.add(value.id)
             item = items[value.id]
             work += [v for _, v in item.incoming] if isinstance(item, Phi) else item.operands
-    loads = (items[ident] for ident in found)
+    return frozenset(found)
+
+
+def _items(level: Level) -> dict[int, Phi | Instr]:
+    return {i.id: i for block in level.blocks.values() for i in definitions(block)}
+
+
+def _loads_ahead(level: Level, deciding: frozenset[int]) -> frozenset[int]:
+    """Loads that decide when a thread leaves, and that a comparison can keep in their arrays.
+
+    If they waited for the exits of the iteration before, the loop would be no faster than the whole
+    way from a load to the exit. A load that finds nothing gives 0, which nobody uses.
+    """
+    items = _items(level)
+    loads = (items[ident] for ident in deciding)
     return frozenset(
         load.id
         for load in loads

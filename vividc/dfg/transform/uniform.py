@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from vividc.dfg.cfg import Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions, incoming
-from vividc.dfg.opcodes import Opcode
+from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.dfg.transform.levels import Level
 
 
@@ -77,8 +77,15 @@ class _Analysis:
         return Uniform(frozenset(self.found), frozenset(self.stepping))
 
     def _leaves_together(self, level: Level) -> bool:
-        """Whether the header's test alone ends the loop, and all threads make the same one."""
+        """Whether the header's test alone ends the loop, and all threads make the same one.
+
+        The header then is a block of its own, so it is not the latch and accesses no memory.
+        """
         if {source for source, _ in level.loop.exits} != {level.loop.header}:
+            return False
+        if level.latch == level.loop.header:
+            return False
+        if any(instr.op in MEMORY for instr in level.header.instrs):
             return False
         cond = level.header.branch.cond
         return cond is None or self._is_uniform(cond, level)

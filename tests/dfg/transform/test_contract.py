@@ -1,0 +1,59 @@
+"""Products and sums become one operation before a function is transformed, as in its graphs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.fuzz.witnesses import run_regions
+from vividc.dfg.build import build_kernel
+from vividc.dfg.cfg import Function
+from vividc.dfg.normalize import normalize
+from vividc.dfg.opcodes import Opcode
+from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.transform.contract import contract
+
+
+@vividc.kernel("void(float32[::1], float32[::1], float32, float32)")
+def sums(x, y, a, b):
+    for i in range(len(x)):
+        p = x[i] * a
+        y[i] = x[i] * x[i] + a * b + p - x[i] * np.float32(3.0) - p * p
+
+
+@vividc.kernel("void(float32[::1], float32[::1], float32, float32)")
+def arms(x, y, a, b):
+    for i in range(len(x)):
+        p = x[i] * a
+        q = p + b
+        if x[i] > b:
+            q = np.float32(2.0) - x[i] * b
+        y[i] = q
+
+
+def operations(function: Function, op: Opcode) -> int:
+    return sum(instr.op is op for block in function.blocks for instr in block.instrs)
+
+
+@pytest.mark.parametrize("kernel", [sums, arms])
+def test_the_words_are_those_of_contraction_in_the_graphs(kernel: Any) -> None:
+    function = kernel.lower()
+    fused = contract(function)
+    assert operations(fused, Opcode.FMA) >= 1
+    rng = np.random.default_rng(4)
+    x = rng.standard_normal(40).astype(np.float32)
+    words = []
+    for form, options in ((function, PassOptions()), (fused, PassOptions(contract=False))):
+        args = [x.copy(), np.zeros_like(x), np.float32(1.1), np.float32(0.3)]
+        run_regions(optimize_kernel(build_kernel(normalize(form)), options), args)
+        words.append(args[1].tobytes())
+    assert words[0] == words[1]
+
+
+def test_a_product_with_two_readers_stays() -> None:
+    fused = contract(sums.lower())
+    assert operations(fused, Opcode.FMUL) >= 2
+    assert contract(fused) is fused
