@@ -26,6 +26,7 @@ from benchmarks import (
     mappers,
     quality,
     render_kernels,
+    renderers,
     splats,
 )
 from benchmarks.workloads import WORKLOADS, Workload
@@ -98,25 +99,32 @@ QUALITY = "quality"
 MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
+RENDERERS = "renderers"
 SPLATS = "splats"
-CHOICES = (*TABLES, ENGINES, FRAMES, SPLATS, QUALITY, GEMM, MAPPERS)
-DEFAULT = (
-    *TABLES,
-    ENGINES,
-    FRAMES,
-    SPLATS,
-    QUALITY,
-    GEMM,
-)  # the mappers' table takes hours: by name only
-MODULES = {ENGINES: engines, FRAMES: frames, SPLATS: splats, QUALITY: quality, MAPPERS: mappers}
+CHOICES = (*TABLES, ENGINES, FRAMES, RENDERERS, SPLATS, QUALITY, GEMM, MAPPERS)
+DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, GEMM)  # the others take hours: by name only
+MODULES = {
+    ENGINES: engines,
+    FRAMES: frames,
+    RENDERERS: renderers,
+    SPLATS: splats,
+    QUALITY: quality,
+    MAPPERS: mappers,
+}
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
+    RENDERERS: lambda fabric, _: renderers.rows(fabric),
     SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     MAPPERS: mappers.rows,
 }
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), SPLATS: ("vivid",)}
+PLACES = {
+    QUALITY: ("float32 on the host",),
+    FRAMES: ("vivid",),
+    RENDERERS: ("vivid",),
+    SPLATS: ("vivid",),
+}
 """Where tables are made that `--fabric` has no say in."""
 
 

@@ -10,6 +10,7 @@ each brick that is set.
 
 import math
 
+import numba
 import numpy as np
 from numba import prange
 
@@ -19,7 +20,6 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
-BEYOND = np.float32(3e38)
 
 
 @vividc.kernel("void(float32[:, ::1], float32[::1], int32[:, ::1], float32[:, :, ::1])")
@@ -45,9 +45,115 @@ def camera_rays(pose, lens, corners, directions):
             directions[block, pixel, 2] = z * scale
 
 
+@numba.njit
+def slab(geometry, directions, ray, axis):
+    """Where a ray meets the two planes of the box across an axis, the nearer first."""
+    along = directions[ray, axis]
+    if math.fabs(along) < TINY:
+        along = TINY
+    inverse = ONE / along
+    low = (geometry[3 + axis] - geometry[axis]) * inverse
+    high = (geometry[6 + axis] - geometry[axis]) * inverse
+    return min(low, high), max(low, high)
+
+
+@numba.njit
+def box_spans(directions, geometry, most, entries, exits, steps):
+    """Entry and exit of each ray (slabs; Kay and Kajiya 1986), and steps, not over `most`."""
+    for ray in range(directions.shape[0]):
+        enter_x, leave_x = slab(geometry, directions, ray, 0)
+        enter_y, leave_y = slab(geometry, directions, ray, 1)
+        enter_z, leave_z = slab(geometry, directions, ray, 2)
+        entry = min(max(enter_x, enter_y, enter_z, geometry[12]), geometry[13])
+        leave = min(leave_x, leave_y, leave_z)
+        total = math.fabs(directions[ray, 0]) + math.fabs(directions[ray, 1])
+        outside = leave <= entry or total + math.fabs(directions[ray, 2]) < HALF
+        between = ZERO if outside else (leave - entry) / geometry[14]
+        entries[ray] = entry
+        exits[ray] = leave
+        steps[ray] = np.int32(0) if outside else min(most, np.int32(between) + 1)
+
+
+@numba.njit
+def cell_of(origin, along, t, low, cells):
+    """The cell along an axis that a ray is in at distance `t`."""
+    return np.int32(np.floor((origin + t * along - low) * cells))
+
+
+@numba.njit
+def coarse_samples(base, directions, geometry, grid, coarse, entries, exits, steps, candidates):
+    """List the samples in bricks that are set, as far as there is room; returns how many."""
+    origin_x, origin_y, origin_z = geometry[0], geometry[1], geometry[2]
+    low_x, low_y, low_z = geometry[3], geometry[4], geometry[5]
+    cells_x, cells_y, cells_z = geometry[9], geometry[10], geometry[11]
+    pitch = geometry[14]
+    size_x, size_y, size_z = np.uint32(grid[0]), np.uint32(grid[1]), np.uint32(grid[2])
+    columns, rows = grid[3], grid[4]
+    found = np.int32(0)
+    for ray in range(directions.shape[0]):
+        entry = entries[ray]
+        leave = exits[ray]
+        along_x, along_y, along_z = directions[ray, 0], directions[ray, 1], directions[ray, 2]
+        for step in range(steps[ray]):
+            t = entry + (np.float32(step) + HALF) * pitch
+            x = cell_of(origin_x, along_x, t, low_x, cells_x)
+            y = cell_of(origin_y, along_y, t, low_y, cells_y)
+            z = cell_of(origin_z, along_z, t, low_z, cells_z)
+            inside = (np.uint32(x) < size_x) & (np.uint32(y) < size_y) & (np.uint32(z) < size_z)
+            if inside & (t <= leave):
+                brick = np.uint32(((x >> 2) * columns + (y >> 2)) * rows + (z >> 2))
+                word = coarse[brick >> np.uint32(5)]
+                if (word >> (brick & np.uint32(31))) & np.uint32(1):
+                    if found < len(candidates):
+                        candidates[np.uint32(found)] = ((base + ray) << 16) | step
+                    found = np.int32(found + 1)
+    return found
+
+
+@numba.njit
+def bits_set(word):
+    """How many bits of a word are set (Warren, Hacker's Delight, 2013)."""
+    pairs = np.uint32(word - ((word >> np.uint32(1)) & np.uint32(0x55555555)))
+    low = np.uint32(pairs & np.uint32(0x33333333))
+    fours = np.uint32(low + ((pairs >> np.uint32(2)) & np.uint32(0x33333333)))
+    bytes_ = np.uint32((fours + (fours >> np.uint32(4))) & np.uint32(0x0F0F0F0F))
+    return np.int32(np.uint32(bytes_ * np.uint32(0x01010101)) >> np.uint32(24))
+
+
+@numba.njit
+def occupied_samples(
+    base, directions, geometry, grid, coarse, ranks, bricks, entries, candidates, found, items
+):
+    """Those of the first `found` candidates that are in occupied cells; returns how many."""
+    origin_x, origin_y, origin_z = geometry[0], geometry[1], geometry[2]
+    low_x, low_y, low_z = geometry[3], geometry[4], geometry[5]
+    cells_x, cells_y, cells_z = geometry[9], geometry[10], geometry[11]
+    pitch = geometry[14]
+    columns, rows = grid[3], grid[4]
+    kept = np.int32(0)
+    for number in range(found):
+        item = candidates[number]
+        ray = np.uint32((item >> 16) - base)
+        t = entries[ray] + (np.float32(item & 0xFFFF) + HALF) * pitch
+        x = cell_of(origin_x, directions[ray, 0], t, low_x, cells_x)
+        y = cell_of(origin_y, directions[ray, 1], t, low_y, cells_y)
+        z = cell_of(origin_z, directions[ray, 2], t, low_z, cells_z)
+        brick = np.uint32(((x >> 2) * columns + (y >> 2)) * rows + (z >> 2))
+        lower = (np.uint32(1) << (brick & np.uint32(31))) - np.uint32(1)
+        below = bits_set(np.uint32(coarse[brick >> np.uint32(5)] & lower))
+        place = np.uint32(2 * (ranks[brick >> np.uint32(5)] + below))
+        cell = np.uint32(((x & 3) << 4) | ((y & 3) << 2) | (z & 3))
+        word = bricks[place + (cell >> np.uint32(5))]
+        if (word >> (cell & np.uint32(31))) & np.uint32(1):
+            if kept < len(items):
+                items[np.uint32(kept)] = item
+            kept = np.int32(kept + 1)
+    return kept
+
+
 @vividc.kernel(
     "int32(float32[:, ::1], float32[::1], int32[::1], uint32[::1], int32[::1], uint32[::1],"
-    " int32, float32[::1], float32[::1], int32[::1], int32[::1], int32[::1])"
+    " int32, int32, float32[::1], float32[::1], int32[::1], int32[::1], int32[::1])"
 )
 def march_rays(
     directions,
@@ -57,87 +163,28 @@ def march_rays(
     ranks,
     bricks,
     most,
+    base,
     entries,
     exits,
     steps,
     candidates,
     items,
 ):
-    """Samples of a block in occupied cells: ray << 16 | step, by ray and then by step.
+    """Samples of rays in occupied cells: (base + ray) << 16 | step, by ray and then by step.
 
     `grid` is the cells of each axis (0 to 2) and the bricks of the last two (3, 4); a ray has at
     most `most` samples. `exits`, `steps` and `candidates` are room to work in. Returns how many
-    samples there are, or how many are in set bricks, if more of either than there is room for.
+    samples there are, or how many are in set bricks, if there is no room for those.
     """
-    for ray in range(directions.shape[0]):
-        entry = geometry[12]
-        leave = BEYOND
-        total = ZERO
-        for axis in range(3):
-            along = directions[ray, axis]
-            total += along * along
-            if math.fabs(along) < TINY:
-                along = TINY
-            low = (geometry[3 + axis] - geometry[axis]) / along
-            high = (geometry[6 + axis] - geometry[axis]) / along
-            entry = max(entry, min(low, high))
-            leave = min(leave, max(low, high))
-        entry = min(entry, geometry[13])
-        count = np.int32(0)
-        if leave > entry and total > HALF:
-            count = min(most, np.int32((leave - entry) / geometry[14]) + 1)
-        entries[ray] = entry
-        exits[ray] = leave
-        steps[ray] = count
-    found = np.int32(0)
-    for ray in range(directions.shape[0]):
-        for step in range(steps[ray]):
-            t = entries[ray] + (np.float32(step) + HALF) * geometry[14]
-            x = (geometry[0] + t * directions[ray, 0] - geometry[3]) * geometry[9]
-            y = (geometry[1] + t * directions[ray, 1] - geometry[4]) * geometry[10]
-            z = (geometry[2] + t * directions[ray, 2] - geometry[5]) * geometry[11]
-            cx = np.int32(np.floor(x))
-            cy = np.int32(np.floor(y))
-            cz = np.int32(np.floor(z))
-            inside = (
-                np.uint32(cx) < np.uint32(grid[0])
-                and np.uint32(cy) < np.uint32(grid[1])
-                and np.uint32(cz) < np.uint32(grid[2])
-            )
-            if inside and t <= exits[ray]:
-                brick = np.int32(((cx >> 2) * grid[3] + (cy >> 2)) * grid[4] + (cz >> 2))
-                if (coarse[brick >> 5] >> np.uint32(brick & 31)) & np.uint32(1):
-                    if found < len(candidates):
-                        candidates[found] = (ray << 16) | step
-                    found = np.int32(found + 1)
+    box_spans(directions, geometry, most, entries, exits, steps)
+    found = coarse_samples(
+        base, directions, geometry, grid, coarse, entries, exits, steps, candidates
+    )
     if found > len(candidates):
         return found
-    kept = np.int32(0)
-    for number in range(found):
-        item = candidates[number]
-        ray = item >> 16
-        t = entries[ray] + (np.float32(item & 0xFFFF) + HALF) * geometry[14]
-        x = (geometry[0] + t * directions[ray, 0] - geometry[3]) * geometry[9]
-        y = (geometry[1] + t * directions[ray, 1] - geometry[4]) * geometry[10]
-        z = (geometry[2] + t * directions[ray, 2] - geometry[5]) * geometry[11]
-        cx = np.int32(np.floor(x))
-        cy = np.int32(np.floor(y))
-        cz = np.int32(np.floor(z))
-        brick = np.int32(((cx >> 2) * grid[3] + (cy >> 2)) * grid[4] + (cz >> 2))
-        below = np.uint32(
-            coarse[brick >> 5] & ((np.uint32(1) << np.uint32(brick & 31)) - np.uint32(1))
-        )
-        below -= (below >> np.uint32(1)) & np.uint32(0x55555555)
-        below = (below & np.uint32(0x33333333)) + ((below >> np.uint32(2)) & np.uint32(0x33333333))
-        below = (below + (below >> np.uint32(4))) & np.uint32(0x0F0F0F0F)
-        below = np.uint32(below * np.uint32(0x01010101)) >> np.uint32(24)
-        place = np.int32(2 * (ranks[brick >> 5] + np.int32(below)))
-        cell = np.int32(((cx & 3) << 4) | ((cy & 3) << 2) | (cz & 3))
-        if (bricks[place + (cell >> 5)] >> np.uint32(cell & 31)) & np.uint32(1):
-            if kept < len(items):
-                items[kept] = item
-            kept = np.int32(kept + 1)
-    return kept
+    return occupied_samples(
+        base, directions, geometry, grid, coarse, ranks, bricks, entries, candidates, found, items
+    )
 
 
 @vividc.kernel(
@@ -147,12 +194,12 @@ def march_rays(
 def sample_points(directions, entries, geometry, items, first_ray, points, rays):
     """Place in the world, and ray of the picture, of each sample of a block."""
     for sample in range(len(items)):
-        ray = items[sample] >> 16
+        ray = np.uint32(items[sample] >> 16)
         t = entries[ray] + (np.float32(items[sample] & 0xFFFF) + HALF) * geometry[14]
         points[sample, 0] = geometry[0] + t * directions[ray, 0]
         points[sample, 1] = geometry[1] + t * directions[ray, 1]
         points[sample, 2] = geometry[2] + t * directions[ray, 2]
-        rays[sample] = first_ray + ray
+        rays[sample] = first_ray + np.int32(ray)
 
 
 @vividc.kernel(
@@ -183,12 +230,13 @@ def transmittance(
         weight = light * alpha
         counts = light >= limits[0] and weight > limits[1]
         if counts or keep_all != 0:
-            kept[listed] = first_sample + sample
-            kept_rays[listed] = ray
-            weights[listed] = weight if counts else ZERO
+            place = np.uint32(listed)
+            kept[place] = first_sample + sample
+            kept_rays[place] = ray
+            weights[place] = weight if counts else ZERO
             listed = np.int32(listed + 1)
         light = light * (ONE - alpha)
-        left[ray - first_ray] = light
+        left[np.uint32(ray - first_ray)] = light
     return listed
 
 
@@ -204,12 +252,12 @@ def accumulate(weights, rays, colours, left, first_ray, out):
         out[ray, 1] = ZERO
         out[ray, 2] = ZERO
         out[ray, 3] = left[ray]
-    last = np.int32(-1)
+    last = np.uint32(0xFFFFFFFF)
     red = ZERO
     green = ZERO
     blue = ZERO
     for sample in range(len(weights)):
-        ray = np.int32(rays[sample] - first_ray)
+        ray = np.uint32(rays[sample] - first_ray)
         if ray != last:
             red = ZERO
             green = ZERO

@@ -56,7 +56,9 @@ def test_launches_of_one_group_stay_on_a_tile() -> None:
     y = np.zeros(4, np.float32)
     launches = [launch(x[i], y, shared=True) for i in (0, 0, 0, 1, 1, 2)]
     assert dealt(launches, 2) == [[0, 1, 2], [3, 4, 5]]
-    assert sorted(sum(dealt(launches, 5), [])) == list(range(6))
+    same = [launch(x[0], y, shared=True) for _ in range(5)]
+    assert dealt(same, 2) == [[0, 2, 4], [1, 3]]
+    assert sorted(n for share in dealt(launches, 5) for n in share) == list(range(6))
 
 
 def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:

@@ -57,12 +57,17 @@ class Launch:
 
 
 def run_launches(
-    device: Device, ledger: Ledger, stage: str, kernel: str, launches: Sequence[Launch]
+    device: Device,
+    ledger: Ledger,
+    stage: str,
+    kernel: str,
+    launches: Sequence[Launch],
+    **options: object,
 ) -> list[int]:
     """Run launches on all tiles in one job, and return what each returned (0: nothing).
 
     Launches with the same `shared` arrays in a row stay on one tile. While one runs, what the next
-    one needs is moved in, if the scratchpad holds both.
+    one needs is moved in, if the scratchpad holds both. `options` are those of `vividc.compile`.
 
     Raises
     ------
@@ -71,7 +76,7 @@ def run_launches(
     """
     if not launches:
         return []
-    program = device.programs.get(kernel)
+    program = device.programs.get(kernel, **options)
     job = device.new_job()
     runs = [0] * len(launches)
     for tile, share in enumerate(dealt(launches, device.tiles)):
@@ -89,14 +94,16 @@ def run_launches(
 def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
     """Deal launches to tiles: the costliest group first, each to the tile with the least to do.
 
-    A group is launches in a row that share arrays; one of more than a tile's even share is cut.
+    A group is launches in a row that share arrays which others do not; one of more than a tile's
+    even share is cut.
     """
     even = sum(launch.cost for launch in launches) / tiles
+    keys = [tuple(map(id, launch.shared.values())) for launch in launches]
+    is_grouped = len(set(keys)) > 1
     groups: list[list[int]] = []
     load, last = 0.0, None
-    for number, launch in enumerate(launches):
-        key = tuple(map(id, launch.shared.values()))
-        if not key or key != last or load + launch.cost > even:
+    for number, (launch, key) in enumerate(zip(launches, keys, strict=True)):
+        if not is_grouped or key != last or load + launch.cost > even:
             groups.append([])
             load = 0.0
         groups[-1].append(number)

@@ -34,6 +34,9 @@ class ArrayField(Protocol):
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F].
 
+        Both are C-contiguous; what features mean is the field's own affair, `colour` gets rows of
+        them.
+
         Jobs are booked in `ledger` under the names of their stages.
         """
         ...

@@ -20,9 +20,8 @@ Int32Array = npt.NDArray[np.int32]
 
 _KERNELS = "render/kilonerf"
 _WORD = 4
-_POSITION_FREQUENCIES = 10
 _POSITION_TERMS = 63
-_DIRECTION_FREQUENCIES = 4
+_AXES = 3
 _DIRECTION_TERMS = 27
 _CHUNK = 1024
 """Samples that one launch sorts."""
@@ -68,7 +67,11 @@ class _Half:
 
 
 class KiloNeRFOnArray:
-    """A `KiloNeRF` as an `ArrayField`; features are [n, 32].
+    """A `KiloNeRF` as an `ArrayField`.
+
+    The features of a call of `density` stay where the networks wrote them, sorted; those that it
+    returns, [n, 1], are the numbers of their rows, as bits of a float32. They hold until its next
+    call.
 
     Raises
     ------
@@ -91,6 +94,7 @@ class KiloNeRFOnArray:
         self._colour = _colour_half(model, self._at_once)
         self._box = np.concatenate((model.march.box[0], model.march.box[1] - model.march.box[0]))
         self._networks = np.ascontiguousarray(model.network, dtype=np.int32)
+        self._features = np.zeros((0, hidden), dtype=np.float32)
 
     @property
     def march(self) -> March:
@@ -108,12 +112,12 @@ class KiloNeRFOnArray:
         return self._model.transmittance_min
 
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
-        """Return optical thickness [n] of one step, and features [n, 32]."""
+        """Return optical thickness [n] of one step, and where the features are [n, 1]."""
         device = self._device
         networks, local = self._cells(points, ledger)
         grouped = self._sorted(networks, ledger)
         local = gather_rows(device, ledger, "grouping", local, [grouped.order])
-        encoded = self._encoded(local, _POSITION_FREQUENCIES, _POSITION_TERMS, ledger)
+        encoded = self._encoded(local, "position", _POSITION_TERMS, ledger)
         thickness = np.zeros(len(points), dtype=np.float32)
         features = np.zeros((len(points), self._hidden), dtype=np.float32)
         half, launches = self._density, []
@@ -137,9 +141,9 @@ class KiloNeRFOnArray:
                 )
             )
         self._run("density network", "density_network", launches, ledger)
-        back = [grouped.places]
-        thickness = gather_rows(device, ledger, "grouping", thickness, back)
-        return thickness, gather_rows(device, ledger, "grouping", features, back)
+        self._features = features
+        thickness = gather_rows(device, ledger, "grouping", thickness, [grouped.places])
+        return thickness, grouped.places.view(np.float32)[:, None]
 
     def colour(
         self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
@@ -149,8 +153,11 @@ class KiloNeRFOnArray:
         networks, _ = self._cells(points, ledger)
         grouped = self._sorted(networks, ledger)
         directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])
-        features = gather_rows(device, ledger, "grouping", features, [grouped.order])
-        seen = self._encoded(directions, _DIRECTION_FREQUENCIES, _DIRECTION_TERMS, ledger)
+        rows = gather_rows(device, ledger, "grouping", features, [grouped.order])
+        features = gather_rows(
+            device, ledger, "grouping", self._features, [rows[:, 0].view(np.int32)]
+        )
+        seen = self._encoded(directions, "direction", _DIRECTION_TERMS, ledger)
         colours = np.full((len(points), 3), 0.5, dtype=np.float32)
         half, launches = self._colour, []
         for network, part in self._parts(grouped.pieces):
@@ -178,12 +185,13 @@ class KiloNeRFOnArray:
         return networks, local
 
     def _encoded(
-        self, vectors: Float32Array, frequencies: int, terms: int, ledger: Ledger
+        self, vectors: Float32Array, kind: str, terms: int, ledger: Ledger
     ) -> Float32Array:
-        out = np.zeros((len(vectors), terms), dtype=np.float32)
-        kernel = f"{_KERNELS}:positional_encoding"
-        self._device.spread(ledger, "position encoding", kernel, vectors, frequencies, out)
-        return out
+        """Return the terms of each vector, [n, terms], one coordinate after the other."""
+        out = np.zeros((vectors.size, terms // _AXES), dtype=np.float32)
+        kernel = f"{_KERNELS}:encode_{kind}"
+        self._device.spread(ledger, "position encoding", kernel, vectors.ravel(), out)
+        return out.reshape(len(vectors), terms)
 
     def _sorted(self, networks: Int32Array, ledger: Ledger) -> _Sorted:
         order, places = np.zeros_like(networks), np.zeros_like(networks)
@@ -214,7 +222,7 @@ class KiloNeRFOnArray:
             )
         self._run("grouping", "sort_by_network", launches, ledger)
         ledger.count(words_read_by_host=starts.size)
-        return _Sorted(order, places, tuple(_pieces(starts, len(networks))))
+        return _Sorted(order, places, tuple(_pieces(starts)))
 
     def _parts(self, pieces: Sequence[tuple[int, int, int]]) -> Iterator[tuple[int, slice]]:
         """Yield network and places of each launch, by network, so that weights are loaded once."""
@@ -230,7 +238,9 @@ class KiloNeRFOnArray:
         }
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
-        run_launches(self._device, ledger, stage, f"{_KERNELS}:{kernel}", launches)
+        run_launches(
+            self._device, ledger, stage, f"{_KERNELS}:{kernel}", launches, transform="none"
+        )
 
     def _samples_at_once(self) -> int:
         """Return how many samples fit beside a network's weights, in fours."""
@@ -249,14 +259,13 @@ class KiloNeRFOnArray:
         )
 
 
-def _pieces(starts: Int32Array, samples: int) -> Iterator[tuple[int, int, int]]:
+def _pieces(starts: Int32Array) -> Iterator[tuple[int, int, int]]:
     """Yield network, first place and number of samples; those without a network are left out."""
     for chunk, row in enumerate(starts):
-        first = chunk * _CHUNK
-        ends = np.append(row[2:], min(_CHUNK, samples - first))
-        for network in np.flatnonzero(ends > row[1:]):
-            start = int(row[network + 1])
-            yield int(network), first + start, int(ends[network]) - start
+        begins, ends = row[1:-1], row[2:]
+        for network in np.flatnonzero(ends > begins):
+            begin = int(begins[network])
+            yield int(network), chunk * _CHUNK + begin, int(ends[network]) - begin
 
 
 def _density_half(model: KiloNeRF, samples: int) -> _Half:
@@ -270,6 +279,7 @@ def _density_half(model: KiloNeRF, samples: int) -> _Half:
     one = samples * _POSITION_TERMS
     two = one + samples * pitch
     w1, w2, w3 = (np.asarray(weights) for weights in model.weights[:3])
+    w1 = w1[:, _by_coordinate(_POSITION_TERMS)]
     b1, b2, b3 = (np.asarray(bias) for bias in model.biases[:3])
     parts = (w1, w2, w3[:, :, 1:], _octet(w3[:, :, :1]), b1, b2, b3[:, 1:], _octet(b3[:, :1]))
     at = _offsets(parts)
@@ -294,7 +304,8 @@ def _colour_half(model: KiloNeRF, samples: int) -> _Half:
     two = one + samples * pitch
     w4, w5 = (np.asarray(weights) for weights in model.weights[3:])
     b4, b5 = (np.asarray(bias) for bias in model.biases[3:])
-    parts = (w4[:, :hidden], w4[:, hidden:], _octet(w5), b4, _octet(b5))
+    seen_weights = w4[:, hidden:][:, _by_coordinate(_DIRECTION_TERMS)]
+    parts = (w4[:, :hidden], seen_weights, _octet(w5), b4, _octet(b5))
     at = _offsets(parts)
     layers = (
         (0, hidden, hidden, at[0], hidden, one, pitch, 0, at[3]),
@@ -303,6 +314,11 @@ def _colour_half(model: KiloNeRF, samples: int) -> _Half:
     )
     words = hidden + _DIRECTION_TERMS + pitch + _OCTET + 1
     return _Half(_packed(parts), np.array(layers, dtype=np.int32), two, _OCTET + 1, words)
+
+
+def _by_coordinate(terms: int) -> npt.NDArray[np.int64]:
+    """Return the models' place of each term of an encoding, one coordinate after the other."""
+    return np.arange(terms).reshape(-1, _AXES).T.ravel()
 
 
 def _octet(array: Float32Array) -> Float32Array:

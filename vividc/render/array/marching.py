@@ -30,10 +30,13 @@ SIDE = 8
 """Pixels of a block's side."""
 RAYS = SIDE * SIDE
 _KERNELS = "render/marching"
+_RAYS_AT_ONCE = 16
+"""Rays of a launch of the marching kernel; a divisor of those of a block."""
 _WORD = 4
 _BLOCKS_AT_ONCE = 512
 _RAY_WORDS = 6
-_LARGEST_ROOM = 2048
+_SAMPLES_AT_ONCE = 720
+"""Samples of a launch of the other kernels: five words of each fit a scratchpad twice."""
 _SPARE_WORDS = 256
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
@@ -129,35 +132,31 @@ class Marcher:
         self._device.spread(self._ledger, "ray generation", kernel, pose, lens, corners, directions)
         return directions.reshape(-1, 3)
 
-    def _march(self, count: int) -> tuple[list[Block], list[Int32Array], Float32Array]:
+    def _march(self, count: int) -> tuple[list[Block], list[list[Int32Array]], Float32Array]:
         """Return blocks with how many samples each has, their items, and where rays enter.
 
-        A block with more samples than there is room for is cut into halves and marched again.
+        A launch marches some of a block's rays. Where these have more samples than there is room
+        for, they are cut into halves and marched again.
         """
         entries = np.zeros(count * RAYS, dtype=np.float32)
-        todo = [Block(number * RAYS, RAYS) for number in range(count)]
-        done: dict[int, tuple[Block, Int32Array]] = {}
+        todo = [Block(first, _RAYS_AT_ONCE) for first in range(0, count * RAYS, _RAYS_AT_ONCE)]
+        done: dict[int, Int32Array] = {}
         while todo:
-            items = [np.zeros(self._room, dtype=np.int32) for _ in todo]
+            rooms = [np.zeros(self._room, dtype=np.int32) for _ in todo]
             launches = [
-                self._march_launch(block, room, entries)
-                for block, room in zip(todo, items, strict=True)
+                self._march_launch(part, room, entries)
+                for part, room in zip(todo, rooms, strict=True)
             ]
             found = self._run("ray marching", "march_rays", launches)
             again: list[Block] = []
-            for block, room, samples in zip(todo, items, found, strict=True):
+            for part, room, samples in zip(todo, rooms, found, strict=True):
                 if samples > self._room:
-                    again += _halves(block)
+                    again += _halves(part)
                 else:
-                    marched = Block(block.first_ray, block.rays, 0, samples)
-                    done[block.first_ray] = marched, room[:samples]
+                    done[part.first_ray] = room[:samples]
             todo = again
-        blocks, kept, first = [], [], 0
-        for _, (block, room) in sorted(done.items()):
-            blocks.append(Block(block.first_ray, block.rays, first, block.samples))
-            kept.append(room)
-            first += block.samples
-        return blocks, kept, entries
+        blocks, items = _joined(done, count * RAYS)
+        return blocks, items, entries
 
     def _march_launch(self, block: Block, items: Int32Array, entries: Float32Array) -> Launch:
         rays, room = (block.rays,), (self._room,)
@@ -182,40 +181,44 @@ class Marcher:
                 "items": (Move(items),),
             },
             shared=shared,
-            scalars={"most": self._field.march.samples},
+            scalars={"most": self._field.march.samples, "base": block.first_ray % RAYS},
         )
 
     def _points(
-        self, blocks: Sequence[Block], items: Sequence[Int32Array], entries: Float32Array
+        self,
+        blocks: Sequence[Block],
+        items: Sequence[Sequence[Int32Array]],
+        entries: Float32Array,
     ) -> tuple[Float32Array, Int32Array]:
         """Return the place [n, 3] and the ray [n] of each sample."""
         total = sum(block.samples for block in blocks)
         points = np.zeros((total, 3), dtype=np.float32)
         rays = np.zeros(total, dtype=np.int32)
         launches = []
-        for block, item in zip(blocks, items, strict=True):
+        for block, listed in zip(blocks, items, strict=True):
             if not block.samples:
                 continue
             part = slice(block.first, block.first + block.samples)
-            of_rays = entries[block.first_ray : block.first_ray + block.rays]
+            first_ray = block.first_ray - block.first_ray % RAYS
+            of_rays = slice(first_ray, first_ray + RAYS)
             launches.append(
                 Launch(
                     shapes={
-                        "directions": (block.rays, 3),
-                        "entries": (block.rays,),
+                        "directions": (RAYS, 3),
+                        "entries": (RAYS,),
                         "geometry": self._geometry.shape,
                         "items": (block.samples,),
                         "points": (block.samples, 3),
                         "rays": (block.samples,),
                     },
                     inputs={
-                        "directions": (Move(self._rays_of(block)),),
-                        "entries": (Move(of_rays),),
-                        "items": (Move(item),),
+                        "directions": (Move(self._directions[of_rays]),),
+                        "entries": (Move(entries[of_rays]),),
+                        "items": _in_a_row(listed),
                     },
                     outputs={"points": (Move(points[part]),), "rays": (Move(rays[part]),)},
                     shared={"geometry": self._geometry},
-                    scalars={"first_ray": block.first_ray},
+                    scalars={"first_ray": first_ray},
                     cost=block.samples + 20,
                 )
             )
@@ -314,8 +317,9 @@ class Marcher:
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
         """Run launches, and count what the host reads of them: a word each."""
-        returned = run_launches(self._device, self._ledger, stage, f"{_KERNELS}:{kernel}", launches)
-        self._ledger.count(launches=len(launches))
+        name = f"{_KERNELS}:{kernel}"
+        returned = run_launches(self._device, self._ledger, stage, name, launches, transform="none")
+        self._ledger.count(words_read_by_host=len(launches))
         return returned
 
 
@@ -380,8 +384,9 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
         Not even for those of one ray.
     """
     free = scratchpad_bytes - bricks.size_bytes
-    words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * RAYS
-    room = min(_LARGEST_ROOM, words // 2)
+    words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * _RAYS_AT_ONCE
+    most = words // 4 if words // 4 >= march.samples else words // 2
+    room = min(max(_SAMPLES_AT_ONCE, march.samples), most)
     if room < march.samples or march.samples > _MOST_STEPS:
         raise SceneError(
             f"the occupancy of {' x '.join(map(str, march.occupied.shape))} cells takes "
@@ -390,6 +395,36 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
             hint="store a coarser occupancy, or use a fabric with larger scratchpads",
         )
     return room
+
+
+def _joined(parts: dict[int, Int32Array], rays: int) -> tuple[list[Block], list[list[Int32Array]]]:
+    """Join parts of a block, by first ray, while their samples fit one launch."""
+    blocks: list[Block] = []
+    items: list[list[Int32Array]] = []
+    samples = 0
+    for ray, listed in sorted(parts.items()):
+        last = blocks[-1] if blocks else None
+        if last is None or ray % RAYS == 0 or last.samples + len(listed) > _SAMPLES_AT_ONCE:
+            blocks.append(Block(ray, 0, samples))
+            items.append([])
+        here = blocks[-1]
+        blocks[-1] = Block(here.first_ray, 0, here.first, here.samples + len(listed))
+        items[-1] += [listed] if len(listed) else []
+        samples += len(listed)
+    ends = [*(block.first_ray for block in blocks[1:]), rays]
+    whole = [
+        Block(block.first_ray, end - block.first_ray, block.first, block.samples)
+        for block, end in zip(blocks, ends, strict=True)
+    ]
+    return whole, items
+
+
+def _in_a_row(arrays: Sequence[Int32Array]) -> tuple[Move, ...]:
+    """Return moves that put arrays one after the other."""
+    ends = np.cumsum([len(array) for array in arrays])
+    return tuple(
+        Move(array, int(end) - len(array)) for array, end in zip(arrays, ends, strict=True)
+    )
 
 
 def _halves(block: Block) -> tuple[Block, Block]:

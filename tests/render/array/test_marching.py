@@ -1,0 +1,144 @@
+"""The marching pipeline with a field that the host computes: every other stage is the array's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vividc
+from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
+from vividc.render.array import Device, Ledger, Programs
+from vividc.render.array.marching import block_corners, render_blocks
+from vividc.render.array.render import pixels_of, sampled
+from vividc.render.blend_reference import over_background
+from vividc.render.radiance import KiloNeRF, March, RadianceField, linear, render_field
+
+MIC = Path(__file__).parents[3] / "scenes" / "mic"
+
+
+class HostField:
+    """A reference model as an `ArrayField`."""
+
+    def __init__(self, model: RadianceField, march: March | None = None) -> None:
+        self.model = model
+        self.march = march or model.march
+        self.weight_min = model.weight_min
+        self.transmittance_min = model.transmittance_min
+
+    def density(self, points: np.ndarray, ledger: Ledger) -> tuple[np.ndarray, np.ndarray]:
+        thickness, features = self.model.density(points, linear)
+        return thickness, np.ascontiguousarray(features)
+
+    def colour(
+        self, points: np.ndarray, features: np.ndarray, directions: np.ndarray, ledger: Ledger
+    ) -> np.ndarray:
+        return self.model.colour(points, features, directions, linear)
+
+
+@pytest.fixture(scope="session")
+def device() -> Device:
+    return Device(Programs(vividc.arch.load_accelerator("vivid"), mapping_s=6))
+
+
+@pytest.fixture(scope="session")
+def model() -> KiloNeRF:
+    return read_scene(MIC / "mic_kilonerf.npz")[1]
+
+
+@pytest.fixture(scope="session")
+def camera() -> Camera:
+    return scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 20, 20)
+
+
+def rendered(
+    device: Device, field: HostField, camera: Camera, lookahead: bool = True
+) -> tuple[np.ndarray, Ledger]:
+    ledger = Ledger()
+    corners = block_corners(camera)
+    image = render_blocks(device, field, camera, corners, lookahead=lookahead, ledger=ledger)
+    return image, ledger
+
+
+def test_the_picture_is_the_references_with_and_without_lookahead(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    rgbt, expected = render_field(model, camera)
+    image, on = rendered(device, HostField(model), camera)
+    assert psnr(image, over_background(rgbt)) > 80
+    late, off = rendered(device, HostField(model), camera, lookahead=False)
+    np.testing.assert_array_equal(image, late)
+    assert on.counts["rays"] == 400
+    assert on.counts["density_samples"] == expected.density_samples
+    assert on.counts["colour_samples"] == expected.colour_samples == off.counts["counted_samples"]
+    assert off.counts["colour_samples"] == expected.density_samples
+    assert list(on.stages) == [
+        "ray generation",
+        "ray marching",
+        "transmittance",
+        "compaction",
+        "accumulation",
+    ]
+    assert all(stage.cycles > 0 for stage in on.stages.values())
+
+
+def test_an_empty_scene_is_white(device: Device, model: KiloNeRF, camera: Camera) -> None:
+    march = model.march
+    empty = replace(march, occupied=np.zeros_like(march.occupied))
+    image, ledger = rendered(device, HostField(model, empty), Camera(camera.c2w, 12.0, 9, 7))
+    assert image.shape == (7, 9, 3)
+    assert (image == 1).all()
+    assert ledger.counts["density_samples"] == ledger.counts["colour_samples"] == 0
+
+
+def test_a_dense_scene_is_marched_in_smaller_parts(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    coarse = np.ones((3, 4, 5), dtype=np.bool_)
+    march = replace(model.march, occupied=coarse)
+    field = HostField(model, march)
+    part = scaled_camera(camera, 8, 8)
+    image, ledger = rendered(device, field, part)
+    host = replace(model, march=march)
+    rgbt, expected = render_field(host, part)
+    assert ledger.counts["density_samples"] == expected.density_samples > 64 * 40
+    assert psnr(image, over_background(rgbt)) > 80
+
+
+def test_a_camera_inside_and_one_that_looks_away(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    pose = camera.c2w.copy()
+    pose[:3, 3] = (0.0, 0.1, 0.2)
+    inside = Camera(pose, camera.focal, 8, 8)
+    rgbt, expected = render_field(model, inside)
+    image, ledger = rendered(device, HostField(model), inside)
+    assert ledger.counts["density_samples"] == expected.density_samples
+    assert psnr(image, over_background(rgbt)) > 80
+    away = camera.c2w.copy()
+    away[:3, :3] = away[:3, :3] @ np.diag([1, -1, -1]).astype(away.dtype)
+    image, ledger = rendered(device, HostField(model), Camera(away, camera.focal, 8, 8))
+    assert (image == 1).all()
+
+
+def test_an_occupancy_that_fits_no_scratchpad_is_refused(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    march = replace(model.march, occupied=np.ones((64, 64, 64), dtype=np.bool_))
+    with pytest.raises(SceneError, match="64 x 64 x 64 cells takes 33792 bytes of a scratchpad"):
+        rendered(device, HostField(model, march), camera)
+
+
+def test_a_sample_is_the_same_blocks_each_time() -> None:
+    camera = Camera(np.eye(4, dtype=np.float32), 100.0, 100, 60)
+    corners = block_corners(camera)
+    assert len(corners) == 13 * 8
+    some = sampled(corners, 0.25)
+    assert abs(len(some) - 26) <= 2
+    np.testing.assert_array_equal(some, sampled(corners, 0.25))
+    assert len(sampled(corners, 1.0)) == 104
+    assert len(sampled(corners, 1e-9)) == 1
+    assert pixels_of(corners, camera).all()
+    assert 0 < pixels_of(some, camera).mean() < 0.3
