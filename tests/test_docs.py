@@ -18,12 +18,22 @@ PAGES = sorted(
 )
 
 
+SLOW = {"render-your-own"}
+"""Pages that compile all kernels of a renderer, which takes minutes."""
+
+
 def blocks(page: Path) -> list[tuple[str, str]]:
     """(language, text) of the page's fenced Python and shell blocks."""
     return re.findall(r"```(python|sh)\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, id=page.stem, marks=[pytest.mark.slow] if page.stem in SLOW else [])
+        for page in PAGES
+    ],
+)
 def test_how_to_runs(page: Path, tmp_path: Path) -> None:
     bin_folder = str(Path(sys.executable).parent)
     environment = os.environ | {

@@ -204,6 +204,8 @@ def _product(
         found = recognise(function)
         if not options.contract:
             found = "its sums are chains of FMAs, which --no-contract forbids"
+        elif options.precision:
+            found = "formats of its arithmetic or functions are chosen by --precision"
         if isinstance(found, Product):
             estimator = Estimator(machine.fabric, PassOptions(options.contract))
             return replace(priced(found, function, estimator, options.transform), mode=mode)

@@ -7,8 +7,10 @@ and transmittance on: lists of any length are blended part by part. All three gi
 to the last bit.
 
 A row of `splats` is centre x, y; conic a, b, c; opacity; the least exponent that counts; r, g, b;
-half the width and height of the box in which it may be seen, with half a block. A row of `pixels`
-is r, g, b, transmittance, which is negative once the pixel is done.
+half the width and height of the box around all blocks in which it may be seen, and how far from the
+middle of such a block it may be, in its own norm, squared. A row of `pixels` is r, g, b,
+transmittance, which is negative once the pixel is done; blocks of 4x4 pixels lie one behind the
+other.
 """
 
 import math
@@ -17,7 +19,6 @@ import numba
 import numpy as np
 
 import vividc
-from vividc.lang import bitcast_f32, bitcast_i32
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
@@ -26,38 +27,21 @@ TWO = np.float32(2.0)
 ALPHA_MAX = np.float32(0.99)
 ALPHA_MIN = np.float32(1.0 / 255.0)
 TRANSMITTANCE_MIN = np.float32(1e-4)
-BLOCK_REACH = np.float32(3.0)
 HALF_REACH = np.float32(1.5)
-# What float32 may err in an exponent: absolute (thresholds, exp), and relative to its terms.
-MARGIN = np.float32(1e-4)
-ROUNDING = np.float32(4e-6)
 
-# Minus the exponent's bits of a first guess of 1 / x.
-RECIPROCAL = 0x7EF311C3
-
-SPLAT_WORDS = 12
+SPLAT_WORDS = 13
 SIDE = 4
 BLOCK = 16
 SEGMENT = 48
 LIST_PART = 160
 SURVIVORS = 768
 # Masks that change nothing: they tell the compiler that an index is small and not negative.
-PLACES = 2047
+PLACES = 4095
 IN_LIST = 255
 IN_SURVIVORS = 1023
 IN_BLOCK = 15
 IN_TWO_BLOCKS = 31
 IN_PIXELS = 1023
-
-
-@numba.njit
-def clear_pixels(pixels):
-    """Black, and nothing in the way."""
-    for p in range(256):
-        pixels[4 * p] = ZERO
-        pixels[4 * p + 1] = ZERO
-        pixels[4 * p + 2] = ZERO
-        pixels[4 * p + 3] = ONE
 
 
 @numba.njit
@@ -72,94 +56,42 @@ def over_white(pixels):
 
 
 @numba.njit
-def nearly_inverse(x):
-    """1 / x to one part in 10^4, of a positive normal x: two steps of Newton's."""
-    guess = bitcast_f32(RECIPROCAL - bitcast_i32(x))
-    guess = guess * (TWO - x * guess)
-    return guess * (TWO - x * guess)
+def cull(splats, n, x, y, kept):
+    """Places of the splats that may be seen in the block of 4x4 pixels from (x, y); how many.
 
-
-@numba.njit
-def near(splats, n, x, y, near_by):
-    """Places of the splats whose box meets the block of 4x4 pixels from (x, y); how many."""
+    A pixel is at most half a block's reach from the middle, in the norm of the conic: by the
+    triangle inequality the middle of a block with a visible pixel is not far from the mean.
+    """
     middle_x = x + HALF_REACH
     middle_y = y + HALF_REACH
     count = np.int32(0)
     for k in range(n):
         o = (SPLAT_WORDS * k) & PLACES
-        across = abs(splats[o] - middle_x)
-        down = abs(splats[o + 1] - middle_y)
-        if across <= splats[o + 10] and down <= splats[o + 11]:
-            near_by[count & IN_LIST] = o
-            count = np.int32(count + 1)
-    return count & IN_LIST
-
-
-@numba.njit
-def cull(splats, near_by, n, x, y, kept):
-    """Of those, the splats that may be seen in the block; how many.
-
-    The quadratic form is least at the mean, or on an edge of the block that faces it.
-    """
-    count = np.int32(0)
-    for k in range(n):
-        o = near_by[k] & PLACES
-        right = splats[o] - x
-        left = right - BLOCK_REACH
-        bottom = splats[o + 1] - y
-        top = bottom - BLOCK_REACH
-        a = splats[o + 2]
-        b = splats[o + 3]
-        c = splats[o + 4]
-        near_x = min(max(ZERO, left), right)
-        near_y = min(max(ZERO, top), bottom)
-        v = min(max(-b * near_x * nearly_inverse(c), top), bottom)
-        u = min(max(-b * near_y * nearly_inverse(a), left), right)
-        b = TWO * b
-        least = min(
-            (a * near_x + b * v) * near_x + c * v * v, (c * near_y + b * u) * near_y + a * u * u
-        )
-        far_x = abs(right) + BLOCK_REACH
-        far_y = abs(bottom) + BLOCK_REACH
-        terms = (a * far_x + abs(b) * far_y) * far_x + c * far_y * far_y
-        # So that it is kept where something is no number.
-        if not HALF * least > MARGIN + ROUNDING * terms - splats[o + 6]:
+        dx = splats[o] - middle_x
+        dy = splats[o + 1] - middle_y
+        b = splats[o + 3] * dy
+        form = (splats[o + 2] * dx + TWO * b) * dx + splats[o + 4] * dy * dy
+        if (
+            abs(dx) <= splats[o + 10]
+            and abs(dy) <= splats[o + 11]
+            # So that it is kept where something is no number.
+            and not form > splats[o + 12]
+        ):
             kept[count & IN_LIST] = o
             count = np.int32(count + 1)
     return count & IN_LIST
 
 
 @numba.njit
-def load_block(pixels, here, new):
-    """Takes the pixels of a block of 4x4."""
-    for p in range(BLOCK):
-        o = here + 64 * (p >> 2) + 4 * (p & 3)
-        new[4 * p] = pixels[o]
-        new[4 * p + 1] = pixels[o + 1]
-        new[4 * p + 2] = pixels[o + 2]
-        new[4 * p + 3] = pixels[o + 3]
-
-
-@numba.njit
-def store_block(new, pixels, here):
-    """Puts the pixels of a block of 4x4 back."""
-    for p in range(BLOCK):
-        o = here + 64 * (p >> 2) + 4 * (p & 3)
-        pixels[o] = new[4 * p]
-        pixels[o + 1] = new[4 * p + 1]
-        pixels[o + 2] = new[4 * p + 2]
-        pixels[o + 3] = new[4 * p + 3]
-
-
-@numba.njit
-def list_live(new, x, y, state, live_x, live_y, live_pixel):
-    """The pixels that are not done, after the block from (x, y) was copied; how many."""
+def list_live(pixels, here, x, y, state, live_x, live_y, live_pixel):
+    """The pixels that are not done of the block from (x, y), which is copied; how many."""
     live = 0
     for p in range(BLOCK):
-        t = new[4 * p + 3]
-        state[4 * p] = new[4 * p]
-        state[4 * p + 1] = new[4 * p + 1]
-        state[4 * p + 2] = new[4 * p + 2]
+        o = here + 4 * p
+        t = pixels[o + 3]
+        state[4 * p] = pixels[o]
+        state[4 * p + 1] = pixels[o + 1]
+        state[4 * p + 2] = pixels[o + 2]
         state[4 * p + 3] = t
         if t > ZERO:
             live_x[live] = x + np.float32(np.int32(p & 3))
@@ -199,8 +131,8 @@ def find_survivors(splats, kept, first, last, live_x, live_y, live_pixel, steps,
 
 
 @numba.njit
-def blend_survivors(splats, powers, survivors, count, state, new):
-    """Takes exp of the survivors, and blends them: pixels from `state` to `new`."""
+def blend_survivors(splats, powers, survivors, count, state, pixels, here):
+    """Takes exp of the survivors, and blends them: pixels of a block from `state` on."""
     before = -1
     t = ZERO
     left = ZERO
@@ -231,39 +163,35 @@ def blend_survivors(splats, powers, survivors, count, state, new):
             left = t
         else:
             left = -abs(left)
-        new[4 * p] = r
-        new[4 * p + 1] = g
-        new[4 * p + 2] = b
-        new[4 * p + 3] = left
+        o = here + 4 * p
+        pixels[o] = r
+        pixels[o + 1] = g
+        pixels[o + 2] = b
+        pixels[o + 3] = left
 
 
 @vividc.kernel(
-    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
+    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32)"
 )
-def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
-    """`counts` gains tests of blocks, exponents, and exps; `first` and `last` parts of a list."""
-    near_by = np.empty(LIST_PART, np.int32)
+def blend_lookahead(splats, pixels, counts, n, x0, y0, height, last):
+    """`counts` gains tests of blocks, exponents, and exps; `last` is not 0 for
+    the last part of a list."""
     kept = np.empty(LIST_PART, np.int32)
     live_x = np.empty(BLOCK, np.float32)
     live_y = np.empty(BLOCK, np.float32)
     live_pixel = np.empty(BLOCK, np.int32)
     state = np.empty(4 * BLOCK, np.float32)
-    new = np.empty(4 * BLOCK, np.float32)
     powers = np.empty(SURVIVORS, np.float32)
     survivors = np.empty(SURVIVORS, np.int32)
-    if first != 0:
-        clear_pixels(pixels)
     for block in range(4 * (height + 3 >> 2)):
         x = x0 + np.float32(np.int32(SIDE * (block & 3)))
         y = y0 + np.float32(np.int32(SIDE * (block >> 2)))
-        here = 256 * (block >> 2) + 16 * (block & 3)
-        boxed = near(splats, n, x, y, near_by)
-        found = cull(splats, near_by, boxed, x, y, kept)
+        here = (4 * BLOCK * block) & IN_PIXELS
+        found = cull(splats, n, x, y, kept)
         counts[0] += n
-        load_block(pixels, here, new)
         for start in range(0, found, SEGMENT):
             end = min(start + SEGMENT, found)
-            live = list_live(new, x, y, state, live_x, live_y, live_pixel)
+            live = list_live(pixels, here, x, y, state, live_x, live_y, live_pixel)
             if live == 0:
                 break
             steps = (live * (end - start)) & IN_SURVIVORS
@@ -274,16 +202,15 @@ def blend_lookahead(splats, pixels, counts, n, x0, y0, height, first, last):
             )
             counts[1] += steps
             counts[2] += count
-            blend_survivors(splats, powers, survivors, count, state, new)
-        store_block(new, pixels, here)
+            blend_survivors(splats, powers, survivors, count, state, pixels, here)
     if last != 0:
         over_white(pixels)
 
 
 @numba.njit
-def blend_all(splats, kept, first, last, live_x, live_y, live_pixel, steps, state, new):
+def blend_all(splats, kept, first, last, live_x, live_y, live_pixel, steps, state, pixels, here):
     """Takes exp of splats kept[first] to kept[last] at each live pixel, and blends what counts:
-    pixels from `state` to `new`.
+    pixels of a block from `state` on.
     """
     t = ZERO
     left = ZERO
@@ -320,10 +247,11 @@ def blend_all(splats, kept, first, last, live_x, live_y, live_pixel, steps, stat
             left = t
         else:
             left = -abs(left)
-        new[4 * p] = r
-        new[4 * p + 1] = g
-        new[4 * p + 2] = b
-        new[4 * p + 3] = left
+        o = here + 4 * p
+        pixels[o] = r
+        pixels[o + 1] = g
+        pixels[o + 2] = b
+        pixels[o + 3] = left
         if j == last:
             j = first
             q = np.int32(q + 1)
@@ -332,38 +260,33 @@ def blend_all(splats, kept, first, last, live_x, live_y, live_pixel, steps, stat
 
 
 @vividc.kernel(
-    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
+    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32)"
 )
-def blend_blocks(splats, pixels, counts, n, x0, y0, height, first, last):
+def blend_blocks(splats, pixels, counts, n, x0, y0, height, last):
     """As `blend_lookahead`, but only blocks are culled: exp is taken of every exponent."""
-    near_by = np.empty(LIST_PART, np.int32)
     kept = np.empty(LIST_PART, np.int32)
     live_x = np.empty(BLOCK, np.float32)
     live_y = np.empty(BLOCK, np.float32)
     live_pixel = np.empty(BLOCK, np.int32)
     state = np.empty(4 * BLOCK, np.float32)
-    new = np.empty(4 * BLOCK, np.float32)
-    if first != 0:
-        clear_pixels(pixels)
     for block in range(4 * (height + 3 >> 2)):
         x = x0 + np.float32(np.int32(SIDE * (block & 3)))
         y = y0 + np.float32(np.int32(SIDE * (block >> 2)))
-        here = 256 * (block >> 2) + 16 * (block & 3)
-        boxed = near(splats, n, x, y, near_by)
-        found = cull(splats, near_by, boxed, x, y, kept)
+        here = (4 * BLOCK * block) & IN_PIXELS
+        found = cull(splats, n, x, y, kept)
         counts[0] += n
-        load_block(pixels, here, new)
         for start in range(0, found, SEGMENT):
             end = min(start + SEGMENT, found)
-            live = list_live(new, x, y, state, live_x, live_y, live_pixel)
+            live = list_live(pixels, here, x, y, state, live_x, live_y, live_pixel)
             if live == 0:
                 break
             steps = (live * (end - start)) & IN_SURVIVORS
             one = np.int32(start)
             other = np.int32(end - 1)
-            blend_all(splats, kept, one, other, live_x, live_y, live_pixel, steps, state, new)
+            blend_all(
+                splats, kept, one, other, live_x, live_y, live_pixel, steps, state, pixels, here
+            )
             counts[1] += steps
-        store_block(new, pixels, here)
     if last != 0:
         over_white(pixels)
 
@@ -409,15 +332,13 @@ def blend_pixel(splats, n, px, py, pixels, place):
 
 
 @vividc.kernel(
-    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32, int32)"
+    "void(float32[::1], float32[::1], int32[::1], int32, float32, float32, int32, int32)"
 )
-def blend_late(splats, pixels, counts, n, x0, y0, height, first, last):
+def blend_late(splats, pixels, counts, n, x0, y0, height, last):
     """As `blend_lookahead`, but nothing is culled: every pixel tests alpha, as in the original."""
-    if first != 0:
-        clear_pixels(pixels)
-    for p in range(16 * height):
-        px = x0 + np.float32(np.int32(p & 15))
-        py = y0 + np.float32(np.int32(p >> 4))
+    for p in range(4 * BLOCK * (height + 3 >> 2)):
+        px = x0 + np.float32(np.int32(((p >> 2) & 12) + (p & 3)))
+        py = y0 + np.float32(np.int32(((p >> 4) & 12) + ((p >> 2) & 3)))
         counts[1] += blend_pixel(splats, n, px, py, pixels, 4 * p & IN_PIXELS)
     if last != 0:
         over_white(pixels)

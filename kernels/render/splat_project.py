@@ -33,12 +33,12 @@ INVERSE_ROOT = 0x5F3759DF
 ONE_AND_HALF = np.float32(1.5)
 # Twice the exponent, and a little more; what the conic's rounding adds; half a block of 4x4 pixels.
 BOX_SLACK = np.float32(2.002)
-BOX_SKEW = np.float32(4e-6)
+BOX_SKEW = np.float32(1e-5)
 LARGEST_SKEW = np.float32(1e4)
 BLOCK_MARGIN = np.float32(1.51)
 SMALLEST = np.float32(1e-6)
 
-ROW_WORDS = 12
+ROW_WORDS = 13
 ENTRY_WORDS = 3
 SMALL_ROW = 16383
 SMALL_ENTRY = 4095
@@ -128,6 +128,12 @@ def nearly_root(x):
 
 
 @numba.njit
+def squared(x):
+    """x times x."""
+    return x * x
+
+
+@numba.njit
 def three_deviations(xx, yy, determinant):
     """Of a covariance along its longer axis, in whole pixels."""
     middle = HALF * (xx + yy)
@@ -136,7 +142,7 @@ def three_deviations(xx, yy, determinant):
 
 
 @numba.njit
-def write_splat(splats, o, x, y, a, b, c, peak, least, across, down):
+def write_splat(splats, o, x, y, a, b, c, peak, least, across, down, far):
     """A row but for its colour."""
     splats[o] = x
     splats[o + 1] = y
@@ -147,6 +153,7 @@ def write_splat(splats, o, x, y, a, b, c, peak, least, across, down):
     splats[o + 6] = least
     splats[o + 10] = across
     splats[o + 11] = down
+    splats[o + 12] = far
 
 
 @numba.njit
@@ -203,15 +210,15 @@ def splat_footprints(
             reach = max(-least, ZERO) * (BOX_SLACK + BOX_SKEW * skew) + SMALLEST
             across = nearly_root(reach * xx) + BLOCK_MARGIN
             down = nearly_root(reach * yy) + BLOCK_MARGIN
+            far = squared(nearly_root(reach) + BLOCK_MARGIN * nearly_root(a + c + TWO * abs(b)))
             if not (a * c > b * b and skew < LARGEST_SKEW):
                 least = -NEVER
-                across = NEVER
-                down = NEVER
+                across = down = far = NEVER
             if peak < OPACITY_MIN:
                 least = ONE
                 across = -ONE
             o = (ROW_WORDS * count) & SMALL_ROW
-            write_splat(splats, o, x, y, a, b, c, peak, least, across, down)
+            write_splat(splats, o, x, y, a, b, c, peak, least, across, down, far)
             bits = bitcast_i32(depth)
             e = (ENTRY_WORDS * count) & SMALL_ENTRY
             bounds = first_y | (last_y << 8) | (first_x << 16) | (last_x << 24)

@@ -42,20 +42,20 @@ def kernels(file: str) -> ModuleType:
 def footprints(
     scene: Gaussians, camera: Camera, margin: float = 1e-5
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return rows [n, 12], entries [n, 3] and rows of the scene [n] of what is seen."""
+    """Return rows [n, 13], entries [n, 3] and rows of the scene [n] of what is seen."""
     on_device = device_scene(scene)
     n = len(scene)
     placed = np.zeros((n, 6), np.float32)
     file = kernels("splat_project")
     file.splat_covariance(on_device.geometry, camera_words(camera), placed)
-    rows, entries = np.zeros(12 * n, np.float32), np.zeros(3 * n, np.int32)
+    rows, entries = np.zeros(13 * n, np.float32), np.zeros(3 * n, np.int32)
     sources, depths = np.zeros(n, np.int32), np.zeros(2, np.int32)
     columns, lines = screen_tiles(camera)
     seen = file.splat_footprints(
         *(placed, on_device.opacity, np.float32(margin), columns, lines, 0),
         *(rows, entries, sources, depths),
     )
-    return rows.reshape(-1, 12)[:seen], entries.reshape(-1, 3)[:seen], sources[:seen]
+    return rows.reshape(-1, 13)[:seen], entries.reshape(-1, 3)[:seen], sources[:seen]
 
 
 def some(scene: Gaussians, count: int, seed: int = 0) -> Gaussians:
@@ -88,16 +88,17 @@ def ahead(size: int = 64) -> Camera:
 
 def blended(kernel: str, rows: np.ndarray, block: Crop, part: int = PART) -> tuple:
     """Return pixels [16, 16, 4] over white and counts of one screen tile, part by part."""
-    pixels, counts = np.zeros(1024, np.float32), np.zeros(4, np.int32)
+    pixels = np.tile(np.array([0, 0, 0, 1], np.float32), 256)
+    counts = np.zeros(4, np.int32)
     starts = range(0, len(rows), part)
     for start in starts:
         some_rows = np.ascontiguousarray(rows[start : start + part])
         getattr(kernels("splat_blend"), kernel)(
             *(some_rows.ravel(), pixels, counts, len(some_rows)),
-            *(np.float32(block.x0), np.float32(block.y0), block.height),
-            *(int(start == 0), int(start == starts[-1])),
+            *(np.float32(block.x0), np.float32(block.y0), block.height, int(start == starts[-1])),
         )
-    return pixels.reshape(16, 16, 4), counts
+    by_row = pixels.reshape(4, 4, 4, 4, 4).transpose(0, 2, 1, 3, 4)
+    return by_row.reshape(16, 16, 4), counts
 
 
 OPAQUE = (0.003, 0.005, 0.05, 0.4, 0.999)
@@ -120,12 +121,12 @@ def random_rows(count: int, seed: int, peaks: tuple[float, ...] = OPAQUE) -> np.
     placed[:, 2] = 1
     placed[:, 3:] = covariance.reshape(count, 4)[:, [0, 1, 3]]
     opacity = rng.choice(peaks, (count, 1)).astype(np.float32)
-    rows = np.zeros(12 * count, np.float32)
+    rows = np.zeros(13 * count, np.float32)
     others = np.zeros(3 * count, np.int32), np.zeros(count, np.int32), np.zeros(2, np.int32)
     seen = kernels("splat_project").splat_footprints(
         placed, opacity, np.float32(1e-5), 200, 200, 0, rows, *others
     )
-    rows = rows.reshape(-1, 12)[:seen]
+    rows = rows.reshape(-1, 13)[:seen]
     rows[:, 7:10] = rng.random((seen, 3))
     return np.ascontiguousarray(rows)
 
@@ -156,7 +157,7 @@ def test_colours_of_every_degree(mic: Gaussians, mic_cameras: tuple, degree: int
     cut = scene.sh[:, : (degree + 1) ** 2].copy()
     scene = Gaussians(scene.means, scene.scales, scene.rotations, scene.opacity, cut)
     eye = mic_cameras[0].position
-    rows = np.zeros((200, 12), np.float32)
+    rows = np.zeros((200, 13), np.float32)
     kernel = getattr(kernels("splat_project"), f"splat_colours_{degree}")
     kernel(device_scene(scene).appearance, *eye, rows)
     offset = scene.means - eye
@@ -218,15 +219,14 @@ def test_culling_keeps_all_that_counts() -> None:
     file = kernels("splat_blend")
     for seed in range(20):
         rows = random_rows(PART, seed)
-        boxes, kept = np.zeros(PART, np.int32), np.zeros(PART, np.int32)
+        kept = np.zeros(PART, np.int32)
         x, y = np.float32(32 + 4 * (seed % 4)), np.float32(16 + 4 * (seed // 5))
-        boxed = file.near(rows.ravel(), len(rows), x, y, boxes)
-        count = file.cull(rows.ravel(), boxes, boxed, x, y, kept)
+        count = file.cull(rows.ravel(), len(rows), x, y, kept)
         block = Crop(int(x), int(y), 4, 4)
         seen = {
             k
             for k in range(len(rows))
             if blend_block(as_splats(rows[k : k + 1]), block).blended.any()
         }
-        assert seen <= set((kept[:count] // 12).tolist())
+        assert seen <= set((kept[:count] // 13).tolist())
         assert count < len(rows)

@@ -43,7 +43,7 @@ def on_device(projection: Projection, columns: int, rows: int, gap: int) -> Devi
     bits = projection.depth.view(np.int32)
     entries[slot] = np.stack((bounds.astype(np.uint32).view(np.int32), slot, bits), 1)
     counts = tuple(min(held, n - held * i) for i in range(chunks))
-    rows_of = np.zeros((chunks * CHUNK, 12), np.float32)
+    rows_of = np.zeros((chunks * CHUNK, 13), np.float32)
     sources = np.zeros(chunks * CHUNK, np.int32)
     return DeviceSplats(rows_of, entries, sources, counts, CHUNK, int(bits.min()), int(bits.max()))
 

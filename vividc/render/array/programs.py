@@ -33,7 +33,7 @@ Options = Mapping[str, object]
 class Programs:
     """Compiled kernels by name, for the tiles of one accelerator.
 
-    A bundle is kept under a hash of the kernel's file, the accelerator, the options and the
+    A bundle is kept under a hash of the kernel's file, the tile, the options and the
     compiler's own source: in `$VIVIDC_CACHE_DIR`, or `vividc` in `$XDG_CACHE_HOME`. A damaged one
     is compiled again.
 
@@ -105,7 +105,12 @@ class Programs:
         folder = cache_folder()
         if folder is None:
             return None
-        parts = (function, _text(self.machine), repr(sorted(options.items())), compiler_digest())
+        parts = (
+            function,
+            _text(self.machine.fabric),
+            repr(sorted(options.items())),
+            compiler_digest(),
+        )
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
         return folder / f"{function}-{digest.hexdigest()[:32]}.vivid"

@@ -14,7 +14,7 @@ from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.splat_project import ROW_WORDS, WORD, DeviceSplats
 from vividc.render.array.splat_sort import ScreenLists
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array, Int32Array, frozen_float32
 from vividc.render.camera import Camera
 from vividc.render.crop import TILE_PX
 
@@ -22,7 +22,8 @@ _FILE = "render/splat_blend"
 _STAGE = "blend"
 _MAPPING_S = 150.0
 """Seven loops; their IIs are the time of a frame."""
-_BLOCK_PIXELS = 16
+_SIDE = 4
+_BLOCK_PIXELS = _SIDE * _SIDE
 _LIST_PART = 160
 """Entries of a list that a run takes, as in the kernels' file."""
 _PART_BYTES = WORD * ROW_WORDS * _LIST_PART
@@ -30,6 +31,8 @@ _TILE_BYTES = WORD * 4 * TILE_PX * TILE_PX
 _PIXELS_AT = 2 * _PART_BYTES
 _COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
 _COUNTS = 4
+_CLEAR = frozen_float32(np.tile(np.array([0, 0, 0, 1]), TILE_PX * TILE_PX))
+"""Black, and nothing in the way."""
 Culling: TypeAlias = Literal["none", "blocks", "pixels"]
 """What Lookahead Culling II decides before exp: nothing, blocks of pixels, or then also pixels."""
 _KERNELS: dict[Culling, str] = {
@@ -75,6 +78,7 @@ class _Blend:
         for screen, place in zip(share, _alternating(len(share)), strict=True):
             starts = range(screen.first, screen.last, _LIST_PART)
             pixels_at = _PIXELS_AT + place * _TILE_BYTES
+            clear = self.job.move_in(tile, _CLEAR, pixels_at, after=pixels_freed[place])
             for start in starts:
                 slots = self.lists.slots[start : min(start + _LIST_PART, screen.last)]
                 at = number % 2 * _PART_BYTES
@@ -90,13 +94,12 @@ class _Blend:
                     x0=np.float32(screen.x),
                     y0=np.float32(screen.y),
                     height=screen.height,
-                    first=int(start == screen.first),
                     last=int(start == starts[-1]),
-                    after=[rows, *freed, *pixels_freed[place]],
+                    after=[rows, clear, *freed],
                 )
                 parts_freed[number % 2] = [run]
                 number += 1
-            target = self.image[screen.y : screen.y + TILE_PX, screen.x : screen.x + TILE_PX]
+            target = _blocks_of(self.image, screen)
             pixels_freed[place] = [self.job.move_out(tile, pixels_at, target, after=[run])]
         self.job.move_out(tile, _COUNTS_AT, zeros, after=[run])
 
@@ -116,7 +119,8 @@ def blend_splats(
     """
     program = blend_program(device, culling)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
-    image = np.ones((rows * TILE_PX, columns * TILE_PX, 4), dtype=np.float32)
+    side = TILE_PX // _SIDE
+    image = np.ones((rows * side, _SIDE, columns * side, _SIDE, 4), dtype=np.float32)
     job = device.new_job()
     tiles = device.tiles
     counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
@@ -127,7 +131,14 @@ def blend_splats(
             graph.tile(tile, share)
     device.finish(ledger, _STAGE, job)
     _count(ledger, counts, culling)
-    return np.ascontiguousarray(image[: camera.height, : camera.width, :3])
+    whole = image.reshape(rows * TILE_PX, columns * TILE_PX, 4)
+    return np.ascontiguousarray(whole[: camera.height, : camera.width, :3])
+
+
+def _blocks_of(image: Float32Array, screen: _Screen) -> Float32Array:
+    """Return a screen tile of the image [block rows, rows, block columns, columns, 4], by block."""
+    row, column, side = screen.y // _SIDE, screen.x // _SIDE, TILE_PX // _SIDE
+    return image[row : row + side, :, column : column + side].transpose(0, 2, 1, 3, 4)
 
 
 def blend_program(device: Device, culling: Culling) -> vividc.Program:

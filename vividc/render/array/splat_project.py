@@ -14,7 +14,7 @@ from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 
 WORD = 4
-ROW_WORDS = 12
+ROW_WORDS = 13
 ENTRY_WORDS = 3
 _CHUNK = 170
 """Gaussians that a tile works on at once; the words of two chunks fit a scratchpad."""
@@ -32,7 +32,7 @@ class DeviceSplats:
     Attributes
     ----------
     rows
-        [slots, 12] float32, as in `kernels/render/splat_blend.py`.
+        [slots, 13] float32, as in `kernels/render/splat_blend.py`.
     entries
         [slots, 3] int32: bounds in screen tiles, slot, bits of the depth.
     sources

@@ -52,7 +52,7 @@ def device_scene(scene: Gaussians) -> DeviceScene:
         "scales": scene.scales,
         "rotations": scene.rotations,
         "opacity": scene.opacity[:, None],
-        "sh": scene.sh.reshape(len(scene), -1),
+        "sh": scene.sh.reshape(len(scene), 3 * scene.sh.shape[1]),
     }
     for name, values in columns.items():
         wrong = np.flatnonzero(~np.isfinite(values).all(axis=1))
