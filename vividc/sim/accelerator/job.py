@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch import Accelerator, Fabric
-from vividc.arch.reflect import Orientation
+from vividc.arch.accelerator import Orientation
 from vividc.errors import ArgumentError, demand_type
 from vividc.program import WORD_BYTES, Program
 from vividc.program.reflect import reflected_program
