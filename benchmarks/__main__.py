@@ -27,6 +27,7 @@ from benchmarks import (
     mappers,
     quality,
     render_kernels,
+    renderers,
 )
 from benchmarks.workloads import WORKLOADS, Workload
 
@@ -99,7 +100,8 @@ MAPPERS = "mappers"
 FRAMES = "frames"
 GEMM = "gemm"
 FORMATS = "formats"
-CHOICES = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, MAPPERS)
+RENDERERS = "renderers"
+CHOICES = (*TABLES, ENGINES, FRAMES, RENDERERS, QUALITY, FORMATS, GEMM, MAPPERS)
 DEFAULT = (
     *TABLES,
     ENGINES,
@@ -107,10 +109,11 @@ DEFAULT = (
     QUALITY,
     FORMATS,
     GEMM,
-)  # the mappers' table takes hours: by name only
+)  # the others take hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
+    RENDERERS: renderers,
     QUALITY: quality,
     FORMATS: formats,
     MAPPERS: mappers,
@@ -118,11 +121,16 @@ MODULES = {
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
+    RENDERERS: lambda fabric, _: renderers.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
     MAPPERS: mappers.rows,
 }
+<<<<<<< HEAD
 PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
+=======
+PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), RENDERERS: ("vivid",)}
+>>>>>>> c0d29654608d1662a08d211ae84c0e09b5c779ac
 """Where tables are made that `--fabric` has no say in."""
 
 

@@ -11,7 +11,9 @@ from click.testing import CliRunner, Result
 from PIL import Image
 
 from vividc.cli import main
-from vividc.render import read_views
+from vividc.render import Camera, Scene, read_views
+from vividc.render.array import ArrayFrame, ArrayOptions, Ledger, open_device
+from vividc.render.array.block_launches import Launch, Move, run_launches
 
 MIC = Path(__file__).parents[2] / "scenes" / "mic"
 
@@ -88,8 +90,19 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
             "another aspect ratio",
         ),
         ((MIC / "mic_kilonerf.npz", "--blend", "a.vivid"), "only the array blends with it"),
-        ((MIC / "mic_kilonerf.npz", "--engine", "array"), "renders 3DGS scenes only"),
-        ((MIC / "mic_3dgs_sh3.ply", "--engine", "array"), "no --blend program is given"),
+        (
+            (MIC / "mic_kilonerf.npz", "--engine", "array", "--blend", "a.vivid"),
+            "only scenes of 3DGS are blended with it",
+        ),
+        ((MIC / "mic_kilonerf.npz", "--sample", "0.1"), "only the array is simulated"),
+        (
+            (MIC / "mic_kilonerf.npz", "--engine", "array", "--sample", "nan", "--size", "8x8"),
+            "a share of nan of the blocks cannot be simulated",
+        ),
+        (
+            (MIC / "mic_kilonerf.npz", "--engine", "array", "--fabric", "vivid-tile"),
+            "vivid-tile",
+        ),
         (
             (MIC / "mic_3dgs_sh3.ply", "--engine", "array", "--blend", "absent.vivid"),
             "absent.vivid",
@@ -108,3 +121,39 @@ def test_mistakes_are_messages(args: tuple[object, ...], text: str) -> None:
     assert done.exit_code == 2
     assert text in done.stderr
     assert done.stdout == ""
+
+
+def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vividc.cli.render_command.render_array", drawn)
+    args = (MIC / "mic_kilonerf.npz", "--engine", "array", "--size", "16x16", "--sample", "0.5")
+    printed = run(*args, "--json")
+    assert (printed.exit_code, printed.stderr) == (0, "compiling saxpy\n")
+    body = json.loads(printed.stdout)["frame"]
+    assert (body["fabric"], body["sampled"]) == ("vivid", 0.5)
+    assert body["avoided"] == {"colour_path": 0.75}
+    (stage,) = body["stages"]
+    assert (stage["name"], stage["mode"], stage["jobs"]) == ("colour network", "gpu", 1)
+    assert stage["cycles"] == body["cycles"] > 0
+    assert body["frames_per_second"] == pytest.approx(0.5e9 / body["cycles"])
+    assert body["energy_pj"] == stage["energy_pj"]
+    assert set(body["energy_pj"]) == {"pe_array", "sram", "control", "dram"}
+    done = run(*args)
+    for text in ("50.0 % of the blocks", "colour network", "avoided of colour path: 75.0 %", "uJ"):
+        assert text in done.stdout
+
+
+def drawn(scene: Scene, camera: Camera, options: ArrayOptions, *tell: object) -> ArrayFrame:
+    """A frame of one job, half of it simulated."""
+    tell[1]("compiling saxpy")
+    ledger = Ledger()
+    device = open_device(options.fabric)
+    y = np.zeros(8, np.float32)
+    parts = {"x": (Move(y.copy()),), "y": (Move(y),)}
+    launch = Launch({"x": (8,), "y": (8,)}, parts, scalars={"a": 1.0, "n": 8})
+    run_launches(device, ledger, "colour network", "saxpy:saxpy", [launch])
+    ledger.count(colour_samples=1, density_samples=4)
+    image = np.ones((camera.height, camera.width, 3), np.float32)
+    seen = np.zeros((camera.height, camera.width), np.bool_)
+    seen[:8] = True
+    stages = tuple(ledger.stages.values())
+    return ArrayFrame(image, stages, ledger.counts, 1.0, options.sample, seen)

@@ -10,6 +10,7 @@ from typing import Final
 
 import click
 import numpy as np
+import numpy.typing as npt
 from rich.console import Console
 from rich.progress import Progress
 
@@ -183,12 +184,14 @@ def command(
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
-    with _bar(f"rendering {camera.width}x{camera.height}") as progress:
-        picture = render_reference(model, camera, switches, progress)
-    image, on_array, frame = picture.image, None, None
+    rendered = None
     if engine == ARRAY and blend is None:
         wanted = ArrayOptions(fabric, "auto", lookahead == "on", exponent_margin, sample)
         rendered = _on_array(model, camera, wanted)
+    with _bar(f"rendering {camera.width}x{camera.height}") as progress:
+        picture = render_reference(model, camera, switches, progress)
+    image, on_array, frame = picture.image, None, None
+    if rendered is not None:
         image = rendered.image
         frame = frame_body(rendered, arch.load_accelerator(fabric), picture.image)
     if blend is not None:
@@ -197,7 +200,8 @@ def command(
     if output is not None:
         write_png(output, image)
     truth = None if view is None else view.truth_at(camera.width, camera.height)
-    body = _body(picture, image, truth) | {"array": on_array, "frame": frame}
+    seen = None if rendered is None else rendered.simulated
+    body = _body(picture, image, truth, seen) | {"array": on_array, "frame": frame}
     body = {"scene": str(scene), "method": found, "engine": engine, "lookahead": lookahead} | body
     if as_json:
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
@@ -274,13 +278,20 @@ def _array_body(blended: ArrayPicture, reference: Float32Array) -> dict[str, obj
     }
 
 
-def _body(picture: Picture, image: Float32Array, truth: Float32Array | None) -> dict[str, object]:
+def _body(
+    picture: Picture,
+    image: Float32Array,
+    truth: Float32Array | None,
+    seen: npt.NDArray[np.bool_] | None,
+) -> dict[str, object]:
+    """Return the figures of a picture; where only some pixels were `seen`, those are compared."""
     shown = np.clip(image, 0, 1)
-    structure = truth is not None and min(truth.shape[:2]) >= MIN_SSIM_PX
+    structure = truth is not None and seen is None and min(truth.shape[:2]) >= MIN_SSIM_PX
+    part = slice(None) if seen is None else seen
     return {
         "width": image.shape[1],
         "height": image.shape[0],
-        "psnr_truth_db": None if truth is None else psnr(shown, truth),
+        "psnr_truth_db": None if truth is None else psnr(shown[part], truth[part]),
         "ssim_truth": ssim(shown, truth) if structure and truth is not None else None,
         "counts": picture.counts,
         "seconds": round(picture.seconds, 3),

@@ -56,6 +56,8 @@ def test_launches_of_one_group_stay_on_a_tile() -> None:
     y = np.zeros(4, np.float32)
     launches = [launch(x[i], y, shared=True) for i in (0, 0, 0, 1, 1, 2)]
     assert dealt(launches, 2) == [[0, 1, 2], [3, 4, 5]]
+    same = [launch(x[0], y, shared=True) for _ in range(5)]
+    assert dealt(same, 2) == [[0, 2, 4], [1, 3]]
     assert sorted(n for share in dealt(launches, 5) for n in share) == list(range(6))
 
 

@@ -87,7 +87,7 @@ def test_the_picture_is_the_references_with_and_without_lookahead(
 def test_an_empty_scene_is_white(device: Device, model: KiloNeRF, camera: Camera) -> None:
     march = model.march
     empty = replace(march, occupied=np.zeros_like(march.occupied))
-    image, ledger = rendered(device, HostField(model, empty), scaled_camera(camera, 9, 7))
+    image, ledger = rendered(device, HostField(model, empty), Camera(camera.c2w, 12.0, 9, 7))
     assert image.shape == (7, 9, 3)
     assert (image == 1).all()
     assert ledger.counts["density_samples"] == ledger.counts["colour_samples"] == 0

@@ -94,14 +94,16 @@ def run_launches(
 def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
     """Deal launches to tiles: the costliest group first, each to the tile with the least to do.
 
-    A group is launches in a row that share arrays; one of more than a tile's even share is cut.
+    A group is launches in a row that share arrays which others do not; one of more than a tile's
+    even share is cut.
     """
     even = sum(launch.cost for launch in launches) / tiles
+    keys = [tuple(map(id, launch.shared.values())) for launch in launches]
+    is_grouped = len(set(keys)) > 1
     groups: list[list[int]] = []
     load, last = 0.0, None
-    for number, launch in enumerate(launches):
-        key = tuple(map(id, launch.shared.values()))
-        if not key or key != last or load + launch.cost > even:
+    for number, (launch, key) in enumerate(zip(launches, keys, strict=True)):
+        if not is_grouped or key != last or load + launch.cost > even:
             groups.append([])
             load = 0.0
         groups[-1].append(number)

@@ -54,6 +54,13 @@ def render_array(
             loc="--sample",
             hint="give a number above 0 and at most 1",
         )
+    if options.precision:
+        names = ", ".join(sorted(options.precision))
+        raise SceneError(
+            f"a precision is given for {names}, and every stage computes in float32",
+            loc="--precision",
+            hint="leave it out",
+        )
     device = open_device(options.fabric, options.engine, tell)
     field = _field(scene, device)
     corners = sampled(block_corners(camera), options.sample)
