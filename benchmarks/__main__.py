@@ -126,11 +126,12 @@ ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     FORMATS: lambda *_: formats.rows(),
     MAPPERS: mappers.rows,
 }
-<<<<<<< HEAD
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), FORMATS: ("any fabric",)}
-=======
-PLACES = {QUALITY: ("float32 on the host",), FRAMES: ("vivid",), RENDERERS: ("vivid",)}
->>>>>>> c0d29654608d1662a08d211ae84c0e09b5c779ac
+PLACES = {
+    QUALITY: ("float32 on the host",),
+    FRAMES: ("vivid",),
+    RENDERERS: ("vivid",),
+    FORMATS: ("any fabric",),
+}
 """Where tables are made that `--fabric` has no say in."""
 
 
