@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from vividc import KernelFunction
+from vividc.gemm import Layer
 from vividc.render import SceneError, read_scene
 from vividc.render.array import (
     ArrayField,
@@ -24,8 +25,9 @@ from vividc.render.array import (
 from vividc.render.array.hash_encoding import hash_encoding as encoding_of
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.launches import Gathered, Launch
-from vividc.render.array.networks import dense_layer, run_network
+from vividc.render.array.networks import dense_layer, run_network, tpu_mode
 from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.systolic import run_systolic
 from vividc.render.array.tensorf import TensoRFField
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March
@@ -217,3 +219,23 @@ def test_networks_equal_numpy(sizes: tuple[int, ...], groups: int | None, host: 
     np.testing.assert_allclose(
         found.transpose(0, 2, 1)[..., : sizes[-1]], values, rtol=1e-4, atol=1e-3
     )
+
+
+def test_a_network_of_many_samples_runs_in_the_mode_of_fewer_cycles(device: Device) -> None:
+    weights = [np.zeros(pair, np.float32) for pair in ((32, 64), (64, 16))]
+    layers = [dense_layer(weight) for weight in weights]
+    products = [Layer(weight) for weight in weights]
+    assert tpu_mode(device, layers, products, 100) is None
+    assert tpu_mode(device, layers, products, 32_768) in ("tpu-unified", "tpu-partitioned")
+
+
+@pytest.mark.slow
+def test_both_modes_give_the_same_bits(device: Device) -> None:
+    rng = np.random.default_rng(2)
+    weights = [rng.standard_normal(pair).astype(np.float32) for pair in ((12, 24), (24, 5))]
+    layers = [dense_layer(weight, relu=True) for weight in weights]
+    products = [Layer(weight, activation="relu") for weight in weights]
+    blocks = rng.standard_normal((20, 12, 16)).astype(np.float32)
+    on_tiles = run_network(device, Ledger(), "network", layers, blocks)
+    joined = run_systolic(device, Ledger(), "network", products, blocks, "tpu-unified")
+    np.testing.assert_array_equal(on_tiles, joined)
