@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 
 from vividc.errors import ArchError
-from vividc.gemm import Layer, choose_layout, mlp_job
+from vividc.gemm import Layer, SystolicError, choose_layout, mlp_job
 from vividc.gemm.passes import with_arrays
-from vividc.mapper.systolic import SystolicError
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.arrays import Float32Array
