@@ -1,4 +1,4 @@
-"""Puts `kernels/` into the package: the renderers on the array compile them where it is installed."""
+"""Puts `kernels/` into the package: where it is installed, the renderers compile them."""
 
 from setuptools import find_namespace_packages, setup
 

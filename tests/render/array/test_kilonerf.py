@@ -10,7 +10,7 @@ import pytest
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, render_array
 from vividc.render.array.kilonerf import _CHUNK, _by_coordinate, _pieces
-from vividc.render.array.programs import Programs, _module, kernel_folder
+from vividc.render.array.programs import _module, kernel_folder
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 
@@ -74,11 +74,8 @@ def test_a_share_out_of_range_is_refused(model: KiloNeRF, sample: float) -> None
 
 
 @pytest.mark.slow
-def test_a_picture_of_the_array_is_the_references(
-    model: KiloNeRF, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_picture_of_the_array_is_the_references(model: KiloNeRF) -> None:
     camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 20, 20)
-    monkeypatch.setattr(Programs.__init__, "__defaults__", (None, 8.0))
     shares: list[float] = []
     frame = render_array(model, camera, progress=shares.append)
     reference = render_reference(model, camera)

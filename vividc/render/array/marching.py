@@ -267,15 +267,19 @@ class Marcher:
     def _compacted(
         self, survivors: _Survivors, points: Float32Array, features: Float32Array
     ) -> tuple[Float32Array, Float32Array, Float32Array]:
-        """Return points, features and directions of the survivors: rows that DMA gathers."""
-        samples = [survivors.samples[part] for part in survivors.parts()]
+        """Return points, features and directions of the survivors: rows that DMA gathers.
+
+        Without lookahead all samples survive, and points and features are where they should be.
+        """
         rays = [survivors.rays[part] for part in survivors.parts()]
-        tables = ((points, samples), (features, samples), (self._directions, rays))
-        gathered = [
-            gather_rows(self._device, self._ledger, "compaction", table, rows)
-            for table, rows in tables
-        ]
-        return gathered[0], gathered[1], gathered[2]
+        directions = self._gathered(self._directions, rays)
+        if not self._lookahead:
+            return points, features, directions
+        samples = [survivors.samples[part] for part in survivors.parts()]
+        return self._gathered(points, samples), self._gathered(features, samples), directions
+
+    def _gathered(self, table: Float32Array, rows: Sequence[Int32Array]) -> Float32Array:
+        return gather_rows(self._device, self._ledger, "compaction", table, rows)
 
     def _accumulate(
         self, survivors: _Survivors, colours: Float32Array, left: Float32Array
