@@ -11,21 +11,32 @@ import numpy as np
 import pytest
 
 from vividc import KernelFunction
-from vividc.render import SceneError, read_scene
+from vividc.gemm import Layer
+from vividc.render import (
+    SceneError,
+    psnr,
+    read_scene,
+    read_views,
+    render_reference,
+    scaled_camera,
+)
 from vividc.render.array import (
     ArrayField,
+    ArrayOptions,
     Device,
     Ledger,
     block_map,
     factors,
     hash_encoding,
     open_device,
+    render_array,
 )
 from vividc.render.array.hash_encoding import hash_encoding as encoding_of
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.launches import Gathered, Launch
-from vividc.render.array.networks import dense_layer, run_network
+from vividc.render.array.networks import dense_layer, run_network, tpu_mode
 from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.systolic import run_systolic
 from vividc.render.array.tensorf import TensoRFField
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March
@@ -169,6 +180,18 @@ def test_the_array_is_near_the_reference(method: Method, device: Device) -> None
     assert all(stage.cycles > 0 for stage in ledger.stages.values())
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", METHODS)
+def test_a_picture_of_the_array_is_the_references(name: str) -> None:
+    model = read_scene(MIC / METHODS[name].file)[1]
+    camera = scaled_camera(read_views(MIC / "ref_ngp.npz")[0].camera, 16, 16)
+    frame = render_array(model, camera)
+    assert psnr(frame.image, render_reference(model, camera).image) > 80
+    late = render_array(model, camera, ArrayOptions(lookahead=False))
+    np.testing.assert_array_equal(frame.image, late.image)
+    assert late.counts["colour_samples"] > frame.counts["colour_samples"]
+
+
 def test_cells_are_gathered_once_a_chunk(host: Host) -> None:
     """Samples of one cell in every level take one cell's rows in each."""
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
@@ -190,6 +213,13 @@ def test_other_numbers_of_features_a_row_are_refused() -> None:
     wide = replace(model.levels[0], table=np.zeros((4096, 4), np.float32))
     with pytest.raises(SceneError, match="4 features a row"):
         encoding_of(replace(model, levels=(wide, *model.levels[1:])))
+
+
+def test_a_dense_level_of_too_few_entries_is_refused() -> None:
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    short = replace(model.levels[0], table=model.levels[0].table[:2000])
+    with pytest.raises(SceneError, match="2000 entries"):
+        encoding_of(replace(model, levels=(short, *model.levels[1:])))
 
 
 def test_a_box_outside_the_cube_is_refused() -> None:
@@ -217,3 +247,23 @@ def test_networks_equal_numpy(sizes: tuple[int, ...], groups: int | None, host: 
     np.testing.assert_allclose(
         found.transpose(0, 2, 1)[..., : sizes[-1]], values, rtol=1e-4, atol=1e-3
     )
+
+
+def test_a_network_of_many_samples_runs_in_the_mode_of_fewer_cycles(device: Device) -> None:
+    weights = [np.zeros(pair, np.float32) for pair in ((32, 64), (64, 16))]
+    layers = [dense_layer(weight) for weight in weights]
+    products = [Layer(weight) for weight in weights]
+    assert tpu_mode(device, layers, products, 100) is None
+    assert tpu_mode(device, layers, products, 32_768) in ("tpu-unified", "tpu-partitioned")
+
+
+@pytest.mark.slow
+def test_both_modes_give_the_same_bits(device: Device) -> None:
+    rng = np.random.default_rng(2)
+    weights = [rng.standard_normal(pair).astype(np.float32) for pair in ((12, 24), (24, 5))]
+    layers = [dense_layer(weight, relu=True) for weight in weights]
+    products = [Layer(weight, activation="relu") for weight in weights]
+    blocks = rng.standard_normal((20, 12, 16)).astype(np.float32)
+    on_tiles = run_network(device, Ledger(), "network", layers, blocks)
+    joined = run_systolic(device, Ledger(), "network", products, blocks, "tpu-unified")
+    np.testing.assert_array_equal(on_tiles, joined)

@@ -80,6 +80,19 @@ def test_a_gather_reads_its_indices_first() -> None:
     assert result.stats["bytes"]["dram_read"] == 32 + 4 * 32
 
 
+def test_rows_of_a_gather_that_follow_each_other_are_one_piece() -> None:
+    table = np.arange(200, dtype=np.int32).reshape(100, 2)
+    apart, joined = np.array([5, 4, 9, 9, 8], np.int32), np.array([4, 5, 6, 7, 9], np.int32)
+    results = []
+    for rows in (apart, joined):
+        job = Job(machine())
+        job.gather(0, table, rows, 0)
+        results.append(job.simulate())
+    assert [result.stats["bytes"]["dram_read"] for result in results] == [32 * 6, 32 * 3]
+    assert results[0].cycles - results[1].cycles == 3
+    assert all(result.stats["bytes"]["scratchpad_in"] == 40 for result in results)
+
+
 def test_two_engines_share_the_channel() -> None:
     x = np.zeros((2, 256), np.int32)
     job = Job(machine())

@@ -15,8 +15,8 @@ from vividc.render.array.launches import Launch, Words, padded, run_launches
 
 _LAUNCHES = 4
 """A tile gets at least so many launches, so that there is something to hide transfers behind."""
-_LARGEST = 6144
-"""Bytes of a launch of several blocks, at most: longer launches hide their transfers no better."""
+_PLACES = 2
+"""Launches that shall fit a scratchpad: one runs while the next is moved in."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,8 +55,10 @@ class BlockMap:
         """
         tiles = device.tiles
         counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
+        shared = max(sum(padded(a.nbytes) for a in group.values()) for group in self.shared)
+        room = device.scratchpad_bytes - min(_PLACES, len(self.shared)) * shared
         shares = [
-            [self._launch(*span, counts) for span in self._spans(first, last)]
+            [self._launch(*span, counts) for span in self._spans(first, last, room // _PLACES)]
             for first, last in self._ranges(tiles)
         ]
         run_launches(device, ledger, stage, self.kernel, shares)
@@ -66,11 +68,11 @@ class BlockMap:
         blocks = len(next(iter(self.outputs.values())))
         yield from pairwise(blocks * tile // tiles for tile in range(tiles + 1))
 
-    def _spans(self, first: int, last: int) -> Iterator[tuple[int, int]]:
-        """Blocks of each launch."""
+    def _spans(self, first: int, last: int, room: int) -> Iterator[tuple[int, int]]:
+        """Blocks of each launch, which has `room` bytes."""
         arrays = (*self.inputs.values(), *self.outputs.values())
         block = sum(padded(array[:1].nbytes) for array in arrays)
-        at_once = max(1, min(_LARGEST // block, -(-(last - first) // _LAUNCHES)))
+        at_once = max(1, min(room // block, -(-(last - first) // _LAUNCHES)))
         cuts: list[int] = []
         if self.groups is not None and last > first:
             cuts = (np.flatnonzero(np.diff(self.groups[first:last])) + 1 + first).tolist()

@@ -82,22 +82,11 @@ def hash_encoding(model: InstantNGP) -> HashEncoding:
     Raises
     ------
     SceneError
-        A level is finer than a cell's number has bits for, rows have another number of features
-        than two, or the box leaves the cube of the grids.
+        A level is finer than a cell's number has bits for, a dense one has too few entries, rows
+        have another number of features than two, or the box leaves the cube of the grids.
     """
     for level in model.levels:
-        if level.scale > _FINEST:
-            raise SceneError(
-                f"a level has {level.scale:g} cells a side, and the array's kernels number up to "
-                f"{_FINEST}",
-                hint="render it with --engine host",
-            )
-        if level.table.shape[1] != _FEATURES:
-            raise SceneError(
-                f"the table has {level.table.shape[1]} features a row, and the array's kernels "
-                f"interpolate {_FEATURES}",
-                hint="render it with --engine host",
-            )
+        _check(level)
     high = model.cube_low + np.float32(model.cube_side)
     slack = np.float32(1e-5 * model.cube_side)
     if (model.march.box[0] < model.cube_low - slack).any() or (
@@ -115,6 +104,32 @@ def hash_encoding(model: InstantNGP) -> HashEncoding:
             dtype=np.uint32,
         ),
     )
+
+
+def _check(level: Level) -> None:
+    """Refuse a level that the kernels have no form for."""
+    entries, features = level.table.shape
+    hint = "render it with --engine reference"
+    if level.scale > _FINEST:
+        raise SceneError(
+            f"a level has {level.scale:g} cells a side, and the array's kernels number up to "
+            f"{_FINEST}",
+            hint=hint,
+        )
+    if features != _FEATURES:
+        raise SceneError(
+            f"the table has {features} features a row, and the array's kernels interpolate "
+            f"{_FEATURES}",
+            hint=hint,
+        )
+    last = int(level.scale + np.float32(0.5)) + 1
+    needed = last * (1 + level.resolution + level.resolution**2)
+    if level.dense and needed >= 2 * entries:
+        raise SceneError(
+            f"a dense level of {level.resolution} nodes a side has {entries} entries, and the "
+            "array's kernels wrap around once",
+            hint=hint,
+        )
 
 
 def _grid(level: Level, first_row: int) -> tuple[int, int, int]:

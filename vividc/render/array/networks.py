@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from vividc.gemm import Layer
 from vividc.render.array.block_map import BlockMap
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
+from vividc.render.array.systolic import run_systolic, tile_cycles, tpu_choice
 from vividc.render.arrays import Float32Array
 
 SAMPLES = 16
@@ -18,6 +20,8 @@ SAMPLES = 16
 NEURONS = 8
 """Neurons of a block of weights."""
 _KERNEL = "render/layers:layer"
+_FEWEST = 2048
+"""Samples for which a TPU-like mode is considered: its programs take the host seconds to make."""
 _NO_LIMIT = np.float32(-np.inf)
 _WORD = 4
 _PLACES = 2
@@ -30,6 +34,8 @@ class DenseLayer:
 
     Attributes
     ----------
+    matrix, bias
+        [groups, inputs, outputs] and [groups, outputs] float32.
     packed
         [groups, ceil(outputs / 8), 1 + inputs, 8] float32: the bias, then the weights; neurons
         that fill the last block are 0.
@@ -39,6 +45,8 @@ class DenseLayer:
         Whether what is below 0 becomes 0.
     """
 
+    matrix: Float32Array
+    bias: Float32Array
     packed: Float32Array
     inputs: int
     outputs: int
@@ -55,12 +63,14 @@ def dense_layer(
     matrices = matrices.reshape(-1, *matrices.shape[-2:])
     groups, inputs, outputs = matrices.shape
     blocks = -(-outputs // NEURONS)
+    shift = np.zeros((groups, outputs), dtype=np.float32)
+    if bias is not None:
+        shift[:] = np.asarray(bias, dtype=np.float32).reshape(groups, outputs)
     rows = np.zeros((groups, 1 + inputs, blocks * NEURONS), dtype=np.float32)
     rows[:, 1:, :outputs] = matrices
-    if bias is not None:
-        rows[:, 0, :outputs] = np.asarray(bias, dtype=np.float32).reshape(groups, outputs)
+    rows[:, 0, :outputs] = shift
     packed = rows.reshape(groups, 1 + inputs, blocks, NEURONS).transpose(0, 2, 1, 3)
-    return DenseLayer(np.ascontiguousarray(packed), inputs, outputs, relu)
+    return DenseLayer(matrices, shift, np.ascontiguousarray(packed), inputs, outputs, relu)
 
 
 def in_blocks(rows: Float32Array) -> Float32Array:
@@ -81,6 +91,9 @@ def run_network(
 ) -> Float32Array:
     """Return the last layer's outputs of blocks of samples.
 
+    Without groups the network runs in a TPU-like mode if that is expected to take fewer cycles than
+    the kernel of layers on the tiles; the results are the same to the last bit.
+
     Parameters
     ----------
     blocks
@@ -90,13 +103,36 @@ def run_network(
 
     Returns
     -------
-    float32 [B, outputs rounded up to 8, 16]. A sum is one chain of fused multiply-adds in the order
+    float32 [B, outputs, 16]. A sum is one chain of fused multiply-adds in the order
     of the inputs, from the bias.
     """
+    if groups is None and len(blocks):
+        products = [
+            Layer(layer.matrix[0], layer.bias[0], "relu" if layer.relu else "none")
+            for layer in layers
+        ]
+        mode = tpu_mode(device, layers, products, len(blocks) * SAMPLES)
+        if mode is not None:
+            return run_systolic(device, ledger, stage, products, blocks, mode)
     values = blocks
     for layer in layers:
         values = _run_layer(device, ledger, stage, layer, values, groups)
     return values
+
+
+def tpu_mode(
+    device: Device, layers: Sequence[DenseLayer], products: Sequence[Layer], samples: int
+) -> str | None:
+    """Return the TPU-like mode in which a network takes fewest cycles; None: it takes fewer as a
+    kernel on the tiles, or the samples are too few to make a program for them.
+    """
+    if samples < _FEWEST:
+        return None
+    size = device.scratchpad_bytes
+    shapes = [(layer.inputs, layer.outputs, len(_parts(layer, size, 1))) for layer in layers]
+    choice = tpu_choice(device, products, samples)
+    better = choice is not None and choice.cycles < tile_cycles(shapes, samples, device.tiles)
+    return choice.mode if choice is not None and better else None
 
 
 def _run_layer(
@@ -114,7 +150,7 @@ def _run_layer(
         out = np.empty((len(values), packed.shape[1] * NEURONS, SAMPLES), dtype=np.float32)
         BlockMap(
             kernel=_KERNEL,
-            inputs={"x": values[:, : layer.inputs]},
+            inputs={"x": values},
             outputs={"out": out},
             shared=[{"weights": group} for group in packed],
             scalars={
@@ -125,7 +161,8 @@ def _run_layer(
             groups=groups,
         ).run(device, ledger, stage)
         parts.append(out)
-    return parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+    whole = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+    return whole[:, : layer.outputs]
 
 
 def _parts(layer: DenseLayer, size: int, copies: int) -> list[Float32Array]:

@@ -25,8 +25,9 @@ class Clock:
 
     def run(self) -> None:
         """Until nothing is left to happen."""
-        while self._heap:
-            cycle, _, _, action = heapq.heappop(self._heap)
+        heap, pop = self._heap, heapq.heappop
+        while heap:
+            cycle, _, _, action = pop(heap)
             action(cycle)
 
 
@@ -40,20 +41,29 @@ class Server:
         self._waiting: list[tuple[int, int, int, int, Action]] = []
         self._free_from = 0
         self._count = 0
+        self._looks_at = -1
         self.busy_cycles = 0
 
     def request(self, cycle: int, number: int, holds: int, granted: Action) -> None:
         """Ask in `cycle` for `holds` cycles; `granted` is called with the first of them."""
         heapq.heappush(self._waiting, (cycle, number, self._count, holds, granted))
         self._count += 1
-        self._clock.at(max(cycle, self._free_from), self._grant, rank=1)
+        self._look(max(cycle, self._free_from))
+
+    def _look(self, cycle: int) -> None:
+        """See who waits in `cycle`, once however many ask for that: it serves one a cycle."""
+        if cycle != self._looks_at:
+            self._looks_at = cycle
+            self._clock.at(cycle, self._grant, rank=1)
 
     def _grant(self, cycle: int) -> None:
+        if cycle == self._looks_at:
+            self._looks_at = -1
         if not self._waiting or cycle < self._free_from:
             return
         _, _, _, holds, granted = heapq.heappop(self._waiting)
         self._free_from = cycle + holds
         self.busy_cycles += holds
         if self._waiting:
-            self._clock.at(self._free_from, self._grant, rank=1)
+            self._look(self._free_from)
         granted(cycle)

@@ -48,11 +48,17 @@ class Buffers:
         return tuple(Piece(number, start + offset, run) for offset in _offsets(axes))
 
     def rows(self, view: Array, indices: NDArray[np.int64]) -> tuple[Piece, ...]:
-        """The places of `view[indices]`, row by row."""
+        """The places of `view[indices]`; rows that follow each other in the array are one."""
         number = self.number(view)
         start = view.__array_interface__["data"][0] - byte_bounds(self._roots[number])[0]
         row = view[:1].nbytes
-        return tuple(Piece(number, start + row * int(index), row) for index in indices)
+        firsts = np.flatnonzero(np.diff(indices, prepend=-2) != 1)
+        counts = np.diff(firsts, append=len(indices))
+        offsets = (start + row * indices[firsts]).tolist()
+        sizes = (row * counts).tolist()
+        return tuple(
+            Piece(number, offset, size) for offset, size in zip(offsets, sizes, strict=True)
+        )
 
 
 class Working:
