@@ -121,24 +121,19 @@ def test_what_it_finds_is_legal_with_every_option(name: str) -> None:
 
 
 def test_a_word_moves_to_the_same_output_register_again() -> None:
-    """Where outputs last a cycle and no register is there, a word that waits is moved in place."""
+    """Outputs last a cycle and no register is there: a word that waits is moved where it is."""
+    routing = Routing(hops=0, shared=True, moves=True)
     fabric = tiny_fabric(
-        1,
-        1,
-        registers=0,
-        read_ports=0,
-        write_ports=0,
-        routing=Routing(hops=0, moves=True),
-        contexts=8,
+        1, 2, registers=0, read_ports=0, write_ports=0, routing=routing, max_stages=8
     )
-    nodes = tuple(Node(n, Opcode.MOV) for n in range(3))
-    dfg = DFG("fork", nodes, (Edge(0, 1, 0), Edge(1, 2, 0), Edge(0, 2, 1)))
-    mapping = negotiated(dfg, 4, 1, fabric)
-    assert mapping is None or verify(dfg, fabric, mapping) == []
-    chained = DFG("wait", nodes[:2], (Edge(0, 1, 0), Edge(0, 1, 1, 1)))
-    mapping = negotiated(chained, 4, 1, fabric)
+    nodes = (*(Node(n, Opcode.MOV) for n in range(3)), Node(3, Opcode.ADD))
+    edges = (Edge(0, 1, 0), Edge(1, 2, 0), Edge(2, 3, 0), Edge(0, 3, 1))
+    dfg = DFG("wait", nodes, edges)
+    mapping = negotiated(dfg, 3, 1, fabric)
     assert mapping is not None
-    assert verify(chained, fabric, mapping) == []
+    assert verify(dfg, fabric, mapping) == []
+    first, second, *_ = mapping.routes[3]
+    assert (first.kind, first.pe) == (second.kind, second.pe)
 
 
 def test_words_that_wait_longer_than_an_ii_change_registers() -> None:
