@@ -6,8 +6,9 @@ import pytest
 from tiny_fabrics import tiny_fabric
 
 from vividc.arch import load
+from vividc.arch.fabric import Routing
 from vividc.mapper.distances import FAR, hop_distances
-from vividc.mapper.mrrg import MRRG, NONE, build_mrrg, reach
+from vividc.mapper.mrrg import MRRG, NONE, away, build_mrrg, reach
 
 
 def _named(graph: MRRG, origin: int, target: int) -> list[tuple[str, int, int]]:
@@ -50,6 +51,68 @@ def test_links_alone_where_there_are_no_registers() -> None:
     assert graph.locations == graph.links == 4
     assert graph.leaving.tolist() == [NONE] * 4
     assert reach(graph, 3).tolist() == [[0, 0, 1], [0, 0, 0], [1, 0, 0]]
+
+
+def _open_pair() -> MRRG:
+    """Two PEs that read each other's held output registers; their files take results only."""
+    return build_mrrg(
+        tiny_fabric(
+            1,
+            2,
+            registers=1,
+            routing=Routing(hops=0, holds=True, shared=True, moves=True),
+            written_by_fu=True,
+        )
+    )
+
+
+def test_output_registers_are_places_of_their_own() -> None:
+    graph = _open_pair()
+    kinds = [(spot.kind, spot.index) for spot in graph.spots]
+    assert kinds == [("out", 0), ("out", 1), ("out", 0), ("out", 1), ("reg", 0), ("reg", 1)]
+    assert graph.fresh.tolist() == [0, 1]
+    assert [graph.entries[pe] for pe in range(2)] == [[0, 4], [1, 5]]
+    assert [graph.readers[at] for at in range(6)] == [[0, 1]] * 4 + [[0], [1]]
+    assert [graph.sides[at] for at in range(6)] == [[4], [5], [], [], [], []]
+    assert graph.aside.tolist() == [0, 0, 0, 0, 1, 1]
+    assert graph.keeps.tolist() == [0, 0, 1, 1, 1, 1]
+    assert [graph.moves[at] for at in range(6)] == [
+        [0, 1, 2],
+        [0, 1, 3],
+        [0, 1, 2],
+        [0, 1, 3],
+        [0, 4],
+        [1, 5],
+    ]
+
+
+def test_a_move_takes_the_fu_and_its_output_register() -> None:
+    graph = _open_pair()
+    assert _named(graph, 0, 1) == [("FU", 1, 0), ("output", 1, 1)]
+    assert _named(graph, 0, 0) == [("FU", 0, 0), ("output", 0, 1)]
+    assert _named(graph, 0, 2) == [("output", 0, 1)]
+    assert _named(graph, 2, 2) == [("output", 0, 1)]
+    assert _named(graph, 4, 0) == [("read ports", 0, 0), ("FU", 0, 0), ("output", 0, 1)]
+
+
+def test_links_in_a_row_are_passed_in_one_cycle() -> None:
+    graph = build_mrrg(tiny_fabric(1, 4, registers=0, routing=Routing(hops=2)))
+    assert graph.links == graph.locations == 12
+    assert [graph.spots[at].index for at in (0, 6)] == [0, 0]
+    assert graph.aside.tolist() == [0] * 6 + [1] * 6
+    assert reach(graph, 4).tolist()[0] == [0, 0, 0, 1]
+    assert away(graph, 4)[0].tolist() == [0, 0, 0, 1]
+
+
+@pytest.mark.parametrize("name", ["openedge-4x4", "hycube-4x4", "adres-4x4"])
+def test_words_reach_as_far_a_cycle_as_the_fabric_lets_them(name: str) -> None:
+    fabric = load(name)
+    cycles = reach(build_mrrg(fabric), len(fabric.pes))
+    for row, hops in zip(cycles.tolist(), hop_distances(fabric), strict=True):
+        if fabric.routing.shared:  # a neighbour reads the output register
+            assert row == [max(hop - 1, 0) for hop in hops]
+        else:
+            assert row == [max(-(-hop // fabric.routing.hops) - 1, 0) for hop in hops]
 
 
 @pytest.mark.parametrize("name", ["vivid-tile", "vivid-tile-unit"])

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fabrics import grid
@@ -13,20 +15,24 @@ from tiny_fabrics import tiny_fabric
 
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
-from vividc.arch.fabric import Fabric
-from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import LatencyClass
+from vividc.arch.fabric import Fabric, Routing
+from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.mapper import map_dfg
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort, negotiate
+from vividc.mapper.plain_core import unrotated
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.verify import verify
 
 TILE = arch.load("vivid-tile")
 QUICK = Effort(moves=1000, rounds=20, repairs=60, trials=2)
 RING = tuple((pe, (pe + 1) % 6) for pe in range(6))
+
+ROOMY: dict[str, Any] = {"constants": 32, "max_stages": 16}
+SLOW = {LatencyClass.IMUL: 3, LatencyClass.LOAD: 2}
 
 FABRICS: dict[str, Fabric] = {
     "vivid-tile": TILE,
@@ -41,6 +47,32 @@ FABRICS: dict[str, Fabric] = {
         memory=frozenset({0, 1, 2}),
         latencies={LatencyClass.IMUL: 5, LatencyClass.LOAD: 3},
     ),
+}
+
+
+OPEN = Routing(hops=0, holds=True, shared=True, moves=True)
+OPTIONS: dict[str, Fabric] = {
+    "openedge": arch.load("openedge-3x3"),
+    "hycube": arch.load("hycube-3x3"),
+    "adres": arch.load("adres-3x3"),
+    "one register": tiny_fabric(2, 3, registers=1, routing=OPEN, written_by_fu=True, **ROOMY),
+    "no registers": tiny_fabric(
+        2, 3, registers=0, read_ports=0, write_ports=0, routing=OPEN, **ROOMY
+    ),
+    "outputs for a cycle": tiny_fabric(
+        2, 3, routing=replace(OPEN, holds=False), written_by_fu=True, **ROOMY
+    ),
+    "no moves": tiny_fabric(
+        2, 2, registers=4, routing=replace(OPEN, moves=False), written_by_fu=True, **ROOMY
+    ),
+    "links and moves": tiny_fabric(
+        2, 2, routing=Routing(moves=True), written_by_fu=True, latencies=SLOW, **ROOMY
+    ),
+    "links and outputs": tiny_fabric(
+        2, 2, routing=Routing(holds=True, shared=True), latencies=SLOW, **ROOMY
+    ),
+    "two hops": tiny_fabric(2, 3, routing=Routing(hops=2), latencies=SLOW, **ROOMY),
+    "busy FUs": tiny_fabric(2, 3, latencies=SLOW, occupancies=SLOW, routing=OPEN, **ROOMY),
 }
 
 
@@ -72,6 +104,36 @@ def test_what_it_finds_is_legal_on_other_fabrics(name: str) -> None:
             assert verify(dfg, fabric, mapping) == []
             found += 1
     assert found
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_what_it_finds_is_legal_with_every_option(name: str) -> None:
+    fabric, found = unrotated(OPTIONS[name]), 0
+    for seed in range(6):
+        dfg = random_loop(60 + seed, 8 + seed, (8, 2, 0))
+        ii = mii(all_bounds(MapProblem(dfg, fabric)))
+        for more in (0, 1, ii):
+            mapping = negotiated(dfg, ii + more, seed, fabric)
+            if mapping is not None:
+                assert verify(dfg, fabric, mapping) == []
+                found += 1
+    assert found
+
+
+def test_a_word_moves_to_the_same_output_register_again() -> None:
+    """Outputs last a cycle and no register is there: a word that waits is moved where it is."""
+    routing = Routing(hops=0, shared=True, moves=True)
+    fabric = tiny_fabric(
+        1, 2, registers=0, read_ports=0, write_ports=0, routing=routing, max_stages=8
+    )
+    nodes = (*(Node(n, Opcode.MOV) for n in range(3)), Node(3, Opcode.ADD))
+    edges = (Edge(0, 1, 0), Edge(1, 2, 0), Edge(2, 3, 0), Edge(0, 3, 1))
+    dfg = DFG("wait", nodes, edges)
+    mapping = negotiated(dfg, 3, 1, fabric)
+    assert mapping is not None
+    assert verify(dfg, fabric, mapping) == []
+    first, second, *_ = mapping.routes[3]
+    assert (first.kind, first.pe) == (second.kind, second.pe)
 
 
 def test_words_that_wait_longer_than_an_ii_change_registers() -> None:

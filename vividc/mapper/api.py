@@ -40,69 +40,53 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     objective: str | None = None,
 ) -> MapResult:
     """Map a loop's DFG onto a fabric with the least II that can be found, and say what was proved
-    about it.
+    about it: "optimal" only if every smaller II was refuted, "infeasible" only if no II (or not the
+    given one) works, both within the added constraints (`claim`). Every mapping is verified.
 
     Parameters
     ----------
-    dfg, fabric
-        What to map onto what. The DFG is taken to be well-formed (`vividc.dfg.check`).
-    mapper
-        "auto", "cpsat" (joint model only), "decoupled", "sat-kms", "ims", "spr", or a registered
-        one.
-    ii
-        The only II to try. None: the least.
+    mapper, ii
+        A name of the registry, and the only II to try; None: the least.
     time_limit_s
-        Wall-clock limit in seconds.
-    allowed
-        PEs that a node may lie on, by node id; nodes not named are free.
-    resident
-        Constant-store entries that other regions hold, by PE.
-    workers
-        Threads the solver may use. With 1 and no limit reached a run can be repeated exactly.
-    progress
-        Called with one line at each step.
-    thrifty
-        Do not use the whole limit on a large graph when its II is within 1 of the bound and nothing
-        better has been found for a while.
-    extend
-        Called with a `ModelHandle` for each model that is built; adds constraints, and may ask for
-        something to be minimised. Only for mappers that solve the joint model.
-    objective
-        What to minimise at the II, with what is left of the time: "registers", "hops" or "length".
-
-    Returns
-    -------
-    MapResult
-        "optimal" only if every smaller II was refuted; "infeasible" only if no II (or not the
-        given one) works; both within the added constraints, if there are any (`claim`). Every
-        mapping in it has passed `verify`.
+        Wall-clock limit in seconds; `thrifty` may stop a large graph's search within 1 of the bound
+        earlier. With one worker and no limit reached a run can be repeated exactly.
+    allowed, resident
+        By node id the PEs that it may lie on; by PE the constants that other regions hold there.
+    extend, objective
+        Adds constraints to each model that is built (`ModelHandle`), for mappers that solve one;
+        what to minimise at the II with the time left: "registers", "hops" or "length".
 
     Raises
     ------
     VividcError
-        Unknown mapper or objective, or an II, time limit or worker count that makes no sense, or
-        constraints for a mapper that takes none.
+        A name is unknown, a number makes no sense, or the mapper takes no constraints.
     InternalError
         The mapper returned an illegal mapping.
     """
-    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.load")
-    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
-    _check(ii, time_limit_s, workers)
+    _check(dfg, fabric, ii, time_limit_s, workers)
     run = find_mapper(mapper)
     _check_door(mapper, extend, objective)
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
     deadline = Deadline.after(time_limit_s)
-    share = 1.0 if extend is None else _SHARE_EXTENDED
-    first = deadline.within(time_limit_s * (share if objective is None else _SHARE_BEFORE))
-    request = MapRequest(ii, first, workers, progress, thrifty, extend)
+    share = _share_of_the_ii(extend, objective)
+    request = MapRequest(
+        ii, deadline.within(time_limit_s * share), workers, progress, thrifty, extend
+    )
     began = time.monotonic()
     result = run(problem, request)
-    if result.mapping is not None and (extend is not None or objective is not None):
-        _confirm(problem, result)
+    _confirm(problem, result)
+    if share < 1:
         result = _minimised(problem, result, objective, replace(request, deadline=deadline))
         result = replace(result, wall_s=time.monotonic() - began)
-    _confirm(problem, result)
+        _confirm(problem, result)
     return _about(result, Subject(dfg, fabric))
+
+
+def _share_of_the_ii(extend: Extension | None, objective: str | None) -> float:
+    """Of the time; the rest is for what is minimised at the II."""
+    if objective is not None:
+        return _SHARE_BEFORE
+    return 1.0 if extend is None else _SHARE_EXTENDED
 
 
 def _minimised(
@@ -142,7 +126,9 @@ def check_time_limit(time_limit_s: float) -> None:
         )
 
 
-def _check(ii: int | None, time_limit_s: float, workers: int) -> None:
+def _check(dfg: DFG, fabric: Fabric, ii: int | None, time_limit_s: float, workers: int) -> None:
+    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.load")
+    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
     if ii is not None:
         demand_type(ii, int, "the II", "give a whole number of cycles")
         if ii < 1:
