@@ -89,3 +89,14 @@ def test_the_largest_of_nothing_ends_the_simulation() -> None:
     with pytest.raises(vividc.VividcError, match="raises ValueError: zero size") as caught:
         vividc.simulate(program, np.zeros(0, np.float32), y)
     assert "test_launch_sizes.py" in str(caught.value)
+
+
+def test_operands_of_where_that_do_not_fit_end_the_simulation() -> None:
+    def chosen(x, y):
+        x[:] = np.where(x > 0, x, y)
+
+    program = compiled(chosen, "void(float32[::1], float32[::1])")
+    x = -np.ones(3, np.float32)
+    with pytest.raises(vividc.VividcError, match="raises ValueError: unable to broadcast"):
+        vividc.simulate(program, x, np.zeros(4, np.float32))
+    assert (x == -1).all()

@@ -38,7 +38,8 @@ from numba.core.target_extension import (
 from numba.np import arrayobj, npyimpl
 
 import vividc.frontend.math_overloads
-import vividc.frontend.numpy_linalg  # noqa: F401 - both register functions with numba
+import vividc.frontend.numpy_linalg
+import vividc.frontend.numpy_where  # noqa: F401 - all register functions with numba
 from vividc.frontend.numba_arrays import (
     NoRuntime,
     arrays_are_ours,
@@ -49,6 +50,7 @@ from vividc.frontend.numba_arrays import (
 )
 from vividc.frontend.numba_integer import integer_operator
 from vividc.frontend.numba_real import real_division
+from vividc.frontend.numpy_sort import is_sort, sort
 from vividc.frontend.prange import parallel_range
 from vividc.frontend.subscripts import marked_subscripts
 
@@ -281,15 +283,23 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         if operation is numba.prange:
             general = super().get_function(fn, sig, _firstcall)
             return functools.partial(parallel_range, sig, general)
-        if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
-            return functools.partial(_ours, pick, self, sig)
-        if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
-            return functools.partial(_ours, reshape, self, sig)
+        rule = _our_rule(fn, operation, sig)
+        if rule is not None:
+            return functools.partial(_ours, rule, self, sig)
         general = super().get_function(fn, sig, _firstcall)
         return integer_operator(self, fn, sig, general)
 
 
-def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
+    """What stands in for numba's lowering of a call on tuples and arrays; None: nothing."""
+    if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
+        return pick
+    if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
+        return reshape
+    return sort if is_sort(operation, sig) else None
+
+
+def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:
     return rule(context, builder, sig, args)
 
 

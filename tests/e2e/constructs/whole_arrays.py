@@ -325,3 +325,51 @@ def outer_products_of_other_types(x, b, m):
     m += np.outer(b, b)
     t = np.outer(x, b.astype(np.float32))
     return t[2, 16] + t[0, 1]
+
+
+@construct("void(float32[::1], float32[::1])", V, W, mapped=True)
+def where_larger(x, y):
+    y[:] = np.where(x > y, x, np.float32(2) * y)
+
+
+@construct("void(float32[:, ::1], float32[:, ::1])", MATRIX, floats(1, 5))
+def where_rows_are_repeated(m, row):
+    m[:] = np.where(m > 0.25, m, row)
+
+
+@construct(
+    "int32(int32[:, :, ::1], uint8)",
+    np.arange(-9, 15, dtype=np.int32).reshape(2, 3, 4),
+    np.uint8(200),
+)
+def where_of_scalars_and_types(x, b):
+    t = np.where(x > 0, x, np.int32(-3))
+    u = np.where(x[0] % 2 == 0, b, np.uint8(1))
+    return t.sum() + u[2, 3] + u[1, 1]
+
+
+UNORDERED = np.array([3, -1, 7, 7, 0, -5, 2, 9, 1, 4], np.int32)
+
+
+@construct("void(int32[::1])", UNORDERED)
+def sort_in_place(x):
+    x.sort()
+
+
+@construct("void(float32[::1], float32[::1])", np.float32([2, np.nan, -1, np.inf, 0.5]), floats(5))
+def sorted_copy_with_a_nan(x, y):
+    y[:] = np.sort(x)
+
+
+@construct("void(uint8[::1], float32[::1], int32[::1])", BYTES, NONE, np.int32([5]))
+def sorts_of_bytes_nothing_and_one(b, none, one):
+    b[::-1].sort()
+    none.sort()
+    one.sort()
+
+
+@construct("void(float32[:, ::1], float32[::1], float32[::1])", MATRIX, ROW, floats(5))
+def columns_mean_and_largest(m, mean, largest):
+    for j in range(m.shape[1]):
+        mean[j] = m[:, j].mean()
+        largest[j] = m[:, j].max()
