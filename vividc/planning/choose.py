@@ -341,8 +341,8 @@ class _Chooser:
             )
         for header in headers:
             loc = self.now.state.loc(header)
-            self.fixed.add(header)
             if count > 1:
+                self.fixed.add(header)
                 self._force("threads", header, count, 0 if loc is None else loc.line)
 
     def _force(self, kind: Kind, header: str, factor: int, line: int) -> None:

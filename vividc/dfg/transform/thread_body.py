@@ -28,6 +28,8 @@ class Group:
         For each thread what stands for the ids of `function`.
     private
         Arrays of which every thread has its own, by thread: the names.
+    is_spread
+        A tile may hold slices of arrays.
     """
 
     function: Function
@@ -35,6 +37,7 @@ class Group:
     chain: Chain
     values: tuple[dict[int, Value], ...]
     private: tuple[dict[str, str], ...]
+    is_spread: bool = False
 
     @property
     def threads(self) -> range:
@@ -61,6 +64,8 @@ class Body:
         For each thread whether it has left the loop before; None if all leave together.
     ahead
         Ids of loads that may run before it is known whether their thread is done.
+    entered
+        For each thread whether it came to the loop, where `active` does not say so.
     """
 
     def __init__(
@@ -70,10 +75,12 @@ class Body:
         active: list[Value | None],
         done: list[Value] | None = None,
         ahead: frozenset[int] = frozenset(),
+        entered: list[Value | None] | None = None,
     ) -> None:
         self.group, self.level = group, level
         self.chain = group.chain
         self.active, self.done, self.ahead = active, done, ahead
+        self.entered = active if entered is None else entered
         self.paths = [Paths(level, group.chain) for _ in group.threads]
         self.exits = level.exits
         own = {phi.id for phi in level.header.phis}
@@ -158,7 +165,8 @@ class Body:
         with self.chain.thread(thread, instr.id, instr.loc):
             operands = [self.group.value(thread, value) for value in instr.operands]
             if instr.op in MEMORY and self.runs_ahead(instr):
-                when = inside_array(self.group, instr, operands)
+                inside = inside_array(self.group, instr, operands)
+                when = self.chain.both(inside, self._inside_slice([thread], block))
             array = self.group.private[thread].get(instr.array, instr.array)
             self.group.values[thread][instr.id] = self._copy(instr, operands, when, array)
 
@@ -169,10 +177,29 @@ class Body:
         if instr.op in MEMORY:
             when = self._anyone(block)
             if when is not None and self.runs_ahead(instr):
-                when = inside_array(self.group, instr, operands)
+                inside = inside_array(self.group, instr, operands)
+                when = self.chain.both(inside, self._inside_slice(self.group.threads, block))
         done = self._copy(instr, operands, when, instr.array, exact=instr.exact)
         for values in self.group.values:
             values[instr.id] = done
+
+    def _inside_slice(self, threads: Iterable[int], block: str) -> Value | None:
+        """When a load that runs ahead reads what a tile has of the array; None: it has all of it.
+
+        A slice holds what iterations of the tile's own may read where the conditions around the
+        load hold, whether or not they have left the loop before.
+        """
+        if not self.group.is_spread:
+            return None
+        found: list[Value | None] = []
+        for thread in threads:
+            with self.chain.thread(thread, self._decision(block)):
+                path = self.paths[thread].of(self.level.node(block))
+                before = [edge for edge in self.level.exits_before(block) if edge in self.exits]
+                for edge in before:
+                    path = self.chain.unless(self.paths[thread].leaving(edge), path)
+                found.append(self.chain.both(self.entered[thread], path))
+        return reduce(self.chain.either, found)
 
     def _anyone(self, block: str) -> Value | None:
         """Whether some thread runs a block, given that one is in the loop; None: it does."""

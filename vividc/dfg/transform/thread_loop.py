@@ -218,7 +218,7 @@ class ThreadLoop:
             return Body(self.group, self.level, self.enters)
         everyone: list[Value | None] = [None for _ in self.enters]
         ahead = _loads_ahead(self.level, self.deciding)
-        return Body(self.group, self.level, everyone, done, ahead)
+        return Body(self.group, self.level, everyone, done, ahead, self.enters)
 
     def _kept(self, body: Body, before: str) -> list[_Next]:
         """Phis for what a thread leaves behind that is no phi of its own, of a free loop."""

@@ -42,6 +42,7 @@ from vividc.dfg.counted import count_loop
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.opcodes import MEMORY, Opcode, Type
+from vividc.dfg.parallel import FIRST, LAST
 from vividc.dfg.transform.chain import Chain
 from vividc.dfg.transform.levels import Level, level_of, with_own_latches
 from vividc.dfg.transform.peel import preheader_of
@@ -186,7 +187,8 @@ class _Threads:
         own_loads = self._own_loads()
         uniform = uniform_values(self.level, own_loads)
         values = tuple(dict[int, Value]() for _ in range(self.count))
-        self.group = Group(self.level.function, uniform, chain, values, private)
+        spread = is_spread(self.function)
+        self.group = Group(self.level.function, uniform, chain, values, private, spread)
         self.chain = chain
         return self._write()
 
@@ -353,6 +355,15 @@ def private_arrays(function: Function, level: Level) -> tuple[str, ...]:
     }
     own = (a.name for a in function.locals if a.contents is None and not a.name.startswith(TRAP))
     return tuple(name for name in own if name in written - outside)
+
+
+def is_spread(function: Function) -> bool:
+    """Whether the function is one whose parallel loop a launch cuts into chunks."""
+    for block in function.blocks:
+        phis = (value for phi in block.phis for _, value in phi.incoming)
+        if any(value in (Input(FIRST), Input(LAST)) for value in (*uses(block), *phis)):
+            return True
+    return False
 
 
 def _has_hidden_base(function: Function, level: Level) -> bool:
