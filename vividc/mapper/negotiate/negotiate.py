@@ -17,6 +17,7 @@ from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import InternalError
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.dependences import dependences, earliest_starts
+from vividc.mapper.distances import FAR, hop_distances
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.mrrg import MRRG, NONE, build_mrrg
 from vividc.mapper.negotiate.anneal import Heat, anneal
@@ -98,11 +99,11 @@ def negotiate(
     start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
     if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
         return None
-    latest = max(start.values(), default=0) + ii
+    latest = max(start.values(), default=0) + _slack(problem, ii)
     latest = min(latest, ii * problem.fabric.controller.max_stages - 1)
     if any(time > latest for time in start.values()):
         return None
-    attempt = _Attempt(problem, ii, start, latest, seed)
+    attempt = _Attempt(problem, ii, _with_room(problem, start, latest), latest, seed)
     if not attempt.fits:
         return None
     for _ in range(effort.trials):
@@ -113,6 +114,25 @@ def negotiate(
         if deadline.passed:
             return None
     return None
+
+
+def _slack(problem: MapProblem, ii: int) -> int:
+    """Cycles by which the schedule may be longer than the longest path."""
+    if problem.fabric.routing.hops:
+        return ii
+    widest = max(hops for row in hop_distances(problem.fabric) for hops in row if hops < FAR)
+    return max(ii, 2 * widest)
+
+
+def _with_room(problem: MapProblem, start: ReadOnly[int, int], latest: int) -> ReadOnly[int, int]:
+    """The schedule to begin with. Where words go through output registers nothing draws nodes
+    together in time, and one that comes too early cannot push all that follows: so there is room
+    before the first.
+    """
+    if problem.fabric.routing.hops:
+        return start
+    later = (latest - max(start.values(), default=0)) // 2
+    return {node: time + later for node, time in start.items()}
 
 
 def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
