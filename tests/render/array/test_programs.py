@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,21 @@ def test_a_kernel_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     programs(told).get(FIR)
     assert len(told) == 2
     assert vividc.load(bundle).name == "prefix_sum"
+
+
+def test_a_program_whose_mapping_took_too_long_is_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
+    told: list[str] = []
+    late = "prefix_sum.py:9: the loop took too long and runs block by block"
+    program = replace(programs(told).get(FIR), warnings=(late,))
+    (bundle,) = (tmp_path / "programs").iterdir()
+    bundle.unlink()
+    monkeypatch.setattr(vividc, "compile", lambda *_, **__: program)
+    assert programs(told).get(FIR) is program
+    assert told[-1] == f"{late}; not kept: it is compiled again the next time"
+    assert not list((tmp_path / "programs").iterdir())
 
 
 def test_options_and_places_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

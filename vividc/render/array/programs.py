@@ -25,6 +25,9 @@ _PACKAGE: Final = Path(vividc.__file__).resolve().parent
 _COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
 
+_LATE: Final = "took too long"
+"""In the warning of a loop that found no schedule in time: on an idle machine it may."""
+
 Options = Mapping[str, object]
 """Keywords of `vividc.compile`."""
 
@@ -80,12 +83,18 @@ class Programs:
         if bundle is not None and bundle.is_file():
             with suppress(BundleError):
                 return vividc.load(bundle)
-        if self.tell is not None:
-            self.tell(f"compiling {kernel} (kept for the next time)")
+        self._say(f"compiling {kernel} (kept for the next time)")
         program = self._compile(file, function, options)
-        if bundle is not None:
+        late = [text for text in program.warnings if _LATE in text]
+        if late:
+            self._say(f"{late[0]}; not kept: it is compiled again the next time")
+        elif bundle is not None:
             _save(program, bundle)
         return program
+
+    def _say(self, line: str) -> None:
+        if self.tell is not None:
+            self.tell(line)
 
     def _compile(self, file: Path, function: str, options: Options) -> vividc.Program:
         found = getattr(_module(file), function, None)
