@@ -269,13 +269,12 @@ def _compile_stages(
     function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    fuse = options.contract and not parallel
-    if options.contract and parallel:  # threads share products, and must round like one
+    if options.contract:  # copies may share a product, and must round like the one they are of
         function = contract(function)
     narrow = arithmetic_format(options.precision)
     if narrow is not None:
-        function = in_format(contract(function) if options.contract else function, narrow)
-    passes = PassOptions(fuse, options.reassociate, options.precision)
+        function = in_format(function, narrow)
+    passes = PassOptions(False, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform, parallel)
