@@ -179,7 +179,8 @@ def main(
         on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
         command = f"python -m benchmarks --table {table}"
         command += "" if table in PLACES else f" {on} --time-limit {time_limit:g}"
-        lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), ""]
+        made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command}`"
+        lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
         if table in MODULES:
             lines += [*MODULES[table].NOTES, ""]
         for fabric in PLACES.get(table, fabrics):

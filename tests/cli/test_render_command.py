@@ -107,6 +107,10 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
             (MIC / "mic_3dgs_sh3.ply", "--engine", "array", "--blend", "absent.vivid"),
             "absent.vivid",
         ),
+        (
+            ("--engine", "array", MIC / "mic_3dgs_sh3.ply", "--blend", "a.vivid", "--sample", ".5"),
+            "with --blend all is simulated",
+        ),
         ((MIC / "mic_kilonerf.npz", "--size", "8"), "8 is not a size like 800x800"),
         ((MIC / "mic_kilonerf.npz", "--size", "0x8"), "sides are 1 to 8192 pixels"),
         ((MIC / "mic_kilonerf.npz", "--elevation", "90"), "no camera at azimuth"),

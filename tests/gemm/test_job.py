@@ -143,5 +143,8 @@ def test_mistakes_are_told() -> None:
         mlp_job(x, layers(5, 2), accelerator="vivid-unit")
     with pytest.raises(ArgumentError, match="'exp' of layer 0 is one of jobs"):
         mlp(x, [Layer(random(5, 2), None, "exp")])
+    for empty, none in ((random(0, 5), random(5, 2)), (x, random(5, 0))):
+        with pytest.raises(SystolicError, match="nothing to compute"):
+            mlp_job(empty, [Layer(none)])
     with pytest.raises(SystolicError, match="takes 602 contexts"):
         lay_out(10, [LayerShape(600, 3)], "tpu-unified", VIVID)

@@ -102,7 +102,7 @@ def print_frame(body: Mapping[str, Any]) -> None:
     if body["sampled"] < 1:
         click.echo(
             f"simulated: {100 * body['sampled']:.1f} % of the blocks of pixels; the others are "
-            "white, cycles and energy are of the simulated ones, frames a second of the whole"
+            "white, cycles and energy are of what was simulated, frames a second of the whole"
         )
     click.echo(
         f"cycles: {body['cycles']:,}; {body['frames_per_second']:.2f} frames a second at "

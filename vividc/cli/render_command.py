@@ -179,8 +179,8 @@ def command(
         raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
     view = _view(views_file, view_index)
     found, model = read_scene(scene, method)
-    if sample != 1 and engine != ARRAY:
-        raise SceneError("only the array is simulated", loc="--sample", hint="--engine array")
+    if sample != 1:
+        _check_sample(engine, program)
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
@@ -229,6 +229,13 @@ def _view(views_file: Path | None, index: int | None) -> View | None:
             f"there is no view {number}: {views_file} has {len(views)}, from 0", loc="--view"
         )
     return views[number]
+
+
+def _check_sample(engine: str, program: Path | None) -> None:
+    if engine != ARRAY:
+        raise SceneError("only the array is simulated", loc="--sample", hint="--engine array")
+    if program is not None:
+        raise SceneError("with --blend all is simulated", loc="--sample", hint="leave out --blend")
 
 
 def _camera(

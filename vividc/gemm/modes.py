@@ -83,7 +83,7 @@ def predict(rows: int, layers: Sequence[LayerShape], mode: Mode) -> Prediction:
     SystolicError
         A size below 1, or a layer that does not fit the array's memories.
     """
-    _check_sizes(rows, layers)
+    check_sizes(rows, layers)
     name, arrays = FABRICS[check_mode(mode)]
     array = SystolicArray.of(arch.load_tile(name))
     cycles = launches = 0
@@ -162,7 +162,14 @@ def check_mode(mode: str) -> Mode:
     raise SystolicError(f"unknown mode {mode!r}", hint=f"modes: {', '.join(MODES)}, auto")
 
 
-def _check_sizes(rows: int, layers: Sequence[LayerShape]) -> None:
+def check_sizes(rows: int, layers: Sequence[LayerShape]) -> None:
+    """Refuse products without a row, a column or an inner index.
+
+    Raises
+    ------
+    SystolicError
+        A size is below 1, or there are no layers.
+    """
     sizes = [rows, *(size for layer in layers for size in (layer.depth, layer.cols))]
     if not layers or min(sizes) < 1:
         raise SystolicError(f"nothing to compute: the sizes are {sizes}", hint="give 1 or more")

@@ -11,7 +11,7 @@ from vividc import arch
 from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError
 from vividc.gemm.chain import Chain, Link
-from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, padded
+from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, check_sizes, padded
 from vividc.mapper.systolic import SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
@@ -136,8 +136,9 @@ def lay_out(
     Raises
     ------
     SystolicError
-        A layer does not fit the array's memories, or an unknown mode.
+        A layer does not fit the array's memories, a size below 1, or an unknown mode.
     """
+    check_sizes(rows, shapes)
     name, arrays = FABRICS[check_mode(mode)]
     array = SystolicArray.of(arch.load_tile(name))
     found, refusal = [], None

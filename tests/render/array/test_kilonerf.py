@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, render_array
 from vividc.render.array.kilonerf import _CHUNK, _by_coordinate, _pieces
@@ -71,6 +72,8 @@ def test_a_share_out_of_range_is_refused(model: KiloNeRF, sample: float) -> None
     camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 8, 8)
     with pytest.raises(SceneError, match="of the blocks cannot be simulated"):
         render_array(model, camera, ArrayOptions(sample=sample))
+    with pytest.raises(ArgumentError, match="the share of blocks cannot be 'half'"):
+        render_array(model, camera, ArrayOptions(sample="half"))  # type: ignore[arg-type]
 
 
 @pytest.mark.slow

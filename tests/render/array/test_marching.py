@@ -107,6 +107,27 @@ def test_a_dense_scene_is_marched_in_smaller_parts(
     assert psnr(image, over_background(rgbt)) > 80
 
 
+def test_parts_are_no_larger_than_the_launches_behind_them(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    full, step = np.ones((3, 4, 5), dtype=np.bool_), model.march.step / np.float32(4)
+    finer = replace(model, march=replace(model.march, occupied=full, step=step, samples=1850))
+    small = scaled_camera(camera, 4, 4)
+    image, ledger = rendered(device, HostField(finer), small)
+    rgbt, expected = render_field(finer, small)
+    assert ledger.counts["density_samples"] == expected.density_samples
+    assert psnr(image, over_background(rgbt)) > 80
+
+
+def test_a_ray_of_more_samples_than_a_launch_has_room_for_is_refused(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    full, step = np.ones((3, 4, 5), dtype=np.bool_), model.march.step / np.float32(12)
+    march = replace(model.march, occupied=full, step=step, samples=3000)
+    with pytest.raises(SceneError, match=r"a ray has \d+ samples .* room for 1536"):
+        rendered(device, HostField(model, march), scaled_camera(camera, 4, 4))
+
+
 def test_a_camera_inside_and_one_that_looks_away(
     device: Device, model: KiloNeRF, camera: Camera
 ) -> None:

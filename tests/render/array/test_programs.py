@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
 import vividc
+from vividc.errors import BundleError
 from vividc.render import SceneError
 from vividc.render.array.programs import Programs, cache_folder, compiler_digest, kernel_folder
 
@@ -47,6 +49,16 @@ def test_a_program_whose_mapping_took_too_long_is_not_kept(
     monkeypatch.setattr(vividc, "compile", lambda *_, **__: program)
     assert programs(told).get(FIR) is program
     assert told[-1] == f"{late}; not kept: it is compiled again the next time"
+    assert not list((tmp_path / "programs").iterdir())
+
+
+def test_a_program_that_cannot_be_kept_is_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
+    no_room = BundleError("cannot write: No space left on device")
+    monkeypatch.setattr(vividc.Program, "save", Mock(side_effect=no_room))
+    assert programs([]).get(FIR).name == "prefix_sum"
     assert not list((tmp_path / "programs").iterdir())
 
 

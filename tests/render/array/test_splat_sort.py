@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from vividc.render import Projection, bin_and_sort
+from vividc.render import Projection, SceneError, bin_and_sort
 from vividc.render.array import Device, Ledger, open_device
 from vividc.render.array.splat_project import DeviceSplats
 from vividc.render.array.splat_sort import sort_on_array
@@ -59,6 +61,13 @@ def check(device: Device, projection: Projection, width: int, height: int, gap: 
     np.testing.assert_array_equal(lists.start, expected.start)
     np.testing.assert_array_equal(lists.slots, slots)
     assert set(ledger.stages) == {"sorting", "binning"}
+
+
+def test_more_splats_than_can_be_sorted_are_refused(device: Device) -> None:
+    one = on_device(projected(*np.ones((4, 1))), 1, 1, 0)
+    many = replace(one, counts=(4_194_305,))
+    with pytest.raises(SceneError, match="4194305 splats are seen, and the array sorts 4194304"):
+        sort_on_array(device, Ledger(), many, 1, 1)
 
 
 def test_lists_and_ties_are_in_the_order_of_the_reference(device: Device) -> None:

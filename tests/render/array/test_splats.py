@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,6 +59,16 @@ def test_parameters_that_are_no_numbers_are_refused(name: str, value: float) -> 
 def test_images_of_too_many_screen_tiles_are_refused() -> None:
     with pytest.raises(SceneError, match="256x1 screen tiles"):
         render_splats(gaussians([[0, 0, -3]]), ahead(4081, 16))
+
+
+def test_scratchpads_smaller_than_the_launches_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "tile.yaml").write_text(
+        "extends: vivid-tile\nscratchpad: {size_bytes: 16384, banks: 8}\n"
+    )
+    file = tmp_path / "small.yaml"
+    file.write_text("extends: vivid\ntiles: {rows: 4, cols: 4, fabric: tile.yaml}\n")
+    with pytest.raises(SceneError, match="scratchpads of 32768 bytes"):
+        render_array(gaussians([[0, 0, -3]]), ahead(), ArrayOptions(fabric=str(file)))
 
 
 @pytest.mark.slow

@@ -37,6 +37,10 @@ _BLOCKS_AT_ONCE = 512
 _RAY_WORDS = 6
 _SAMPLES_AT_ONCE = 720
 """Samples of a launch of the other kernels: five words of each fit a scratchpad twice."""
+_SAMPLE_WORDS = 5
+"""Of each sample in a launch of the kernels behind the marching one."""
+_OTHER_BYTES = 2048
+"""Of the arrays in such a launch that are not by sample, and what aligning takes."""
 _SPARE_WORDS = 256
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
@@ -151,6 +155,7 @@ class Marcher:
             again: list[Block] = []
             for part, room, samples in zip(todo, rooms, found, strict=True):
                 if samples > self._room:
+                    _check_divisible(part, samples, self._room)
                     again += _halves(part)
                 else:
                     done[part.first_ray] = room[:samples]
@@ -385,7 +390,7 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
     Raises
     ------
     SceneError
-        Not even for those of one ray.
+        Not even for those of one ray where the rays march.
     """
     free = scratchpad_bytes - bricks.size_bytes
     words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * _RAYS_AT_ONCE
@@ -398,7 +403,17 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
             f"{march.samples} samples of a ray must fit beside it",
             hint="store a coarser occupancy, or use a fabric with larger scratchpads",
         )
-    return room
+    return min(room, (scratchpad_bytes - _OTHER_BYTES) // (_WORD * _SAMPLE_WORDS))
+
+
+def _check_divisible(block: Block, samples: int, room: int) -> None:
+    if block.rays == 1:
+        raise SceneError(
+            f"a ray has {samples} samples in bricks that hold an occupied cell, and a launch has "
+            f"room for {room}",
+            hint="store a finer occupancy or a longer step, or use a fabric with larger "
+            "scratchpads",
+        )
 
 
 def _joined(parts: dict[int, Int32Array], rays: int) -> tuple[list[Block], list[list[Int32Array]]]:

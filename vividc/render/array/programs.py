@@ -204,7 +204,7 @@ def _source(file: Path) -> bytes:
 
 def _save(program: vividc.Program, bundle: Path) -> None:
     """Write a bundle in one step; silently not, if that is not possible."""
-    with suppress(OSError):
+    with suppress(BundleError, OSError):
         bundle.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(suffix=".vivid", dir=bundle.parent)
         os.close(handle)

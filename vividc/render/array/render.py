@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
+from vividc.errors import demand_type
 from vividc.render.array.device import Device, open_device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger
@@ -49,6 +50,7 @@ def render_array(
         The fabric is unknown, faulty or a single tile.
     """
     options = options or ArrayOptions()
+    demand_type(options.sample, (int, float), "the share of blocks", "give a number")
     if not 0 < options.sample <= 1:
         raise SceneError(
             f"a share of {options.sample} of the blocks cannot be simulated",

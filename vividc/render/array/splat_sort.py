@@ -20,6 +20,7 @@ from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.splat_project import WORD, DeviceSplats
 from vividc.render.arrays import Int32Array
+from vividc.render.errors import SceneError
 
 _FILE = "render/splat_sort"
 _DIGIT_BITS = 6
@@ -30,7 +31,7 @@ _COUNTS_AT = 3 * _CHUNK
 _OUT_AT = _COUNTS_AT + 256
 _OUT_WORDS = _SPM_WORDS - _OUT_AT
 _PLACE_COUNTS = 4096
-"""Counts that are turned into places at once."""
+"""Counts that are turned into places at once: at least one of each chunk."""
 
 Scalars = Mapping[str, object]
 
@@ -84,7 +85,18 @@ class _Scatter:
 def sort_on_array(
     device: Device, ledger: Ledger, splats: DeviceSplats, columns: int, rows: int
 ) -> ScreenLists:
-    """Sort the splats into the lists of `rows` x `columns` screen tiles."""
+    """Sort the splats into the lists of `rows` x `columns` screen tiles.
+
+    Raises
+    ------
+    SceneError
+        They are more than the counts of their chunks have room for.
+    """
+    if len(splats) > _CHUNK * _PLACE_COUNTS:
+        raise SceneError(
+            f"{len(splats)} splats are seen, and the array sorts {_CHUNK * _PLACE_COUNTS}",
+            hint="render a part of the scene, or use --engine reference",
+        )
     ordered = _by_depth(device, ledger, splats)
     return _bin(device, ledger, ordered, columns, rows)
 

@@ -19,9 +19,12 @@ from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.blend_reference import BlendOptions
 from vividc.render.camera import Camera
 from vividc.render.crop import TILE_PX
+from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 
 Progress = Callable[[float], None]
+_SCRATCHPAD_BYTES = 32_768
+"""Where the launches put their arrays goes up to there."""
 _PROJECTED, _SORTED = 0.05, 0.15
 """Rough shares of the time."""
 
@@ -54,11 +57,13 @@ def render_splats(
     Raises
     ------
     SceneError
-        A parameter of the scene is not finite, or the image is too large.
+        A parameter of the scene is not finite, the image is too large, more splats are seen than
+        can be sorted, or the tiles have smaller scratchpads than the launches are laid out for.
     """
     chosen = ArrayOptions() if options is None else options
     machine = open_device(chosen.fabric, chosen.engine) if device is None else device
     tell = progress if progress is not None else _silent
+    _check_scratchpad(machine)
     columns, rows = screen_tiles(camera)
     arrays = device_scene(scene)
     ledger = Ledger()
@@ -85,6 +90,15 @@ def render_splats(
         len(screens) / (columns * rows),
         None if chosen.sample == 1 else _pixels_of(screens, camera, columns),
     )
+
+
+def _check_scratchpad(device: Device) -> None:
+    if device.scratchpad_bytes < _SCRATCHPAD_BYTES:
+        raise SceneError(
+            f"the launches of 3DGS take scratchpads of {_SCRATCHPAD_BYTES} bytes, and those of "
+            f"{device.programs.machine.name} have {device.scratchpad_bytes}",
+            hint="use a fabric with larger scratchpads",
+        )
 
 
 def _pixels_of(screens: Int32Array, camera: Camera, columns: int) -> npt.NDArray[np.bool_]:
