@@ -85,3 +85,18 @@ def chains(fmt):
             out[4 * i + 3] = np.float32(c3)
 
     return kernel
+
+
+@vividc.kernel("void(float16[::1], int32[::1])")
+def truths(x, out):
+    for i in range(len(x)):
+        if x[i]:
+            out[i] += 1
+        if not x[i]:
+            out[i] += 2
+        out[i] += 4 * bool(x[i])
+
+
+@vividc.kernel("void(float16[::1])")
+def ordered(x):
+    x.sort()

@@ -313,6 +313,17 @@ def two_narrow_formats(x, n):
     x[0] = np.float32(lang.fp16(x[1]) * lang.fp8(x[0]))  # here
 
 
+@mistake("numba has no `int.lang.fp16.`", "np.float32.x.")
+def integer_of_a_half(x, n):
+    x[int(lang.fp16(x[1]))] = np.float32(0)  # here
+
+
+@mistake("np.float16 in a kernel", "lang.fp16")
+def array_of_halves(x, n):  # here: any
+    values = np.zeros(4, np.float16)
+    x[0] = np.float32(values[1])
+
+
 @mistake("stored into an array of another format", "cast it")
 def stored_without_a_cast(x, n):
     x[0] = lang.fp8(x[1])  # here

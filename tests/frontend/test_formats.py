@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.format_kernels import CODES, halves, on_codes, rounded
+from tests.frontend.format_kernels import CODES, halves, on_codes, ordered, rounded, truths
 from vividc import lang
 from vividc.formats import FORMATS, round_array, to_floats
 
@@ -90,6 +90,21 @@ def test_arrays_of_float16() -> None:
     for one, other, third in zip(host, array, reference, strict=True):
         assert one.tobytes() == other.tobytes() == third.tobytes()
     assert host[1].dtype == np.float16
+
+
+def test_a_float16_is_a_condition() -> None:
+    x = np.array([3, 0, -0.0, np.nan, np.inf, 6e-8], np.float16)
+    host, array = np.zeros(len(x), np.int32), np.zeros(len(x), np.int32)
+    truths(x, host)
+    vividc.simulate(vividc.compile(truths, transform="none", time_limit_s=3.0), x, array)
+    assert host.tolist() == array.tolist() == [5, 2, 2, 5, 5, 5]
+
+
+def test_a_sort_of_float16_has_nans_last() -> None:
+    x = np.array([3, np.nan, 1, -2, np.nan, 0, -7], np.float16)
+    wanted = np.sort(x)
+    vividc.simulate(vividc.compile(ordered, transform="none", time_limit_s=3.0), x)
+    assert np.array_equal(x, wanted, equal_nan=True)
 
 
 def test_a_fused_product_keeps_the_zero_that_ieee_asks_for() -> None:

@@ -325,6 +325,16 @@ _WORDS: tuple[tuple[str, Callable[[str], str], str], ...] = (
         "cast where it is assigned, so that it has one format everywhere",
     ),
     (
+        r">>> .*lang\.\w+",
+        lambda text: f"numba has no `{_call(text)}`",
+        "numbers of 16 and 8 bits have +, -, * and comparisons, one by one: np.float32(x) has all",
+    ),
+    (
+        r"^float16$",
+        lambda _: "np.float16 in a kernel",
+        "write lang.fp16(x) for a number; an array of the kernel's own can be float32",
+    ),
+    (
         "No implementation of function",
         lambda text: f"numba has no `{_call(text)}`",
         "write it with loops and arithmetic",

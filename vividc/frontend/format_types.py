@@ -201,6 +201,14 @@ def _to_boolean(context: Any, builder: Any, given: Any, _: Any, value: Any) -> A
     return builder.fcmp_unordered("!=", number, ir.FloatType()(0.0))
 
 
+def _truth(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    """Of `if x:`, whose condition numba makes a bool without a cast."""
+    return _to_boolean(context, builder, signature.args[0], types.boolean, args[0])
+
+
+lower_builtin(bool, FormatType)(_truth)
+
+
 def _misuse(text: str) -> Exception:
     error: Exception = errors.NumbaValueError(MISUSE + text)
     return error
@@ -339,6 +347,11 @@ for _key, _operation in (
     _register_comparison(_key, _operation)
 _register_sign(operator.neg, "neg")
 _register_sign(abs, "abs")
+
+
+@_overload(operator.not_)
+def _overload_not(value: Any) -> Any:
+    return (lambda value: not bool(value)) if isinstance(value, FormatType) else None
 
 
 @_overload(operator.pos)

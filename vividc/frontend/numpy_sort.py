@@ -12,6 +12,8 @@ from numba.core import types
 from numba.core.typing import signature
 from numba.extending import register_jitable
 
+from vividc.frontend.format_types import FormatType
+
 _helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
 
 
@@ -22,7 +24,7 @@ def is_sort(operation: object, sig: Any) -> bool:
 
 def sort(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     """Sort; NaNs come last, as in numpy."""
-    rule = _sort_floats if isinstance(sig.recvr.dtype, types.Float) else _sort
+    rule = _sort_floats if isinstance(sig.recvr.dtype, types.Float | FormatType) else _sort
     inner = signature(sig.return_type, sig.recvr)
     return context.compile_internal(builder, rule, inner, args[:1])
 
