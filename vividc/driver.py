@@ -27,7 +27,7 @@ from vividc.dfg.precision import (
 )
 from vividc.dfg.product import Product
 from vividc.dfg.regions import Kernel, Region
-from vividc.dfg.transform.contract import contract
+from vividc.dfg.transform.contract import contract as contract_products
 from vividc.dfg.transform.in_format import in_format
 from vividc.errors import (
     InternalError,
@@ -270,7 +270,7 @@ def _compile_stages(
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""
     if options.contract:  # copies may share a product, and must round like the one they are of
-        function = contract(function)
+        function = contract_products(function)
     narrow = arithmetic_format(options.precision)
     if narrow is not None:
         function = in_format(function, narrow)
@@ -359,7 +359,9 @@ def lower(
     `sequential`: headers of innermost loops that are not to be modulo-scheduled.
     """
     function = replace(kernel.lower(strict_fp=strict_fp), sequential=sequential)
-    return optimize_kernel(build_kernel(function), PassOptions(contract))
+    if contract:
+        function = contract_products(function)
+    return optimize_kernel(build_kernel(function), PassOptions(contract=False))
 
 
 def map_kernel(

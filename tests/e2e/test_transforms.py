@@ -98,6 +98,26 @@ def test_every_remainder_of_a_jammed_nest(rows: int) -> None:
     assert_same("gemv", (np.float32(1.5), *arrays, np.float32(0.5), y))
 
 
+@vividc.kernel("void(float32[::1], float32[::1], float32[::1])")
+def sums_of_one_product(x, y, b):
+    for i in range(len(b)):
+        s = b[i]
+        for j in range(len(x)):
+            s += x[j] * y[j]
+        b[i] = s
+
+
+def test_a_product_that_jammed_copies_share_rounds_as_in_one() -> None:
+    rng = np.random.default_rng(0)
+    x, y, b = (rng.standard_normal(n).astype(np.float32) for n in (37, 37, 16))
+    written = b.copy()
+    vividc.simulate(vividc.compile(sums_of_one_product, transform="none"), x, y, written)
+    program = vividc.compile(sums_of_one_product)
+    assert any(item.chosen for loop in program.loops for item in loop.transforms)
+    vividc.simulate(program, x, y, b)
+    np.testing.assert_array_equal(b, written)
+
+
 def test_reports_say_what_was_done() -> None:
     plain, transformed = compiled("gemv")
     inner, outer = transformed.loops

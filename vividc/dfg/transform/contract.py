@@ -1,8 +1,8 @@
 """Contraction of products and sums before a function is transformed: every form of it then rounds
 alike.
 
-`passes.contract_fma` decides by a product's readers in one region. Threads that share a product,
-and predicates that make one region of several, would change that.
+`passes.contract_fma` decides by a product's readers in one region. Threads and jammed copies that
+share a product, and predicates that make one region of several, would change that.
 """
 
 from __future__ import annotations
