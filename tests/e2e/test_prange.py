@@ -430,7 +430,7 @@ def test_what_cannot_be_spread_is_refused_with_its_line(kernel: Any, says: str) 
 def test_gaussian_blending_over_the_rows_of_a_block() -> None:
     """The kernel of `kernels/gs_blend.py` with `prange` over rows; a mapping of a minute."""
     from kernels.gs_blend import gs_blend  # noqa: PLC0415
-    from tests.e2e.parallel_blend import blend_rows  # noqa: PLC0415
+    from kernels.threads import gs_blend_rows  # noqa: PLC0415
 
     count, width, height = 40, 24, 16
     mean = RNG.random((2, count)).astype(np.float32) * width
@@ -441,7 +441,7 @@ def test_gaussian_blending_over_the_rows_of_a_block() -> None:
     arrays = [*mean.copy(), *conic.copy(), *shades.copy()]
     sizes = (0, 0, width, height, count)
     gs_blend(*arrays, expected, *sizes)
-    program = vividc.compile(blend_rows, fabric="vivid", time_limit_s=60)
+    program = vividc.compile(gs_blend_rows, fabric="vivid", time_limit_s=60)
     arrays = [np.ascontiguousarray(array) for array in arrays]
     result = vividc.simulate(program, *arrays, out, *sizes, fabric="vivid")
     # Our exp is within 2 ulp, and multiplications and additions are contracted.
