@@ -139,6 +139,17 @@ def test_a_node_with_more_constants_than_any_store_is_named() -> None:
     assert "constant store" in bounds[0].reason
 
 
+def test_a_live_out_that_reads_the_entry_it_writes_is_named() -> None:
+    g = GraphBuilder("delayed")
+    total = g.op(Opcode.ADD, g.source(Opcode.IV), g.const(1))
+    delivered = g.op(Opcode.LIVE_OUT, name="%sum")
+    g.carry(total, delivered, 0, g.source(Opcode.LIVE_IN, name="%sum"))
+    problem = MapProblem(g.build(), grid(2, 2))
+    (bound,) = all_bounds(problem)
+    assert bound.ii == no_ii(problem)
+    assert "reads the entry of the constant store that it writes" in bound.reason
+
+
 def test_a_resident_constant_costs_no_room() -> None:
     resident = {0: frozenset({("const", 1)})}
     problem = MapProblem(chain(1), grid(1, 2, constants=1), resident=resident)

@@ -156,6 +156,27 @@ def test_the_same_seed_gives_the_same_mapping() -> None:
     assert negotiated(dfg, ii) == negotiated(dfg, ii)
 
 
+@pytest.mark.parametrize("seed", [1, 3, 8])
+def test_a_live_out_spares_the_word_that_others_still_read(seed: int) -> None:
+    """Live-outs lay beside readers of the entry they write: an internal error."""
+    fabric, dfg = arch.load("mesh-2x2"), with_entries_read(random_loop(seed, 14, (5, 1, 3)))
+    mapping = negotiated(dfg, relaxed(dfg, fabric), fabric=fabric)
+    assert mapping is not None
+    assert verify(dfg, fabric, mapping) == []
+
+
+def with_entries_read(dfg: DFG) -> DFG:
+    """The loop with its constants replaced by the entries that its live-outs write."""
+    names = [node.name for node in dfg.nodes if node.op is Opcode.LIVE_OUT]
+    nodes = [
+        replace(node, op=Opcode.LIVE_IN, const=None, name=names[node.id % len(names)])
+        if node.op is Opcode.CONST
+        else node
+        for node in dfg.nodes
+    ]
+    return replace(dfg, nodes=tuple(nodes))
+
+
 def test_no_time_gives_no_mapping() -> None:
     dfg = random_loop(3, 24)
     assert negotiate(MapProblem(dfg, TILE), 8, 1, Deadline.after(0.0), QUICK) is None

@@ -23,7 +23,7 @@ from vividc.mapper.dependences import (
 )
 from vividc.mapper.mapping import Bound
 from vividc.mapper.pressure import pressure_bounds
-from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 from vividc.mapper.reach_bounds import island_bounds, unreachable_bounds
 
 _MAX_HALL_SETS = 256
@@ -82,9 +82,15 @@ def usable_pes(problem: MapProblem, node: Node) -> tuple[int, ...]:
 
 
 def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
-    """A bound for each node that no PE can take."""
+    """A bound for each node that no PE can take, a live-out among them that would overwrite the
+    word it reads itself.
+    """
     found = []
     for node in problem.dfg.placed:
+        if node.op is Opcode.LIVE_OUT and _reads_its_own_entry(problem, node):
+            reason = f"{_name(node)} reads the entry of the constant store that it writes"
+            found.append(Bound("placement", no_ii(problem), reason, (node.id,)))
+            continue
         if usable_pes(problem, node):
             continue
         slices = ", which needs slices for 16 or 8 bits" if node.info.sliced else ""
@@ -96,6 +102,17 @@ def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         reason = f"{_name(node)} cannot be placed: {fault}"
         found.append(Bound("placement", no_ii(problem), reason, (node.id,)))
     return tuple(found)
+
+
+def _reads_its_own_entry(problem: MapProblem, live_out: Node) -> bool:
+    nodes = problem.dfg.by_id
+    sources = (
+        nodes[source]
+        for edge in problem.dfg.in_edges[live_out.id]
+        for source in (edge.src, edge.init)
+        if source is not None and edge.is_data
+    )
+    return any(constant_key(source) == ("live_in", live_out.name) for source in sources)
 
 
 def lifetime_bounds(problem: MapProblem) -> tuple[Bound, ...]:

@@ -9,6 +9,8 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from vividc.dfg.ir import Node
+from vividc.dfg.opcodes import Opcode
 from vividc.mapper.dependences import Dependence, dependences
 from vividc.mapper.distances import hop_distances
 from vividc.mapper.mrrg import MRRG, Ints, Rows, reach
@@ -21,7 +23,8 @@ class Nodes(NamedTuple):
     """What is placed, by dense number (ascending id).
 
     `can`: uint8 (nodes, PEs); `latency`: cycles from issue to result; `busy`: cycles for which it
-    keeps its FU; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`: constant-store entries.
+    keeps its FU; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`: constant-store entries;
+    `key_uses`: `READ` or `WRITTEN` for each.
     """
 
     can: NDArray[np.uint8]
@@ -32,6 +35,7 @@ class Nodes(NamedTuple):
     kind: Ints
     key_begin: Ints
     key_items: Ints
+    key_uses: Ints
 
 
 class Edges(NamedTuple):
@@ -62,8 +66,9 @@ class Edges(NamedTuple):
 class Array(NamedTuple):
     """The fabric. `reach`: cycles after its result that a word needs between PEs; `hop`: links on
     the way; `near`: PEs one link away and the PE itself; `room`: entries of each constant store;
-    `stored`, `held` uint8 (PEs, keys): those that other regions hold there. `outputs`: 1 where
-    words go from PE to PE through output registers only, else 0.
+    `stored`, `held` (PEs, keys): those that other regions hold there, `RESIDENT` each. `outputs`: 1
+    where words go from PE to PE through output registers only, else 0; `rivals`: 1 where a live-out
+    writes an entry that another node reads, else 0.
     """
 
     ii: int
@@ -72,6 +77,7 @@ class Array(NamedTuple):
     pes: int
     banks: int
     keys: int
+    rivals: int
     reach: Ints
     hop: Ints
     near_begin: Ints
@@ -90,6 +96,8 @@ class Task(NamedTuple):
 
 
 FU, MEMORY, CONTROL = 1, 2, 4
+READ, WRITTEN, RESIDENT = 1, 1 << 20, 1 << 40
+"""Uses of an entry of a constant store, which are summed up."""
 
 
 def build_task(
@@ -114,6 +122,11 @@ def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[Constan
         [number.setdefault(key, len(number)) for key in problem.constants_of(node)]
         for node in placed
     )
+    uses = [
+        WRITTEN if key == _written(node) else READ
+        for node in placed
+        for key in problem.constants_of(node)
+    ]
     packed = Rows.of(candidates)
     kinds = [
         FU * node.uses_fu + MEMORY * node.is_memory + CONTROL * (node.control is not None)
@@ -129,6 +142,7 @@ def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[Constan
         ints(kinds),
         keys.begin,
         keys.items,
+        ints(uses),
     )
     return made, number
 
@@ -158,6 +172,18 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
     )
 
 
+def _has_rivals(problem: MapProblem) -> bool:
+    """Whether a live-out writes an entry that another node reads."""
+    placed = problem.dfg.placed
+    written = {_written(node) for node in placed}
+    return any(written & (set(problem.constants_of(node)) - {_written(node)}) for node in placed)
+
+
+def _written(node: Node) -> ConstantKey | None:
+    """The entry of a constant store that a live-out writes."""
+    return ("live_in", node.name) if node.op is Opcode.LIVE_OUT else None
+
+
 def _knots(ends: Sequence[tuple[int, int]], nodes: int) -> list[list[int]]:
     """By node: the strongly connected component that it is in."""
     graph = nx.DiGraph(ends)
@@ -179,7 +205,7 @@ def _array(
     held = np.zeros((pes, max(len(keys), 1)), dtype=np.int64)
     for pe, entries in enumerate(resident):
         for key in entries & keys.keys():
-            held[pe, keys[key]] = 1
+            held[pe, keys[key]] = RESIDENT
     return Array(
         ii=ii,
         latest=latest,
@@ -187,6 +213,7 @@ def _array(
         pes=pes,
         banks=fabric.scratchpad.banks,
         keys=held.shape[1],
+        rivals=int(_has_rivals(problem)),
         reach=cycles,
         hop=np.array(hop_distances(fabric), dtype=np.int64),
         near_begin=near.begin,

@@ -11,6 +11,8 @@ from vividc.mapper.negotiate.arrays import (
     CONTROL,
     FU,
     MEMORY,
+    RESIDENT,
+    WRITTEN,
     Array,
     Edges,
     Nodes,
@@ -81,10 +83,10 @@ def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> Non
     for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
         key = nodes.key_items[at]
         old = places.held[pe, key]
-        places.held[pe, key] = old + by
+        places.held[pe, key] = old + by * nodes.key_uses[at]
         if old == 0:
             places.stored[pe] += 1
-        elif old + by == 0:
+        elif places.held[pe, key] == 0:
             places.stored[pe] -= 1
 
 
@@ -96,6 +98,8 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
     row, slot = pe * ii, places.time[node] % ii
     kind = nodes.kind[node]
     over = max(0, places.stored[pe] - array.room[pe])
+    if array.rivals:
+        over += _rivals(nodes, places, node)
     if kind & FU:
         done = (places.time[node] + nodes.latency[node] - 1) % ii
         over += places.counts[grid + row + done] - 1
@@ -108,6 +112,18 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
     else:
         over += places.counts[2 * grid + row + slot] - 1
     return int(over)
+
+
+@compiled
+def _rivals(nodes: Nodes, places: Places, node: int) -> int:
+    """Entries of the node's that are both read and written on its PE: iterations overlap, so a
+    live-out would take from its readers the word they want.
+    """
+    both = 0
+    for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
+        uses = places.held[places.pe[node], nodes.key_items[at]] % RESIDENT
+        both += uses >= WRITTEN and uses % WRITTEN > 0
+    return both
 
 
 @compiled
