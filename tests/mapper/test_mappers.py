@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import random
+import time
 from collections.abc import Iterator
 from importlib.metadata import EntryPoint, EntryPoints
 
 import pytest
 from fabrics import grid
-from graphs import accumulator, blending, chain
+from graphs import GraphBuilder, accumulator, blending, chain
 from random_graphs import random_loop
 from replay import Broken, replay
 from test_mutation import MUTATIONS
@@ -16,13 +17,15 @@ from test_mutation import MUTATIONS
 from vividc import arch
 from vividc.arch import Fabric
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import LatencyClass
+from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import VividcError
 from vividc.mapper import MapResult, map_dfg, registry, violations
+from vividc.mapper.negotiate import prepare
 
 GUEST = "guest"
 MAPPERS = (*registry.BUILT_IN, GUEST)
 _LIMIT_S = 30.0
+_GENEROUS_S = 6.0
 _ITERATIONS = 8
 
 
@@ -63,6 +66,21 @@ def test_a_recurrence_is_kept(mapper: str) -> None:
     fabric = grid(2, 2, latencies={LatencyClass.FADD: 4})
     result = _mapped(accumulator(), fabric, mapper)
     assert (result.status, result.ii, result.lower_bound) == ("optimal", 4, 4)
+
+
+def test_a_time_limit_is_kept(mapper: str) -> None:
+    """Words that live long kept "ims" searching for minutes."""
+    g = GraphBuilder("long lives")
+    value, one = g.source(Opcode.IV), g.const(1)
+    early = [g.op(Opcode.ADD, value, one) for _ in range(6)]
+    for _ in range(100):
+        value = g.op(Opcode.ADD, value, one)
+    for word in early:
+        value = g.op(Opcode.ADD, value, word)
+    prepare(lambda _: None)
+    began = time.process_time()
+    map_dfg(g.build(), arch.load("vivid-8x8"), mapper, time_limit_s=0.5, workers=1)
+    assert time.process_time() - began < _GENEROUS_S
 
 
 def test_an_ii_below_the_bound_is_refuted(mapper: str) -> None:

@@ -53,8 +53,8 @@ def _try_ii(
     core = replace(problem, fabric=core_for(problem.fabric, "ims"))
     less: Counter[int] = Counter()
     for _ in range(_NAMINGS):
-        schedule = _Schedule(core, ii, less)
-        mapping = schedule.run(deadline)
+        schedule = _Schedule(core, ii, less, deadline)
+        mapping = schedule.run()
         if mapping is not None or not schedule.words.crowded:
             return attempt_of(problem, mapping)
         less.update(schedule.words.crowded)
@@ -70,13 +70,15 @@ slots count words, and arcs on a circle may need one more register than the full
 class _Schedule:
     """One II's partial schedule."""
 
-    def __init__(self, problem: MapProblem, ii: int, less: ReadOnly[int, int]) -> None:
-        self.problem, self.ii = problem, ii
+    def __init__(
+        self, problem: MapProblem, ii: int, less: ReadOnly[int, int], deadline: Deadline
+    ) -> None:
+        self.problem, self.ii, self.deadline = problem, ii, deadline
         self.graph: MRRG = build_mrrg(problem.fabric)
         self.reach: Ints = reach(self.graph, len(problem.fabric.pes))
         self.farthest = int(self.reach[self.reach < FAR].max(initial=0))
         self.table = ReservationTable(problem, ii)
-        self.words = Words(self.graph, ii, less)
+        self.words = Words(self.graph, ii, less, deadline)
         nodes = [node.id for node in problem.dfg.placed]
         self.edges: dict[int, list[tuple[int, Edge, Dependence]]] = {node: [] for node in nodes}
         placed = [(i, e) for i, e in enumerate(problem.dfg.edges) if e.src in self.edges]
@@ -88,8 +90,8 @@ class _Schedule:
         self.height = longest_tails(nodes, found, ii) if self.feasible else {}
         self.last_time: dict[int, int] = {}
 
-    def run(self, deadline: Deadline) -> Mapping | None:
-        """A mapping, or None: the budget is spent."""
+    def run(self) -> Mapping | None:
+        """A mapping, or None: the budget or the time is spent."""
         if not self.feasible:
             return None
         nodes = self.problem.dfg.by_id
@@ -97,10 +99,10 @@ class _Schedule:
         for _ in range(_BUDGET_RATIO * len(left)):
             if not left:
                 break
-            if deadline.passed:
+            if self.deadline.passed:
                 return None
             node = nodes[max(left, key=lambda n: (self.height[n], -n))]
-            if not self._find_place(node) and not self._force(node):
+            if not self._find_place(node) and (self.deadline.passed or not self._force(node)):
                 return None
             left = {n.id for n in self.problem.dfg.placed} - self.table.places.keys()
         return None if left else self._mapping()
@@ -112,6 +114,8 @@ class _Schedule:
         earliest = self._earliest(node.id)
         candidates = self._nearest_first(node)
         for time in range(earliest, earliest + self.ii + self.farthest):
+            if self.deadline.passed:
+                return False
             for pe in candidates:
                 place = Place(pe, time)
                 if self._is_in_range(place) and self._in_time(node.id, place):

@@ -7,6 +7,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Step
 from vividc.mapper.mrrg import MRRG, NONE
 from vividc.mapper.registers import Stay, allocate
@@ -38,9 +39,11 @@ class Words:
         Register files whose words `steps` found no names for, as locations.
     """
 
-    def __init__(self, graph: MRRG, ii: int, less: Mapping[int, int]) -> None:
-        """`less`: registers to leave alone, by location."""
-        self.graph, self.ii = graph, ii
+    def __init__(
+        self, graph: MRRG, ii: int, less: Mapping[int, int], deadline: Deadline
+    ) -> None:
+        """`less`: registers to leave alone, by location; no way is found after the deadline."""
+        self.graph, self.ii, self.deadline = graph, ii, deadline
         self.crowded: list[int] = []
         self._room = [resource.capacity for resource in graph.resources]
         for location, count in less.items():
@@ -141,7 +144,7 @@ class Words:
             self._push(heap, result.word, 0, None, (location, result.ready), 0)
         origin: dict[Cell, Cell | None] = {}
         stays: dict[Cell, int] = {}
-        while heap:
+        while heap and not self.deadline.passed:
             cost, cell, sender = heapq.heappop(heap)
             if cell in origin:
                 continue
