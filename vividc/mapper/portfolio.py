@@ -10,6 +10,7 @@ from vividc.mapper.attempt import (
     is_large,
     map_decoupled,
     map_jointly,
+    map_negotiated,
     refute_by_folding,
     refute_cheaply,
 )
@@ -18,16 +19,18 @@ from vividc.mapper.campaign import Campaign, Strategy
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.distances import hop_distances
 from vividc.mapper.foothold import gain_foothold, needs_foothold
-from vividc.mapper.large import prepared, search_large, try_only
+from vividc.mapper.large import limit_of, prepared, search_large, try_only
 from vividc.mapper.mapping import Bound, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
-_FIRST_SHARE = 0.5
-_CLIMB_SHARE = 0.2
+_CLIMB_SHARE = 0.08
 _CLIMB_LEAST_S = 2.0
 _WORTH_TRYING_S = 0.3
 _PROOF_SHARE = 0.15
+_NEGOTIATION_SHARE = 0.4
+_FIRST_SEED = 2
+"""A foothold is negotiated with the seed before."""
 
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
@@ -64,7 +67,8 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     began = time.monotonic()
     bounds = all_bounds(problem)
     large = _negotiates(problem, request, strategy)
-    if large and mii(bounds) < no_ii(problem):
+    small = _takes_footholds(problem, request, strategy)
+    if (large or (small and needs_foothold(problem))) and mii(bounds) < no_ii(problem):
         request = prepared(request)
     campaign = Campaign(problem, request, strategy, mii(bounds))
     if campaign.lower >= no_ii(problem):
@@ -75,8 +79,8 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
     jointly = strategy is _try_jointly
     if large:
         search_large(campaign, ii_limit(problem), only_footholds=jointly)
-    elif strategy is _try_everything and needs_foothold(problem) and request.extend is None:
-        gain_foothold(campaign, ii_limit(problem))
+    elif small:
+        _start_small(campaign)
     if campaign.best is None or jointly or not large:
         _climb(campaign)
         _descend(campaign)
@@ -89,6 +93,21 @@ def _negotiates(problem: MapProblem, request: MapRequest, strategy: Strategy) ->
     the mapper that is named for its schedules.
     """
     return is_large(problem) and request.extend is None and strategy is not _try_decoupled
+
+
+def _takes_footholds(problem: MapProblem, request: MapRequest, strategy: Strategy) -> bool:
+    """Whether negotiation takes part in the search of a small graph, too."""
+    return strategy is _try_everything and not is_large(problem) and request.extend is None
+
+
+def _start_small(campaign: Campaign) -> None:
+    """Some mapping soon. Where words take links, constraints often map at the bound at once; where
+    they do not, the way upward from there is long.
+    """
+    if not needs_foothold(campaign.problem):
+        campaign.try_ii(campaign.lower, _turn(campaign.request))
+    if campaign.best is None:
+        gain_foothold(campaign, ii_limit(campaign.problem))
 
 
 def _only(campaign: Campaign, ii: int) -> bool:
@@ -128,17 +147,16 @@ def _refute_below(campaign: Campaign, ii: int) -> None:
 
 
 def _climb(campaign: Campaign) -> None:
-    """Upward from the MII with a share of the time each; steps grow after failures, so that
-    something is found.
+    """Upward from the MII with a share of the time each, which is small: an II that takes longer is
+    tried again from above. Steps grow after failures, so that something is found.
     """
     deadline = campaign.request.deadline
-    total_s = deadline.remaining_s
+    share_s = _turn(campaign.request).remaining_s
     best = campaign.best
     limit = ii_limit(campaign.problem) if best is None else best.ii - 1
     ii, failures = campaign.lower, 0
     while ii <= limit and not deadline.passed:
-        share = _CLIMB_SHARE if failures else _FIRST_SHARE
-        attempt = campaign.try_ii(ii, deadline.within(max(_CLIMB_LEAST_S, share * total_s)))
+        attempt = campaign.try_ii(ii, deadline.within(share_s))
         if attempt.mapping is not None:
             return
         if attempt.refuted_by is None:
@@ -146,12 +164,20 @@ def _climb(campaign: Campaign) -> None:
         ii = max(ii + 1 + failures // 3, campaign.lower)
 
 
+def _turn(request: MapRequest) -> Deadline:
+    """Of one II on the way upward: a share of the time, the least that makes sense for a thrifty
+    request.
+    """
+    share_s = 0.0 if request.thrifty else _CLIMB_SHARE * request.deadline.remaining_s
+    return request.deadline.within(max(_CLIMB_LEAST_S, share_s))
+
+
 def _descend(campaign: Campaign) -> None:
     """Spend what is left on the IIs below the best: map the largest, refute the rest; rounds get
-    longer.
+    longer. A thrifty request may have enough before (`limit_of`).
     """
-    deadline = campaign.request.deadline
     while campaign.best is not None:
+        deadline = limit_of(campaign)
         pending = campaign.open_iis()
         if not pending or deadline.remaining_s < _WORTH_TRYING_S:
             return
@@ -171,6 +197,9 @@ def _try_everything(
     problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
 ) -> Attempt:
     attempt = _refute_again(problem, ii, request, deadline, tries)
+    if not attempt.decided and needs_foothold(problem) and request.extend is None:
+        part = _part(deadline, _NEGOTIATION_SHARE)
+        attempt = map_negotiated(problem, ii, request, part, _FIRST_SEED + tries)
     if not attempt.decided:
         attempt = map_decoupled(problem, ii, request, _part(deadline, 0.7), 1000 * tries)
     if not attempt.decided:

@@ -39,9 +39,7 @@ class Words:
         Register files whose words `steps` found no names for, as locations.
     """
 
-    def __init__(
-        self, graph: MRRG, ii: int, less: Mapping[int, int], deadline: Deadline
-    ) -> None:
+    def __init__(self, graph: MRRG, ii: int, less: Mapping[int, int], deadline: Deadline) -> None:
         """`less`: registers to leave alone, by location; no way is found after the deadline."""
         self.graph, self.ii, self.deadline = graph, ii, deadline
         self.crowded: list[int] = []
