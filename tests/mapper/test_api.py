@@ -124,7 +124,15 @@ def test_progress_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"ii": 0}, {"time_limit_s": 0.0}, {"time_limit_s": float("nan")}, {"workers": 0}]
+    "wrong",
+    [
+        {"ii": 0},
+        {"time_limit_s": 0.0},
+        {"time_limit_s": float("nan")},
+        {"workers": 0},
+        {"workers": 10**9},
+        {"workers": 1.5},
+    ],
 )
 def test_senseless_limits_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(VividcError):

@@ -10,7 +10,8 @@ import pytest
 from fabrics import EVERYTHING, NO_MEMORY, grid
 from graphs import GraphBuilder, accumulator, chain
 
-from vividc.dfg.ir import DFG, Control
+from vividc import arch
+from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import SourceLoc
 from vividc.mapper.bounds import all_bounds, hall_sets, mii, no_ii
@@ -148,6 +149,18 @@ def test_a_live_out_that_reads_the_entry_it_writes_is_named() -> None:
     (bound,) = all_bounds(problem)
     assert bound.ii == no_ii(problem)
     assert "reads the entry of the constant store that it writes" in bound.reason
+
+
+def test_a_node_that_reads_more_words_than_come_to_a_pe_is_named() -> None:
+    """Twelve operands kept the search going until its time was up."""
+    nodes = tuple(Node(i, Opcode.GENERIC, name="op") for i in range(9))
+    edges = tuple(Edge(i, 8, port) for port, i in enumerate(range(8)))
+    problem = MapProblem(DFG("sum of eight", nodes, edges), arch.load("mesh-3x3"))
+    (bound,) = all_bounds(problem)
+    assert bound.ii == no_ii(problem)
+    assert "reads 8 words at once: 7 come to a PE" in bound.reason
+    seven = replace(problem, dfg=replace(problem.dfg, edges=edges[1:]))
+    assert mii(all_bounds(seven)) == 1
 
 
 def test_a_resident_constant_costs_no_room() -> None:

@@ -61,6 +61,12 @@ def test_many_tries_of_an_ii_do_not_overflow_the_budget() -> None:
     assert attempt.mapping is not None
 
 
+def test_an_ii_far_above_the_bound_of_a_small_graph() -> None:
+    """Constraints over hundreds of slots found nothing in time."""
+    result = map_dfg(random_loop(3, 18), TILE, ii=300, time_limit_s=20, workers=1)
+    assert (result.status, result.ii) == ("feasible", 300)
+
+
 def test_one_ii_of_a_large_graph() -> None:
     dfg = random_loop(21, 60, (8, 2, 1))
     result = map_dfg(dfg, TILE, ii=30, time_limit_s=60, workers=1)

@@ -18,6 +18,7 @@ from vividc.mapper.request import MapRequest, Progress
 from vividc.mapper.verify import violations
 
 _SHOWN = 5
+_MOST_WORKERS = 1000
 _SHARE_BEFORE = 0.6
 """Share of the time for the II, where something is to be minimised after it."""
 _SHARE_EXTENDED = 0.85
@@ -134,8 +135,10 @@ def _check(dfg: DFG, fabric: Fabric, ii: int | None, time_limit_s: float, worker
         if ii < 1:
             raise VividcError(f"the II must be 1 or more, not {ii}", loc="ii")
     check_time_limit(time_limit_s)
-    if workers < 1:
-        raise VividcError(f"at least 1 worker is needed, not {workers}", loc="workers")
+    demand_type(workers, int, "the number of workers", "give a whole number of threads")
+    if not 1 <= workers <= _MOST_WORKERS:
+        hint = f"give 1 to {_MOST_WORKERS}; as many as there are cores are enough"
+        raise VividcError(f"{workers} workers cannot be had", loc="workers", hint=hint)
 
 
 def _about(result: MapResult, subject: Subject) -> MapResult:

@@ -24,7 +24,7 @@ from vividc.mapper.dependences import (
 from vividc.mapper.mapping import Bound
 from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
-from vividc.mapper.reach_bounds import island_bounds, unreachable_bounds
+from vividc.mapper.reach_bounds import island_bounds, operand_bounds, unreachable_bounds
 
 _MAX_HALL_SETS = 256
 _SHOWN = 6
@@ -44,7 +44,8 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     if never:
         return never
     candidates = {node.id: frozenset(usable_pes(problem, node)) for node in problem.dfg.placed}
-    never = unreachable_bounds(problem, candidates, no_ii(problem))
+    never = operand_bounds(problem, candidates, no_ii(problem))
+    never = never or unreachable_bounds(problem, candidates, no_ii(problem))
     if never:
         return never
     if len(problem.dfg.operations) >= no_ii(problem):

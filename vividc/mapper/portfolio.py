@@ -112,7 +112,6 @@ def _start_small(campaign: Campaign) -> None:
 
 def _only(campaign: Campaign, ii: int) -> bool:
     """Try one II only, with all the time there is; whether it was refuted."""
-    request = campaign.request
     contexts = campaign.problem.fabric.controller.contexts
     if ii > contexts:
         campaign.refuted[ii] = f"the configuration memory of {contexts} contexts"
@@ -121,17 +120,29 @@ def _only(campaign: Campaign, ii: int) -> bool:
         campaign.refuted[ii] = f"the lower bound {campaign.lower}"
         return True
     jointly = campaign.strategy is _try_jointly
-    if _negotiates(campaign.problem, request, campaign.strategy) and not jointly:
+    if _negotiates(campaign.problem, campaign.request, campaign.strategy) and not jointly:
         try_only(campaign, ii)
-    while campaign.best is None and not request.deadline.passed:
-        before = request.deadline.remaining_s
-        if campaign.try_ii(ii, request.deadline).decided:
-            break
-        if before - request.deadline.remaining_s < _WORTH_TRYING_S:
+    elif _takes_footholds(campaign.problem, campaign.request, campaign.strategy):
+        _try_small(campaign, ii)
+    deadline = campaign.request.deadline
+    while campaign.best is None and ii not in campaign.refuted and not deadline.passed:
+        before = deadline.remaining_s
+        campaign.try_ii(ii, deadline)
+        if before - deadline.remaining_s < _WORTH_TRYING_S:
             break
     if campaign.best is not None:
         _refute_below(campaign, ii)
     return ii in campaign.refuted
+
+
+def _try_small(campaign: Campaign, ii: int) -> None:
+    """One II by constraints for a turn, then by negotiation: where it is far above the bound, many
+    slots make constraints slow.
+    """
+    if campaign.try_ii(ii, _turn(campaign.request)).decided:
+        return
+    campaign.request = prepared(campaign.request)
+    try_only(campaign, ii)
 
 
 def _refute_below(campaign: Campaign, ii: int) -> None:

@@ -28,6 +28,32 @@ def reachable(fabric: Fabric) -> Reach:
     )
 
 
+def operand_bounds(
+    problem: MapProblem, candidates: dict[int, frozenset[int]], no_ii: int
+) -> tuple[Bound, ...]:
+    """A bound for each node that reads more words at once than come to any of its PEs: one over
+    each link, one from each read port, and one from each output register.
+    """
+    most = [_words_at_once(problem.fabric, pe) for pe in range(len(problem.fabric.pes))]
+    words: dict[int, set[tuple[int, int]]] = {node: set() for node in candidates}
+    for _, edge in problem.dfg.routed_edges():
+        words[edge.dst].add((edge.src, edge.distance))
+    found = []
+    for node, read in words.items():
+        least = max((most[pe] for pe in candidates[node]), default=0)
+        if len(read) > least:
+            reason = f"{_name(problem.dfg.by_id[node])} reads {len(read)} words at once: {least} "
+            reason += "come to a PE over its links, from its registers and as results"
+            found.append(Bound("operands", no_ii, reason, (node,)))
+    return tuple(found)
+
+
+def _words_at_once(fabric: Fabric, pe: int) -> int:
+    links = len(fabric.links_to[pe]) if fabric.routing.hops else 0
+    file = fabric.pes[pe]
+    return links + min(file.registers, file.read_ports) + len(fabric.outputs_seen_by[pe])
+
+
 def unreachable_bounds(
     problem: MapProblem, candidates: dict[int, frozenset[int]], no_ii: int
 ) -> tuple[Bound, ...]:
