@@ -20,7 +20,7 @@ from typing import Final
 import vividc
 from vividc.arch import Fabric
 from vividc.dfg.ir import DFG
-from vividc.errors import VividcError
+from vividc.errors import InternalError, VividcError
 from vividc.mapper import MapResult, all_bounds, map_dfg, mapper_names, mii
 from vividc.mapper.negotiate import prepare
 from vividc.mapper.problem import MapProblem
@@ -29,16 +29,17 @@ FOLDER_VARIABLE: Final = "VIVIDC_DFGS"
 ROWS: Final = "mappers.jsonl"
 TITLE: Final = "Mappers on public dataflow graphs"
 HEADER: Final = (
-    "| graph | operations | mapper | II | bound | status | II found after s | seconds | most MB "
-    "| others |\n"
-    "|---|---|---|---|---|---|---|---|---|---|"
+    "| graph | operations | mapper | limit s | II | bound | status | II found after s | seconds "
+    "| most MB | others |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|"
 )
 NOTES: Final = (
     "The graphs are JSON files in the folder that VIVIDC_DFGS names, or in `../shared/dfgs`.",
     "Arrays below 64 PEs get all graphs, larger ones those with an operation for every fourth PE.",
     "Each row has a process of its own; memory is its peak, the solver's threads included. Rows",
-    f"are kept in `{ROWS}`; what is there is not measured again. `load`: processes that the",
-    "machine ran on average when a row began.",
+    f"are kept in `{ROWS}`, whatever fabrics, mappers and time limits they were measured with: all",
+    "are in the table, and what is there is not measured again. `load`: processes that the machine",
+    "ran on average in the minute before a row began, others' and the row's before.",
     "",
     "Others: what other mappers reach on the same graph, as measured with them on a machine of two",
     "cores: Morpher with PathFinder on its 4x4 HyCUBE, in 45 s at most. Of graphs that are not",
@@ -61,6 +62,9 @@ _LARGE_ARRAY: Final = 64
 _WORK: Final = 4
 _SMALL: Final = 60
 """Operations up to which the summary looks at gaps: the size that targets are set for."""
+
+_BUSY: Final = 1.25
+"""Load by core from which on the table says that seconds are longer."""
 
 _GRACE_S: Final = 60.0
 """Seconds beyond its limit after which a mapper's process is ended."""
@@ -97,6 +101,7 @@ class Row:
             self.graph,
             str(self.operations),
             self.mapper,
+            f"{self.time_limit_s:g}",
             _shown(self.ii),
             str(self.bound),
             self.status,
@@ -118,7 +123,8 @@ def folder() -> Path | None:
 def sections(
     fabrics: Sequence[str], mappers: Sequence[str], time_limit_s: float, output: Path | None
 ) -> Iterator[list[str]]:
-    """The table's lines, one section a fabric, again after each row: what is finished so far.
+    """The table's lines, one section a fabric, again after each row: what is finished so far, with
+    all rows that are kept.
 
     Parameters
     ----------
@@ -136,17 +142,17 @@ def sections(
         yield [f"No graphs: {FOLDER_VARIABLE} names no folder with JSON files."]
         return
     kept = None if output is None else output / ROWS
-    rows = _read(kept, time_limit_s)
+    rows = _read(kept)
     prepare(lambda line: print(line, file=sys.stderr))
     for fabric in fabrics:
         for graph, name, mapper in _tasks(place, fabric, mappers or mapper_names()):
-            key = (fabric, name, mapper)
+            key = (fabric, name, mapper, time_limit_s)
             if key not in rows:
                 rows[key] = measured(graph, name, fabric, mapper, time_limit_s)
                 _keep(kept, rows[key])
                 print(rows[key], file=sys.stderr)
-                yield _lines(fabrics, list(rows.values()))
-    yield _lines(fabrics, list(rows.values()))
+                yield _lines(list(rows.values()))
+    yield _lines(list(rows.values()))
 
 
 def measured(graph: DFG, name: str, fabric: str, mapper: str, time_limit_s: float) -> Row:
@@ -179,6 +185,8 @@ def _measure(pipe: Connection, about: Row, graph: DFG) -> None:
     except VividcError as error:
         bound = mii(all_bounds(MapProblem(graph, fabric)))
         row = replace(about, bound=bound, status=f"refused: {error.reason}")
+    except InternalError as error:
+        row = replace(about, status=f"internal error: {error}")
     pipe.send(replace(row, most_mb=_peak_mb()))
 
 
@@ -217,13 +225,13 @@ def _gives_work(graph: DFG, fabric: Fabric) -> bool:
     return pes < _LARGE_ARRAY or _WORK * len(graph.operations) >= pes
 
 
-def _read(kept: Path | None, time_limit_s: float) -> dict[tuple[str, str, str], Row]:
-    """Rows that were measured with this limit."""
+def _read(kept: Path | None) -> dict[tuple[str, str, str, float], Row]:
+    """Rows that were measured before, by fabric, graph, mapper and time limit."""
     if kept is None or not kept.exists():
         return {}
     lines = kept.read_text(encoding="utf-8").splitlines()
     rows = [Row(**json.loads(line)) for line in lines]
-    return {(r.fabric, r.graph, r.mapper): r for r in rows if r.time_limit_s == time_limit_s}
+    return {(r.fabric, r.graph, r.mapper, r.time_limit_s): r for r in rows}
 
 
 def _keep(kept: Path | None, row: Row) -> None:
@@ -232,27 +240,43 @@ def _keep(kept: Path | None, row: Row) -> None:
             file.write(json.dumps(asdict(row)) + "\n")
 
 
-def _lines(fabrics: Sequence[str], rows: Sequence[Row]) -> list[str]:
+def _lines(rows: Sequence[Row]) -> list[str]:
     found: list[str] = []
-    for fabric in fabrics:
+    for fabric in dict.fromkeys(row.fabric for row in rows):
         here = [row for row in rows if row.fabric == fabric]
-        found += [f"## {fabric}", "", *_summary(here), "", *HEADER.splitlines()]
+        found += [f"## {fabric}", "", *_load(here), *_summary(here), "", *HEADER.splitlines()]
         found += [*(str(row) for row in here), ""]
     return found
+
+
+def _load(rows: Sequence[Row]) -> Iterator[str]:
+    """What the machine had to do while the rows were measured, where that is known."""
+    loads = [row.load for row in rows if row.load is not None]
+    cores = os.cpu_count()
+    if not loads or cores is None:
+        return
+    mean = statistics.mean(loads)
+    most = max(loads)
+    yield f"Load of the {cores} cores when rows began: {mean:.1f} on average, {most:.1f} at most."
+    if mean > _BUSY * cores:
+        yield f"Seconds are about {mean / cores:.1f} times those of an idle machine, and limits"
+        yield "are as much shorter."
+    yield ""
 
 
 def _summary(rows: Sequence[Row]) -> Iterator[str]:
     """Per mapper: how many graphs are mapped, proved, and near their bound, how fast, how large."""
     yield (
-        f"| mapper | graphs | mapped | optimal | gap at most 1 | up to {_SMALL} operations: "
-        "optimal | gap at most 1 | median s to the II | median s | most MB | load |"
+        "| mapper | limit s | graphs | mapped | optimal | gap at most 1 "
+        f"| up to {_SMALL} operations: optimal | gap at most 1 | median s to the II | median s | most MB | load |"
     )
-    yield "|---|---|---|---|---|---|---|---|---|---|---|"
-    for mapper in dict.fromkeys(row.mapper for row in rows):
-        mine = [row for row in rows if row.mapper == mapper]
+    yield "|---|---|---|---|---|---|---|---|---|---|---|---|"
+    for mapper, limit in dict.fromkeys((row.mapper, row.time_limit_s) for row in rows):
+        mine = [row for row in rows if (row.mapper, row.time_limit_s) == (mapper, limit)]
         small = [row for row in mine if row.operations <= _SMALL]
         cells = [
             mapper,
+            f"{limit:g}",
             str(len(mine)),
             str(sum(row.ii is not None for row in mine)),
             *_proved(mine),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -54,7 +55,26 @@ def test_a_refusal_is_a_row(output: Path) -> None:
 
 def test_the_summary_counts(output: Path) -> None:
     *_, table = mappers.sections(["mesh-2x2"], ["cpsat"], 20, output)
-    assert table[4].startswith("| cpsat | 1 | 1 | 1 | 1 | 1 of 1 | 1 of 1 |")
+    assert any(
+        line.startswith("| cpsat | 20 | 1 | 1 | 1 | 1 | 1 of 1 | 1 of 1 |") for line in table
+    )
+
+
+def test_the_table_holds_all_rows_that_were_kept(output: Path) -> None:
+    list(mappers.sections(["mesh-2x2"], ["cpsat"], 20, output))
+    *_, table = mappers.sections(["mesh-1x2"], ["ims"], 10, output)
+    assert [line for line in table if line.startswith("## ")] == ["## mesh-2x2", "## mesh-1x2"]
+    assert any(line.startswith("| pair | 2 | cpsat | 20 | 1 |") for line in table)
+
+
+def test_the_load_that_rows_were_measured_under_is_said(
+    output: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "getloadavg", lambda: (6.0, 6.0, 6.0))
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    *_, table = mappers.sections(["mesh-2x2"], ["cpsat"], 20, output)
+    assert "Load of the 2 cores when rows began: 6.0 on average, 6.0 at most." in table
+    assert any(line.startswith("Seconds are about 3.0 times") for line in table)
 
 
 def test_no_graphs_are_said_to_be_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
