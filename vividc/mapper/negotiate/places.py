@@ -116,14 +116,20 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
 
 @compiled
 def _rivals(nodes: Nodes, places: Places, node: int) -> int:
-    """Entries of the node's that are both read and written on its PE: iterations overlap, so a
-    live-out would take from its readers the word they want.
-    """
+    """Contested entries of the node's on its PE."""
     both = 0
     for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
-        uses = places.held[places.pe[node], nodes.key_items[at]] % RESIDENT
-        both += uses >= WRITTEN and uses % WRITTEN > 0
+        both += contested(places.held[places.pe[node], nodes.key_items[at]])
     return both
+
+
+@compiled
+def contested(uses: int) -> int:
+    """1 if an entry is both read and written on its PE: iterations overlap, so a live-out would
+    take from its readers the word they want.
+    """
+    here = uses % RESIDENT
+    return int(here >= WRITTEN and here % WRITTEN > 0)
 
 
 @compiled
