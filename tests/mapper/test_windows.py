@@ -10,6 +10,10 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import Opcode
 from vividc.mapper import map_dfg
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.registry import find_mapper
+from vividc.mapper.request import MapRequest
 from vividc.mapper.verify import violations
 from vividc.mapper.windows import window
 
@@ -61,6 +65,15 @@ def test_a_larger_array_is_never_worse(family: str) -> None:
 def _ii(dfg: DFG, fabric: Fabric) -> int:
     ii = map_dfg(dfg, fabric, time_limit_s=20, workers=1).ii
     return 10**6 if ii is None else ii
+
+
+def test_no_window_is_tried_after_the_deadline() -> None:
+    """Each window's bounds and models took their time, however late it was."""
+    lines: list[str] = []
+    request = MapRequest(None, Deadline.after(0.0), 1, lines.append)
+    result = find_mapper("auto")(MapProblem(random_loop(5, 30), load("mesh-8x8")), request)
+    assert result.status == "timeout"
+    assert not any("window" in line for line in lines)
 
 
 def test_sixteen_by_sixteen_takes_a_window() -> None:

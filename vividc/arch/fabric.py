@@ -174,11 +174,25 @@ class Fabric:
 
     def supports(self, pe: int, node: Node) -> bool:
         """Whether `node` may be placed on `pe`. A live-out may lie on every PE."""
-        if node.latency_class is LatencyClass.SINK:
+        return self._runs(self.pes[pe], node.latency_class, sliced=node.info.sliced)
+
+    def hosts(self, node: Node) -> tuple[int, ...]:
+        """The PEs that support `node`, ascending."""
+        return self._hosts[node.latency_class, node.info.sliced]
+
+    @cached_property
+    def _hosts(self) -> Mapping[tuple[LatencyClass, bool], tuple[int, ...]]:
+        return {
+            (kind, sliced): tuple(pe.id for pe in self.pes if self._runs(pe, kind, sliced=sliced))
+            for kind in LatencyClass
+            for sliced in (False, True)
+        }
+
+    @staticmethod
+    def _runs(pe: PE, kind: LatencyClass, *, sliced: bool) -> bool:
+        if kind is LatencyClass.SINK:
             return True
-        if not self.pes[pe].sliced and node.info.sliced:
-            return False
-        return node.latency_class in self.pes[pe].classes
+        return kind in pe.classes and (pe.sliced or not sliced)
 
     @cached_property
     def links_from(self) -> tuple[tuple[Link, ...], ...]:

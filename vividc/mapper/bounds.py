@@ -74,6 +74,8 @@ def no_ii(problem: MapProblem) -> int:
 def usable_pes(problem: MapProblem, node: Node) -> tuple[int, ...]:
     """Candidate PEs of `node` whose constant store has room for the node's own constants."""
     keys = frozenset(problem.constants_of(node))
+    if not keys:
+        return problem.candidates(node)
     return tuple(
         pe
         for pe in problem.candidates(node)

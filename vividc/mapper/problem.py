@@ -33,9 +33,9 @@ class MapProblem:
 
     def candidates(self, node: Node) -> tuple[int, ...]:
         """PEs that `node` may be placed on."""
-        pes = (pe.id for pe in self.fabric.pes if self.fabric.supports(pe.id, node))
+        pes = self.fabric.hosts(node)
         permitted = self.allowed.get(node.id)
-        return tuple(pe for pe in pes if permitted is None or pe in permitted)
+        return pes if permitted is None else tuple(pe for pe in pes if pe in permitted)
 
     def constants_of(self, node: Node) -> tuple[ConstantKey, ...]:
         """Constant-store entries that `node` occupies on its PE: operands, `init`s, and a live-

@@ -87,6 +87,8 @@ def with_windows(mapper: Mapper) -> Mapper:
             return mapper(problem, request)
         best: Mapping | None = None
         for part, its_bound in _windows(problem, bound):
+            if request.deadline.passed:
+                break
             if best is not None and its_bound >= best.ii:
                 continue
             found = _in_window(mapper, problem, part, request)
