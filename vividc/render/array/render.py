@@ -13,8 +13,9 @@ from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
+from vividc.render.array.kilonerf_fp8 import Fp8KiloNeRF
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
-from vividc.render.array.options import PRECISIONS, ArrayOptions
+from vividc.render.array.options import PRECISIONS, ArrayOptions, RenderPrecision
 from vividc.render.array.sampling import sampled
 from vividc.render.array.splats import render_splats
 from vividc.render.array.tensorf import TensoRFField
@@ -24,8 +25,11 @@ from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
 
-_NARROW: tuple[type, ...] = ()
-"""Scenes that are rendered with numbers of 16 and 8 bits."""
+_NARROW: dict[type, tuple[RenderPrecision, ...]] = {
+    Gaussians: ("fp16", "fp8"),
+    KiloNeRF: ("fp8",),
+}
+"""Formats other than fp32 that scenes are rendered with."""
 
 
 def render_array(
@@ -64,7 +68,7 @@ def render_array(
     device = open_device(options.fabric, options.engine, tell)
     if isinstance(scene, Gaussians):
         return render_splats(scene, camera, options, progress, device)
-    field = _field(scene, device)
+    field = _field(scene, device, options.precision)
     corners = sampled(block_corners(camera), options.sample)
     ledger = Ledger()
     image = render_blocks(
@@ -93,9 +97,10 @@ def check_precision(precision: str, scene: Scene) -> None:
     known = ", ".join(PRECISIONS)
     if precision not in PRECISIONS:
         raise SceneError(f"unknown format {precision!r}", loc="--precision", hint=known)
-    if precision != "fp32" and not isinstance(scene, _NARROW):
+    formats = ("fp32", *_NARROW.get(type(scene), ()))
+    if precision not in formats:
         raise SceneError(
-            "the array renders scenes of this method in fp32 only",
+            f"the array renders scenes of this method in {' or '.join(formats)} only",
             loc="--precision",
             hint="leave it out",
         )
@@ -109,9 +114,10 @@ def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
     return inside
 
 
-def _field(scene: Scene, device: Device) -> ArrayField:
+def _field(scene: Scene, device: Device, precision: RenderPrecision) -> ArrayField:
     if isinstance(scene, KiloNeRF):
-        return KiloNeRFOnArray(scene, device)
+        on_array = Fp8KiloNeRF if precision == "fp8" else KiloNeRFOnArray
+        return on_array(scene, device)
     if isinstance(scene, InstantNGP):
         return InstantNGPField(scene, device)
     if isinstance(scene, TensoRF):
