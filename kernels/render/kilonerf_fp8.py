@@ -1,10 +1,10 @@
 """KiloNeRF's networks (Reiser et al. 2021) with operands of float8 (E4M3) and sums of float32.
 
 A word holds four inputs of a sample or four weights of a neuron, and one operation adds their four
-products. Layers take two samples, four neurons and eight words at a time: 64 such operations on
-eight sums. A chunk of inputs is eight words of each sample, sample after sample; a layer has one or
-two. `weights` has for each four neurons and each chunk 32 words, word by word, and four float32
-numbers from which the sums start: the bias, of the second chunk 0.
+products. A chunk of inputs is eight words of each sample, sample after sample; a layer has one or
+two. It takes 64 words of weights at a time, which stay where they are used while all samples come
+by. `weights` has the words of each neuron, and after those of four or eight neurons (of the last
+layer: of one) their biases.
 """
 
 import math
@@ -18,24 +18,33 @@ from vividc.lang import bitcast_f32, dot_fp8, max_fp8, pack_fp8
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-TWO = np.float32(2.0)
+S3, S5, S7, S9 = (np.float32(x) for x in (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880))
+C2, C4, C6 = (np.float32(x) for x in (-1 / 2, 1 / 24, -1 / 720))
+C8, C10 = (np.float32(x) for x in (1 / 40320, -1 / 3628800))
 LARGEST = np.float32(80.0)
 CHUNK = 8
-PAIR = 16
-BLOCK = 36
-BLOCKS = 8
-LAYER = BLOCKS * BLOCK
+FOUR_NEURONS = 4 * (2 * CHUNK + 1)
+EIGHT_NEURONS = 8 * (CHUNK + 1)
+NEURON = CHUNK + 1
+SECOND = 8 * FOUR_NEURONS
+THIRD = SECOND + 4 * EIGHT_NEURONS
+LAST = THIRD + 4 * EIGHT_NEURONS
+LOWEST = np.uint32(0xFEFEFEFE)
+"""-448 four times."""
 
 
 @numba.njit
-def octaves(angle):
-    """Sine and cosine of an angle and its doubles: eight numbers; and those of 16 times it."""
-    s0, c0 = math.sin(angle), math.cos(angle)
-    s1, c1 = doubled(s0, c0)
-    s2, c2 = doubled(s1, c1)
-    s3, c3 = doubled(s2, c2)
-    s4, c4 = doubled(s3, c3)
-    return pack_fp8(s0, c0, s1, c1), pack_fp8(s2, c2, s3, c3), s4, c4
+def sine_and_cosine(x):
+    """Of -1 to 1, by Taylor's polynomials of degrees 9 and 10: wrong by less than 2^-23."""
+    y = x * x
+    sine = S9 * y + S7
+    sine = sine * y + S5
+    sine = sine * y + S3
+    cosine = C10 * y + C8
+    cosine = cosine * y + C6
+    cosine = cosine * y + C4
+    cosine = cosine * y + C2
+    return sine * y * x + x, cosine * y + ONE
 
 
 @numba.njit
@@ -46,9 +55,20 @@ def doubled(sine, cosine):
 
 
 @numba.njit
-def ten_octaves(value):
-    """Words of the sines and cosines of a coordinate at ten frequencies."""
-    w0, w1, s4, c4 = octaves(value)
+def four_octaves(x):
+    """Two words of the sines and cosines of x, 2x, 4x and 8x, and those of 8x."""
+    s0, c0 = sine_and_cosine(x)
+    s1, c1 = doubled(s0, c0)
+    s2, c2 = doubled(s1, c1)
+    s3, c3 = doubled(s2, c2)
+    return pack_fp8(s0, c0, s1, c1), pack_fp8(s2, c2, s3, c3), s3, c3
+
+
+@numba.njit
+def ten_octaves(x):
+    """Five words of the sines and cosines of x, 2x, ... 512x."""
+    w0, w1, s3, c3 = four_octaves(x)
+    s4, c4 = doubled(s3, c3)
     s5, c5 = doubled(s4, c4)
     s6, c6 = doubled(s5, c5)
     s7, c7 = doubled(s6, c6)
@@ -59,16 +79,11 @@ def ten_octaves(value):
 
 @vividc.kernel("void(float32[:, ::1], uint32[:, ::1], uint32[:, ::1])")
 def encode_position(points, low, high):
-    """Two chunks of the terms of Mildenhall et al. (2020): five words of each coordinate, and x, y
-    and z.
-
-    Sine and cosine are computed at the first of the ten frequencies and doubled: the error, which
-    doubling makes larger, stays below 2^-13.
+    """Two chunks of the terms of Mildenhall et al. (2020) of places within -1 to 1: five words of
+    each coordinate, and x, y and z. Doubling adds errors below 2^-10 to that of rounding to float8.
     """
     for i in prange(points.shape[0]):
-        x = min(max(points[i, 0], -TWO), TWO)
-        y = min(max(points[i, 1], -TWO), TWO)
-        z = min(max(points[i, 2], -TWO), TWO)
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         low[i, 0], low[i, 1], low[i, 2], low[i, 3], low[i, 4] = ten_octaves(x)
         low[i, 5], low[i, 6], low[i, 7], high[i, 0], high[i, 1] = ten_octaves(y)
         high[i, 2], high[i, 3], high[i, 4], high[i, 5], high[i, 6] = ten_octaves(z)
@@ -79,122 +94,112 @@ def encode_position(points, low, high):
 def encode_direction(directions, out):
     """As `encode_position`, at four frequencies: two words of each coordinate; x, y, z; and 0."""
     for i in prange(directions.shape[0]):
-        x = min(max(directions[i, 0], -ONE), ONE)
-        y = min(max(directions[i, 1], -ONE), ONE)
-        z = min(max(directions[i, 2], -ONE), ONE)
-        out[i, 0], out[i, 1], _, _ = octaves(x)
-        out[i, 2], out[i, 3], _, _ = octaves(y)
-        out[i, 4], out[i, 5], _, _ = octaves(z)
+        x, y, z = directions[i, 0], directions[i, 1], directions[i, 2]
+        out[i, 0], out[i, 1], _, _ = four_octaves(x)
+        out[i, 2], out[i, 3], _, _ = four_octaves(y)
+        out[i, 4], out[i, 5], _, _ = four_octaves(z)
         out[i, 6] = pack_fp8(x, y, z, ZERO)
         out[i, 7] = np.uint32(0)
 
 
 @numba.njit
-def add_word(x, q, w, v, s):
-    """Adds the products of a word of two samples' inputs with those of four neurons."""
-    one = x[q]
-    other = x[q + np.uint32(CHUNK)]
-    w0 = w[v]
-    w1 = w[v + np.uint32(1)]
-    w2 = w[v + np.uint32(2)]
-    w3 = w[v + np.uint32(3)]
+def words(array, at):
+    """Eight words."""
     return (
-        dot_fp8(one, w0, s[0]),
-        dot_fp8(one, w1, s[1]),
-        dot_fp8(one, w2, s[2]),
-        dot_fp8(one, w3, s[3]),
-        dot_fp8(other, w0, s[4]),
-        dot_fp8(other, w1, s[5]),
-        dot_fp8(other, w2, s[6]),
-        dot_fp8(other, w3, s[7]),
+        array[at],
+        array[at + np.uint32(1)],
+        array[at + np.uint32(2)],
+        array[at + np.uint32(3)],
+        array[at + np.uint32(4)],
+        array[at + np.uint32(5)],
+        array[at + np.uint32(6)],
+        array[at + np.uint32(7)],
     )
 
 
 @numba.njit
-def sums_of_chunk(x, q, w, v):
-    """Sums of four neurons over a chunk of two samples."""
-    b0 = bitcast_f32(w[v + np.uint32(32)])
-    b1 = bitcast_f32(w[v + np.uint32(33)])
-    b2 = bitcast_f32(w[v + np.uint32(34)])
-    b3 = bitcast_f32(w[v + np.uint32(35)])
-    s = add_word(x, q, w, v, (b0, b1, b2, b3, b0, b1, b2, b3))
-    s = add_word(x, q + np.uint32(1), w, v + np.uint32(4), s)
-    s = add_word(x, q + np.uint32(2), w, v + np.uint32(8), s)
-    s = add_word(x, q + np.uint32(3), w, v + np.uint32(12), s)
-    s = add_word(x, q + np.uint32(4), w, v + np.uint32(16), s)
-    s = add_word(x, q + np.uint32(5), w, v + np.uint32(20), s)
-    s = add_word(x, q + np.uint32(6), w, v + np.uint32(24), s)
-    return add_word(x, q + np.uint32(7), w, v + np.uint32(28), s)
+def with_chunk(total, x, w):
+    """A sum with the products of a chunk of inputs and weights."""
+    total = dot_fp8(x[0], w[0], total)
+    total = dot_fp8(x[1], w[1], total)
+    total = dot_fp8(x[2], w[2], total)
+    total = dot_fp8(x[3], w[3], total)
+    total = dot_fp8(x[4], w[4], total)
+    total = dot_fp8(x[5], w[5], total)
+    total = dot_fp8(x[6], w[6], total)
+    return dot_fp8(x[7], w[7], total)
 
 
 @numba.njit
-def store_results(y, p, s, lowest):
-    """Rounds the sums of four neurons of two samples to words, none below `lowest`."""
-    y[p] = max_fp8(pack_fp8(s[0], s[1], s[2], s[3]), lowest)
-    y[p + np.uint32(CHUNK)] = max_fp8(pack_fp8(s[4], s[5], s[6], s[7]), lowest)
+def one_chunk_layer(x, weights, first, samples, y, lowest):
+    """A layer of 32 neurons with one chunk of inputs, eight neurons at a time; its weights start
+    at `first`. Results are not below `lowest`.
+    """
+    for block in range(4):
+        v = np.uint32(first + EIGHT_NEURONS * block)
+        w0, w1 = words(weights, v), words(weights, v + np.uint32(8))
+        w2, w3 = words(weights, v + np.uint32(16)), words(weights, v + np.uint32(24))
+        w4, w5 = words(weights, v + np.uint32(32)), words(weights, v + np.uint32(40))
+        w6, w7 = words(weights, v + np.uint32(48)), words(weights, v + np.uint32(56))
+        b = words(weights, v + np.uint32(64))
+        for sample in range(samples):
+            q = np.uint32(CHUNK * sample)
+            p = np.uint32(CHUNK * sample + 2 * block)
+            inputs = words(x, q)
+            low = pack_fp8(
+                with_chunk(bitcast_f32(b[0]), inputs, w0),
+                with_chunk(bitcast_f32(b[1]), inputs, w1),
+                with_chunk(bitcast_f32(b[2]), inputs, w2),
+                with_chunk(bitcast_f32(b[3]), inputs, w3),
+            )
+            high = pack_fp8(
+                with_chunk(bitcast_f32(b[4]), inputs, w4),
+                with_chunk(bitcast_f32(b[5]), inputs, w5),
+                with_chunk(bitcast_f32(b[6]), inputs, w6),
+                with_chunk(bitcast_f32(b[7]), inputs, w7),
+            )
+            y[p] = max_fp8(low, lowest)
+            y[p + np.uint32(1)] = max_fp8(high, lowest)
 
 
 @numba.njit
-def one_chunk_layer(x, weights, first, pairs, y, lowest):
-    """A layer of 32 neurons and one chunk of inputs, of `pairs` of samples; its weights start at
-    `first`."""
-    v = np.uint32(first)
-    q = np.uint32(0)
-    p = np.uint32(0)
-    for _ in range(BLOCKS * pairs):
-        store_results(y, p, sums_of_chunk(x, q, weights, v), lowest)
-        v = np.uint32(v + np.uint32(BLOCK))
-        p = np.uint32(p + np.uint32(1))
-        if v == np.uint32(first + LAYER):
-            v = np.uint32(first)
-            q = np.uint32(q + np.uint32(PAIR))
-            p = q
+def with_both(total, x0, x1, w0, w1):
+    """As `with_chunk`, of two chunks."""
+    return with_chunk(with_chunk(total, x0, w0), x1, w1)
 
 
 @numba.njit
-def two_chunk_layer(x, stride, weights, first, pairs, y):
-    """As `one_chunk_layer`, cut at 0; the second chunk is `stride` words after the first."""
-    v = np.uint32(first)
-    q = np.uint32(0)
-    p = np.uint32(0)
-    start = np.uint32(0)
-    second = False
-    a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = ZERO
-    for _ in range(2 * BLOCKS * pairs):
-        s = sums_of_chunk(x, q, weights, v)
-        a0 = s[0] + (a0 if second else ZERO)
-        a1 = s[1] + (a1 if second else ZERO)
-        a2 = s[2] + (a2 if second else ZERO)
-        a3 = s[3] + (a3 if second else ZERO)
-        a4 = s[4] + (a4 if second else ZERO)
-        a5 = s[5] + (a5 if second else ZERO)
-        a6 = s[6] + (a6 if second else ZERO)
-        a7 = s[7] + (a7 if second else ZERO)
-        v = np.uint32(v + np.uint32(BLOCK))
-        q = np.uint32(start + np.uint32(stride))
-        if second:
-            store_results(y, p, (a0, a1, a2, a3, a4, a5, a6, a7), np.uint32(0))
-            p = np.uint32(p + np.uint32(1))
-            if v == np.uint32(first + 2 * LAYER):
-                v = np.uint32(first)
-                start = np.uint32(start + np.uint32(PAIR))
-                p = start
-            q = start
-        second = not second
+def two_chunk_layer(x, stride, weights, first, samples, y):
+    """A layer of 32 neurons with two chunks of inputs, the second `stride` words after the first,
+    four neurons at a time, cut at 0.
+    """
+    for block in range(8):
+        v = np.uint32(first + FOUR_NEURONS * block)
+        w0, w1 = words(weights, v), words(weights, v + np.uint32(8))
+        w2, w3 = words(weights, v + np.uint32(16)), words(weights, v + np.uint32(24))
+        w4, w5 = words(weights, v + np.uint32(32)), words(weights, v + np.uint32(40))
+        w6, w7 = words(weights, v + np.uint32(48)), words(weights, v + np.uint32(56))
+        b0 = bitcast_f32(weights[v + np.uint32(64)])
+        b1 = bitcast_f32(weights[v + np.uint32(65)])
+        b2 = bitcast_f32(weights[v + np.uint32(66)])
+        b3 = bitcast_f32(weights[v + np.uint32(67)])
+        for sample in range(samples):
+            x0 = words(x, np.uint32(CHUNK * sample))
+            x1 = words(x, np.uint32(CHUNK * sample + stride))
+            results = pack_fp8(
+                with_both(b0, x0, x1, w0, w1),
+                with_both(b1, x0, x1, w2, w3),
+                with_both(b2, x0, x1, w4, w5),
+                with_both(b3, x0, x1, w6, w7),
+            )
+            y[np.uint32(CHUNK * sample + block)] = max_fp8(results, np.uint32(0))
 
 
 @numba.njit
-def neuron(x, q, w, v):
-    """Sum of one neuron of a sample over one chunk; its weights are consecutive words."""
-    total = bitcast_f32(w[v + np.uint32(8)])
-    total = dot_fp8(x[q], w[v], total)
-    total = dot_fp8(x[q + np.uint32(1)], w[v + np.uint32(1)], total)
-    total = dot_fp8(x[q + np.uint32(2)], w[v + np.uint32(2)], total)
-    total = dot_fp8(x[q + np.uint32(3)], w[v + np.uint32(3)], total)
-    total = dot_fp8(x[q + np.uint32(4)], w[v + np.uint32(4)], total)
-    total = dot_fp8(x[q + np.uint32(5)], w[v + np.uint32(5)], total)
-    total = dot_fp8(x[q + np.uint32(6)], w[v + np.uint32(6)], total)
-    return dot_fp8(x[q + np.uint32(7)], w[v + np.uint32(7)], total)
+def neuron(x, sample, weights, first):
+    """Sum of one neuron with one chunk of inputs."""
+    total = bitcast_f32(weights[np.uint32(first + CHUNK)])
+    return with_chunk(total, words(x, np.uint32(CHUNK * sample)), words(weights, np.uint32(first)))
 
 
 @vividc.kernel(
@@ -205,13 +210,12 @@ def density_network(inputs, hidden, features, weights, step, stride, thickness):
 
     `step` is its length over the scale of the last layer's sums. `inputs` is overwritten.
     """
-    pairs = (len(thickness) + 1) >> 1
-    two_chunk_layer(inputs, stride, weights, 0, pairs, hidden)
-    one_chunk_layer(hidden, weights, 2 * LAYER, pairs, inputs, np.uint32(0))
-    one_chunk_layer(inputs, weights, 3 * LAYER, pairs, features, np.uint32(0xFEFEFEFE))
-    for sample in range(len(thickness)):
-        total = neuron(inputs, np.uint32(CHUNK * sample), weights, np.uint32(4 * LAYER))
-        thickness[sample] = max(total, ZERO) * step
+    samples = len(thickness)
+    two_chunk_layer(inputs, stride, weights, 0, samples, hidden)
+    one_chunk_layer(hidden, weights, SECOND, samples, inputs, np.uint32(0))
+    one_chunk_layer(inputs, weights, THIRD, samples, features, LOWEST)
+    for sample in range(samples):
+        thickness[sample] = max(neuron(inputs, sample, weights, LAST), ZERO) * step
 
 
 @numba.njit
@@ -226,9 +230,8 @@ def colour_network(inputs, hidden, weights, unit, stride, colours):
     Chunks are the features and the terms of the direction.
     """
     samples = colours.shape[0]
-    two_chunk_layer(inputs, stride, weights, 0, (samples + 1) >> 1, hidden)
+    two_chunk_layer(inputs, stride, weights, 0, samples, hidden)
     for sample in range(samples):
-        q = np.uint32(CHUNK * sample)
-        colours[sample, 0] = sigmoid(neuron(hidden, q, weights, np.uint32(2 * LAYER)) * unit)
-        colours[sample, 1] = sigmoid(neuron(hidden, q, weights, np.uint32(2 * LAYER + 9)) * unit)
-        colours[sample, 2] = sigmoid(neuron(hidden, q, weights, np.uint32(2 * LAYER + 18)) * unit)
+        colours[sample, 0] = sigmoid(neuron(hidden, sample, weights, SECOND) * unit)
+        colours[sample, 1] = sigmoid(neuron(hidden, sample, weights, SECOND + NEURON) * unit)
+        colours[sample, 2] = sigmoid(neuron(hidden, sample, weights, SECOND + 2 * NEURON) * unit)

@@ -114,7 +114,9 @@ def on_words(fmt):
     pack, dot, larger = WORDS[fmt]
     if fmt == "f16":
 
-        @vividc.kernel("void(float32[::1], uint32[::1], float32[::1], uint32[::1])", name="words_f16")
+        @vividc.kernel(
+            "void(float32[::1], uint32[::1], float32[::1], uint32[::1])", name="words_f16"
+        )
         def kernel(x, words, sums, most):
             for i in range(len(words)):
                 words[i] = pack(x[2 * i], x[2 * i + 1])
@@ -124,7 +126,9 @@ def on_words(fmt):
 
         return kernel
 
-    @vividc.kernel("void(float32[::1], uint32[::1], float32[::1], uint32[::1])", name=f"words_{fmt}")
+    @vividc.kernel(
+        "void(float32[::1], uint32[::1], float32[::1], uint32[::1])", name=f"words_{fmt}"
+    )
     def kernel(x, words, sums, most):
         for i in range(len(words)):
             words[i] = pack(x[4 * i], x[4 * i + 1], x[4 * i + 2], x[4 * i + 3])

@@ -86,7 +86,9 @@ def test_casts_round_once(fmt: str) -> None:
 def test_words_of_lanes_are_packed_and_multiplied(fmt: str) -> None:
     rng = np.random.default_rng(11)
     lanes = FORMATS[fmt].lanes
-    x = rng.standard_normal(24 * lanes).astype(np.float32) * np.exp2(rng.integers(-9, 9, 24 * lanes))
+    x = rng.standard_normal(24 * lanes).astype(np.float32) * np.exp2(
+        rng.integers(-9, 9, 24 * lanes)
+    )
     x = x.astype(np.float32)
     x[-2 * lanes : -2 * lanes + 2] = -0.0, np.nan
     wanted = round_array(FORMATS[fmt], x).view(np.uint32)

@@ -101,9 +101,7 @@ class Fp8KiloNeRF(KiloNeRFOnArray):
         self._run_fp8("colour network", "colour_network", launches, ledger)
         return colours
 
-    def _run_fp8(
-        self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger
-    ) -> None:
+    def _run_fp8(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
         run_launches(
             self._device,
             ledger,
@@ -117,7 +115,8 @@ class Fp8KiloNeRF(KiloNeRFOnArray):
 
 def _shapes(first: str, *others: str) -> dict[str, tuple[int, ...]]:
     """Return the sizes of the inputs, two chunks, and of arrays of one chunk."""
-    return {first: (2 * _STRIDE,)} | dict.fromkeys(others, (_STRIDE,))
+    sizes: dict[str, tuple[int, ...]] = {first: (2 * _STRIDE,)}
+    return sizes | dict.fromkeys(others, (_STRIDE,))
 
 
 def _cost(samples: int) -> float:

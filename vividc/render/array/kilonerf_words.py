@@ -9,7 +9,6 @@ results in float32 at the 512 points of a grid in its cell, seen along as many d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,17 +72,18 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
     direction = _in_words(by_direction, _DIRECTION_FREQUENCIES)
     return Fp8Words(
         _joined(
-            _layer(_scaled(position, s1), _scaled(b1[:, None], s1)),
-            _layer(_scaled(w2, s2 - s1), _scaled(b2[:, None], s2)),
-            _layer(_scaled(w3[:, :, 1:], s3 - s2), _scaled(b3[:, None, 1:], s3)),
-            _neurons(_scaled(w3[:, :, :1], density - s2), _scaled(b3[:, None, :1], density)),
+            _layer(_scaled(position, s1), _scaled(b1[:, None], s1), 4),
+            _layer(_scaled(w2, s2 - s1), _scaled(b2[:, None], s2), 8),
+            _layer(_scaled(w3[:, :, 1:], s3 - s2), _scaled(b3[:, None, 1:], s3), 8),
+            _layer(_scaled(w3[:, :, :1], density - s2), _scaled(b3[:, None, :1], density), 1),
         ),
         _joined(
             _layer(
                 np.concatenate((_scaled(by_feature, s4 - s3), _scaled(direction, s4)), axis=1),
                 _scaled(b4[:, None], s4),
+                4,
             ),
-            _neurons(_scaled(w5, colour - s4), _scaled(b5[:, None], colour)),
+            _layer(_scaled(w5, colour - s4), _scaled(b5[:, None], colour), 1),
         ),
         np.ldexp(np.float32(1), -density).astype(np.float32),
         np.ldexp(np.float32(1), -colour).astype(np.float32),
@@ -159,32 +159,18 @@ def _in_words(weights: Float32Array, frequencies: int) -> Float32Array:
     return filled
 
 
-def _codes(weights: Float32Array) -> npt.NDArray[np.uint8]:
-    codes: npt.NDArray[np.uint8] = round_array(E4M3, weights).astype(np.uint8)
-    return codes
-
-
-def _layer(weights: Float32Array, biases: Float32Array) -> Words:
-    """Return the words [K, n] of a layer [K, inputs, 32] with biases [K, 1, 32]."""
-    networks, inputs, neurons = weights.shape
-    chunks, blocks = inputs // WIDTH, neurons // _LANES
-    shape = (networks, chunks, CHUNK_WORDS, _LANES, blocks, _LANES)
-    codes = _codes(weights).reshape(shape).transpose(0, 4, 1, 2, 5, 3)
-    words = np.ascontiguousarray(codes).view(np.uint32).reshape(networks, blocks, chunks, WIDTH)
-    starts = np.zeros((networks, blocks, chunks, _LANES), dtype=np.float32)
-    starts[:, :, 0] = biases.reshape(networks, blocks, _LANES)
-    return np.concatenate((words, starts.view(np.uint32)), axis=3).reshape(networks, -1)
-
-
-def _neurons(weights: Float32Array, biases: Float32Array) -> Words:
-    """Return the words [K, n] of neurons [K, 32, m], one after the other, each with its bias."""
-    codes = np.ascontiguousarray(_codes(weights).transpose(0, 2, 1))
-    starts = np.ascontiguousarray(biases.transpose(0, 2, 1), dtype=np.float32)
-    words = np.concatenate((codes.view(np.uint32), starts.view(np.uint32)), axis=2)
-    return words.reshape(len(words), -1)
+def _layer(weights: Float32Array, biases: Float32Array, at_once: int) -> Words:
+    """Return the words [K, n] of a layer [K, inputs, neurons]: those of each neuron, and after some
+    neurons at once their biases [K, 1, neurons].
+    """
+    codes = round_array(E4M3, np.ascontiguousarray(weights.transpose(0, 2, 1))).astype(np.uint8)
+    blocks = (len(weights), -1)
+    words = codes.view(np.uint32).reshape(*blocks, at_once * (weights.shape[1] // _LANES))
+    starts = np.ascontiguousarray(biases, dtype=np.float32).view(np.uint32)
+    joined = np.concatenate((words, starts.reshape(*blocks, at_once)), axis=2)
+    return joined.reshape(blocks)
 
 
 def _joined(*layers: Words) -> tuple[Words, ...]:
     """Return the words of each network's layers, one after the other."""
-    rows: Sequence[Words] = np.concatenate(layers, axis=1)
-    return tuple(rows)
+    return tuple(np.concatenate(layers, axis=1))
