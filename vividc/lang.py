@@ -8,8 +8,10 @@ from vividc.frontend.lang_formats import (
     e5m2_from_bits,
     fp8,
     fp8_from_bits,
+    fp8_word,
     fp16,
     fp16_from_bits,
+    fp16_word,
 )
 
 __all__ = [
@@ -22,8 +24,10 @@ __all__ = [
     "fma",
     "fp8",
     "fp8_from_bits",
+    "fp8_word",
     "fp16",
     "fp16_from_bits",
+    "fp16_word",
     "mulhi",
     "mulhi_u",
 ]
