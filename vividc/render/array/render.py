@@ -28,6 +28,8 @@ from vividc.render.scenes import Scene
 _NARROW: dict[type, tuple[RenderPrecision, ...]] = {
     Gaussians: ("fp16", "fp8"),
     KiloNeRF: ("fp8",),
+    InstantNGP: ("fp16", "fp8"),
+    TensoRF: ("fp16", "fp8"),
 }
 """Formats other than fp32 that scenes are rendered with."""
 
@@ -119,7 +121,7 @@ def _field(scene: Scene, device: Device, precision: RenderPrecision) -> ArrayFie
         on_array = Fp8KiloNeRF if precision == "fp8" else KiloNeRFOnArray
         return on_array(scene, device)
     if isinstance(scene, InstantNGP):
-        return InstantNGPField(scene, device)
+        return InstantNGPField(scene, device, precision)
     if isinstance(scene, TensoRF):
-        return TensoRFField(scene, device)
+        return TensoRFField(scene, device, precision)
     raise SceneError("the array does not render scenes of this method yet")
