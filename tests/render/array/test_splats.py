@@ -86,7 +86,7 @@ def exponentials(x: np.ndarray, y: np.ndarray) -> None:
         y[i] = math.exp(x[i])
 
 
-@pytest.mark.parametrize("precision", ["fp16", "fp8"])
+@pytest.mark.parametrize("precision", [pytest.param("fp16", marks=pytest.mark.slow), "fp8"])
 def test_exps_are_not_larger_than_lookahead_allows_for(precision: RenderPrecision) -> None:
     x = np.linspace(-5.6, 0, 4000, dtype=np.float32)  # from below ln(1 / 255)
     y = np.zeros_like(x)
