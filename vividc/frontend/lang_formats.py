@@ -14,7 +14,6 @@ from fractions import Fraction
 from typing import Any, Final
 
 import numpy as np
-from numba.extending import register_jitable
 
 from vividc.formats import E4M3, E5M2, F16, Format, round_bits, to_float
 
@@ -165,20 +164,6 @@ def e5m2_from_bits(bits: int) -> Narrow:
 def bits_of(value: Narrow) -> np.uint32:
     """The code of a float16 or float8 number, the other bits 0."""
     return np.uint32(value.bits)
-
-
-@register_jitable  # type: ignore[untyped-decorator]
-def fp16_word(a: Any, b: Any) -> np.uint32:
-    """A word of two numbers rounded to float16, the first in the low half."""
-    return np.uint32(bits_of(fp16(a)) | (bits_of(fp16(b)) << np.uint32(16)))
-
-
-@register_jitable  # type: ignore[untyped-decorator]
-def fp8_word(a: Any, b: Any, c: Any, d: Any) -> np.uint32:
-    """A word of four numbers rounded to float8 E4M3, the first in the lowest byte."""
-    low = bits_of(fp8(a)) | (bits_of(fp8(b)) << np.uint32(8))
-    high = bits_of(fp8(c)) | (bits_of(fp8(d)) << np.uint32(8))
-    return np.uint32(low | (high << np.uint32(16)))
 
 
 def fused(a: Any, b: Any, c: Any) -> Narrow:
