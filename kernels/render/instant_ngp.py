@@ -105,7 +105,7 @@ def colour_inputs(features, directions, out):
 @njit
 def word(a, b, c, d, scale):
     """Four numbers, times `scale`, as float8."""
-    return lang.fp8_word(a * scale, b * scale, c * scale, d * scale)
+    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32, uint32[:, :, ::1])")

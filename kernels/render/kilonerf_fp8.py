@@ -14,7 +14,7 @@ import numpy as np
 from numba import prange
 
 import vividc
-from vividc.lang import bitcast_f32, fp8_dot, fp8_max, fp8_word
+from vividc.lang import bitcast_f32, dot_fp8, max_fp8, pack_fp8
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -61,7 +61,7 @@ def four_octaves(x):
     s1, c1 = doubled(s0, c0)
     s2, c2 = doubled(s1, c1)
     s3, c3 = doubled(s2, c2)
-    return fp8_word(s0, c0, s1, c1), fp8_word(s2, c2, s3, c3), s3, c3
+    return pack_fp8(s0, c0, s1, c1), pack_fp8(s2, c2, s3, c3), s3, c3
 
 
 @numba.njit
@@ -74,7 +74,7 @@ def ten_octaves(x):
     s7, c7 = doubled(s6, c6)
     s8, c8 = doubled(s7, c7)
     s9, c9 = doubled(s8, c8)
-    return w0, w1, fp8_word(s4, c4, s5, c5), fp8_word(s6, c6, s7, c7), fp8_word(s8, c8, s9, c9)
+    return w0, w1, pack_fp8(s4, c4, s5, c5), pack_fp8(s6, c6, s7, c7), pack_fp8(s8, c8, s9, c9)
 
 
 @vividc.kernel("void(float32[:, ::1], uint32[:, ::1], uint32[:, ::1])")
@@ -87,7 +87,7 @@ def encode_position(points, low, high):
         low[i, 0], low[i, 1], low[i, 2], low[i, 3], low[i, 4] = ten_octaves(x)
         low[i, 5], low[i, 6], low[i, 7], high[i, 0], high[i, 1] = ten_octaves(y)
         high[i, 2], high[i, 3], high[i, 4], high[i, 5], high[i, 6] = ten_octaves(z)
-        high[i, 7] = fp8_word(x, y, z, ZERO)
+        high[i, 7] = pack_fp8(x, y, z, ZERO)
 
 
 @vividc.kernel("void(float32[:, ::1], uint32[:, ::1])")
@@ -98,7 +98,7 @@ def encode_direction(directions, out):
         out[i, 0], out[i, 1], _, _ = four_octaves(x)
         out[i, 2], out[i, 3], _, _ = four_octaves(y)
         out[i, 4], out[i, 5], _, _ = four_octaves(z)
-        out[i, 6] = fp8_word(x, y, z, ZERO)
+        out[i, 6] = pack_fp8(x, y, z, ZERO)
         out[i, 7] = np.uint32(0)
 
 
@@ -120,14 +120,14 @@ def words(array, at):
 @numba.njit
 def with_chunk(total, x, w):
     """A sum with the products of a chunk of inputs and weights."""
-    total = fp8_dot(x[0], w[0], total)
-    total = fp8_dot(x[1], w[1], total)
-    total = fp8_dot(x[2], w[2], total)
-    total = fp8_dot(x[3], w[3], total)
-    total = fp8_dot(x[4], w[4], total)
-    total = fp8_dot(x[5], w[5], total)
-    total = fp8_dot(x[6], w[6], total)
-    return fp8_dot(x[7], w[7], total)
+    total = dot_fp8(x[0], w[0], total)
+    total = dot_fp8(x[1], w[1], total)
+    total = dot_fp8(x[2], w[2], total)
+    total = dot_fp8(x[3], w[3], total)
+    total = dot_fp8(x[4], w[4], total)
+    total = dot_fp8(x[5], w[5], total)
+    total = dot_fp8(x[6], w[6], total)
+    return dot_fp8(x[7], w[7], total)
 
 
 @numba.njit
@@ -146,20 +146,20 @@ def one_chunk_layer(x, weights, first, samples, y, lowest):
             q = np.uint32(CHUNK * sample)
             p = np.uint32(CHUNK * sample + 2 * block)
             inputs = words(x, q)
-            low = fp8_word(
+            low = pack_fp8(
                 with_chunk(bitcast_f32(b[0]), inputs, w0),
                 with_chunk(bitcast_f32(b[1]), inputs, w1),
                 with_chunk(bitcast_f32(b[2]), inputs, w2),
                 with_chunk(bitcast_f32(b[3]), inputs, w3),
             )
-            high = fp8_word(
+            high = pack_fp8(
                 with_chunk(bitcast_f32(b[4]), inputs, w4),
                 with_chunk(bitcast_f32(b[5]), inputs, w5),
                 with_chunk(bitcast_f32(b[6]), inputs, w6),
                 with_chunk(bitcast_f32(b[7]), inputs, w7),
             )
-            y[p] = fp8_max(low, lowest)
-            y[p + np.uint32(1)] = fp8_max(high, lowest)
+            y[p] = max_fp8(low, lowest)
+            y[p + np.uint32(1)] = max_fp8(high, lowest)
 
 
 @numba.njit
@@ -186,13 +186,13 @@ def two_chunk_layer(x, stride, weights, first, samples, y):
         for sample in range(samples):
             x0 = words(x, np.uint32(CHUNK * sample))
             x1 = words(x, np.uint32(CHUNK * sample + stride))
-            results = fp8_word(
+            results = pack_fp8(
                 with_both(b0, x0, x1, w0, w1),
                 with_both(b1, x0, x1, w2, w3),
                 with_both(b2, x0, x1, w4, w5),
                 with_both(b3, x0, x1, w6, w7),
             )
-            y[np.uint32(CHUNK * sample + block)] = fp8_max(results, np.uint32(0))
+            y[np.uint32(CHUNK * sample + block)] = max_fp8(results, np.uint32(0))
 
 
 @numba.njit

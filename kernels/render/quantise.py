@@ -16,7 +16,7 @@ def to_fp16(x, scale, out):
             for sample in range(16):
                 first = x[block, 2 * word, sample] * scale
                 second = x[block, 2 * word + 1, sample] * scale
-                out[block, word, sample] = lang.fp16_word(first, second)
+                out[block, word, sample] = lang.pack_fp16(first, second)
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32, uint32[:, :, ::1])")
@@ -29,4 +29,4 @@ def to_fp8(x, scale, out):
                 second = x[block, 4 * word + 1, sample] * scale
                 third = x[block, 4 * word + 2, sample] * scale
                 fourth = x[block, 4 * word + 3, sample] * scale
-                out[block, word, sample] = lang.fp8_word(first, second, third, fourth)
+                out[block, word, sample] = lang.pack_fp8(first, second, third, fourth)

@@ -118,7 +118,7 @@ def factor_products(points, low, scales, nodes, axes, line, plane, slots, out):
 @njit
 def word(a, b, c, d, scale):
     """Four numbers, times `scale`, as float8."""
-    return lang.fp8_word(a * scale, b * scale, c * scale, d * scale)
+    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
 
 
 @vividc.kernel(

@@ -103,9 +103,9 @@ def ordered(x):
 
 
 WORDS = {
-    "f16": (lang.fp16_word, lang.fp16_dot, lang.fp16_max),
-    "e4m3": (lang.fp8_word, lang.fp8_dot, lang.fp8_max),
-    "e5m2": (lang.e5m2_word, lang.e5m2_dot, lang.e5m2_max),
+    "f16": (lang.pack_fp16, lang.dot_fp16, lang.max_fp16),
+    "e4m3": (lang.pack_fp8, lang.dot_fp8, lang.max_fp8),
+    "e5m2": (lang.pack_e5m2, lang.dot_e5m2, lang.max_e5m2),
 }
 
 

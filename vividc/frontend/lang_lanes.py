@@ -1,4 +1,4 @@
-"""Words of two float16 or four float8 numbers: `vividc.lang.fp8_word`, `fp8_dot` and their like.
+"""Words of two float16 or four float8 numbers: `vividc.lang.pack_fp8`, `dot_fp8` and their like.
 
 In memory they are words; in the array each of these functions is one operation on lanes, or, for a
 word of four numbers, two (`vividc.dfg.lane_semantics`).
@@ -38,47 +38,47 @@ def _larger(fmt: Format, x: int, y: int) -> np.uint32:
     return np.uint32(LANE_SEMANTICS[Opcode(f"fmax.{fmt.name}x{fmt.lanes}")](int(x), int(y)))
 
 
-def fp16_word(a: Any, b: Any) -> np.uint32:
+def pack_fp16(a: Any, b: Any) -> np.uint32:
     """Two numbers as float16 in a word, the first in its low bits."""
     return _packed(F16, a, b)
 
 
-def fp8_word(a: Any, b: Any, c: Any, d: Any) -> np.uint32:
+def pack_fp8(a: Any, b: Any, c: Any, d: Any) -> np.uint32:
     """Four numbers as float8 E4M3 in a word, the first in its lowest bits."""
     return _packed(E4M3, a, b, c, d)
 
 
-def e5m2_word(a: Any, b: Any, c: Any, d: Any) -> np.uint32:
+def pack_e5m2(a: Any, b: Any, c: Any, d: Any) -> np.uint32:
     """Four numbers as float8 E5M2 in a word, the first in its lowest bits."""
     return _packed(E5M2, a, b, c, d)
 
 
-def fp16_dot(x: int, y: int, total: Any) -> np.float32:
+def dot_fp16(x: int, y: int, total: Any) -> np.float32:
     """`total` plus the products of two words of float16, one after the other, in float32."""
     return _dot(F16, x, y, total)
 
 
-def fp8_dot(x: int, y: int, total: Any) -> np.float32:
+def dot_fp8(x: int, y: int, total: Any) -> np.float32:
     """`total` plus the products of two words of float8 E4M3, one after the other, in float32."""
     return _dot(E4M3, x, y, total)
 
 
-def e5m2_dot(x: int, y: int, total: Any) -> np.float32:
+def dot_e5m2(x: int, y: int, total: Any) -> np.float32:
     """`total` plus the products of two words of float8 E5M2, one after the other, in float32."""
     return _dot(E5M2, x, y, total)
 
 
-def fp16_max(x: int, y: int) -> np.uint32:
+def max_fp16(x: int, y: int) -> np.uint32:
     """The larger number of two words of float16, lane by lane; a NaN loses, and -0 to +0."""
     return _larger(F16, x, y)
 
 
-def fp8_max(x: int, y: int) -> np.uint32:
+def max_fp8(x: int, y: int) -> np.uint32:
     """The larger number of two words of float8 E4M3, lane by lane; a NaN loses, and -0 to +0."""
     return _larger(E4M3, x, y)
 
 
-def e5m2_max(x: int, y: int) -> np.uint32:
+def max_e5m2(x: int, y: int) -> np.uint32:
     """The larger number of two words of float8 E5M2, lane by lane; a NaN loses, and -0 to +0."""
     return _larger(E5M2, x, y)
 
@@ -179,9 +179,9 @@ def _register_max(fmt: Format, function: Callable[..., Any]) -> None:
 
 
 for _format, _pack, _sum, _max in (
-    (F16, fp16_word, fp16_dot, fp16_max),
-    (E4M3, fp8_word, fp8_dot, fp8_max),
-    (E5M2, e5m2_word, e5m2_dot, e5m2_max),
+    (F16, pack_fp16, dot_fp16, max_fp16),
+    (E4M3, pack_fp8, dot_fp8, max_fp8),
+    (E5M2, pack_e5m2, dot_e5m2, max_e5m2),
 ):
     _register_pack(_format, _pack)
     _register_dot(_format, _sum)

@@ -22,6 +22,8 @@ from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 _BATCH: Final = 32_768
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
+_LANES: Final = 4
+"""Numbers of float8 in a word."""
 
 
 class InstantNGPField:
@@ -134,6 +136,7 @@ class InstantNGPField:
             "direction encoding",
             "render/instant_ngp:colour_inputs",
             {"features": features, "directions": directions},
+            rounds=self._features % _LANES == 0,
         )
         outputs = self._colour_network.run(device, ledger, "colour network", inputs)
         BlockMap(

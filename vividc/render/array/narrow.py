@@ -94,18 +94,19 @@ class Network:
         stage: str,
         kernel: str,
         given: Mapping[str, Float32Array],
+        rounds: bool = True,
     ) -> Float32Array:
         """Return the inputs that a kernel makes of blocks of samples, as the network takes them.
-
-        For fp8 the kernel's name ends in `_fp8`: it rounds them itself.
 
         Parameters
         ----------
         given
             Inputs of the kernel, [B, ...].
+        rounds
+            For fp8 there is a kernel whose name ends in `_fp8`, which rounds them itself.
         """
         blocks = len(next(iter(given.values())))
-        if self.precision == "fp8":
+        if rounds and self.precision == "fp8":
             words = self.words(blocks)
             made: dict[str, Words] = {"out": words.view(np.uint32)}
             scalars = {"scale": self.scale}
