@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 
 from vividc.render.array.block_map import BlockMap
+from vividc.render.array.calibration import largest_inputs
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.hash_encoding import hash_encoding
-from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
+from vividc.render.array.narrow import network
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP, March
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
@@ -18,6 +22,8 @@ from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 _BATCH: Final = 32_768
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
+_LANES: Final = 4
+"""Numbers of float8 in a word."""
 
 
 class InstantNGPField:
@@ -29,6 +35,8 @@ class InstantNGPField:
         As read from a scene.
     device
         Where it is computed.
+    precision
+        Of the networks' operands.
 
     Raises
     ------
@@ -36,20 +44,25 @@ class InstantNGPField:
         The model has a form that the kernels have not (see `hash_encoding`).
     """
 
-    def __init__(self, model: InstantNGP, device: Device) -> None:
+    def __init__(
+        self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
+    ) -> None:
         self._model, self._device = model, device
         self._encoding = hash_encoding(model)
-        self._density_layers = [
+        largest = {} if precision == "fp32" else largest_inputs(model)
+        density_layers = [
             dense_layer(weights, relu=hidden)
             for weights, hidden in zip(model.density_weights, (True, False), strict=True)
         ]
+        self._density_network = network(density_layers, precision, _of(largest, "sigma"))
         first, *others = model.colour_weights
         # The kernel puts the direction's terms before the features.
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
-        self._colour_layers = [
+        colour_layers = [
             dense_layer(weights, relu=hidden)
             for weights, hidden in zip((swapped, *others), (True, True, False), strict=True)
         ]
+        self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
         self._features = model.density_weights[-1].shape[1]
 
     @property
@@ -98,9 +111,11 @@ class InstantNGPField:
         features: Float32Array,
         ledger: Ledger,
     ) -> None:
-        device = self._device
-        encoded = self._encoding.encode(device, ledger, "hash encoding", points)
-        outputs = run_network(device, ledger, "density network", self._density_layers, encoded)
+        device, net = self._device, self._density_network
+        encoded = net.room(len(points))
+        self._encoding.encode(device, ledger, "hash encoding", points, encoded)
+        inputs = net.rounded(device, ledger, "rounding", encoded)
+        outputs = net.run(device, ledger, "density network", inputs)
         BlockMap(
             kernel="render/instant_ngp:density",
             inputs={"x": outputs},
@@ -115,13 +130,20 @@ class InstantNGPField:
         self, features: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
     ) -> None:
         device = self._device
-        inputs = np.empty((len(features), self._colour_layers[0].inputs, SAMPLES), np.float32)
-        BlockMap(
-            kernel="render/instant_ngp:colour_inputs",
-            inputs={"features": features, "directions": directions},
-            outputs={"out": inputs},
-        ).run(device, ledger, "direction encoding")
-        outputs = run_network(device, ledger, "colour network", self._colour_layers, inputs)
+        inputs = self._colour_network.made(
+            device,
+            ledger,
+            "direction encoding",
+            "render/instant_ngp:colour_inputs",
+            {"features": features, "directions": directions},
+            rounds=self._features % _LANES == 0,
+        )
+        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")
+
+
+def _of(largest: Mapping[str, float], name: str) -> list[float]:
+    """Return the figures of the layers of a network, in order."""
+    return [value for layer, value in sorted(largest.items()) if layer.startswith(name)]

@@ -13,8 +13,9 @@ from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
+from vividc.render.array.kilonerf_fp8 import Fp8KiloNeRF
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
-from vividc.render.array.options import ArrayOptions
+from vividc.render.array.options import PRECISIONS, ArrayOptions, RenderPrecision
 from vividc.render.array.sampling import sampled
 from vividc.render.array.splats import render_splats
 from vividc.render.array.tensorf import TensoRFField
@@ -23,6 +24,14 @@ from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
+
+_NARROW: dict[type, tuple[RenderPrecision, ...]] = {
+    Gaussians: ("fp16", "fp8"),
+    KiloNeRF: ("fp8",),
+    InstantNGP: ("fp16", "fp8"),
+    TensoRF: ("fp16", "fp8"),
+}
+"""Formats other than fp32 that scenes are rendered with."""
 
 
 def render_array(
@@ -57,17 +66,11 @@ def render_array(
             loc="--sample",
             hint="give a number above 0 and at most 1",
         )
-    if options.precision:
-        names = ", ".join(sorted(options.precision))
-        raise SceneError(
-            f"a precision is given for {names}, and every stage computes in float32",
-            loc="--precision",
-            hint="leave it out",
-        )
+    check_precision(options.precision, scene)
     device = open_device(options.fabric, options.engine, tell)
     if isinstance(scene, Gaussians):
         return render_splats(scene, camera, options, progress, device)
-    field = _field(scene, device)
+    field = _field(scene, device, options.precision)
     corners = sampled(block_corners(camera), options.sample)
     ledger = Ledger()
     image = render_blocks(
@@ -85,6 +88,26 @@ def render_array(
     return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
 
 
+def check_precision(precision: str, scene: Scene) -> None:
+    """Refuse a format that is none of the renderers'.
+
+    Raises
+    ------
+    SceneError
+        No such format, or not of this method.
+    """
+    known = ", ".join(PRECISIONS)
+    if precision not in PRECISIONS:
+        raise SceneError(f"unknown format {precision!r}", loc="--precision", hint=known)
+    formats = ("fp32", *_NARROW.get(type(scene), ()))
+    if precision not in formats:
+        raise SceneError(
+            f"the array renders scenes of this method in {' or '.join(formats)} only",
+            loc="--precision",
+            hint="leave it out",
+        )
+
+
 def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
     """Return which pixels are in blocks of 8x8 pixels with these corners, [height, width]."""
     inside = np.zeros((camera.height, camera.width), dtype=np.bool_)
@@ -93,11 +116,12 @@ def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
     return inside
 
 
-def _field(scene: Scene, device: Device) -> ArrayField:
+def _field(scene: Scene, device: Device, precision: RenderPrecision) -> ArrayField:
     if isinstance(scene, KiloNeRF):
-        return KiloNeRFOnArray(scene, device)
+        on_array = Fp8KiloNeRF if precision == "fp8" else KiloNeRFOnArray
+        return on_array(scene, device)
     if isinstance(scene, InstantNGP):
-        return InstantNGPField(scene, device)
+        return InstantNGPField(scene, device, precision)
     if isinstance(scene, TensoRF):
-        return TensoRFField(scene, device)
+        return TensoRFField(scene, device, precision)
     raise SceneError("the array does not render scenes of this method yet")

@@ -5,12 +5,16 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc.render.array.block_map import BlockMap
+from vividc.render.array.calibration import largest_inputs
 from vividc.render.array.device import Device
 from vividc.render.array.factors import CHANNELS, Pair, channel_pairs, factor_grid
 from vividc.render.array.frame import Ledger
-from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
+from vividc.render.array.narrow import network
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March, TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
@@ -18,6 +22,7 @@ from vividc.render.radiance.tensorf import LINE_AXES
 _BATCH: Final = 16_384
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
+_FEATURES: Final = 27
 
 
 class TensoRFField:
@@ -29,21 +34,32 @@ class TensoRFField:
         As read from a scene.
     device
         Where it is computed.
+    precision
+        Of the networks' operands.
     """
 
-    def __init__(self, model: TensoRF, device: Device) -> None:
+    def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
         self._model, self._device = model, device
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
         self._density_pairs = channel_pairs(model.density_factors)
         self._appearance_pairs = channel_pairs(model.appearance_factors)
-        self._basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
-        self._layers = [
+        largest = None if precision == "fp32" else largest_inputs(model)
+        basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
+        self._basis = network([basis], precision, [largest["basis"]] if largest else ())
+        layers = [
             dense_layer(weights, bias, relu=hidden)
             for weights, bias, hidden in zip(
                 model.weights, model.biases, (True, True, False), strict=True
             )
         ]
+        if precision == "fp8":
+            # The order in which the kernel makes words of them.
+            layers[0] = dense_layer(model.weights[0][_by_words()], model.biases[0], relu=True)
+        names = [f"mlp{index}" for index in range(len(layers))]
+        self._colour_network = network(
+            layers, precision, [largest[name] for name in names] if largest else ()
+        )
 
     @property
     def march(self) -> March:
@@ -101,18 +117,34 @@ class TensoRFField:
     ) -> None:
         device = self._device
         found = self._grid.cells(ledger, "appearance factors", points)
-        products = self._grid.products(ledger, "appearance factors", found, self._appearance_pairs)
-        features = run_network(device, ledger, "basis", [self._basis], products)
-        inputs = np.empty((len(features), self._layers[0].inputs, SAMPLES), dtype=np.float32)
-        BlockMap(
-            kernel="render/tensor_factors:colour_inputs",
-            inputs={"features": features, "directions": directions},
-            outputs={"out": inputs},
-        ).run(device, ledger, "position encoding")
-        outputs = run_network(device, ledger, "colour network", self._layers, inputs)
+        is_fp8, pairs = self._basis.precision == "fp8", self._appearance_pairs
+        scale = self._basis.scale if is_fp8 else None
+        products = self._grid.products(ledger, "appearance factors", found, pairs, scale)
+        if not is_fp8:
+            products = self._basis.rounded(device, ledger, "rounding", products)
+        features = self._basis.run(device, ledger, "basis", products)
+        inputs = self._colour_network.made(
+            device,
+            ledger,
+            "position encoding",
+            "render/tensor_factors:colour_inputs",
+            {"features": features, "directions": directions},
+        )
+        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")
+
+
+def _by_words() -> npt.NDArray[np.int64]:
+    """Return which of the network's inputs `colour_inputs_fp8` makes after one another."""
+    features, directions = np.arange(_FEATURES), np.arange(_CHANNELS)
+    waves = [(30 + 2 * features, 84 + 2 * features), (138 + 2 * directions, 144 + 2 * directions)]
+    parts = [
+        np.stack((sines, sines + 1, cosines, cosines + 1), axis=1).ravel()
+        for sines, cosines in waves
+    ]
+    return np.concatenate((*parts, features, _FEATURES + directions))
 
 
 def _spread(basis: Float32Array, pairs: list[list[Pair]], model: TensoRF) -> Float32Array:
