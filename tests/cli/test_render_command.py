@@ -13,7 +13,7 @@ from PIL import Image
 from vividc.cli import main
 from vividc.render import Camera, Scene, read_views
 from vividc.render.array import ArrayFrame, ArrayOptions, Ledger, open_device
-from vividc.render.array.block_launches import Launch, Move, run_launches
+from vividc.render.array.launches import Launch, Move, run_launches
 
 MIC = Path(__file__).parents[2] / "scenes" / "mic"
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.block_launches import Launch, Move, run_launches
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.gather import gather_rows
+from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF, March

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.block_launches import Launch, Move, run_launches
 from vividc.render.array.bricks import Bricks, pack_bricks
 from vividc.render.array.device import Device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import Ledger
 from vividc.render.array.gather import gather_rows
+from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
