@@ -111,6 +111,11 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
             ("--engine", "array", MIC / "mic_3dgs_sh3.ply", "--blend", "a.vivid", "--sample", ".5"),
             "with --blend all is simulated",
         ),
+        ((MIC / "mic_ngp_hash.npz", "--precision", "fp8"), "--precision: the reference is in fp32"),
+        (
+            ("--engine", "array", MIC / "mic_3dgs_sh3.ply", "--blend", "a", "--precision", "fp8"),
+            "with --blend its program decides",
+        ),
         ((MIC / "mic_kilonerf.npz", "--size", "8"), "8 is not a size like 800x800"),
         ((MIC / "mic_kilonerf.npz", "--size", "0x8"), "sides are 1 to 8192 pixels"),
         ((MIC / "mic_kilonerf.npz", "--elevation", "90"), "no camera at azimuth"),

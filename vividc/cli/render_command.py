@@ -40,7 +40,13 @@ from vividc.render import (
     ssim,
     write_png,
 )
-from vividc.render.array import ArrayFrame, ArrayOptions, render_array
+from vividc.render.array import (
+    PRECISIONS,
+    ArrayFrame,
+    ArrayOptions,
+    RenderPrecision,
+    render_array,
+)
 from vividc.render.arrays import Float32Array
 from vividc.render.blend_reference import BlendOptions
 
@@ -141,6 +147,13 @@ def _size(
     help="For --engine array: share of the blocks of pixels that is simulated; the rest is white.",
 )
 @click.option(
+    "--precision",
+    type=click.Choice(PRECISIONS),
+    default="fp32",
+    show_default=True,
+    help="For --engine array: format of the networks' operands, or of 3DGS's exp.",
+)
+@click.option(
     "--fabric",
     default="vivid",
     show_default=True,
@@ -163,6 +176,7 @@ def command(
     engine: str,
     program: Path | None,
     sample: float,
+    precision: RenderPrecision,
     fabric: str,
     output: Path | None,
     as_json: bool,
@@ -179,14 +193,13 @@ def command(
         raise click.BadParameter("not a finite number", param_hint="--exponent-margin")
     view = _view(views_file, view_index)
     found, model = read_scene(scene, method)
-    if sample != 1:
-        _check_sample(engine, program)
+    _check_array_options(engine, program, sample, precision)
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
     rendered = None
     if engine == ARRAY and blend is None:
-        wanted = ArrayOptions(fabric, "auto", lookahead == "on", exponent_margin, sample)
+        wanted = ArrayOptions(fabric, "auto", lookahead == "on", exponent_margin, sample, precision)
         rendered = _on_array(model, camera, wanted)
     with _bar(f"rendering {camera.width}x{camera.height}") as progress:
         picture = render_reference(model, camera, switches, progress)
@@ -202,7 +215,8 @@ def command(
     truth = None if view is None else view.truth_at(camera.width, camera.height)
     seen = None if rendered is None else rendered.simulated
     body = _body(picture, image, truth, seen) | {"array": on_array, "frame": frame}
-    body = {"scene": str(scene), "method": found, "engine": engine, "lookahead": lookahead} | body
+    switched = {"engine": engine, "lookahead": lookahead, "precision": precision}
+    body = {"scene": str(scene), "method": found} | switched | body
     if as_json:
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
     else:
@@ -231,11 +245,30 @@ def _view(views_file: Path | None, index: int | None) -> View | None:
     return views[number]
 
 
-def _check_sample(engine: str, program: Path | None) -> None:
-    if engine != ARRAY:
-        raise SceneError("only the array is simulated", loc="--sample", hint="--engine array")
-    if program is not None:
-        raise SceneError("with --blend all is simulated", loc="--sample", hint="leave out --blend")
+def _check_array_options(
+    engine: str, program: Path | None, sample: float, precision: RenderPrecision
+) -> None:
+    """Refuse what only the array's renderers know, without them."""
+    if sample != 1:
+        if engine != ARRAY:
+            raise SceneError("only the array is simulated", loc="--sample", hint="--engine array")
+        if program is not None:
+            raise SceneError(
+                "with --blend all is simulated", loc="--sample", hint="leave out --blend"
+            )
+    if precision != "fp32":
+        if engine != ARRAY:
+            raise SceneError(
+                "the reference is in fp32",
+                loc="--precision",
+                hint="--engine array, or leave it out",
+            )
+        if program is not None:
+            raise SceneError(
+                "with --blend its program decides",
+                loc="--precision",
+                hint="compile it with `vividc compile --precision exp=fp8`",
+            )
 
 
 def _camera(

@@ -33,9 +33,13 @@ from vividc.mapper.systolic import (
     SystolicArray,
     base_name,
     gemm_region,
+    lanes,
     windows,
 )
 from vividc.program import WORD_BYTES, Program, encode
+
+_Form = tuple[int, bool, Precision, Precision]
+"""What of a link makes its loop: depth, whether max(x, 0) follows, formats of operands, results."""
 
 LINE = 16
 """Words along the second dimension of the buffer: no dimension of an array may be as long as it."""
@@ -46,13 +50,14 @@ START_CONTEXTS = 2
 @dataclass(frozen=True, slots=True)
 class Link:
     """A layer of a chain: its inner dimension in words, its blocks of columns, whether max(x, 0)
-    follows, and the format of its operands.
+    follows, the format of its operands, and that of its results.
     """
 
     depth: int
     bands: int
     relu: bool = False
     precision: Precision = "f32"
+    results: Precision = "f32"
 
 
 @dataclass(frozen=True)
@@ -94,6 +99,7 @@ class Chain:
                 relu=link.relu,
                 words=self.words,
                 precision=link.precision,
+                results=link.results,
             )
             for link in self.links
         )
@@ -122,15 +128,21 @@ class Chain:
         room = self.layouts[0].room
         if self.weights[-1] > room or self.contexts > self.array.fabric.controller.contexts:
             return 0
-        widths = [self.links[0].depth, *(link.bands * self.array.cols for link in self.links)]
+        widths = [self.width(layer) for layer in range(len(self.links) + 1)]
         table = TABLE_ROW * sum(link.bands for link in self.links)
         return min(room // (self.array.rows * max(widths)), room // table)
 
     def width(self, layer: int) -> int:
-        """Columns of a layer's input as they lie there; behind the last layer: of its output."""
+        """Columns of words of a layer's input as they lie there; behind the last layer: of its
+        output.
+        """
         if layer == 0:
             return self.links[0].depth
-        return self.links[layer - 1].bands * self.array.cols
+        return self.links[layer - 1].bands * self.band_width(layer - 1)
+
+    def band_width(self, layer: int) -> int:
+        """Columns of words that a block of columns of a layer's results makes."""
+        return self.array.cols // lanes(self.links[layer].results)
 
     def cycles(self, blocks: int) -> int:
         """Cycles of a launch over `blocks` blocks of rows: exact, as no two accesses meet."""
@@ -150,8 +162,8 @@ class Chain:
             rows = np.zeros((block.size, TABLE_ROW), np.int64)
             rows[:, Stream.A] = block * layout.a(0, self.width(layer))
             rows[:, Stream.B] = self.weights[layer] + band * layout.band
-            rows[:, Stream.C] = block * layout.c(0, link.bands * layout.cols)
-            rows[:, Stream.C] += band * layout.c(0, layout.cols)
+            rows[:, Stream.C] = block * layout.c(0, self.width(layer + 1))
+            rows[:, Stream.C] += band * layout.c(0, self.band_width(layer))
             parts.append((rows * GROUP_BYTES).astype(np.uint32).ravel())
             starts.append(at)
             at += parts[-1].size
@@ -209,12 +221,12 @@ def chain_program(chain: Chain) -> Program:
     SystolicError
         A layer fits no array's memories.
     """
-    made = tuple((link.depth, link.relu, link.precision) for link in chain.links)
+    made = tuple((link.depth, link.relu, link.precision, link.results) for link in chain.links)
     return _program(chain.array.fabric.name, made, chain.words)
 
 
 @lru_cache(maxsize=16)
-def _program(fabric: str, links: tuple[tuple[int, bool, Precision], ...], words: int) -> Program:
+def _program(fabric: str, links: tuple[_Form, ...], words: int) -> Program:
     array = SystolicArray.of(arch.load_tile(fabric))
     key = key_of(array.fabric, links, words)
     program = read_program(key)
@@ -224,19 +236,23 @@ def _program(fabric: str, links: tuple[tuple[int, bool, Precision], ...], words:
     return program
 
 
-def _built(
-    array: SystolicArray, links: tuple[tuple[int, bool, Precision], ...], words: int
-) -> Program:
+def _built(array: SystolicArray, links: tuple[_Form, ...], words: int) -> Program:
     regions: list[Region] = []
     mappings: dict[int, Mapping] = {}
     reports: dict[int, MapResult] = {}
     names: dict[str, None] = {}
     counts = [f"blocks{layer}" for layer in range(len(links))]
-    for layer, (depth, relu, precision) in enumerate(links):
+    for layer, (depth, relu, precision, results) in enumerate(links):
         start, loop = 2 * layer, 2 * layer + 1
         onward = loop + 1 if layer + 1 < len(links) else None
         region = gemm_region(
-            array, depth, relu=relu, words=words, names=_names(layer), precision=precision
+            array,
+            depth,
+            relu=relu,
+            words=words,
+            names=_names(layer),
+            precision=precision,
+            results=results,
         )
         _demand_legal(array, region.dfg, region.mapping, straight=False)
         first = start_graph(counts[layer])

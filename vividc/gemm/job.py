@@ -127,11 +127,12 @@ def add_mlp(job: Job, x: Matrix, layers: Sequence[Layer], layout: Layout) -> Mat
             source = target
             before, done = done, ()
             precision = layers[one.first].precision
-            if one.first and precision != "f32":
+            if one.first and layers[one.first - 1].apart is not None and precision != "f32":
                 source, before = pack_steps(job, source, chain.width(0), precision, before)
-            columns = -(-layers[last].shape.cols // chain.array.cols) * chain.array.cols
+            bands = -(-layers[last].shape.cols // chain.array.cols)
+            columns = bands * chain.band_width(len(chain.links) - 1)
             target = np.zeros((source.shape[0], columns, chain.array.rows), np.float32)
-        first = one.bands.start * chain.array.cols
+        first = one.bands.start * chain.band_width(len(chain.links) - 1)
         apart = layers[last].apart
         part = target[:, first : first + chain.width(len(chain.links))]
         steps = _Steps(job, one, layers, units(job.accelerator, layout.mode))

@@ -5,14 +5,14 @@ and what that costs.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vividc import arch
 from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError
 from vividc.gemm.chain import Chain, Link
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, check_sizes, padded
-from vividc.mapper.systolic import SystolicArray, SystolicError
+from vividc.mapper.systolic import Precision, SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
 _FEWEST_BLOCKS = 4
@@ -155,13 +155,20 @@ def lay_out(
     return min(found, key=lambda layout: layout.cycles)
 
 
+def results_of(shapes: Sequence[LayerShape]) -> list[Precision]:
+    """The format in which the arrays store each layer's results: that of the next one's operands,
+    but float32 where something follows on the tiles.
+    """
+    behind: list[Precision] = [*(shape.precision for shape in shapes[1:]), "f32"]
+    return ["f32" if s.ends else results for s, results in zip(shapes, behind, strict=True)]
+
+
 def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> tuple[Pass, ...]:
     ends = {k for k, shape in enumerate(shapes) if shape.ends}
     links = [
-        Link(s.words, padded(s.cols, array.cols) // array.cols, s.relu, s.precision) for s in shapes
+        Link(s.words, padded(s.cols, array.cols) // array.cols, s.relu, s.precision, results)
+        for s, results in zip(shapes, results_of(shapes), strict=True)
     ]
-    # Results are FP32; packing them is for the tiles.
-    ends |= {k - 1 for k, shape in enumerate(shapes) if shape.precision != "f32"}
     found: list[Pass] = []
     first = 0
     while first < len(links):
@@ -203,7 +210,7 @@ def _by_columns(array: SystolicArray, link: Link, first: int, parts: int) -> lis
 
 
 def _one(array: SystolicArray, link: Link, bands: int, parts: int) -> Chain:
-    return Chain(array, (Link(link.depth, bands, link.relu, link.precision),), parts)
+    return Chain(array, (replace(link, bands=bands),), parts)
 
 
 def _pieces(rows: int, chain: Chain, arrays: int) -> list[range]:

@@ -58,6 +58,7 @@ class Shape:
         relu: bool = False,
         words: int | None = None,
         precision: Precision = "f32",
+        results: Precision = "f32",
     ) -> Shape:
         """The product of `gemm_region` with the same arguments.
 
@@ -66,7 +67,9 @@ class Shape:
         SystolicError
             The array's memories are too small for `depth`.
         """
-        schedule, layout = plan(array, depth, relu=relu, words=words, precision=precision)
+        schedule, layout = plan(
+            array, depth, relu=relu, words=words, precision=precision, results=results
+        )
         controller = array.fabric.controller
         start = 1 + controller.control_latency
         return Shape(layout, schedule.ii, schedule.span, start + controller.switch_cycles)

@@ -8,7 +8,14 @@ from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
 from vividc.mapper import violations
-from vividc.mapper.systolic import SystolicArray, SystolicError, gemm_region, least_ii, plan
+from vividc.mapper.systolic import (
+    Precision,
+    SystolicArray,
+    SystolicError,
+    gemm_region,
+    least_ii,
+    plan,
+)
 
 SMALL = """
 extends: vivid-8x8
@@ -31,6 +38,30 @@ def test_every_depth_gives_a_legal_mapping(rows: int, cols: int, depth: int, rel
     region = gemm_region(array, depth, relu=relu)
     assert not list(check(region.dfg))
     assert violations(region.dfg, array.fabric, region.mapping) == []
+
+
+@pytest.mark.parametrize("relu", [False, True])
+@pytest.mark.parametrize("depth", [1, 2, 5, 8, 9, 13])
+@pytest.mark.parametrize("results", ["f16", "e4m3", "e5m2"])
+def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, relu: bool) -> None:
+    for rows, cols in ((2, 4), (5, 8)):
+        array = SystolicArray.of(small(rows, cols))
+        region = gemm_region(array, depth, relu=relu, precision="e4m3", results=results)
+        assert not list(check(region.dfg))
+        assert violations(region.dfg, array.fabric, region.mapping) == []
+        assert region.mapping.ii == least_ii(array, depth, activated=relu)
+
+
+def test_drains_that_cannot_pack_are_refused() -> None:
+    with pytest.raises(SystolicError, match="6 columns are no multiple of 4"):
+        plan(SystolicArray.of(small(2, 6)), 4, results="e4m3")
+    slow = SMALL.replace("{{fma", "{{convert: 3, fma").format(rows=4, cols=5, fma=4, load=2)
+    with pytest.raises(SystolicError, match="stores no f16: the latency of convert is 3"):
+        plan(SystolicArray.of(arch.load_text(slow, "slow.yaml")), 4, results="f16")
+    blunt = SMALL.format(rows=4, cols=5, fma=4, load=2)
+    blunt += "overrides:\n  - at: {rows: 1}\n    sliced: false\n"
+    with pytest.raises(SystolicError, match=r"at its edge has no pack\.f16x2"):
+        plan(SystolicArray.of(arch.load_text(blunt, "blunt.yaml")), 4, results="f16")
 
 
 @pytest.mark.parametrize(("fma", "load"), [(1, 1), (2, 1), (3, 3), (5, 2), (6, 4)])

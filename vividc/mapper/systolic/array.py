@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
@@ -11,6 +13,9 @@ from vividc.errors import VividcError
 
 _LOAD_ROWS = 2
 """Rows in the north that do not multiply: row 0 loads, row 1 stores what comes out."""
+
+_PACK_LATENCY = 2
+"""With any other, words would meet on the links between drains."""
 
 
 class SystolicError(VividcError):
@@ -118,6 +123,24 @@ class SystolicArray:
                     return f"PE {pe.id} has no {op.value}"
                 if pe.registers < self.latency(info.latency_class):
                     return f"PE {pe.id} has fewer registers than a {op.value} takes cycles"
+        return None
+
+    def missing_pack(self, ops: Sequence[Opcode], lanes: int) -> str | None:
+        """Why the drains cannot make words of `lanes` results with `ops`; None: they can."""
+        if self.cols % lanes:
+            return f"{self.cols} columns are no multiple of {lanes}"
+        if self.latency(LatencyClass.CONVERT) != _PACK_LATENCY:
+            found = self.latency(LatencyClass.CONVERT)
+            return f"the latency of convert is {found}, and must be {_PACK_LATENCY}"
+        drains = [self.drain(col) for col in range(self.cols)]
+        for pe in drains:
+            for op in ops:
+                if not self.fabric.pes[pe].executes(OPCODES[op]):
+                    return f"PE {pe} at its edge has no {op.value}"
+        for west, east in pairwise(drains):
+            for src, dst in ((west, east), (east, west)):
+                if (src, dst) not in self._link_ids:
+                    return f"there is no link from PE {src} to PE {dst}"
         return None
 
     def _missing_multiplier(self) -> str | None:

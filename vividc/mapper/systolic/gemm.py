@@ -18,7 +18,7 @@ from vividc.mapper.mapping import Mapping as Placement
 from vividc.mapper.mapping import Place, Step, Subject
 from vividc.mapper.systolic.array import SystolicArray, SystolicError
 from vividc.mapper.systolic.layout import GROUP_BYTES, TABLE_ROW, BlockLayout, Stream
-from vividc.mapper.systolic.precision import PRODUCTS, Precision
+from vividc.mapper.systolic.precision import LARGEST, PACKS, PRODUCTS, Precision, lanes
 from vividc.mapper.systolic.schedule import SystolicSchedule, least_ii
 
 BUFFER = "buffer"
@@ -66,6 +66,7 @@ def gemm_region(
     words: int | None = None,
     names: Mapping[Stream, str] | None = None,
     precision: Precision = "f32",
+    results: Precision = "f32",
 ) -> GemmRegion:
     """The loop over blocks of C, mapped.
 
@@ -81,6 +82,9 @@ def gemm_region(
         Prefix of each stream's live-ins; None: as of `base_name`.
     precision
         Format of the operands; `depth` counts words of them. Sums are FP32.
+    results
+        Format of what is stored: the drains round it and put neighbouring columns into a word, as
+        the next product reads them.
 
     Raises
     ------
@@ -88,8 +92,10 @@ def gemm_region(
         The configuration memory is too short for `depth` FMAs a PE, the schedule has more stages
         than the controller, or one block does not fit the scratchpad.
     """
-    schedule, layout = plan(array, depth, relu=relu, words=words, precision=precision)
-    made = _Construction(array, schedule, layout, names or {})
+    schedule, layout = plan(
+        array, depth, relu=relu, words=words, precision=precision, results=results
+    )
+    made = _Construction(array, schedule, layout, names or {}, results)
     made.run()
     dfg = made.builder.build()
     mapping = Placement(schedule.ii, made.places, made.routes, Subject(dfg, array.fabric))
@@ -103,6 +109,7 @@ def plan(
     relu: bool = False,
     words: int | None = None,
     precision: Precision = "f32",
+    results: Precision = "f32",
 ) -> tuple[SystolicSchedule, BlockLayout]:
     """Schedule and memory layout of `gemm_region` without its graph.
 
@@ -122,7 +129,14 @@ def plan(
             loc=array.fabric.name,
             hint="choose the precision f32",
         )
-    schedule = SystolicSchedule(array, depth, ii, relu, op)
+    fault = array.missing_pack((*PACKS[results], LARGEST[results]), lanes(results))
+    if results != "f32" and fault is not None:
+        raise SystolicError(
+            f"fabric {array.fabric.name} stores no {results}: {fault}",
+            loc=array.fabric.name,
+            hint="choose the precision f32 for the layer behind",
+        )
+    schedule = SystolicSchedule(array, depth, ii, relu, op, lanes(results))
     room = array.fabric.scratchpad.words if words is None else words
     layout = BlockLayout(array.rows, array.cols, depth, room)
     _demand_room(array, schedule, layout)
@@ -156,6 +170,7 @@ class _Construction:
         schedule: SystolicSchedule,
         layout: BlockLayout,
         names: Mapping[Stream, str],
+        results: Precision,
     ) -> None:
         self.builder = GraphBuilder("gemm")
         self.places: dict[int, Place] = {}
@@ -164,6 +179,7 @@ class _Construction:
         self._schedule = schedule
         self._layout = layout
         self._names = names
+        self._results = results
         self._edges = 0
 
     def run(self) -> None:
@@ -171,10 +187,14 @@ class _Construction:
         rows, cols = range(self._layout.rows), range(self._layout.cols)
         a = [self._row(i) for i in rows]
         b = [self._column(j) for j in cols]
-        for j in cols:
-            place = self._place(Stream.C, Place(self._array.drain(j), self._schedule.place_c(j)))
+        count = self._schedule.lanes
+        for first in cols[::count]:
+            where = Place(self._array.drain(first), self._schedule.place_c(first))
+            place = self._place(Stream.C, where)
             for i in rows:
-                self._leave(i, j, self._accumulate(i, j, a[i], b[j]), place)
+                columns = cols[first : first + count]
+                totals = [self._accumulate(i, j, a[i], b[j]) for j in columns]
+                self._leave(i, first, totals, place)
 
     def _row(self, i: int) -> list[Operand]:
         """A(i, k) for all k."""
@@ -221,16 +241,42 @@ class _Construction:
             total = self._add(node, [left, right, total], where, [east, south, kept])
         return total
 
-    def _leave(self, i: int, j: int, total: Operand, place: Operand) -> None:
-        where = Place(self._array.drain(j), self._schedule.drain(i, j))
-        route = self._northward(i, j)
+    def _leave(self, i: int, j: int, totals: list[Operand], place: Operand) -> None:
+        """The results of row i, columns j, ..., of a word."""
+        where = Place(self._array.drain(j), self._schedule.leave(i, j))
+        word, route = totals[0], self._northward(i, j)
+        if len(totals) > 1:
+            word, route = self._packed(i, j, totals)
         if self._schedule.activated:
-            node = Node(0, Opcode.FMAX)
-            total = self._add(node, [total, self.builder.const(0)], where, [route])
+            node = Node(0, LARGEST[self._results])
+            word = self._add(node, [word, self.builder.const(0)], where, [route])
             where, route = Place(where.pe, where.time + 1), ()
-        base, offset = self._address(Stream.C, self._layout.c(i, j))
+        base, offset = self._address(Stream.C, self._layout.c(i, j // len(totals)))
         node = Node(0, Opcode.STORE, name=BUFFER, offset=offset)
-        self._add(node, [place, total], where, [self._held(place, where), route], base)
+        self._add(node, [place, word], where, [self._held(place, where), route], base)
+
+    def _packed(
+        self, i: int, first: int, totals: list[Operand]
+    ) -> tuple[Operand, tuple[Step, ...]]:
+        """The word of two or four results, and its way to the first column's drain."""
+        schedule, ops = self._schedule, PACKS[self._results]
+        drains = [self._array.drain(first + lane) for lane in range(len(totals))]
+        convert = self._array.latency(LatencyClass.CONVERT)
+        come = [self._northward(i, first + lane) for lane in range(len(totals))]
+        for lane in range(0, len(totals), 2):
+            east = drains[lane : lane + 2]
+            come[lane] += self._along(east, schedule.drain(i, first + lane) + 1)
+        where = Place(drains[1], schedule.pack(i, first))
+        word = self._add(Node(0, ops[0]), totals[:2], where, come[:2])
+        if len(ops) > 1:
+            low = self._along(drains[1:], where.time + convert)
+            where = Place(drains[3], schedule.pack_high(i, first))
+            for lane in (2, 3):
+                waits = range(come[lane][-1].time + 1, where.time + 1)
+                come[lane] += tuple(Step("reg", where.pe, lane, time) for time in waits)
+            word = self._add(Node(0, ops[1]), [*totals[2:], word], where, [*come[2:], low])
+        west = drains[drains.index(where.pe) :: -1]
+        return word, self._along(west, where.time + convert)
 
     def _address(self, stream: Stream, element: int) -> tuple[Operand, int]:
         """Base and offset of an element: the offset has fewer bits than the scratchpad."""

@@ -20,6 +20,23 @@ PRODUCTS: Final[dict[Precision, Opcode]] = {
 """The operation that adds a word's products to a sum in FP32."""
 
 
+PACKS: Final[dict[Precision, tuple[Opcode, ...]]] = {
+    "f32": (),
+    "f16": (Opcode.PACK_F16X2,),
+    "e4m3": (Opcode.PACK_E4M3X4, Opcode.PACK_HIGH_E4M3X4),
+    "e5m2": (Opcode.PACK_E5M2X4, Opcode.PACK_HIGH_E5M2X4),
+}
+"""The operations that make a word of neighbouring results: of two, and of two more."""
+
+LARGEST: Final[dict[Precision, Opcode]] = {
+    "f32": Opcode.FMAX,
+    "f16": Opcode.FMAX_F16X2,
+    "e4m3": Opcode.FMAX_E4M3X4,
+    "e5m2": Opcode.FMAX_E5M2X4,
+}
+"""The larger number, of each lane."""
+
+
 def lanes(precision: Precision) -> int:
     """Operands in a word."""
     return 1 if precision == "f32" else FORMATS[precision].lanes

@@ -55,6 +55,8 @@ class SystolicSchedule:
     ii: int
     activated: bool
     op: Opcode = Opcode.FMA
+    lanes: int = 1
+    """Results to a word: 1, 2 or 4, of neighbouring columns."""
 
     @property
     def product_latency(self) -> int:
@@ -94,7 +96,7 @@ class SystolicSchedule:
 
     def place_c(self, j: int) -> int:
         """As `place_a`, before the first result is stored."""
-        first = self.drain(0, j)
+        first = self.leave(0, j)
         slot = drain_slot(self.array, self.ii, activated=self.activated)
         assert slot is not None
         latest = first + self.activated - self._load
@@ -113,10 +115,36 @@ class SystolicSchedule:
         """The result is on the link to the drain of column j."""
         return self.result(i, j) + i
 
+    def pack(self, i: int, j: int) -> int:
+        """Columns j and j + 1 become a word on the drain of the latter, as both come."""
+        return self.drain(i, j) + 1
+
+    def pack_high(self, i: int, j: int) -> int:
+        """Columns j + 2 and j + 3 join that word on the last drain, two links east."""
+        return self.pack(i, j) + self._convert + 1
+
+    def leave(self, i: int, j: int) -> int:
+        """The word of columns j, ... is on drain j; j is a multiple of `lanes`.
+
+        The words of a block's rows are two cycles apart on each drain and each link between drains,
+        where what travels either way at other times is an odd number of cycles apart.
+        """
+        made = {
+            1: self.drain(i, j),
+            2: self.pack(i, j) + self._convert,
+            4: self.pack_high(i, j) + self._convert + 2,
+        }
+        return made[self.lanes]
+
     @property
     def span(self) -> int:
         """Cycles from a block's first load to its last store."""
-        return self.drain(self.array.rows - 1, self.array.cols - 1) + self.activated + 1
+        last = self.leave(self.array.rows - 1, self.array.cols - self.lanes)
+        return last + self.activated + 1
+
+    @property
+    def _convert(self) -> int:
+        return self.array.latency(LatencyClass.CONVERT)
 
     @property
     def _load(self) -> int:

@@ -3,17 +3,19 @@
 from vividc.render.array.device import Device, open_device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger, Stage
-from vividc.render.array.options import ArrayOptions
+from vividc.render.array.options import PRECISIONS, ArrayOptions, RenderPrecision
 from vividc.render.array.programs import Programs
 from vividc.render.array.render import render_array
 
 __all__ = [
+    "PRECISIONS",
     "ArrayField",
     "ArrayFrame",
     "ArrayOptions",
     "Device",
     "Ledger",
     "Programs",
+    "RenderPrecision",
     "Stage",
     "open_device",
     "render_array",

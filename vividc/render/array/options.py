@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import Final, Literal, get_args
 
 from vividc.render.blend_reference import BlendOptions
+
+RenderPrecision = Literal["fp32", "fp16", "fp8"]
+PRECISIONS: Final[tuple[RenderPrecision, ...]] = get_args(RenderPrecision)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +29,8 @@ class ArrayOptions:
         Share of the blocks of pixels that are simulated, above 0 and at most 1; which ones depends
         on their number only.
     precision
-        Number format by stage; a stage that is not named computes in float32.
+        Format of the networks' operands (ray-marched models), or of exp (Gaussians); sums and all
+        other stages are float32. "fp8" is E4M3.
     """
 
     fabric: str = "vivid"
@@ -34,4 +38,4 @@ class ArrayOptions:
     lookahead: bool = True
     exponent_margin: float = BlendOptions().margin
     sample: float = 1.0
-    precision: Mapping[str, str] = field(default_factory=dict)
+    precision: RenderPrecision = "fp32"

@@ -14,7 +14,7 @@ from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
-from vividc.render.array.options import ArrayOptions
+from vividc.render.array.options import PRECISIONS, ArrayOptions
 from vividc.render.array.sampling import sampled
 from vividc.render.array.splats import render_splats
 from vividc.render.array.tensorf import TensoRFField
@@ -23,6 +23,9 @@ from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
+
+_NARROW: tuple[type, ...] = ()
+"""Scenes that are rendered with numbers of 16 and 8 bits."""
 
 
 def render_array(
@@ -57,13 +60,7 @@ def render_array(
             loc="--sample",
             hint="give a number above 0 and at most 1",
         )
-    if options.precision:
-        names = ", ".join(sorted(options.precision))
-        raise SceneError(
-            f"a precision is given for {names}, and every stage computes in float32",
-            loc="--precision",
-            hint="leave it out",
-        )
+    check_precision(options.precision, scene)
     device = open_device(options.fabric, options.engine, tell)
     if isinstance(scene, Gaussians):
         return render_splats(scene, camera, options, progress, device)
@@ -83,6 +80,25 @@ def render_array(
     stages = tuple(ledger.stages.values())
     simulated = None if options.sample == 1 else pixels_of(corners, camera)
     return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
+
+
+def check_precision(precision: str, scene: Scene) -> None:
+    """Refuse a format that is none of the renderers'.
+
+    Raises
+    ------
+    SceneError
+        No such format, or not of this method.
+    """
+    known = ", ".join(PRECISIONS)
+    if precision not in PRECISIONS:
+        raise SceneError(f"unknown format {precision!r}", loc="--precision", hint=known)
+    if precision != "fp32" and not isinstance(scene, _NARROW):
+        raise SceneError(
+            "the array renders scenes of this method in fp32 only",
+            loc="--precision",
+            hint="leave it out",
+        )
 
 
 def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
