@@ -350,7 +350,7 @@ def _print(body: dict[str, object], view: str | None, output: Path | None) -> No
     if isinstance(counts, dict):
         rows += [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
     rows += [*_array_rows(body["array"]), ("seconds", body["seconds"]), ("written", output)]
-    print_table(str(body["scene"]), ("", "value"), rows, numeric="value")
+    print_table(str(body["scene"]), ("", "value"), rows, numeric=("value",))
 
 
 def _array_rows(array: object) -> list[tuple[str, object]]:
