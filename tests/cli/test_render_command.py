@@ -95,6 +95,7 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
             "only scenes of 3DGS are blended with it",
         ),
         ((MIC / "mic_kilonerf.npz", "--sample", "0.1"), "only the array is simulated"),
+        ((MIC / "mic_kilonerf.npz", "--mode", "gpu"), "only networks on the array have one"),
         (
             (MIC / "mic_kilonerf.npz", "--engine", "array", "--sample", "nan", "--size", "8x8"),
             "a share of nan of the blocks cannot be simulated",
