@@ -17,7 +17,7 @@ from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, InternalError
 from vividc.program import WORD_BYTES
 from vividc.sim.accelerator.memory import Buffers, Working
-from vividc.sim.accelerator.steps import Array, Configure, Execute, Piece, Step, Transfer
+from vividc.sim.accelerator.steps import Array, Configure, Execute, Pieces, Step, Transfer
 from vividc.sim.engine import Launch, Run
 from vividc.sim.tile import Tile, shared_tile
 
@@ -37,7 +37,7 @@ class Outcome:
     """
 
     runs: dict[int, Run] = field(default_factory=dict)
-    gathered: dict[int, tuple[Piece, ...]] = field(default_factory=dict)
+    gathered: dict[int, Pieces] = field(default_factory=dict)
 
 
 def carry_out(

@@ -4,13 +4,11 @@ written.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.lib.array_utils import byte_bounds
 from numpy.typing import NDArray
 
-from vividc.sim.accelerator.steps import Array, Piece
+from vividc.sim.accelerator.steps import Array, Pieces
 
 
 class Buffers:
@@ -34,31 +32,33 @@ class Buffers:
         """The array of a number."""
         return self._roots[number]
 
-    def pieces(self, view: Array) -> tuple[Piece, ...]:
+    def pieces(self, view: Array) -> Pieces:
         """The contiguous runs of bytes of `view` in DRAM, in C order of its elements."""
         number = self.number(view)
-        base = byte_bounds(self._roots[number])[0]
-        start = view.__array_interface__["data"][0] - base
         if view.size == 0:
-            return ()
+            return Pieces(number, np.empty((0, 2), dtype=np.int64))
         axes = list(zip(view.shape, view.strides, strict=True))
         run = view.itemsize
         while axes and (axes[-1][1] == run or axes[-1][0] == 1):
             run *= axes.pop()[0]
-        return tuple(Piece(number, start + offset, run) for offset in _offsets(axes))
+        starts = np.array([self._start(view, number)], dtype=np.int64)
+        for count, stride in axes:
+            starts = (starts[:, None] + np.arange(count) * stride).reshape(-1)
+        return Pieces(number, _spans(starts, run))
 
-    def rows(self, view: Array, indices: NDArray[np.int64]) -> tuple[Piece, ...]:
+    def rows(self, view: Array, indices: NDArray[np.int64]) -> Pieces:
         """The places of `view[indices]`; rows that follow each other in the array are one."""
-        number = self.number(view)
-        start = view.__array_interface__["data"][0] - byte_bounds(self._roots[number])[0]
-        row = view[:1].nbytes
+        number, row = self.number(view), view[:1].nbytes
         firsts = np.flatnonzero(np.diff(indices, prepend=-2) != 1)
         counts = np.diff(firsts, append=len(indices))
-        offsets = (start + row * indices[firsts]).tolist()
-        sizes = (row * counts).tolist()
-        return tuple(
-            Piece(number, offset, size) for offset, size in zip(offsets, sizes, strict=True)
+        return Pieces(
+            number, _spans(self._start(view, number) + row * indices[firsts], row * counts)
         )
+
+    def _start(self, view: Array, number: int) -> int:
+        """The byte of its array at which a view starts."""
+        base = byte_bounds(self._roots[number])[0]
+        return int(view.__array_interface__["data"][0]) - base
 
 
 class Working:
@@ -109,11 +109,7 @@ def _flat(root: Array) -> NDArray[np.uint8]:
     return whole
 
 
-def _offsets(axes: list[tuple[int, int]]) -> Iterator[int]:
-    if not axes:
-        yield 0
-        return
-    (count, stride), inner = axes[0], axes[1:]
-    for index in range(count):
-        for offset in _offsets(inner):
-            yield index * stride + offset
+def _spans(starts: NDArray[np.int64], sizes: NDArray[np.int64] | int) -> NDArray[np.int64]:
+    spans = np.empty((len(starts), 2), dtype=np.int64)
+    spans[:, 0], spans[:, 1] = starts, sizes
+    return spans

@@ -15,18 +15,20 @@ Array = NDArray[np.generic]
 Kind = Literal["move in", "gather", "configure", "run", "move out"]
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """A contiguous run of `size` bytes in DRAM, from byte `offset` of array number `buffer`."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """Contiguous runs of bytes in DRAM, one after the other, of array number `buffer`.
+
+    `spans`: int64 [n, 2], from which byte of the array each runs, and how many bytes.
+    """
 
     buffer: int
-    offset: int
-    size: int
+    spans: NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Transfer:
-    """Moves pieces of DRAM to or from one place in the scratchpads, where they lie one after the
+    """Moves bytes of DRAM to or from one place in the scratchpads, where they lie one after the
     other.
 
     Attributes
@@ -48,17 +50,12 @@ class Transfer:
     kind: Literal["move in", "gather", "move out"]
     tiles: tuple[int, ...]
     address: int
-    pieces: tuple[Piece, ...]
+    pieces: Pieces
     view: Array
-    index_pieces: tuple[Piece, ...] = ()
+    index_pieces: Pieces | None = None
     indices: Array | None = None
     after: tuple[int, ...] = ()
     pitch: int = WORD_BYTES
-
-    @property
-    def size(self) -> int:
-        """Bytes that arrive."""
-        return sum(piece.size for piece in self.pieces)
 
     def places(self, size: int) -> slice:
         """Where `size` bytes lie: of the scratchpad's bytes if they lie together, else of its

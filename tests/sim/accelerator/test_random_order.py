@@ -1,0 +1,58 @@
+"""Random launch graphs: the check of order refuses those in which a pair of steps races, and no
+others.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from vividc.sim.accelerator.flat import flat
+from vividc.sim.accelerator.hazards.races import first_race
+
+Use = tuple[int, int, int, int, bool]
+
+
+def races(uses: list[Use], waits: list[tuple[int, ...]]) -> set[tuple[int, int, int]]:
+    """Every pair of steps that races, and where, from the definition."""
+    before: list[set[int]] = []
+    for direct in waits:
+        before.append(set(direct).union(*(before[n] for n in direct)))
+    found = set()
+    for (place, start, end, step, writes), other in combinations(uses, 2):
+        early, late = sorted((step, other[3]))
+        shares = place == other[0] and max(start, other[1]) < min(end, other[2])
+        if shares and (writes or other[4]) and early != late and early not in before[late]:
+            found.add((early, late, place))
+    return found
+
+
+def random_graph(rng: np.random.Generator) -> tuple[list[Use], list[tuple[int, ...]]]:
+    """Some of them without a race; in many a step waits for the one before."""
+    steps = int(rng.integers(1, 200))
+    share = rng.choice([0.9, 0.99, 1.0])
+    waits: list[tuple[int, ...]] = [()]
+    for one, _ in pairwise(range(steps)):
+        chosen = {one} if rng.random() < share else set()
+        chosen |= {int(n) for n in rng.integers(0, one + 1, int(rng.integers(0, 3)))}
+        waits.append(tuple(sorted(chosen)))
+    uses = []
+    for step in range(steps):
+        for _ in range(int(rng.integers(0, 4))):
+            start = int(rng.integers(0, 4000))
+            end = start + int(rng.integers(1, 60))
+            uses.append((int(rng.integers(-2, 4)), start, end, step, bool(rng.random() < 0.5)))
+    return uses, waits
+
+
+def test_races_are_found_where_the_definition_says() -> None:
+    rng = np.random.default_rng(5)
+    outcomes = []
+    for _ in range(150):
+        uses, waits = random_graph(rng)
+        race = first_race(np.array(uses, dtype=np.int64).reshape(-1, 5), *flat(waits))
+        wrong = races(uses, waits)
+        assert race in wrong if wrong else race is None
+        outcomes.append(bool(wrong))
+    assert 20 < sum(outcomes) < 130

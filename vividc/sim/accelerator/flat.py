@@ -1,0 +1,18 @@
+"""Lists of lists as two arrays, which is what compiled functions read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+Ints = NDArray[np.int64]
+
+
+def flat(lists: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
+    """Return where each list's items begin, and behind the last [n + 1], and the items."""
+    begin = np.zeros(len(lists) + 1, dtype=np.int64)
+    np.cumsum([len(items) for items in lists], out=begin[1:])
+    return begin, np.fromiter(chain.from_iterable(lists), dtype=np.int64, count=begin[-1])

@@ -1,0 +1,106 @@
+"""The events of a job one after the other: the compiled function that is called from outside."""
+
+from __future__ import annotations
+
+from vividc.sim.accelerator.timing.clock import (
+    ARRIVE_AT_DRAM,
+    ARRIVE_AT_NOC,
+    ARRIVE_AT_TILE,
+    ASK,
+    CONFIGURED,
+    END_RUN,
+    END_TRANSFER,
+    GRANT,
+    READY,
+    START_STREAM,
+    START_TRANSFERS,
+    WRITTEN,
+    at,
+    serve,
+)
+from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.flow import (
+    end_configuration,
+    end_run,
+    make_ready,
+    start_stream,
+)
+from vividc.sim.accelerator.timing.queues import pop
+from vividc.sim.accelerator.timing.state import (
+    CHANNEL,
+    EVENTS,
+    NETWORK,
+    NOTHING,
+    Graph,
+    Machine,
+    Queues,
+    State,
+)
+from vividc.sim.accelerator.timing.transfers import (
+    arrive,
+    ask,
+    ask_for,
+    end_transfer,
+    reach_tiles,
+    start_transfers,
+    take_channel,
+    take_noc,
+)
+
+
+@compiled
+def simulate(graph: Graph, queues: Queues, state: State, machine: Machine) -> None:
+    """Let everything happen, from cycle 0 until nothing is left to."""
+    for step in range(len(graph.kind)):
+        if state.left[step] == 0:
+            at(queues, 0, READY, step)
+    while queues.length[EVENTS]:
+        when, _, what, item = pop(queues, EVENTS)
+        cycle = when // 2
+        if what == END_RUN:
+            end_run(graph, queues, state, item, cycle)
+        elif what == READY:
+            make_ready(graph, queues, state, item, cycle)
+        elif what == START_STREAM:
+            start_stream(graph, queues, state, machine, cycle)
+        elif what == CONFIGURED:
+            end_configuration(graph, queues, state, item, cycle)
+        else:
+            _transfer(graph, queues, state, machine, (cycle, what, item))
+
+
+@compiled
+def _transfer(
+    graph: Graph, queues: Queues, state: State, machine: Machine, event: tuple[int, int, int]
+) -> None:
+    """What happens to transfers."""
+    cycle, what, item = event
+    if what == GRANT:
+        _grant(graph, queues, state, machine, item, cycle)
+    elif what == ASK:
+        ask(graph, queues, state, item, cycle)
+    elif what == ARRIVE_AT_NOC:
+        ask_for(graph, queues, state, NETWORK, item, cycle)
+    elif what == ARRIVE_AT_TILE:
+        reach_tiles(graph, queues, state, item, cycle)
+    elif what == ARRIVE_AT_DRAM:
+        ask_for(graph, queues, state, CHANNEL, item, cycle)
+    elif what == WRITTEN:
+        arrive(graph, queues, state, item, cycle)
+    elif what == START_TRANSFERS:
+        start_transfers(graph, queues, state, machine, cycle)
+    elif what == END_TRANSFER:
+        end_transfer(graph, queues, state, item, cycle)
+
+
+@compiled
+def _grant(
+    graph: Graph, queues: Queues, state: State, machine: Machine, server: int, cycle: int
+) -> None:
+    burst = serve(queues, state, server, cycle)
+    if burst == NOTHING:
+        return
+    if server == CHANNEL:
+        take_channel(graph, queues, state, machine, burst, cycle)
+    else:
+        take_noc(graph, queues, state, machine, burst, cycle)
