@@ -56,6 +56,7 @@ def mlp_job(
     mode: str = "auto",
     accelerator: str | Accelerator = "vivid",
     engine: str = AUTO,
+    words: bool = False,
 ) -> MlpRun:
     """All layers on an accelerator, one after the other, with everything a job counts.
 
@@ -71,6 +72,8 @@ def mlp_job(
         "tpu-unified", "tpu-partitioned", or "auto", the one with fewer cycles by estimate.
     accelerator
         Its name, or an `Accelerator`: of 4x4 tiles as `vivid`.
+    words
+        The rows of `x` are words of the first layer's format, as `packed` makes them: bits.
 
     Raises
     ------
@@ -79,12 +82,12 @@ def mlp_job(
     ArchError
         The accelerator has no such modes.
     """
-    check_layers(x, layers)
+    check_layers(x, layers, words=words)
     machine = arch.load_accelerator(accelerator) if isinstance(accelerator, str) else accelerator
     machine = with_arrays(machine)
     layout, reason = choose_layout(x.shape[0], layers, mode, machine)
     job = Job(machine)
-    values = add_mlp(job, x, layers, layout)
+    values = add_mlp(job, x if words else packed(x, layers[0].precision), layers, layout)
     result = job.simulate(engine=engine)
     work = x.shape[0] * sum(layer.weights.size for layer in layers)
     array = layout.passes[0].chain.array
@@ -115,9 +118,13 @@ def choose_layout(
 def add_mlp(job: Job, x: Matrix, layers: Sequence[Layer], layout: Layout) -> Matrix:
     """Add the steps of an MLP to a job; its results, once the job is simulated, by blocks: float32
     [blocks, columns, rows of a block].
+
+    Parameters
+    ----------
+    x
+        Words of the first layer's format, [rows, words].
     """
-    first_words = packed(x, layers[0].precision)
-    source = blocks_of(first_words, layout.passes[0].chain.array)
+    source = blocks_of(x, layout.passes[0].chain.array)
     target = source
     before: tuple[int, ...] = ()
     done: tuple[int, ...] = ()

@@ -237,9 +237,14 @@ def bands_of(layer: Layer, cols: int) -> Matrix:
 
 
 def check_layers(
-    x: Matrix, layers: Sequence[Layer], activations: Sequence[str] = ACTIVATIONS
+    x: Matrix,
+    layers: Sequence[Layer],
+    activations: Sequence[str] = ACTIVATIONS,
+    *,
+    words: bool = False,
 ) -> None:
-    """Refuse what is no MLP on float32 arrays.
+    """Refuse what is no MLP on float32 arrays; with `words`, `x` holds words of the first layer's
+    format.
 
     Raises
     ------
@@ -249,7 +254,7 @@ def check_layers(
     if not layers:
         raise ArgumentError("there are no layers", hint="give one or more")
     _check_array("the input", x, 2)
-    columns = x.shape[1]
+    columns = _features(x, layers[0]) if words else x.shape[1]
     for number, layer in enumerate(layers):
         name = f"layer {number}"
         check_precision(layer.precision)
@@ -272,6 +277,20 @@ def check_layers(
             if layer.bias.shape[0] != columns:
                 reason = f"the bias of {name} has {layer.bias.shape[0]} elements, not {columns}"
                 raise ArgumentError(reason, hint="one for each column of the weights")
+
+
+def _features(words: Matrix, first: Layer) -> int:
+    """How many numbers the first layer takes of a row of words."""
+    check_precision(first.precision)
+    _check_array("the weights of layer 0", first.weights, 2)
+    if words.shape[1] != first.shape.words:
+        raise ArgumentError(
+            f"the input has {words.shape[1]} words a row, and {first.weights.shape[0]} numbers of "
+            f"{first.precision} take {first.shape.words}",
+            hint="pack it as `vividc.gemm.packed` does",
+        )
+    depth: int = first.weights.shape[0]
+    return depth
 
 
 def _check_array(what: str, array: object, ndim: int) -> None:

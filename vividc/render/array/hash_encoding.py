@@ -62,10 +62,19 @@ class HashEncoding:
         return _FEATURES * len(self.scales)
 
     def encode(
-        self, device: Device, ledger: Ledger, stage: str, points: Float32Array
+        self,
+        device: Device,
+        ledger: Ledger,
+        stage: str,
+        points: Float32Array,
+        out: Float32Array | None = None,
     ) -> Float32Array:
-        """Return the encoding [B, 2 L, 16] float32 of blocks of 16 points, [B, 16, 3]."""
-        out = np.empty((len(points), self.features, SAMPLES), dtype=np.float32)
+        """Return the encoding [B, 2 L, 16] float32 of blocks of 16 points, [B, 16, 3].
+
+        It is in `out`, if that is given; rows of features behind the encoding's are left alone.
+        """
+        if out is None:
+            out = np.empty((len(points), self.features, SAMPLES), dtype=np.float32)
         for first in range(0, len(self.scales), _LEVELS):
             last = min(first + _LEVELS, len(self.scales))
             part = HashEncoding(

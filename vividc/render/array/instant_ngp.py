@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 
 from vividc.render.array.block_map import BlockMap
+from vividc.render.array.calibration import largest_inputs
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.hash_encoding import hash_encoding
-from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
+from vividc.render.array.narrow import network
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import InstantNGP, March
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
@@ -29,6 +33,8 @@ class InstantNGPField:
         As read from a scene.
     device
         Where it is computed.
+    precision
+        Of the networks' operands.
 
     Raises
     ------
@@ -36,20 +42,25 @@ class InstantNGPField:
         The model has a form that the kernels have not (see `hash_encoding`).
     """
 
-    def __init__(self, model: InstantNGP, device: Device) -> None:
+    def __init__(
+        self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
+    ) -> None:
         self._model, self._device = model, device
         self._encoding = hash_encoding(model)
-        self._density_layers = [
+        largest = {} if precision == "fp32" else largest_inputs(model)
+        density_layers = [
             dense_layer(weights, relu=hidden)
             for weights, hidden in zip(model.density_weights, (True, False), strict=True)
         ]
+        self._density_network = network(density_layers, precision, _of(largest, "sigma"))
         first, *others = model.colour_weights
         # The kernel puts the direction's terms before the features.
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
-        self._colour_layers = [
+        colour_layers = [
             dense_layer(weights, relu=hidden)
             for weights, hidden in zip((swapped, *others), (True, True, False), strict=True)
         ]
+        self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
         self._features = model.density_weights[-1].shape[1]
 
     @property
@@ -99,8 +110,12 @@ class InstantNGPField:
         ledger: Ledger,
     ) -> None:
         device = self._device
-        encoded = self._encoding.encode(device, ledger, "hash encoding", points)
-        outputs = run_network(device, ledger, "density network", self._density_layers, encoded)
+        stage = "density network"
+        net = self._density_network
+        encoded = net.room(len(points))
+        self._encoding.encode(device, ledger, "hash encoding", points, encoded)
+        inputs = net.rounded(device, ledger, stage, encoded)
+        outputs = net.run(device, ledger, stage, inputs)
         BlockMap(
             kernel="render/instant_ngp:density",
             inputs={"x": outputs},
@@ -115,13 +130,20 @@ class InstantNGPField:
         self, features: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
     ) -> None:
         device = self._device
-        inputs = np.empty((len(features), self._colour_layers[0].inputs, SAMPLES), np.float32)
+        net = self._colour_network
+        inputs = net.room(len(features))
         BlockMap(
             kernel="render/instant_ngp:colour_inputs",
             inputs={"features": features, "directions": directions},
-            outputs={"out": inputs},
+            outputs={"out": inputs[:, : self._features + DIRECTION_TERMS]},
         ).run(device, ledger, "direction encoding")
-        outputs = run_network(device, ledger, "colour network", self._colour_layers, inputs)
+        inputs = net.rounded(device, ledger, "direction encoding", inputs)
+        outputs = net.run(device, ledger, "colour network", inputs)
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")
+
+
+def _of(largest: Mapping[str, float], name: str) -> list[float]:
+    """Return the figures of the layers of a network, in order."""
+    return [value for layer, value in sorted(largest.items()) if layer.startswith(name)]

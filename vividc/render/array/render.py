@@ -14,7 +14,12 @@ from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
-from vividc.render.array.options import NETWORK_MODES, PRECISIONS, ArrayOptions
+from vividc.render.array.options import (
+    NETWORK_MODES,
+    PRECISIONS,
+    ArrayOptions,
+    RenderPrecision,
+)
 from vividc.render.array.sampling import sampled
 from vividc.render.array.splats import render_splats
 from vividc.render.array.tensorf import TensoRFField
@@ -24,7 +29,7 @@ from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
 
-_NARROW: tuple[type, ...] = ()
+_NARROW: tuple[type, ...] = (InstantNGP, TensoRF)
 """Scenes that are rendered with numbers of 16 and 8 bits."""
 
 
@@ -65,7 +70,7 @@ def render_array(
     device = open_device(options.fabric, options.engine, tell, options.mode)
     if isinstance(scene, Gaussians):
         return render_splats(scene, camera, options, progress, device)
-    field = _field(scene, device)
+    field = _field(scene, device, options.precision)
     corners = sampled(block_corners(camera), options.sample)
     ledger = Ledger()
     image = render_blocks(
@@ -122,11 +127,11 @@ def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
     return inside
 
 
-def _field(scene: Scene, device: Device) -> ArrayField:
+def _field(scene: Scene, device: Device, precision: RenderPrecision) -> ArrayField:
     if isinstance(scene, KiloNeRF):
         return KiloNeRFOnArray(scene, device)
     if isinstance(scene, InstantNGP):
-        return InstantNGPField(scene, device)
+        return InstantNGPField(scene, device, precision)
     if isinstance(scene, TensoRF):
-        return TensoRFField(scene, device)
+        return TensoRFField(scene, device, precision)
     raise SceneError("the array does not render scenes of this method yet")

@@ -69,8 +69,11 @@ def run_systolic(
     layers: Sequence[Layer],
     blocks: Float32Array,
     mode: str,
+    *,
+    words: bool = False,
 ) -> Float32Array:
-    """Return the network's outputs [B, outputs, 16] of blocks of samples [B, inputs, 16].
+    """Return the network's outputs [B, outputs, 16] of blocks of samples [B, inputs, 16]; with
+    `words`, the inputs are words of the first layer's format.
 
     In tpu-unified the array's blocks are those of the samples, and the rows given here are only
     another view of them.
@@ -78,7 +81,12 @@ def run_systolic(
     rows = np.ascontiguousarray(blocks.transpose(0, 2, 1)).reshape(-1, blocks.shape[1])
     with ledger.timed(stage, mode):
         run = mlp_job(
-            rows, layers, mode=mode, accelerator=device.programs.machine, engine=device.engine
+            rows,
+            layers,
+            mode=mode,
+            accelerator=device.programs.machine,
+            engine=device.engine,
+            words=words,
         )
     ledger.add(stage, run.job, mode)
     values = run.values.reshape(len(blocks), blocks.shape[2], -1)

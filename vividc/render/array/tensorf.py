@@ -7,10 +7,13 @@ from typing import Final
 import numpy as np
 
 from vividc.render.array.block_map import BlockMap
+from vividc.render.array.calibration import largest_inputs
 from vividc.render.array.device import Device
 from vividc.render.array.factors import CHANNELS, Pair, channel_pairs, factor_grid
 from vividc.render.array.frame import Ledger
-from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks, run_network
+from vividc.render.array.narrow import network
+from vividc.render.array.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March, TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
@@ -29,21 +32,29 @@ class TensoRFField:
         As read from a scene.
     device
         Where it is computed.
+    precision
+        Of the networks' operands.
     """
 
-    def __init__(self, model: TensoRF, device: Device) -> None:
+    def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
         self._model, self._device = model, device
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
         self._density_pairs = channel_pairs(model.density_factors)
         self._appearance_pairs = channel_pairs(model.appearance_factors)
-        self._basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
-        self._layers = [
+        largest = None if precision == "fp32" else largest_inputs(model)
+        basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
+        self._basis = network([basis], precision, [largest["basis"]] if largest else ())
+        layers = [
             dense_layer(weights, bias, relu=hidden)
             for weights, bias, hidden in zip(
                 model.weights, model.biases, (True, True, False), strict=True
             )
         ]
+        names = [f"mlp{index}" for index in range(len(layers))]
+        self._colour_network = network(
+            layers, precision, [largest[name] for name in names] if largest else ()
+        )
 
     @property
     def march(self) -> March:
@@ -102,14 +113,18 @@ class TensoRFField:
         device = self._device
         found = self._grid.cells(ledger, "appearance factors", points)
         products = self._grid.products(ledger, "appearance factors", found, self._appearance_pairs)
-        features = run_network(device, ledger, "basis", [self._basis], products)
-        inputs = np.empty((len(features), self._layers[0].inputs, SAMPLES), dtype=np.float32)
+        features = self._basis.run(
+            device, ledger, "basis", self._basis.rounded(device, ledger, "basis", products)
+        )
+        net = self._colour_network
+        inputs = net.room(len(features))
         BlockMap(
             kernel="render/tensor_factors:colour_inputs",
             inputs={"features": features, "directions": directions},
-            outputs={"out": inputs},
+            outputs={"out": inputs[:, : net.layers[0].inputs]},
         ).run(device, ledger, "position encoding")
-        outputs = run_network(device, ledger, "colour network", self._layers, inputs)
+        inputs = net.rounded(device, ledger, "position encoding", inputs)
+        outputs = net.run(device, ledger, "colour network", inputs)
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")

@@ -1,0 +1,110 @@
+"""Scales of a network's layers whose operands have 16 or 8 bits: powers of two, from the largest
+numbers that a layer meets.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final, Protocol
+
+import numpy as np
+
+from vividc.formats import Format
+from vividc.render.arrays import Float32Array
+from vividc.render.radiance import March
+from vividc.render.radiance.layers import Layer, linear
+
+_SAMPLES: Final = 4096
+_GOLDEN: Final = (math.sqrt(5) - 1) / 2
+_STEPS: Final = (0.8191725134, 0.6710436067, 0.5497004779)
+"""Of a sequence that fills a cube evenly: powers of the root of x^4 = x + 1 (Roberts 2018)."""
+
+
+class CalibratedScene(Protocol):
+    """A ray-marched model: its float32 reference tells what a layer's inputs are."""
+
+    @property
+    def march(self) -> March:
+        """How rays are sampled."""
+        ...
+
+    def density(self, points: Float32Array, layer: Layer) -> tuple[Float32Array, Float32Array]:
+        """Return optical thickness and features of points [n, 3]."""
+        ...
+
+    def colour(
+        self, points: Float32Array, features: Float32Array, directions: Float32Array, layer: Layer
+    ) -> Float32Array:
+        """Return colours of points seen along directions."""
+        ...
+
+
+def largest_inputs(scene: CalibratedScene) -> dict[str, float]:
+    """Return the largest magnitude of each layer's inputs, by the layer's name.
+
+    It is that of the float32 reference at 4,096 points, the same ones each time: in occupied cells
+    that are evenly spread over the list of all, and along directions that are over the sphere. A
+    layer that meets zeros only, or no sample because no cell is occupied, has 1.
+    """
+    found: dict[str, float] = {}
+
+    def recorded(
+        name: str, inputs: Float32Array, weights: Float32Array, bias: Float32Array | None
+    ) -> Float32Array:
+        found[name] = max(found.get(name, 0.0), float(np.abs(inputs).max(initial=0)))
+        return linear(name, inputs, weights, bias)
+
+    points, directions = _samples(scene.march)
+    _, features = scene.density(points, recorded)
+    scene.colour(points, features, directions, recorded)
+    return {name: value or 1.0 for name, value in found.items()}
+
+
+def exponents(
+    largest: Sequence[float], weights: Sequence[Float32Array], fmt: Format
+) -> tuple[list[int], list[int]]:
+    """Return the scales of each layer's inputs and weights, as exponents of two.
+
+    A layer's sums have the scale of both together, and are the next layer's inputs: no number has
+    to be scaled anywhere but the first layer's inputs. The last sums have scale 1. What room a
+    format has above the largest inputs and the largest weight, the two share evenly: both lose as
+    little as possible to what the format rounds to 0.
+
+    Parameters
+    ----------
+    largest
+        Magnitude of each layer's inputs; what is larger becomes the format's largest number.
+    """
+    inputs, factors = [], []
+    after = 0
+    for inputs_max, matrix in zip(reversed(largest), reversed(weights), strict=True):
+        weights_max = float(np.abs(matrix).max(initial=0)) or 1.0
+        most = _most(inputs_max, fmt)
+        room = most + _most(weights_max, fmt) - after
+        before = most - room // 2
+        inputs.append(before)
+        factors.append(after - before)
+        after = before
+    return inputs[::-1], factors[::-1]
+
+
+def _most(value: float, fmt: Format) -> int:
+    """Return the largest exponent with which a number stays within a format."""
+    return math.floor(math.log2(fmt.max_finite / value))
+
+
+def _samples(march: March) -> tuple[Float32Array, Float32Array]:
+    """Return points [n, 3] in occupied cells and directions [n, 3]."""
+    cells = np.argwhere(march.occupied)
+    count = min(_SAMPLES, _SAMPLES * len(cells))
+    number = np.arange(count)
+    chosen = cells[number * len(cells) // max(count, 1)]
+    inside = (number[:, None] * np.array(_STEPS) + 0.5) % 1
+    place = ((chosen + inside) / march.occupied.shape).astype(np.float32)
+    low, high = march.box
+    z = 1 - (2 * number + 1) / max(count, 1)
+    angle, radius = 2 * np.pi * _GOLDEN * number, np.sqrt(1 - z * z)
+    directions = np.stack((radius * np.cos(angle), radius * np.sin(angle), z), axis=1)
+    points: Float32Array = (low + place * (high - low)).astype(np.float32)
+    return points, directions.astype(np.float32)
