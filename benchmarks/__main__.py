@@ -25,6 +25,7 @@ from benchmarks import (
     gemm,
     general,
     mappers,
+    paper,
     precision,
     quality,
     render_kernels,
@@ -32,6 +33,7 @@ from benchmarks import (
     simd,
     splats,
 )
+from benchmarks.measured_frames import METHODS
 from benchmarks.workloads import WORKLOADS, Workload
 
 HEADER = (
@@ -100,6 +102,7 @@ TABLES: dict[str, tuple[str, tuple[Workload, ...]]] = {
 ENGINES = "engines"
 QUALITY = "quality"
 MAPPERS = "mappers"
+PAPER = "paper"
 FRAMES = "frames"
 GEMM = "gemm"
 SIMD = "simd"
@@ -108,7 +111,7 @@ FORMATS = "formats"
 RENDERERS = "renderers"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, SPLATS, RENDERERS, MAPPERS)  # the last ones take hours: by name only
+CHOICES = (*DEFAULT, SPLATS, RENDERERS, PAPER, MAPPERS)  # the last ones take hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
@@ -152,12 +155,28 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
 @click.option("--table", "tables", type=click.Choice(CHOICES), multiple=True, default=DEFAULT)
 @click.option("--fabric", "fabrics", multiple=True, default=("vivid-tile", "vivid-tile-unit"))
 @click.option("--mapper", "chosen", multiple=True, help="Of the mappers' table; default: all.")
+@click.option(
+    "--method",
+    "methods",
+    type=click.Choice(METHODS),
+    multiple=True,
+    help="Of the paper's tables; default: all.",
+)
+@click.option(
+    "--size",
+    "sizes",
+    type=click.IntRange(11),
+    multiple=True,
+    help=f"Sides of the paper's tables, the last for its figures; default: {paper.SIZES}.",
+)
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
 def main(
     tables: tuple[str, ...],
     fabrics: tuple[str, ...],
     chosen: tuple[str, ...],
+    methods: tuple[str, ...],
+    sizes: tuple[int, ...],
     time_limit: float,
     output: Path | None,
 ) -> None:
@@ -175,24 +194,34 @@ def main(
         if table == MAPPERS:
             _print_mappers(fabrics, chosen, time_limit, output)
             continue
-        title = MODULES[table].TITLE if table in MODULES else TABLES[table][0]
-        on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
-        command = f"python -m benchmarks --table {table}"
-        command += "" if table in PLACES else f" {on} --time-limit {time_limit:g}"
-        made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command}`"
-        lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
-        if table in MODULES:
-            lines += [*MODULES[table].NOTES, ""]
-        for fabric in PLACES.get(table, fabrics):
-            lines += [f"## {fabric}", ""]
-            click.echo("\n".join(lines[-2:]))
-            for line in lines_of(table, fabric, time_limit):
-                lines.append(line)
-                click.echo(line)
-                if output is not None:  # after each row: an interrupted run keeps what it has
-                    text = "\n".join([*lines, ""])
-                    (output / f"{table}.md").write_text(text, encoding="utf-8")
-            lines.append("")
+        if table == PAPER:
+            _print_paper(methods, sizes, output)
+            continue
+        _print_table(table, fabrics, time_limit, output)
+
+
+def _print_table(
+    table: str, fabrics: tuple[str, ...], time_limit: float, output: Path | None
+) -> None:
+    """A table with a row a kernel or a frame, on each fabric."""
+    title = MODULES[table].TITLE if table in MODULES else TABLES[table][0]
+    on = " ".join(f"--fabric {fabric}" for fabric in fabrics)
+    command = f"python -m benchmarks --table {table}"
+    command += "" if table in PLACES else f" {on} --time-limit {time_limit:g}"
+    made = f"`{command}` (`make bench`)" if table in DEFAULT else f"`{command}`"
+    lines = [f"# {title}", "", f"Made by {made}.", "", *machine(), ""]
+    if table in MODULES:
+        lines += [*MODULES[table].NOTES, ""]
+    for fabric in PLACES.get(table, fabrics):
+        lines += [f"## {fabric}", ""]
+        click.echo("\n".join(lines[-2:]))
+        for line in lines_of(table, fabric, time_limit):
+            lines.append(line)
+            click.echo(line)
+            if output is not None:  # after each row: an interrupted run keeps what it has
+                text = "\n".join([*lines, ""])
+                (output / f"{table}.md").write_text(text, encoding="utf-8")
+        lines.append("")
 
 
 def _print_own(table: str, title: str, body: list[str], output: Path | None) -> None:
@@ -202,6 +231,20 @@ def _print_own(table: str, title: str, body: list[str], output: Path | None) -> 
     click.echo("\n".join(lines))
     if output is not None:
         (output / f"{table}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _print_paper(methods: tuple[str, ...], sizes: tuple[int, ...], output: Path | None) -> None:
+    """The paper's tables: they go on where an earlier run stopped."""
+    asked = "".join(f" --method {method}" for method in methods)
+    asked += "".join(f" --size {size}" for size in sizes)
+    command = f"python -m benchmarks --table {PAPER}{asked} -o benchmarks"
+    head = [f"# {paper.TITLE}", "", f"Made by `{command}`.", "", *machine(), "", *paper.NOTES, ""]
+    body: list[str] = []
+    for body in paper.sections(methods, sizes, output):
+        if output is not None:
+            text = "\n".join([*head, *body, ""])
+            (output / f"{PAPER}.md").write_text(text, encoding="utf-8")
+    click.echo("\n".join([*head, *body]))
 
 
 def _print_mappers(

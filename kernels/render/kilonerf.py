@@ -19,6 +19,13 @@ LARGEST = np.float32(80.0)
 LOWEST = np.float32(-3.4e38)
 
 
+@numba.njit
+def in_cells(points, box, i, axis, count):
+    """Where a point is along an axis, in cells, and the cell it is in, one of `count`."""
+    place = (points[i, axis] - box[axis]) / box[3 + axis] * np.float32(count)
+    return place, np.int32(min(max(np.int32(np.floor(place)), 0), count - 1))
+
+
 @vividc.kernel("void(float32[:, ::1], float32[::1], int32[:, :, ::1], int32[::1], float32[:, ::1])")
 def cells(points, box, networks, chosen, local):
     """Network of each point (-1: none), and its place in that network's cell, -1 to 1.
@@ -26,39 +33,56 @@ def cells(points, box, networks, chosen, local):
     `box` is the lowest corner and the extent.
     """
     for i in prange(points.shape[0]):
-        x = (points[i, 0] - box[0]) / box[3] * np.float32(networks.shape[0])
-        y = (points[i, 1] - box[1]) / box[4] * np.float32(networks.shape[1])
-        z = (points[i, 2] - box[2]) / box[5] * np.float32(networks.shape[2])
-        cx = np.int32(min(max(np.int32(np.floor(x)), 0), networks.shape[0] - 1))
-        cy = np.int32(min(max(np.int32(np.floor(y)), 0), networks.shape[1] - 1))
-        cz = np.int32(min(max(np.int32(np.floor(z)), 0), networks.shape[2] - 1))
+        x, cx = in_cells(points, box, i, 0, networks.shape[0])
+        y, cy = in_cells(points, box, i, 1, networks.shape[1])
+        z, cz = in_cells(points, box, i, 2, networks.shape[2])
         chosen[i] = networks[np.uint32(cx), np.uint32(cy), np.uint32(cz)]
         local[i, 0] = (x - np.float32(cx)) * TWO - ONE
         local[i, 1] = (y - np.float32(cy)) * TWO - ONE
         local[i, 2] = (z - np.float32(cz)) * TWO - ONE
 
 
-@vividc.kernel("void(int32[::1], int32, int32[::1], int32[::1], int32[::1], int32[::1])")
-def sort_by_network(networks, first, starts, cursors, order, places):
+@vividc.kernel("void(float32[:, ::1], float32[::1], int32[::1], int32[::1], float32[:, ::1])")
+def cell_numbers(points, box, grid, numbers, local):
+    """As `cells`, of a `grid` of cells that no scratchpad holds: the number of each point's cell,
+    the last axis innermost, instead of its network.
+    """
+    for i in prange(points.shape[0]):
+        x, cx = in_cells(points, box, i, 0, grid[0])
+        y, cy = in_cells(points, box, i, 1, grid[1])
+        z, cz = in_cells(points, box, i, 2, grid[2])
+        numbers[i] = (cx * grid[1] + cy) * grid[2] + cz
+        local[i, 0] = (x - np.float32(cx)) * TWO - ONE
+        local[i, 1] = (y - np.float32(cy)) * TWO - ONE
+        local[i, 2] = (z - np.float32(cz)) * TWO - ONE
+
+
+@vividc.kernel("void(int32[::1], int32, int32, int32[::1], int32[::1], int32[::1], int32[::1])")
+def sort_by_network(networks, low, first, starts, cursors, order, places):
     """Counting sort of a chunk's samples by network, those without one (-1) first; stable.
 
-    `starts[k]` is where network k - 1 starts; `order` lists the samples in that order, and
-    `places` says where each went, both counted from `first`. `cursors` is room to work in.
+    Only samples of the networks `low`, `low` + 1, ... are placed, as many networks as `starts` has
+    elements but two. `starts[k]` is where network `low` + k starts, its last element nothing;
+    `order` lists the samples in that order, and `places` says where each went, both counted from
+    `first`. `cursors` is room to work in.
     """
+    last = np.int32(len(starts) - 1)
     for k in range(len(starts)):
         starts[k] = 0
     for i in range(len(networks)):
-        starts[networks[i] + 2] += 1
+        starts[min(max(networks[i] - low + 1, 0), last)] += 1
     total = np.int32(0)
     for k in range(len(starts)):
         total += starts[k]
         starts[k] = total
         cursors[k] = total
     for i in range(len(networks)):
-        place = cursors[networks[i] + 1]
-        cursors[networks[i] + 1] = place + 1
-        order[place] = first + i
-        places[i] = first + place
+        slot = networks[i] - low
+        if slot >= 0 and slot < last - 1:
+            place = cursors[slot]
+            cursors[slot] = place + 1
+            order[place] = first + i
+            places[i] = first + place
 
 
 @numba.njit

@@ -13,7 +13,7 @@ from PIL import Image
 from vividc.cli import main
 from vividc.render import Camera, Scene, read_views
 from vividc.render.array import ArrayFrame, ArrayOptions, Ledger, open_device
-from vividc.render.array.block_launches import Launch, Move, run_launches
+from vividc.render.array.launches import Launch, Move, run_launches
 
 MIC = Path(__file__).parents[2] / "scenes" / "mic"
 
@@ -95,6 +95,7 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
             "only scenes of 3DGS are blended with it",
         ),
         ((MIC / "mic_kilonerf.npz", "--sample", "0.1"), "only the array is simulated"),
+        ((MIC / "mic_kilonerf.npz", "--mode", "gpu"), "only networks on the array have one"),
         (
             (MIC / "mic_kilonerf.npz", "--engine", "array", "--sample", "nan", "--size", "8x8"),
             "a share of nan of the blocks cannot be simulated",

@@ -37,7 +37,18 @@ def test_one_object_with_its_schema(capsys):
 
 
 def test_tables_show_text_as_it_is(capsys):
-    print_table("[bold]t", ("name", "n"), [("loop[0]", None), ("x[/]", 1)], numeric="n")
+    print_table("[bold]t", ("name", "n"), [("loop[0]", None), ("x[/]", 1)], numeric=("n",))
     out = capsys.readouterr().out
     for text in ("[bold]t", "loop[0]", "x[/]", "-"):
         assert text in out
+
+
+def test_numbers_are_on_the_right_whatever_the_column_is_called(capsys):
+    columns = ("stage", "DRAM bytes", "mode")
+    print_table("t", columns, [("blend", 7, "gpu"), ("sorting", 12345, "x")], numeric=columns[1:2])
+    lines = capsys.readouterr().out.splitlines()
+    short = next(line for line in lines if "blend" in line)
+    long = next(line for line in lines if "sorting" in line)
+    assert short.index("7") == long.index("5")
+    assert short.index("blend") == long.index("sorting")
+    assert short.index("gpu") == long.index("x")

@@ -97,8 +97,7 @@ def print_frame(body: Mapping[str, Any]) -> None:
         for stage in body["stages"]
     ]
     columns = ("stage", "mode", "cycles", "share", "jobs", "runs", "DRAM bytes", "uJ", "host s")
-    numeric = "cycles share jobs runs DRAM bytes uJ host s"
-    print_table(f"stages on {body['fabric']}", columns, rows, numeric=numeric)
+    print_table(f"stages on {body['fabric']}", columns, rows, numeric=columns[2:])
     if body["sampled"] < 1:
         click.echo(
             f"simulated: {100 * body['sampled']:.1f} % of the blocks of pixels; the others are "

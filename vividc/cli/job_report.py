@@ -26,7 +26,7 @@ def print_job(program: Program, fabric: str, result: JobResult) -> None:
         for tile in stats["tiles"]
     ]
     title = f"{program.name} on {fabric}: cycles of each tile"
-    print_table(title, columns, rows, numeric=" ".join(columns))
+    print_table(title, columns, rows, numeric=columns)
     moved = stats["bytes"]
     click.echo(
         f"DRAM: {moved['dram_read']} bytes read, {moved['dram_written']} written, busy for "

@@ -36,7 +36,7 @@ def print_loops(program: Program) -> None:
         "Loops of the source",
         ("line", "runs", "cycles as written", "cycles now", "binds", "notes"),
         (_loop(loop) for loop in program.loops),
-        numeric="line",
+        numeric=("line",),
     )
     tried = [row for loop in program.loops for row in _transforms(loop)]
     if tried:
@@ -44,7 +44,7 @@ def print_loops(program: Program) -> None:
             "Transformations, with estimated cycles of the kernel",
             ("line", "transformation", "by", "before", "after", "verdict"),
             tried,
-            numeric="line by before after",
+            numeric=("line", "by", "before", "after"),
         )
 
 

@@ -33,9 +33,14 @@ def print_regions(program: Program) -> None:
         for region in program.regions
     )
     title = f"{program.name} on {program.fabric_name}"
-    print_table(title, columns, rows, numeric="line operations II bound use seconds")
     print_table(
-        "What binds the loops", ("region", "bound", "II", "because"), _bounds(program), numeric="II"
+        title, columns, rows, numeric=("line", "operations", "II", "bound", "use", "seconds")
+    )
+    print_table(
+        "What binds the loops",
+        ("region", "bound", "II", "because"),
+        _bounds(program),
+        numeric=("II",),
     )
 
 

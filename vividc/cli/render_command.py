@@ -41,9 +41,11 @@ from vividc.render import (
     write_png,
 )
 from vividc.render.array import (
+    NETWORK_MODES,
     PRECISIONS,
     ArrayFrame,
     ArrayOptions,
+    NetworkMode,
     RenderPrecision,
     render_array,
 )
@@ -154,6 +156,13 @@ def _size(
     help="For --engine array: format of the networks' operands, or of 3DGS's exp.",
 )
 @click.option(
+    "--mode",
+    type=click.Choice(NETWORK_MODES),
+    default="auto",
+    show_default=True,
+    help="For --engine array: of networks; gpu, or gpu and the TPU-like modes.",
+)
+@click.option(
     "--fabric",
     default="vivid",
     show_default=True,
@@ -177,6 +186,7 @@ def command(
     program: Path | None,
     sample: float,
     precision: RenderPrecision,
+    mode: NetworkMode,
     fabric: str,
     output: Path | None,
     as_json: bool,
@@ -194,12 +204,15 @@ def command(
     view = _view(views_file, view_index)
     found, model = read_scene(scene, method)
     _check_array_options(engine, program, sample, precision)
+    _check_mode(engine, program, mode)
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
     rendered = None
     if engine == ARRAY and blend is None:
-        wanted = ArrayOptions(fabric, "auto", lookahead == "on", exponent_margin, sample, precision)
+        wanted = ArrayOptions(
+            fabric, "auto", lookahead == "on", exponent_margin, sample, precision, mode
+        )
         rendered = _on_array(model, camera, wanted)
     with _bar(f"rendering {camera.width}x{camera.height}") as progress:
         picture = render_reference(model, camera, switches, progress)
@@ -269,6 +282,13 @@ def _check_array_options(
                 loc="--precision",
                 hint="compile it with `vividc compile --precision exp=fp8`",
             )
+
+
+def _check_mode(engine: str, program: Path | None, mode: NetworkMode) -> None:
+    if mode != "auto" and (engine != ARRAY or program is not None):
+        raise SceneError(
+            "only networks on the array have one", loc="--mode", hint="--engine array, or leave out"
+        )
 
 
 def _camera(
@@ -350,7 +370,7 @@ def _print(body: dict[str, object], view: str | None, output: Path | None) -> No
     if isinstance(counts, dict):
         rows += [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
     rows += [*_array_rows(body["array"]), ("seconds", body["seconds"]), ("written", output)]
-    print_table(str(body["scene"]), ("", "value"), rows, numeric="value")
+    print_table(str(body["scene"]), ("", "value"), rows, numeric=("value",))
 
 
 def _array_rows(array: object) -> list[tuple[str, object]]:

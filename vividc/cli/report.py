@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -38,18 +38,22 @@ def plain(value: object) -> Plain:
 
 
 def print_table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numeric: str = ""
+    title: str,
+    columns: Sequence[str],
+    rows: Iterable[Sequence[object]],
+    *,
+    numeric: Collection[str] = (),
 ) -> None:
     """Print a table to stdout.
 
     Parameters
     ----------
     numeric
-        Names of the right-aligned columns, separated by blanks.
+        Names of the right-aligned columns.
     """
     table = Table(title=Text(title, style="bold"), title_justify="left")
     for column in columns:
-        table.add_column(column, justify="right" if column in numeric.split() else "left")
+        table.add_column(column, justify="right" if column in numeric else "left")
     for row in rows:
         table.add_row(*(Text("-" if cell is None else str(cell)) for cell in row))
     _console().print(table)

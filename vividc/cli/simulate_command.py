@@ -238,7 +238,9 @@ def _print_regions(program: Program, result: Result) -> None:
         for region in stats["regions"]
     ]
     title = f"{program.name} on {program.fabric_name}"
-    print_table(title, columns, rows, numeric="II entries iterations cycles stalls use")
+    print_table(
+        title, columns, rows, numeric=("II", "entries", "iterations", "cycles", "stalls", "use")
+    )
     click.echo(f"cycles: {result.cycles} ({stats['switch_cycles']} between regions)")
 
 

@@ -37,12 +37,12 @@ def launch_by_numba(
     flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
     assert len(shares) <= host.tiles
     for launch in (launch for share in shares for launch in share):
-        assert launch.nbytes <= host.scratchpad_bytes
+        assert sum(launch.sizes.values()) <= host.scratchpad_bytes
         given: dict[str, object] = dict(launch.scalars)
-        for name, array in {**launch.resident, **launch.inputs}.items():
+        for name, array in {**launch.shared, **launch.inputs}.items():
             rows = array.table[array.indices] if isinstance(array, Gathered) else array
             given[name] = rows.flatten() if flat[name] else rows.copy()
-        given |= {name: np.zeros(words, np.uint32) for name, words in launch.room.items()}
+        given |= {name: np.zeros(shape, np.uint32) for name, shape in launch.shapes.items()}
         results = {
             name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
             for name, array in launch.outputs.items()

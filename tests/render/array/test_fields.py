@@ -59,7 +59,7 @@ METHODS = {
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     for module in (block_map, factors, hash_encoding):
-        monkeypatch.setattr(module, "run_launches", launch_by_numba)
+        monkeypatch.setattr(module, "run_shares", launch_by_numba)
     return Host()
 
 
@@ -201,6 +201,8 @@ def test_a_network_of_many_samples_runs_in_the_mode_of_fewer_cycles(device: Devi
     products = [Layer(weight) for weight in weights]
     assert tpu_mode(device, layers, products, 100) is None
     assert tpu_mode(device, layers, products, 32_768) in ("tpu-unified", "tpu-partitioned")
+    for mode, expected in (("gpu", None), ("tpu-unified",) * 2, ("tpu-partitioned",) * 2):
+        assert tpu_mode(replace(device, mode=mode), layers, products, 32_768) == expected
 
 
 @pytest.mark.slow

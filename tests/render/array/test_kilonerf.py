@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,8 @@ import pytest
 
 from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
-from vividc.render.array import ArrayOptions, render_array
-from vividc.render.array.kilonerf import _CHUNK, _by_coordinate, _pieces
+from vividc.render.array import ArrayOptions, Ledger, open_device, render_array
+from vividc.render.array.kilonerf import _CHUNK, KiloNeRFOnArray, _by_coordinate, _pieces
 from vividc.render.array.programs import _module, kernel_folder
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
@@ -27,21 +28,64 @@ def model() -> KiloNeRF:
 def test_samples_are_sorted_by_network() -> None:
     rng = np.random.default_rng(5)
     networks = rng.integers(-1, 7, 50).astype(np.int32)
-    starts, cursors = np.zeros(9, np.int32), np.zeros(9, np.int32)
+    starts, cursors = np.zeros(10, np.int32), np.zeros(10, np.int32)
     order, places = np.zeros(50, np.int32), np.zeros(50, np.int32)
-    KERNELS.sort_by_network(networks, 100, starts, cursors, order, places)
+    KERNELS.sort_by_network(networks, -1, 100, starts, cursors, order, places)
     np.testing.assert_array_equal(order, 100 + np.argsort(networks, kind="stable"))
     np.testing.assert_array_equal(order[places - 100], np.arange(100, 150))
-    pieces = list(_pieces(starts[None, :]))
+    pieces = list(_pieces(starts[None, :], -1))
     assert sum(count for _, _, count in pieces) == (networks >= 0).sum()
     for network, first, count in pieces:
         assert (networks[order[first : first + count] - 100] == network).all()
 
 
 def test_pieces_of_several_chunks() -> None:
-    starts = np.array([[0, 0, _CHUNK], [0, 3, 3]], np.int32)  # one network
-    assert list(_pieces(starts)) == [(0, 0, _CHUNK)]
-    assert list(_pieces(np.array([[0, 2, 2, 5]], np.int32))) == [(1, 2, 3)]
+    starts = np.array([[0, 0, _CHUNK, _CHUNK], [0, 3, 3, 3]], np.int32)  # one network
+    assert list(_pieces(starts, -1)) == [(0, 0, _CHUNK)]
+    assert list(_pieces(np.array([[0, 2, 2, 5, 9]], np.int32), -1)) == [(1, 2, 3)]
+    assert list(_pieces(np.array([[4, 6, 7]], np.int32), 30)) == [(30, 4, 2)]
+
+
+def test_networks_are_sorted_a_range_after_the_other() -> None:
+    networks = np.random.default_rng(5).integers(-1, 7, 50).astype(np.int32)
+    order, places = np.zeros(50, np.int32), np.zeros(50, np.int32)
+    pieces = []
+    for low, count in ((-1, 3), (2, 4), (6, 1)):
+        starts, cursors = np.zeros(count + 2, np.int32), np.zeros(count + 2, np.int32)
+        KERNELS.sort_by_network(networks, low, 100, starts, cursors, order, places)
+        pieces += _pieces(starts[None, :], low)
+    np.testing.assert_array_equal(order, 100 + np.argsort(networks, kind="stable"))
+    np.testing.assert_array_equal(order[places - 100], np.arange(100, 150))
+    assert [network for network, _, _ in pieces] == list(range(7))
+    assert sum(count for _, _, count in pieces) == (networks >= 0).sum()
+
+
+@pytest.mark.slow
+def test_more_networks_than_a_scratchpad_counts_give_the_same_picture(model: KiloNeRF) -> None:
+    """Cells take turns with twelve copies of each network."""
+    copies, networks = 12, len(model.weights[0])
+    turns = np.arange(model.network.size).reshape(model.network.shape) % copies
+    many = replace(
+        model,
+        network=np.where(model.network < 0, -1, model.network + networks * turns),
+        weights=tuple(np.tile(array, (copies, 1, 1)) for array in model.weights),
+        biases=tuple(np.tile(array, (copies, 1)) for array in model.biases),
+    )
+    camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 32, 32)
+    frames = [render_array(scene, camera, ArrayOptions()) for scene in (model, many)]
+    np.testing.assert_array_equal(frames[0].image, frames[1].image)
+
+
+@pytest.mark.slow
+def test_a_grid_that_fits_no_scratchpad_finds_its_networks(model: KiloNeRF) -> None:
+    grid = np.random.default_rng(1).integers(-1, 274, (24, 20, 22))
+    large = replace(model, network=grid)
+    box = model.march.box
+    points = np.random.default_rng(3).uniform(box[0], box[1], (1500, 3)).astype(np.float32)
+    networks, local = KiloNeRFOnArray(large, open_device("vivid"))._cells(points, Ledger())
+    expected, exact = large._cells(points)
+    np.testing.assert_array_equal(networks, expected)
+    np.testing.assert_allclose(local, exact, atol=2e-5)
 
 
 @pytest.mark.parametrize(("name", "levels", "reach"), [("position", 10, 1), ("direction", 4, 1)])

@@ -7,8 +7,8 @@ import pytest
 
 from vividc.render import SceneError
 from vividc.render.array import Device, Ledger, open_device
-from vividc.render.array.block_launches import Launch, Move, dealt, run_launches
 from vividc.render.array.gather import gather_rows
+from vividc.render.array.launches import Launch, Move, dealt, run_launches
 
 KERNEL = "saxpy:saxpy"
 

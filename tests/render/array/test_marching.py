@@ -128,6 +128,26 @@ def test_a_ray_of_more_samples_than_a_launch_has_room_for_is_refused(
         rendered(device, HostField(model, march), scaled_camera(camera, 4, 4))
 
 
+def test_a_ray_of_many_steps_in_empty_cells_is_marched(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    march = replace(model.march, step=model.march.step / np.float32(6), samples=20_000)
+    finer = replace(model, march=march)
+    small = scaled_camera(camera, 4, 4)
+    image, ledger = rendered(device, HostField(finer), small)
+    rgbt, expected = render_field(finer, small)
+    assert ledger.counts["density_samples"] == expected.density_samples > 0
+    assert psnr(image, over_background(rgbt)) > 80
+
+
+def test_more_steps_than_samples_have_numbers_are_refused(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    march = replace(model.march, samples=40_000)
+    with pytest.raises(SceneError, match="a ray has 40000 steps, and the array numbers 32768"):
+        rendered(device, HostField(model, march), camera)
+
+
 def test_a_camera_inside_and_one_that_looks_away(
     device: Device, model: KiloNeRF, camera: Camera
 ) -> None:

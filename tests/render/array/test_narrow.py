@@ -50,7 +50,7 @@ Make = Callable[..., ArrayField]
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     for module in (block_map, factors, hash_encoding):
-        monkeypatch.setattr(module, "run_launches", launch_by_numba)
+        monkeypatch.setattr(module, "run_shares", launch_by_numba)
     monkeypatch.setattr(narrow, "tpu_choice", lambda *_: Choice("tpu-unified", 1))
     monkeypatch.setattr(narrow, "run_systolic", systolic_by_numpy)
     return Host()

@@ -3,17 +3,25 @@
 from vividc.render.array.device import Device, open_device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger, Stage
-from vividc.render.array.options import PRECISIONS, ArrayOptions, RenderPrecision
+from vividc.render.array.options import (
+    NETWORK_MODES,
+    PRECISIONS,
+    ArrayOptions,
+    NetworkMode,
+    RenderPrecision,
+)
 from vividc.render.array.programs import Programs
 from vividc.render.array.render import render_array
 
 __all__ = [
+    "NETWORK_MODES",
     "PRECISIONS",
     "ArrayField",
     "ArrayFrame",
     "ArrayOptions",
     "Device",
     "Ledger",
+    "NetworkMode",
     "Programs",
     "RenderPrecision",
     "Stage",

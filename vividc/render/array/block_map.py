@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
-from vividc.render.array.launches import Launch, Words, padded, run_launches
+from vividc.render.array.launches import LINE_BYTES, Launch, Words, run_shares
 
 _LAUNCHES = 4
 """A tile gets at least so many launches, so that there is something to hide transfers behind."""
@@ -55,13 +55,13 @@ class BlockMap:
         """
         tiles = device.tiles
         counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
-        shared = max(sum(padded(a.nbytes) for a in group.values()) for group in self.shared)
+        shared = max(sum(map(_room, group.values())) for group in self.shared)
         room = device.scratchpad_bytes - min(_PLACES, len(self.shared)) * shared
         shares = [
             [self._launch(*span, counts) for span in self._spans(first, last, room // _PLACES)]
             for first, last in self._ranges(tiles)
         ]
-        run_launches(device, ledger, stage, self.kernel, shares)
+        run_shares(device, ledger, stage, self.kernel, shares)
 
     def _ranges(self, tiles: int) -> Iterator[tuple[int, int]]:
         """Blocks of each tile: neighbours, so that groups change seldom."""
@@ -71,8 +71,9 @@ class BlockMap:
     def _spans(self, first: int, last: int, room: int) -> Iterator[tuple[int, int]]:
         """Blocks of each launch, which has `room` bytes."""
         arrays = (*self.inputs.values(), *self.outputs.values())
-        block = sum(padded(array[:1].nbytes) for array in arrays)
-        at_once = max(1, min(room // block, -(-(last - first) // _LAUNCHES)))
+        block = sum(array[:1].nbytes for array in arrays)
+        most = (room - LINE_BYTES * len(arrays)) // block
+        at_once = max(1, min(most, -(-(last - first) // _LAUNCHES)))
         cuts: list[int] = []
         if self.groups is not None and last > first:
             cuts = (np.flatnonzero(np.diff(self.groups[first:last])) + 1 + first).tolist()
@@ -83,8 +84,13 @@ class BlockMap:
     def _launch(self, first: int, last: int, counts: bool) -> Launch:
         group = 0 if self.groups is None else int(self.groups[first])
         return Launch(
-            {name: array[first:last] for name, array in self.inputs.items()},
-            {name: array[first:last] for name, array in self.outputs.items()},
-            {"blocks": last - first, **self.scalars} if counts else self.scalars,
-            self.shared[group],
+            inputs={name: array[first:last] for name, array in self.inputs.items()},
+            outputs={name: array[first:last] for name, array in self.outputs.items()},
+            scalars={"blocks": last - first, **self.scalars} if counts else self.scalars,
+            shared=self.shared[group],
         )
+
+
+def _room(array: Words) -> int:
+    """Return the bytes that an array takes at most, with what is before it in its first line."""
+    return array.nbytes + LINE_BYTES

@@ -8,15 +8,19 @@ from dataclasses import dataclass
 import vividc
 from vividc.launch import Job, JobResult
 from vividc.render.array.frame import Ledger
+from vividc.render.array.options import NetworkMode
 from vividc.render.array.programs import Programs
 
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """An accelerator, the programs of its tiles, and the engine that simulates them."""
+    """An accelerator, the programs of its tiles, the engine that simulates them, and the mode of
+    networks (`ArrayOptions.mode`).
+    """
 
     programs: Programs
     engine: str = "auto"
+    mode: NetworkMode = "auto"
 
     @property
     def tiles(self) -> int:
@@ -58,7 +62,10 @@ class Device:
 
 
 def open_device(
-    fabric: str = "vivid", engine: str = "auto", tell: Callable[[str], None] | None = None
+    fabric: str = "vivid",
+    engine: str = "auto",
+    tell: Callable[[str], None] | None = None,
+    mode: NetworkMode = "auto",
 ) -> Device:
     """Return an accelerator by name or YAML file; `tell` gets a line for each kernel it compiles.
 
@@ -67,4 +74,4 @@ def open_device(
     ArchError
         The fabric is unknown, faulty or a single tile.
     """
-    return Device(Programs(vividc.arch.load_accelerator(fabric), tell), engine)
+    return Device(Programs(vividc.arch.load_accelerator(fabric), tell), engine, mode)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
-from vividc.render.array.launches import Gathered, Launch, Words, run_launches
+from vividc.render.array.launches import Gathered, Launch, Words, run_shares
 from vividc.render.array.networks import SAMPLES
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance.occupancy import March
@@ -106,8 +106,8 @@ class FactorGrid:
                     "slots": found.slots[chunk, :, : last - first],
                     "counts": found.counts[chunk],
                 },
-                resident=resident,
-                room={"seen": _CACHE, "where": _CACHE},
+                shared=resident,
+                shapes={"seen": (_CACHE,), "where": (_CACHE,)},
             )
             for chunk, (first, last) in enumerate(found.spans)
         ]
@@ -187,7 +187,7 @@ class FactorGrid:
                 "slots": found.slots[chunk, k, : last - first],
             },
             outputs={},
-            resident=resident,
+            shared=resident,
         )
 
     def _resident(self, k: int, pair: Pair) -> dict[str, Words]:
@@ -199,7 +199,7 @@ class FactorGrid:
         tiles = self.device.tiles
         bounds = [len(launches) * tile // tiles for tile in range(tiles + 1)]
         shares = [launches[first:last] for first, last in pairwise(bounds)]
-        run_launches(self.device, ledger, stage, f"render/tensor_factors:{kernel}", shares)
+        run_shares(self.device, ledger, stage, f"render/tensor_factors:{kernel}", shares)
 
 
 def factor_grid(march: March, resolution: Sequence[int], device: Device) -> FactorGrid:

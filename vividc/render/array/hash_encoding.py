@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
-from vividc.render.array.launches import Gathered, Launch, run_launches
+from vividc.render.array.launches import Gathered, Launch, run_shares
 from vividc.render.array.networks import SAMPLES
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
@@ -202,7 +202,7 @@ class _Passes:
             [launch for chunk in by_chunk[first:last] for launch in chunk]
             for first, last in pairwise(bounds)
         ]
-        run_launches(self._device, self._ledger, self._stage, f"render/hash_grid:{kernel}", shares)
+        run_shares(self._device, self._ledger, self._stage, f"render/hash_grid:{kernel}", shares)
 
     def _span(self, chunk: int) -> tuple[int, int]:
         """Points of a chunk."""
@@ -232,8 +232,8 @@ class _Passes:
                 "slots": self._slots[chunk, :, : last - first],
                 "ends": self._ends[chunk],
             },
-            resident=self._constants,
-            room={"seen": _CACHE, "where": _CACHE},
+            shared=self._constants,
+            shapes={"seen": (_CACHE,), "where": (_CACHE,)},
         )
 
     def _listing(self, chunk: int, rows: UInt32Array, level: int, stop: int) -> Launch:
@@ -243,7 +243,7 @@ class _Passes:
             inputs={"cells": self._cells[chunk, begin:end], "ends": ends},
             outputs={"rows": rows[begin:end]},
             scalars={"level": level, "stop": stop},
-            resident=self._tables,
+            shared=self._tables,
         )
 
     def _interpolating(self, chunk: int, rows: UInt32Array, level: int, stop: int) -> Launch:
@@ -258,5 +258,5 @@ class _Passes:
             },
             outputs={"out": blocks[:, _FEATURES * level : _FEATURES * stop]},
             scalars={"level": level, "first": begin},
-            resident=self._constants,
+            shared=self._constants,
         )

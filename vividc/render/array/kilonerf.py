@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.block_launches import Launch, Move, run_launches
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.gather import gather_rows
+from vividc.render.array.launches import LINE_BYTES, Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF, March
@@ -30,6 +31,7 @@ _AT_ONCE = 12
 _QUAD = 4
 _OCTET = 8
 _SPARE_BYTES = 1024
+_SORT_ARRAYS = 5
 
 
 Pieces = Sequence[tuple[int, int, int]]
@@ -196,11 +198,20 @@ class KiloNeRFOnArray:
 
     def _cells(self, points: Float32Array, ledger: Ledger) -> tuple[Int32Array, Float32Array]:
         """Return the network of each point (-1: none), and its place in that network's cell."""
-        networks = np.zeros(len(points), dtype=np.int32)
         local = np.zeros((len(points), 3), dtype=np.float32)
-        arguments = (points, self._box, self._networks, networks, local)
-        self._device.spread(ledger, "grouping", f"{_KERNELS}:cells", *arguments)
-        return networks, local
+        grid = self._networks
+        if grid.nbytes <= self._device.scratchpad_bytes // 2:
+            networks = np.zeros(len(points), dtype=np.int32)
+            arguments = (points, self._box, grid, networks, local)
+            self._device.spread(ledger, "grouping", f"{_KERNELS}:cells", *arguments)
+            return networks, local
+        numbers = np.zeros(len(points), dtype=np.int32)
+        shape = np.array(grid.shape, dtype=np.int32)
+        arguments = (points, self._box, shape, numbers, local)
+        self._device.spread(ledger, "grouping", f"{_KERNELS}:cell_numbers", *arguments)
+        table = grid.reshape(-1).view(np.float32)
+        found = gather_rows(self._device, ledger, "grouping", table, [numbers])
+        return found.view(np.int32), local
 
     def _encoded(
         self, vectors: Float32Array, kind: str, terms: int, ledger: Ledger
@@ -212,35 +223,55 @@ class KiloNeRFOnArray:
         return out.reshape(len(vectors), terms)
 
     def _sorted(self, networks: Int32Array, ledger: Ledger) -> _Sorted:
+        """Sort chunks; of more networks than a scratchpad counts, a range after the other."""
         order, places = np.zeros_like(networks), np.zeros_like(networks)
         chunks = range(0, len(networks), _CHUNK)
-        slots = len(self._model.weights[0]) + 2
-        starts = np.zeros((len(chunks), slots), dtype=np.int32)
-        launches = []
-        for number, first in enumerate(chunks):
-            part = slice(first, min(first + _CHUNK, len(networks)))
-            count = (part.stop - first,)
-            launches.append(
-                Launch(
-                    shapes={
-                        "networks": count,
-                        "starts": (slots,),
-                        "cursors": (slots,),
-                        "order": count,
-                        "places": count,
-                    },
-                    inputs={"networks": (Move(networks[part]),)},
-                    outputs={
-                        "starts": (Move(starts[number]),),
-                        "order": (Move(order[part]),),
-                        "places": (Move(places[part]),),
-                    },
-                    scalars={"first": first},
-                )
-            )
-        self._run("grouping", "sort_by_network", launches, ledger)
-        ledger.count(words_read_by_host=starts.size)
-        return _Sorted(order, places, tuple(_pieces(starts)))
+        pieces: list[tuple[int, int, int]] = []
+        for low, count in self._ranges():
+            starts = np.zeros((len(chunks), count + 2), dtype=np.int32)
+            launches = [
+                self._sort_launch(networks, low, first, starts[number], order, places)
+                for number, first in enumerate(chunks)
+            ]
+            self._run("grouping", "sort_by_network", launches, ledger)
+            ledger.count(words_read_by_host=starts.size)
+            pieces += _pieces(starts, low)
+        return _Sorted(order, places, tuple(pieces))
+
+    def _ranges(self) -> list[tuple[int, int]]:
+        """First network and number of networks (-1 is one) that a scratchpad counts at once."""
+        networks = len(self._model.weights[0]) + 1
+        lines = _SORT_ARRAYS * LINE_BYTES
+        most = (self._device.scratchpad_bytes - 3 * _WORD * _CHUNK - lines) // (2 * _WORD) - 2
+        parts = -(-networks // most)
+        bounds = [networks * part // parts - 1 for part in range(parts + 1)]
+        return [(low, high - low) for low, high in pairwise(bounds)]
+
+    def _sort_launch(
+        self,
+        networks: Int32Array,
+        low: int,
+        first: int,
+        starts: Int32Array,
+        order: Int32Array,
+        places: Int32Array,
+    ) -> Launch:
+        """Sort a chunk's samples of some networks, in what the ranges before left."""
+        part = slice(first, min(first + _CHUNK, len(networks)))
+        count = (part.stop - first,)
+        before = {"order": (Move(order[part]),), "places": (Move(places[part]),)}
+        return Launch(
+            shapes={
+                "networks": count,
+                "starts": starts.shape,
+                "cursors": starts.shape,
+                "order": count,
+                "places": count,
+            },
+            inputs={"networks": (Move(networks[part]),), **(before if low >= 0 else {})},
+            outputs={"starts": (Move(starts),), **before},
+            scalars={"low": low, "first": first},
+        )
 
     def _parts(self, pieces: Pieces) -> Iterator[tuple[int, slice]]:
         """Yield network and places of each launch, by network, so that weights are loaded once."""
@@ -277,13 +308,16 @@ class KiloNeRFOnArray:
         )
 
 
-def _pieces(starts: Int32Array) -> Iterator[tuple[int, int, int]]:
-    """Yield network, first place and number of samples; those without a network are left out."""
+def _pieces(starts: Int32Array, low: int) -> Iterator[tuple[int, int, int]]:
+    """Yield network, first place and number of samples, of networks from `low` on; those without
+    a network are left out.
+    """
     for chunk, row in enumerate(starts):
-        begins, ends = row[1:-1], row[2:]
-        for network in np.flatnonzero(ends > begins):
-            begin = int(begins[network])
-            yield int(network), chunk * _CHUNK + begin, int(ends[network]) - begin
+        begins, ends = row[:-2], row[1:-1]
+        for slot in np.flatnonzero(ends > begins).tolist():
+            if low + slot >= 0:
+                begin = int(begins[slot])
+                yield low + slot, chunk * _CHUNK + begin, int(ends[slot]) - begin
 
 
 def _density_half(model: KiloNeRF, samples: int) -> _Half:

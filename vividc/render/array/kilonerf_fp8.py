@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vividc.render.array.block_launches import Launch, Move, run_launches
+from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.kilonerf import KiloNeRFOnArray, Pieces

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from vividc.render.array.block_launches import Launch, Move, run_launches
 from vividc.render.array.bricks import Bricks, pack_bricks
 from vividc.render.array.device import Device
 from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import Ledger
 from vividc.render.array.gather import gather_rows
+from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -44,6 +44,7 @@ _OTHER_BYTES = 2048
 _SPARE_WORDS = 256
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
+_FEWEST_SAMPLES = 72
 
 
 @dataclass(frozen=True, slots=True)
@@ -387,23 +388,33 @@ def _geometry(march: March, camera: Camera) -> Float32Array:
 def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
     """Return how many samples of a block of rays there is room for in the scratchpad.
 
+    If it can be, as many as a ray has steps; a ray of more steps is refused when so many of them
+    are in bricks that hold an occupied cell.
+
     Raises
     ------
     SceneError
-        Not even for those of one ray where the rays march.
+        Not even for a tenth of a usual launch's, or a ray has more steps than its samples' numbers
+        have bits for.
     """
     free = scratchpad_bytes - bricks.size_bytes
     words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * _RAYS_AT_ONCE
-    most = words // 4 if words // 4 >= march.samples else words // 2
-    room = min(max(_SAMPLES_AT_ONCE, march.samples), most)
-    if room < march.samples or march.samples > _MOST_STEPS:
+    behind = (scratchpad_bytes - _OTHER_BYTES) // (_WORD * _SAMPLE_WORDS)
+    wanted = min(march.samples, behind)
+    most = words // 4 if words // 4 >= wanted else words // 2
+    if most < _FEWEST_SAMPLES:
         raise SceneError(
             f"the occupancy of {' x '.join(map(str, march.occupied.shape))} cells takes "
-            f"{bricks.size_bytes} bytes of a scratchpad of {scratchpad_bytes}, and the "
-            f"{march.samples} samples of a ray must fit beside it",
+            f"{bricks.size_bytes} bytes of a scratchpad of {scratchpad_bytes}, and the samples of "
+            "a ray must fit beside it",
             hint="store a coarser occupancy, or use a fabric with larger scratchpads",
         )
-    return min(room, (scratchpad_bytes - _OTHER_BYTES) // (_WORD * _SAMPLE_WORDS))
+    if march.samples > _MOST_STEPS:
+        raise SceneError(
+            f"a ray has {march.samples} steps, and the array numbers {_MOST_STEPS}",
+            hint="store fewer and longer steps",
+        )
+    return min(max(_SAMPLES_AT_ONCE, wanted), most, behind)
 
 
 def _check_divisible(block: Block, samples: int, room: int) -> None:

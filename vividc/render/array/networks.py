@@ -25,7 +25,7 @@ _FEWEST = 2048
 _NO_LIMIT = np.float32(-np.inf)
 _WORD = 4
 _PLACES = 2
-_ALIGNMENT = 64
+_ALIGNMENT = 96
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,6 +9,8 @@ from vividc.render.blend_reference import BlendOptions
 
 RenderPrecision = Literal["fp32", "fp16", "fp8"]
 PRECISIONS: Final[tuple[RenderPrecision, ...]] = get_args(RenderPrecision)
+NetworkMode = Literal["auto", "gpu", "tpu-unified", "tpu-partitioned"]
+NETWORK_MODES: Final[tuple[NetworkMode, ...]] = get_args(NetworkMode)
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +33,9 @@ class ArrayOptions:
     precision
         Format of the networks' operands (ray-marched models), or of exp (Gaussians); sums and all
         other stages are float32. "fp8" is E4M3.
+    mode
+        Of the networks of Instant-NGP and TensoRF: "auto", whichever takes fewest cycles; "gpu",
+        kernels on the tiles alone; a TPU-like mode, that one or "gpu". The picture is the same.
     """
 
     fabric: str = "vivid"
@@ -39,3 +44,4 @@ class ArrayOptions:
     exponent_margin: float = BlendOptions().margin
     sample: float = 1.0
     precision: RenderPrecision = "fp32"
+    mode: NetworkMode = "auto"

@@ -15,7 +15,12 @@ from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
 from vividc.render.array.kilonerf_fp8 import Fp8KiloNeRF
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
-from vividc.render.array.options import PRECISIONS, ArrayOptions, RenderPrecision
+from vividc.render.array.options import (
+    NETWORK_MODES,
+    PRECISIONS,
+    ArrayOptions,
+    RenderPrecision,
+)
 from vividc.render.array.sampling import sampled
 from vividc.render.array.splats import render_splats
 from vividc.render.array.tensorf import TensoRFField
@@ -67,7 +72,8 @@ def render_array(
             hint="give a number above 0 and at most 1",
         )
     check_precision(options.precision, scene)
-    device = open_device(options.fabric, options.engine, tell)
+    check_mode(options.mode)
+    device = open_device(options.fabric, options.engine, tell, options.mode)
     if isinstance(scene, Gaussians):
         return render_splats(scene, camera, options, progress, device)
     field = _field(scene, device, options.precision)
@@ -106,6 +112,18 @@ def check_precision(precision: str, scene: Scene) -> None:
             loc="--precision",
             hint="leave it out",
         )
+
+
+def check_mode(mode: str) -> None:
+    """Refuse a mode that networks do not have.
+
+    Raises
+    ------
+    SceneError
+        No such mode.
+    """
+    if mode not in NETWORK_MODES:
+        raise SceneError(f"unknown mode {mode!r}", loc="--mode", hint=", ".join(NETWORK_MODES))
 
 
 def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:

@@ -49,10 +49,14 @@ def tile_cycles(shapes: Sequence[tuple[int, int, int]], samples: int, tiles: int
 
 
 def tpu_choice(device: Device, layers: Sequence[Layer], samples: int) -> Choice | None:
-    """Return the better TPU-like mode; None: the accelerator has none, or a layer does not fit."""
+    """Return the better TPU-like mode of those that the device may use; None: it has none, or a
+    layer does not fit.
+    """
+    if device.mode == "gpu":
+        return None
     try:
         machine = with_arrays(device.programs.machine)
-        layout, _ = choose_layout(samples, layers, "auto", machine)
+        layout, _ = choose_layout(samples, layers, device.mode, machine)
     except (ArchError, SystolicError):
         return None
     return Choice(layout.mode, layout.cycles)

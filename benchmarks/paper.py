@@ -1,0 +1,274 @@
+"""The paper's Table 2, Figure 1(b) and Figure 7(c) in our own measure, from frames of the four
+methods that the array renders (`benchmarks/measured_frames.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from statistics import mean
+from typing import Final
+
+from benchmarks.measured_frames import (
+    ALL_VIEWS,
+    GAUSSIANS,
+    METHODS,
+    MIC,
+    ROWS,
+    Key,
+    Row,
+    chosen_views,
+    measured,
+    photographs,
+    scenes,
+)
+from benchmarks.paper_plot import draw_contributions, draw_stages
+from vividc.render.array import NetworkMode, RenderPrecision
+
+TITLE: Final = "The paper's figures of the four methods, in our own measure"
+SIZES: Final = (200, 400, 800)
+NOTES: Final = (
+    f"Each frame has a process of its own; rows are kept in `{ROWS}` and not measured again:",
+    "delete them after a change of the renderers. `vivid`, 16 tiles at 1 GHz; every stage on the",
+    "array.",
+    "",
+    "PSNR is the mean over the views, of the clipped pictures against photographs, as they are",
+    "against float32 on the host. The array renders three of the held-out photographs' views (25",
+    "of 200x200, 8 of 400x400), evenly spread; `sample` is the share of the blocks of pixels that",
+    "is simulated, evenly spread and the same in each row. PSNR is of those pixels, for the host's",
+    "picture in the same row, too; SSIM of whole pictures alone. The Gaussians of playbot have no",
+    "photographs: three cameras around them. Sizes above 400 are scaled cameras without",
+    "photographs.",
+)
+_STEPS: Final[dict[str, tuple[bool, RenderPrecision, NetworkMode]]] = {
+    "GPU-like mode": (False, "fp32", "gpu"),
+    "unified mode": (False, "fp32", "tpu-unified"),
+    "partitioned mode": (False, "fp32", "auto"),
+    "lookahead": (True, "fp32", "auto"),
+    "FP8": (True, "fp8", "auto"),
+}
+"""What Figure 7(c) adds, one after the other."""
+_TABLE_2: Final = {"array": "partitioned mode", "lookahead": "lookahead", "FP8": "FP8"}
+"""The columns of Table 2, and the steps that they are."""
+_TABLE_2_LARGEST: Final = 400
+_WITH_MODES: Final = ("instant-ngp", "tensorf")
+"""Methods whose networks know the TPU-like modes."""
+_SAMPLES: Final = ((200, 1.0), (400, 0.2), (8192, 0.05))
+"""Share of the blocks of the ray-marched methods, up to a side."""
+_SHOWN: Final = 0.01
+"""Least share of a stage that is named."""
+
+
+def sections(
+    methods: Sequence[str], sizes: Sequence[int], output: Path | None
+) -> Iterator[list[str]]:
+    """Measure and yield the tables' lines again after each row: what is finished so far.
+
+    Parameters
+    ----------
+    methods, sizes
+        Which, or all; the last size is that of the figures.
+    output
+        Folder of the rows and pictures; None: nothing is kept or drawn.
+    """
+    methods, sizes = methods or METHODS, sizes or SIZES
+    keys = list(dict.fromkeys((*_quality_keys(methods, sizes), *_figure_keys(methods, sizes[-1]))))
+    for rows in measured(keys, output):
+        yield [*_table_2(keys, rows), "", *_figures(methods, sizes[-1], rows, output)]
+
+
+def _key(scene: str, method: str, size: int, view: int, step: str) -> Key:
+    lookahead, precision, mode = _STEPS[step]
+    sample = 1.0
+    if method != GAUSSIANS:
+        sample = next(share for most, share in _SAMPLES if size <= most)
+    return Key(
+        *(scene, method, size, view),
+        sample=sample,
+        lookahead=lookahead,
+        precision=precision,
+        mode=mode if method in _WITH_MODES else "auto",
+    )
+
+
+def _quality_keys(methods: Sequence[str], sizes: Sequence[int]) -> Iterator[Key]:
+    for scene, models in scenes().items():
+        for size in (size for size in sizes if size <= _TABLE_2_LARGEST):
+            for method in (method for method in methods if method in models):
+                if scene == MIC and photographs(size) is not None:
+                    yield Key(scene, method, size, ALL_VIEWS, engine="reference")
+                for view in chosen_views(scene, size):
+                    for step in _TABLE_2.values():
+                        yield _key(scene, method, size, view, step)
+
+
+def _figure_keys(methods: Sequence[str], size: int) -> Iterator[Key]:
+    for method in methods:
+        for step in _STEPS:
+            yield _key(MIC, method, size, chosen_views(MIC, size)[0], step)
+
+
+def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
+    """Yield Table 2: one line a scene, method and size."""
+    yield "## Table 2: quality"
+    yield ""
+    yield (
+        "| scene | method | size | float32, all photographs: dB | SSIM | views | sample "
+        "| float32 there: dB | array: dB | + lookahead | + FP8 | FP8 loses dB | SSIM of array "
+        "| + FP8 | array against float32: dB | + lookahead | + FP8 |"
+    )
+    yield "|---" * 17 + "|"
+    for scene, method, size in dict.fromkeys((key.scene, key.method, key.size) for key in keys):
+        if size > _TABLE_2_LARGEST:
+            continue
+        whole = rows.get(Key(scene, method, size, ALL_VIEWS, engine="reference"))
+        views = chosen_views(scene, size)
+        by_step = {
+            name: [rows.get(_key(scene, method, size, view, step)) for view in views]
+            for name, step in _TABLE_2.items()
+        }
+        array, fp8 = by_step["array"], by_step["FP8"]
+        truths = [_mean(found, "psnr_truth") for found in by_step.values()]
+        cells = (
+            *(scene, method, f"{size}x{size}"),
+            *(_decibel(_mean([whole], "psnr_truth")), _ratio(_mean([whole], "ssim_truth"))),
+            *(len(views), f"{_key(scene, method, size, 0, 'FP8').sample:g}"),
+            *(_decibel(_mean(array, "host_psnr_truth")), *map(_decibel, truths)),
+            _decibel(_difference(_mean(array, "host_psnr_truth"), truths[-1])),
+            *(_ratio(_mean(found, "ssim_truth")) for found in (array, fp8)),
+            *(_decibel(_mean(found, "psnr_reference")) for found in by_step.values()),
+        )
+        yield f"| {' | '.join(map(str, cells))} |"
+
+
+def _figures(
+    methods: Sequence[str], size: int, rows: Mapping[Key, Row], output: Path | None
+) -> Iterator[str]:
+    view = chosen_views(MIC, size)[0]
+    steps = {
+        method: {step: rows.get(_key(MIC, method, size, view, step)) for step in _STEPS}
+        for method in methods
+    }
+    yield f"## Figure 1(b): frames a second and cycles by stage, {size}x{size}"
+    yield ""
+    yield "Shares of the cycles of a frame, of the stages above 1 %."
+    yield ""
+    yield (
+        "| method | sample | step | frames/s | stages | colour path avoided | exps avoided "
+        "| exp's share of blending | mJ a simulated frame | host s | peak MB | load |"
+    )
+    yield "|---" * 12 + "|"
+    for method, found in steps.items():
+        for step, row in found.items():
+            if row is not None and (step == "GPU-like mode" or row is not _before(found, step)):
+                yield _frame_line(method, step, row)
+    yield ""
+    yield from _contributions(size, steps)
+    if output is not None:
+        draw_stages(output / "paper-stages.svg", _stage_bars(steps))
+        draw_contributions(output / "paper-contributions.svg", _bars_of_steps(steps))
+
+
+def _before(found: Mapping[str, Row | None], step: str) -> Row | None:
+    names = list(found)
+    return found[names[names.index(step) - 1]]
+
+
+def _frame_line(method: str, step: str, row: Row) -> str:
+    if not row.is_done:
+        return f"| {method} | {row.key.sample:g} | {step} | {row.status} |" + " |" * 8
+    total = sum(row.stages.values())
+    shares = sorted(((n / total, name) for name, n in row.stages.items()), reverse=True)
+    exp = row.exp_share if row.key.precision == "fp32" else None
+    cells = (
+        *(method, f"{row.key.sample:g}", step, f"{row.frames_per_second:.1f}"),
+        ", ".join(f"{name} {share:.0%}" for share, name in shares if share >= _SHOWN),
+        *(_percent(row.avoided.get(name)) for name in ("colour_path", "exponentials")),
+        *(_percent(exp), f"{row.energy_mj:.1f}"),
+        *(row.seconds, f"{row.peak_mb:,.0f}", row.load),
+    )
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _contributions(size: int, steps: Mapping[str, Mapping[str, Row | None]]) -> Iterator[str]:
+    """Yield Figure 7(c): the factor that each step gives, and its share of the whole speed-up."""
+    yield f"## Figure 7(c): what gives the speed-up, {size}x{size}"
+    yield ""
+    yield "Each step is added to those on its left; the factor is of frames a second, and in"
+    yield "brackets its logarithm's share of the whole factor's. A step that slows down has none."
+    yield ""
+    names = list(_STEPS)
+    yield f"| method | {names[0]}: frames/s | {' | '.join(names[1:])} | together | frames/s |"
+    yield "|---" * (len(names) + 3) + "|"
+    for method, found in steps.items():
+        rates = _rates(found)
+        known = [rate for rate in rates if rate is not None]
+        factors = _factors(rates)
+        whole = known[-1] / known[0] if rates[0] is not None else None
+        cells = (
+            *(method, _decibel(rates[0])),
+            *(_factor(factor, factors) for factor in factors),
+            "-" if whole is None else f"{whole:.2f}x",
+            _decibel(known[-1] if known else None),
+        )
+        yield f"| {' | '.join(map(str, cells))} |"
+
+
+def _rates(found: Mapping[str, Row | None]) -> list[float | None]:
+    return [None if row is None else row.frames_per_second for row in found.values()]
+
+
+def _factors(rates: Sequence[float | None]) -> list[float | None]:
+    """Return each rate over the one before; None where either is not known."""
+    return [
+        None if before is None or after is None else after / before
+        for before, after in pairwise(rates)
+    ]
+
+
+def _factor(factor: float | None, factors: Sequence[float | None]) -> str:
+    if factor is None:
+        return "-"
+    gains = sum(math.log(one) for one in factors if one is not None and one > 1)
+    share = f" ({math.log(factor) / gains:.0%})" if factor > 1 and gains else ""
+    return f"{factor:.2f}x{share}"
+
+
+def _stage_bars(steps: Mapping[str, Mapping[str, Row | None]]) -> dict[str, dict[str, float]]:
+    """Return the cycles of each stage, with lookahead and float32, by method."""
+    rows = {method: found["lookahead"] for method, found in steps.items()}
+    return {method: row.stages for method, row in rows.items() if row is not None and row.stages}
+
+
+def _bars_of_steps(steps: Mapping[str, Mapping[str, Row | None]]) -> dict[str, dict[str, float]]:
+    """Return the factor of each step that is known, by method."""
+    found = {}
+    for method, rows in steps.items():
+        factors = zip(list(_STEPS)[1:], _factors(_rates(rows)), strict=True)
+        found[method] = {name: factor for name, factor in factors if factor is not None}
+    return found
+
+
+def _mean(rows: Sequence[Row | None], name: str) -> float | None:
+    """Return the mean of a figure over views; None where it is missing for one of them."""
+    values = [None if row is None else getattr(row, name) for row in rows]
+    known = [value for value in values if value is not None]
+    return mean(known) if known and len(known) == len(values) else None
+
+
+def _difference(before: float | None, after: float | None) -> float | None:
+    return None if before is None or after is None else before - after
+
+
+def _decibel(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _ratio(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4f}"
+
+
+def _percent(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1%}"
