@@ -94,3 +94,9 @@ def test_threads_that_cannot_be(file, count, reason):
     result = run("compile", file, "-o", file.with_suffix(".vivid"), "--threads", count)
     assert result.exit_code == 2
     assert reason in result.stderr
+
+
+def test_a_loop_cannot_be_both_flattened_and_left(file):
+    result = run("compile", file, "--flatten", "6", "--no-flatten", "6")
+    assert result.exit_code == 2
+    assert "--flatten 6 and --no-flatten 6" in result.stderr

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import vividc
 from vividc import arch
-from vividc.errors import ArgumentError, KernelError
+from vividc.errors import ArgumentError, KernelError, SimulationError
 from vividc.gemm.kernels import choose_for, explain
 from vividc.gemm.passes import with_arrays
 from vividc.mapper.systolic import SystolicError
@@ -137,3 +137,15 @@ def test_a_product_that_does_not_fit_is_told(program: Program) -> None:
     a, w, bias, c = random(4, 600), random(3, 600), random(3), np.zeros((4, 3), np.float32)
     with pytest.raises(SystolicError, match="takes 602 contexts"):
         vividc.simulate(program, a, w, bias, c, fabric="vivid")
+
+
+def test_a_run_past_the_cycle_limit_is_told(program: Program) -> None:
+    a, w, bias, c = arguments()
+    with pytest.raises(SimulationError, match="after 100 cycles"):
+        vividc.simulate(program, a, w, bias, c, fabric="vivid", cycle_limit=100)
+    assert not c.any()
+
+
+def test_an_observer_watches_one_tile(program: Program) -> None:
+    with pytest.raises(ArgumentError, match="observer"):
+        vividc.simulate(program, *arguments(), fabric="vivid", observer=lambda *seen: None)

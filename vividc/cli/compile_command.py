@@ -134,7 +134,7 @@ def command(
             transform="auto" if transform else "none",
             unroll=unroll,
             jam=jam,
-            flatten=dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False),
+            flatten=_flatten_choices(flatten, no_flatten),
             threads=threads,
             precision=precision,
             progress=report,
@@ -182,3 +182,10 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
         "product": None if program.product is None else asdict(program.product),
         "warnings": [str(warning) for warning in program.warnings],
     }
+
+
+def _flatten_choices(wanted: tuple[int, ...], unwanted: tuple[int, ...]) -> dict[int, bool]:
+    both = sorted({*wanted} & {*unwanted})
+    if both:
+        raise click.UsageError(f"--flatten {both[0]} and --no-flatten {both[0]}: choose one")
+    return dict.fromkeys(wanted, True) | dict.fromkeys(unwanted, False)

@@ -19,6 +19,7 @@ from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
 from vividc.mapper.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.accelerator import At, Job, JobResult
+from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
 
 __all__ = ["MlpRun", "choose_layout", "mlp_job"]
@@ -57,6 +58,7 @@ def mlp_job(
     accelerator: str | Accelerator = "vivid",
     engine: str = AUTO,
     words: bool = False,
+    cycle_limit: int = CYCLE_LIMIT,
 ) -> MlpRun:
     """All layers on an accelerator, one after the other, with everything a job counts.
 
@@ -74,9 +76,13 @@ def mlp_job(
         Its name, or an `Accelerator`: of 4x4 tiles as `vivid`.
     words
         The rows of `x` are words of the first layer's format, as `packed` makes them: bits.
+    cycle_limit
+        Cycles after which a run of an array is given up.
 
     Raises
     ------
+    SimulationError
+        A run took more than `cycle_limit` cycles.
     ArgumentError, SystolicError
         Wrong types or sizes, an unknown mode, or a layer that does not fit the arrays.
     ArchError
@@ -88,7 +94,7 @@ def mlp_job(
     layout, reason = choose_layout(x.shape[0], layers, mode, machine)
     job = Job(machine)
     values = add_mlp(job, x if words else packed(x, layers[0].precision), layers, layout)
-    result = job.simulate(engine=engine)
+    result = job.simulate(engine=engine, cycle_limit=cycle_limit)
     work = x.shape[0] * sum(layer.weights.size for layer in layers)
     array = layout.passes[0].chain.array
     pes = layout.arrays * array.rows * array.cols

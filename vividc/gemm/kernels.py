@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.dfg.product import Factor, Product, Size
-from vividc.errors import ArchError, ArgumentError, demand_type
+from vividc.errors import ArchError, ArgumentError
 from vividc.gemm.job import mlp_job
 from vividc.gemm.layer import Layer, Matrix
 from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
@@ -25,6 +25,7 @@ from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
 from vividc.sim.run import CYCLE_LIMIT, Result
 from vividc.sim.run import simulate as simulate_tile
+from vividc.sim.simulate import check_spread
 
 AUTO: Final = "auto"
 GPU: Final = "gpu"
@@ -179,13 +180,13 @@ def simulate(
             observer=observer,
             **kwargs,
         )
-    if isinstance(program, Program) and program.product is not None:
-        result = _simulate_product(program, program.product, args, kwargs, fabric, engine)
+    check_spread(program, fabric, observer)
+    if program.product is not None:
+        result = _simulate_product(
+            program, program.product, args, kwargs, fabric, engine, cycle_limit
+        )
         if result is not None:
             return result
-    demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
-    hint = "give an accelerator's name, its YAML file, or an Accelerator"
-    demand_type(fabric, (str, os.PathLike, Accelerator), "the fabric", hint)
     return spread(program, args, kwargs, fabric).simulate(engine=engine, cycle_limit=cycle_limit)
 
 
@@ -196,12 +197,11 @@ def _simulate_product(
     kwargs: Mapping[str, object],
     fabric: Machine,
     engine: str,
+    cycle_limit: int,
 ) -> JobResult | None:
     """The launch in a TPU-like mode; None: it runs in GPU-like mode."""
     if product.mode == GPU:
         return None
-    hint = "give an accelerator's name, its YAML file, or an Accelerator"
-    demand_type(fabric, (str, os.PathLike, Accelerator), "the fabric", hint)
     machine = fabric if isinstance(fabric, Accelerator) else arch.load_accelerator(fabric)
     arrays, inputs = arguments(program, args, kwargs)
     launch = _Launch(product, arrays, inputs)
@@ -218,7 +218,7 @@ def _simulate_product(
             hint="compile it with mode gpu, or auto",
         )
     mode = choose_for(program, product, launch.sizes, machine).mode
-    return None if mode == GPU else launch.run(check_mode(mode), machine, engine)
+    return None if mode == GPU else launch.run(check_mode(mode), machine, engine, cycle_limit)
 
 
 class _Launch:
@@ -261,13 +261,15 @@ class _Launch:
             return f"the loops do not run over all of {product.bias}"
         return self._overflow() if product.relu else ""
 
-    def run(self, mode: Mode, machine: Accelerator, engine: str) -> JobResult:
+    def run(self, mode: Mode, machine: Accelerator, engine: str, cycle_limit: int) -> JobResult:
         """The result, written into its array, and the job."""
         product = self._product
         bias = self._array(product.bias) if product.bias else None
         layer = Layer(self._matrix(product.right), bias, "relu" if product.relu else "none")
         x = self._matrix(product.left)
-        done = mlp_job(x, [layer], mode=mode, accelerator=machine, engine=engine)
+        done = mlp_job(
+            x, [layer], mode=mode, accelerator=machine, engine=engine, cycle_limit=cycle_limit
+        )
         self._arrays[product.result.array][...] = done.values
         return replace(done.job, value=None)
 

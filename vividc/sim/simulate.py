@@ -6,7 +6,7 @@ import os
 from typing import overload
 
 from vividc.arch import Accelerator
-from vividc.errors import demand_type
+from vividc.errors import ArgumentError, demand_type
 from vividc.program import Program
 from vividc.sim.accelerator.result import JobResult
 from vividc.sim.accelerator.spread import spread
@@ -78,7 +78,7 @@ def simulate(
     ------
     ArgumentError
         The arguments do not fit the kernel's signature or the scratchpads, the loop cannot be
-        spread, or the engine is unknown.
+        spread, the engine is unknown, or an observer was given for more than one tile.
     ArchError
         The fabric is unknown, faulty or a single tile.
     SimulationError
@@ -94,7 +94,23 @@ def simulate(
             observer=observer,
             **kwargs,
         )
+    check_spread(program, fabric, observer)
+    return spread(program, args, kwargs, fabric).simulate(engine=engine, cycle_limit=cycle_limit)
+
+
+def check_spread(program: object, fabric: object, observer: Observer | None) -> None:
+    """Refuse what no accelerator can run.
+
+    Raises
+    ------
+    ArgumentError
+        No program, no accelerator, or an observer, which watches one tile.
+    """
     demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
     hint = "give an accelerator's name, its YAML file, or an Accelerator"
     demand_type(fabric, (str, os.PathLike, Accelerator), "the fabric", hint)
-    return spread(program, args, kwargs, fabric).simulate(engine=engine, cycle_limit=cycle_limit)
+    if observer is not None:
+        raise ArgumentError(
+            "an observer watches one tile, and a fabric was given",
+            hint="leave fabric out, or read the events of the result",
+        )

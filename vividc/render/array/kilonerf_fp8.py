@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.kilonerf import KiloNeRFOnArray, Pieces
 from vividc.render.array.kilonerf_words import CHUNK_WORDS, WIDTH, fp8_words
+from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF
