@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 from fabrics import grid
-from graphs import accumulator, blending, chain
+from graphs import GraphBuilder, accumulator, blending, chain
 
 from vividc import arch
 from vividc.dfg.json_form import from_json
+from vividc.dfg.opcodes import Opcode
 from vividc.errors import VividcError
 from vividc.mapper import (
     Bound,
@@ -102,6 +103,20 @@ def test_an_infeasible_result_holds() -> None:
     assert wrong(checked(impossible)) == ""
 
 
+def test_a_node_that_nothing_can_serve_is_confirmed() -> None:
+    nodes = [{"id": number, "op": "op"} for number in range(7)]
+    many = [{"src": n, "dst": 6, "distance": 0} for n in range(6)]
+    g = GraphBuilder("delayed")
+    total = g.op(Opcode.ADD, g.source(Opcode.IV), g.const(1))
+    g.carry(total, g.op(Opcode.LIVE_OUT, name="%a"), 0, g.source(Opcode.LIVE_IN, name="%a"))
+    crowded = from_json({"name": "crowded", "nodes": nodes, "edges": many})
+    for dfg, name in ((crowded, "operands"), (g.build(), "live-out entry")):
+        result = map_dfg(dfg, FABRIC)
+        assert result.status == "infeasible"
+        assert result.bounds[0].name == name
+        assert {finding.verdict for finding in checked(result)} == {"confirmed"}
+
+
 RESULT = map_dfg(ring(3), FABRIC, workers=1)
 
 
@@ -124,6 +139,9 @@ RESULT = map_dfg(ring(3), FABRIC, workers=1)
         ({"bounds": (Bound("stages", 4, "r"),)}, "stages 4: r"),
         ({"bounds": (Bound("lifetime", 513, "r", (0, 1)),)}, "lifetime 513: r"),
         ({"bounds": (Bound("placement", 513, "r", (0,)),)}, "placement 513: r"),
+        ({"bounds": (Bound("live-out entry", 513, "r", (0,)),)}, "live-out entry 513: r"),
+        ({"bounds": (Bound("operands", 513, "r", (0,)),)}, "operands 513: r"),
+        ({"bounds": (Bound("operands", 513, "r", (0, 1)),)}, "operands 513: r"),
     ],
 )
 def test_a_false_statement_is_found(changes: dict[str, Any], what: str) -> None:

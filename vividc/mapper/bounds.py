@@ -92,7 +92,7 @@ def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     for node in problem.dfg.placed:
         if node.op is Opcode.LIVE_OUT and _reads_its_own_entry(problem, node):
             reason = f"{_name(node)} reads the entry of the constant store that it writes"
-            found.append(Bound("placement", no_ii(problem), reason, (node.id,)))
+            found.append(Bound("live-out entry", no_ii(problem), reason, (node.id,)))
             continue
         if usable_pes(problem, node):
             continue

@@ -185,6 +185,38 @@ def _lifetime(bound: Bound, subject: Subject) -> bool:
     return max(alive, default=0) > places and bound.ii == _never(subject)
 
 
+def _entry(bound: Bound, subject: Subject) -> bool:
+    """A live-out's operand, or its word before the first iteration, is the entry it writes."""
+    for node in _users(bound, subject):
+        for edge in subject.dfg.in_edges[node.id]:
+            for origin in (edge.src, edge.init):
+                source = None if origin is None else subject.dfg.by_id[origin]
+                reads = source is not None and source.op is Opcode.LIVE_IN and edge.is_data
+                if reads and source is not None and source.name == node.name:
+                    return node.op is Opcode.LIVE_OUT and bound.ii == _never(subject)
+    return False
+
+
+def _operands(bound: Bound, subject: Subject) -> bool:
+    """Of one cycle: a word from each link, each read port, each output register within reach."""
+    users = _users(bound, subject)
+    if len(users) != 1:
+        return False
+    node = users[0]
+    words = {
+        (edge.src, edge.distance)
+        for edge in subject.dfg.in_edges[node.id]
+        if edge.is_data and not subject.dfg.by_id[edge.src].is_source
+    }
+    fabric, most = subject.fabric, 0
+    for pe in _pes_of([node], subject):
+        into = sum(link.dst == pe for link in fabric.links)
+        file = fabric.pes[pe]
+        here = 1 + min(file.registers, file.read_ports) + into * bool(fabric.routing.hops)
+        most = max(most, here + into * fabric.routing.shared)
+    return len(words) > most and bound.ii == _never(subject)
+
+
 _CHECKS: Final[dict[str, Callable[[Bound, Subject], bool]]] = {
     "RecMII": _recurrence,
     "ResMII": _issue,
@@ -195,6 +227,8 @@ _CHECKS: Final[dict[str, Callable[[Bound, Subject], bool]]] = {
     "placement": _placement,
     "stages": _stages,
     "lifetime": _lifetime,
+    "live-out entry": _entry,
+    "operands": _operands,
 }
 
 

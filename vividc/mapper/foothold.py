@@ -1,4 +1,4 @@
-"""Some mapping soon, on fabrics where placing and routing by constraints takes long to find any.
+"""Some mapping soon, where placing and routing by constraints takes long to find any.
 
 What a foothold finds is only the start: the IIs below it are tried and refuted as ever.
 """
