@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final, Protocol, TypeVar, cast
 
 import numba
+import numpy as np
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
@@ -44,6 +45,11 @@ def compiler(module: str) -> Compiler:
         return cast(_Function, made)
 
     return compiled
+
+
+def constant(number: int) -> int:
+    """Return a number such that functions it is passed to are compiled once, not anew for it."""
+    return cast(int, np.int64(number))
 
 
 def _stamp(folder: Path) -> str:

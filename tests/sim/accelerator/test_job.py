@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.sim.accelerator.kernels import double, program, saxpy, total
+from vividc import arch
+from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError, ArgumentError, CycleLimit, SimulationError
 from vividc.launch import At, Job
 
@@ -76,6 +80,26 @@ def test_the_result_does_not_depend_on_threads() -> None:
         events.append(job.simulate(threads=threads).events)
         assert (x == 2 * np.arange(16 * 64)).all()
     assert events[0] == events[1]
+
+
+def grouped() -> Accelerator:
+    """A tile that is also a group, with one configuration memory."""
+    text = "configuration: {entries_per_cycle: 16, double_buffered: false}"
+    one = f"extends: vivid\nname: test\ntiles: {{rows: 1, cols: 1}}\n{text}\n"
+    machine = arch.load_accelerator_text(one)
+    return replace(machine, groups=(TileGroup(machine.fabric, (0,)),))
+
+
+def test_a_tile_is_configured_again_after_its_group() -> None:
+    job = Job(grouped())
+    for unit in (0, 1, 0):
+        job.run(unit, program(double), x=At(0, (8,)), n=8)
+    assert job.simulate().stats["steps"]["configure"] == 3
+
+
+def test_a_step_for_two_forms_of_a_tile_is_refused() -> None:
+    with pytest.raises(ArgumentError, match="another form"):
+        Job(grouped()).move_in((0, 1), np.zeros(8, np.int32), 0)
 
 
 def unordered_moves() -> Job:

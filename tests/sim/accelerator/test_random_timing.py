@@ -107,7 +107,7 @@ def check(seed: int) -> None:
     plain.run()
     timing = schedule(machine, job.steps, waits, job.outcome)
     assert timing.spans.tolist() == plain.spans
-    assert timing.events == tuple(plain.events)
+    assert timing.record.events() == tuple(plain.events)
     assert timing.cycles == max(end for _, _, end in plain.spans)
     assert timing.busy == {"dram": plain.dram.busy, "noc": plain.noc.busy}
     assert {name: getattr(timing.moved, name) for name in MOVED} == {

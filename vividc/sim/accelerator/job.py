@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,6 +169,8 @@ class Job:
         where = self._tiles(tiles)
         images = tuple(self._image(program, tile) for tile in where)
         number = self._add(Configure(where, images, self._after(after)))
+        for other in chain.from_iterable(self.accelerator.sharing[tile] for tile in where):
+            self._held.pop(other, None)
         self._held.update({tile: (program, number) for tile in where})
         return number
 
@@ -271,6 +274,8 @@ class Job:
         for tile in chosen:
             if not 0 <= tile < count:
                 raise ArgumentError(f"there is no tile {tile}: they are 0 to {count - 1}")
+            if not self.accelerator.sharing[tile].isdisjoint(chosen):
+                raise ArgumentError(f"a step names tile {tile} and another form of it")
         return chosen
 
     def _fits(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from vividc.sim.accelerator.accounting import JobStats
 from vividc.sim.accelerator.event import Event
+from vividc.sim.accelerator.record import Record
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +24,8 @@ class JobResult:
         What each run returned, by step number; `words`: the same as words.
     stats
         Where the cycles of each tile went, and the bytes moved at each level.
-    events
-        What every unit did, by start.
+    record
+        What `events` are made from.
     """
 
     cycles: int
@@ -32,4 +33,9 @@ class JobResult:
     values: ReadOnly[int, int | float | bool | None]
     words: ReadOnly[int, int]
     stats: JobStats
-    events: tuple[Event, ...]
+    record: Record
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What every unit did, by start; made anew each time."""
+        return self.record.events()

@@ -34,7 +34,7 @@ def simulate_steps(
         values=_values(steps, outcome),
         words={n: run.value for n, run in outcome.runs.items() if run.value is not None},
         stats=job_stats(steps, outcome, timing),
-        events=timing.events,
+        record=timing.record,
     )
 
 

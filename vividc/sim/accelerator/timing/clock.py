@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from vividc.machine_code import constant
 from vividc.sim.accelerator.timing.compiled import compiled
 from vividc.sim.accelerator.timing.queues import pop, push
 from vividc.sim.accelerator.timing.state import (
@@ -24,7 +25,7 @@ from vividc.sim.accelerator.timing.state import (
     END_TRANSFER,
     END_RUN,
     GRANT,
-) = range(12)
+) = map(constant, range(12))
 """What may happen; the item is a step, a burst, for `GRANT` what serves, and for `END_RUN` tile and
 version.
 """

@@ -37,10 +37,10 @@ def make_ready(graph: Graph, queues: Queues, state: State, step: int, cycle: int
         _start_run(graph, queues, state, step, cycle)
     elif graph.kind[step] == CONFIGURE:
         state.is_waiting[step] = 1
-        granted_at(queues, cycle, START_STREAM, 0)
+        granted_at(queues, cycle, START_STREAM, NOTHING)
     else:
-        push(queues, TRANSFERS, (cycle, step, 0, step))
-        granted_at(queues, cycle, START_TRANSFERS, 0)
+        push(queues, TRANSFERS, (cycle, step, NOTHING, step))
+        granted_at(queues, cycle, START_TRANSFERS, NOTHING)
 
 
 @compiled
@@ -82,11 +82,10 @@ def _may_load(graph: Graph, state: State, machine: Machine, step: int) -> bool:
 
 
 @compiled
-def end_configuration(graph: Graph, queues: Queues, state: State, step: int, cycle: int) -> None:
+def end_configuration(queues: Queues, state: State, cycle: int) -> None:
     """A program is loaded, and the stream is free."""
     state.is_loading[0] = 0
-    granted_at(queues, cycle, START_STREAM, 0)
-    finish(graph, queues, state, step, cycle)
+    granted_at(queues, cycle, START_STREAM, NOTHING)
 
 
 @compiled
@@ -98,7 +97,7 @@ def _start_run(graph: Graph, queues: Queues, state: State, step: int, cycle: int
     state.stalls[tile, LAUNCH] += graph.launch_words[step]
     state.issue_from[tile] = cycle + graph.launch_words[step]
     state.is_started[graph.held[step]] = 1
-    granted_at(queues, cycle, START_STREAM, 0)
+    granted_at(queues, cycle, START_STREAM, NOTHING)
     _stop_at(queues, state, tile, state.issue_from[tile] + graph.cycles[step])
 
 
@@ -139,14 +138,14 @@ def take_banks(queues: Queues, state: State, tile: int, cycles: int, cycle: int)
 
 
 @compiled
-def end_run(graph: Graph, queues: Queues, state: State, item: int, cycle: int) -> None:
-    """A run ends, unless it stood still meanwhile."""
+def end_run(graph: Graph, queues: Queues, state: State, item: int, cycle: int) -> int:
+    """A run ends, unless it stood still meanwhile: then it is `NOTHING` that ends."""
     tile, version = item % len(state.stop), item // len(state.stop)
     step = state.running[tile]
     if version != state.version[tile] or step == NOTHING:
-        return
+        return NOTHING
     state.running[tile] = NOTHING
     state.free_from[tile] = cycle
     state.runs_left[graph.held[step]] -= 1
-    granted_at(queues, cycle, START_STREAM, 0)
-    finish(graph, queues, state, step, cycle)
+    granted_at(queues, cycle, START_STREAM, NOTHING)
+    return int(step)

@@ -9,10 +9,10 @@ import numpy as np
 
 from vividc.arch import Accelerator
 from vividc.errors import InternalError
-from vividc.sim.accelerator.event import Event
 from vividc.sim.accelerator.flat import Ints
 from vividc.sim.accelerator.functional import Outcome
-from vividc.sim.accelerator.steps import Configure, Execute, Step, kind_of
+from vividc.sim.accelerator.record import Record
+from vividc.sim.accelerator.steps import Step
 from vividc.sim.accelerator.timing.pack import new_graph, new_queues, new_state
 from vividc.sim.accelerator.timing.simulation import simulate
 from vividc.sim.accelerator.timing.state import (
@@ -91,7 +91,7 @@ class Timing:
     spans: Ints
     tiles: tuple[TileClock, ...]
     moved: Moved
-    events: tuple[Event, ...]
+    record: Record
     busy: Mapping[str, int]
 
 
@@ -143,31 +143,13 @@ def _timing(steps: Sequence[Step], graph: Graph, state: State) -> Timing:
             scratchpad_in=moved[SCRATCHPAD_IN],
             scratchpad_out=moved[SCRATCHPAD_OUT],
         ),
-        events=_events(steps, graph, state),
+        record=_record(steps, graph, state),
         busy={"dram": int(state.busy[CHANNEL]), "noc": int(state.busy[NETWORK])},
     )
 
 
-def _events(steps: Sequence[Step], graph: Graph, state: State) -> tuple[Event, ...]:
-    """What every unit did, by start."""
+def _record(steps: Sequence[Step], graph: Graph, state: State) -> Record:
     before = np.zeros(len(graph.bursts) + 1, dtype=np.int64)
     np.cumsum(graph.bursts[:, SIZE], out=before[1:])
-    sizes = (before[graph.data_end] - before[graph.data_begin]).tolist()
-    columns = (state.start.tolist(), state.end.tolist(), state.engine.tolist(), sizes)
-    events = [
-        _event(number, step, *rest)
-        for number, (step, *rest) in enumerate(zip(steps, *columns, strict=True))
-    ]
-    return tuple(sorted(events, key=lambda e: (e.start, e.unit, e.index, e.step)))
-
-
-def _event(number: int, step: Step, start: int, end: int, engine: int, size: int) -> Event:
-    if isinstance(step, Execute):
-        name = step.program.name
-        return Event("tile", step.tile, "run", number, start, end, program=name, tiles=(step.tile,))
-    if isinstance(step, Configure):
-        name = step.programs[0].name
-        return Event(
-            "configuration", 0, "configure", number, start, end, program=name, tiles=step.tiles
-        )
-    return Event("dma", engine, kind_of(step), number, start, end, size, tiles=step.tiles)
+    sizes = before[graph.data_end] - before[graph.data_begin]
+    return Record(steps, state.start, state.end, state.engine, sizes)

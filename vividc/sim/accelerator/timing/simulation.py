@@ -22,6 +22,7 @@ from vividc.sim.accelerator.timing.compiled import compiled
 from vividc.sim.accelerator.timing.flow import (
     end_configuration,
     end_run,
+    finish,
     make_ready,
     start_stream,
 )
@@ -29,6 +30,7 @@ from vividc.sim.accelerator.timing.queues import pop
 from vividc.sim.accelerator.timing.state import (
     CHANNEL,
     EVENTS,
+    FIRST_CYCLE,
     NETWORK,
     NOTHING,
     Graph,
@@ -53,44 +55,49 @@ def simulate(graph: Graph, queues: Queues, state: State, machine: Machine) -> No
     """Let everything happen, from cycle 0 until nothing is left to."""
     for step in range(len(graph.kind)):
         if state.left[step] == 0:
-            at(queues, 0, READY, step)
+            at(queues, FIRST_CYCLE, READY, step)
     while queues.length[EVENTS]:
         when, _, what, item = pop(queues, EVENTS)
         cycle = when // 2
+        done = NOTHING
         if what == END_RUN:
-            end_run(graph, queues, state, item, cycle)
+            done = end_run(graph, queues, state, item, cycle)
         elif what == READY:
             make_ready(graph, queues, state, item, cycle)
         elif what == START_STREAM:
             start_stream(graph, queues, state, machine, cycle)
         elif what == CONFIGURED:
-            end_configuration(graph, queues, state, item, cycle)
+            end_configuration(queues, state, cycle)
+            done = item
         else:
-            _transfer(graph, queues, state, machine, (cycle, what, item))
+            done = _transfer(graph, queues, state, machine, (cycle, what, item))
+        if done != NOTHING:
+            finish(graph, queues, state, done, cycle)
 
 
 @compiled
 def _transfer(
     graph: Graph, queues: Queues, state: State, machine: Machine, event: tuple[int, int, int]
-) -> None:
-    """What happens to transfers."""
+) -> int:
+    """What happens to transfers; the one that is done by it, or `NOTHING`."""
     cycle, what, item = event
+    if what == ARRIVE_AT_TILE:
+        return reach_tiles(graph, queues, state, item, cycle)
+    if what == WRITTEN:
+        return arrive(graph, queues, state, item, cycle)
+    if what == END_TRANSFER:
+        return end_transfer(queues, state, item, cycle)
     if what == GRANT:
         _grant(graph, queues, state, machine, item, cycle)
     elif what == ASK:
         ask(graph, queues, state, item, cycle)
     elif what == ARRIVE_AT_NOC:
         ask_for(graph, queues, state, NETWORK, item, cycle)
-    elif what == ARRIVE_AT_TILE:
-        reach_tiles(graph, queues, state, item, cycle)
     elif what == ARRIVE_AT_DRAM:
         ask_for(graph, queues, state, CHANNEL, item, cycle)
-    elif what == WRITTEN:
-        arrive(graph, queues, state, item, cycle)
     elif what == START_TRANSFERS:
         start_transfers(graph, queues, state, machine, cycle)
-    elif what == END_TRANSFER:
-        end_transfer(graph, queues, state, item, cycle)
+    return NOTHING
 
 
 @compiled

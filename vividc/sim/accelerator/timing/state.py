@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
+from vividc.machine_code import constant
 from vividc.sim.accelerator.flat import Ints
 
 MOVE_IN, MOVE_OUT, CONFIGURE, RUN = 0, 1, 2, 3
@@ -20,12 +21,13 @@ DRAM_READ, DRAM_WRITTEN, DRAM_WANTED, NOC, SCRATCHPAD_IN, SCRATCHPAD_OUT = range
 DMA_WAIT, CONFIGURATION_WAIT, DEPENDENCY_WAIT, LAUNCH, BANKS_TAKEN = range(5)
 """Columns of `State.stalls`."""
 
-EVENTS, CHANNEL, NETWORK, TRANSFERS = 0, 1, 2, 3
+EVENTS, CHANNEL, NETWORK, TRANSFERS = map(constant, range(4))
 """Queues: what will happen; bursts that wait for DRAM's channel and for the NoC; transfers that
 wait for an engine.
 """
 
-NOTHING: Final = -1
+NOTHING: Final = constant(-1)
+FIRST_CYCLE: Final = constant(0)
 
 
 class Machine(NamedTuple):

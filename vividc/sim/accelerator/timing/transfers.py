@@ -17,7 +17,7 @@ from vividc.sim.accelerator.timing.clock import (
     request,
 )
 from vividc.sim.accelerator.timing.compiled import compiled
-from vividc.sim.accelerator.timing.flow import finish, take_banks
+from vividc.sim.accelerator.timing.flow import take_banks
 from vividc.sim.accelerator.timing.queues import pop
 from vividc.sim.accelerator.timing.state import (
     CHANNEL,
@@ -30,6 +30,7 @@ from vividc.sim.accelerator.timing.state import (
     NETWORK,
     NOC,
     NOC_CYCLES,
+    NOTHING,
     OWNER,
     PAD_CYCLES,
     SCRATCHPAD_IN,
@@ -131,28 +132,29 @@ def take_noc(
 
 
 @compiled
-def reach_tiles(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> None:
-    """A burst arrives in the scratchpads that it is for."""
+def reach_tiles(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> int:
+    """A burst arrives in the scratchpads that it is for; what that ends (see `arrive`)."""
     step = graph.bursts[burst, OWNER]
     for place in range(graph.tile_begin[step], graph.tile_begin[step + 1]):
         state.moved[SCRATCHPAD_IN] += graph.bursts[burst, SIZE]
         tile = graph.tile_items[place]
         take_banks(queues, state, tile, graph.bursts[burst, PAD_CYCLES], cycle)
-    arrive(graph, queues, state, burst, cycle)
+    return arrive(graph, queues, state, burst, cycle)
 
 
 @compiled
-def arrive(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> None:
-    """A burst is where it should be; the last one ends its transfer."""
+def arrive(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> int:
+    """A burst is where it should be; the last one ends its transfer, others `NOTHING`."""
     step = graph.bursts[burst, OWNER]
     state.arrived[step] += 1
-    if state.arrived[step] == graph.data_end[step] - graph.data_begin[step]:
-        end_transfer(graph, queues, state, step, cycle)
+    if state.arrived[step] < graph.data_end[step] - graph.data_begin[step]:
+        return NOTHING
+    return end_transfer(queues, state, step, cycle)
 
 
 @compiled
-def end_transfer(graph: Graph, queues: Queues, state: State, step: int, cycle: int) -> None:
+def end_transfer(queues: Queues, state: State, step: int, cycle: int) -> int:
     """A transfer is complete, and its engine is free."""
     state.is_free[state.engine[step]] = 1
-    granted_at(queues, cycle, START_TRANSFERS, 0)
-    finish(graph, queues, state, step, cycle)
+    granted_at(queues, cycle, START_TRANSFERS, NOTHING)
+    return step
