@@ -11,12 +11,26 @@ from vividc.frontend.lang_formats import (
     fp16,
     fp16_from_bits,
 )
+from vividc.frontend.lang_lanes import (
+    dot_e5m2,
+    dot_fp8,
+    dot_fp16,
+    max_e5m2,
+    max_fp8,
+    max_fp16,
+    pack_e5m2,
+    pack_fp8,
+    pack_fp16,
+)
 
 __all__ = [
     "Narrow",
     "bitcast_f32",
     "bitcast_i32",
     "bits_of",
+    "dot_e5m2",
+    "dot_fp8",
+    "dot_fp16",
     "e5m2",
     "e5m2_from_bits",
     "fma",
@@ -24,6 +38,12 @@ __all__ = [
     "fp8_from_bits",
     "fp16",
     "fp16_from_bits",
+    "max_e5m2",
+    "max_fp8",
+    "max_fp16",
     "mulhi",
     "mulhi_u",
+    "pack_e5m2",
+    "pack_fp8",
+    "pack_fp16",
 ]

@@ -8,8 +8,10 @@ feature.
 import math
 
 import numpy as np
+from numba import njit
 
 import vividc
+from vividc import lang
 
 ONE = np.float32(1.0)
 LARGEST = np.float32(80.0)
@@ -42,38 +44,88 @@ def density(x, limit, step, thickness, features):
             thickness[block, sample] = math.exp(min(x[block, 0, sample], limit)) * step
 
 
+@njit
+def harmonics(directions, block, sample):
+    """The 16 spherical harmonics of a sample's direction."""
+    x = directions[block, sample, 0]
+    y = directions[block, sample, 1]
+    z = directions[block, sample, 2]
+    xy = x * y
+    xx = x * x
+    yy = y * y
+    zz = z * z
+    return (
+        Y0,
+        -Y1 * y,
+        Y1 * z,
+        -Y1 * x,
+        Y2_XY * xy,
+        -Y2_XY * (y * z),
+        Y2_ZZ * zz - Y2_Z0,
+        -Y2_XY * (x * z),
+        Y2_XX * (xx - yy),
+        Y3_XXY * y * (yy - THREE * xx),
+        Y3_XYZ * xy * z,
+        Y3_YZZ * y * (ONE - FIVE * zz),
+        Y3_ZZZ * z * (FIVE * zz - THREE),
+        Y3_YZZ * x * (ONE - FIVE * zz),
+        Y3_XXZ * z * (xx - yy),
+        Y3_XXY * x * (THREE * yy - xx),
+    )
+
+
 @vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32[:, :, ::1])")
 def colour_inputs(features, directions, out):
     """16 spherical harmonics of the unit directions, then the features."""
     for block in range(out.shape[0]):
         for sample in range(16):
-            x = directions[block, sample, 0]
-            y = directions[block, sample, 1]
-            z = directions[block, sample, 2]
-            xy = x * y
-            xx = x * x
-            yy = y * y
-            zz = z * z
-            out[block, 0, sample] = Y0
-            out[block, 1, sample] = -Y1 * y
-            out[block, 2, sample] = Y1 * z
-            out[block, 3, sample] = -Y1 * x
-            out[block, 4, sample] = Y2_XY * xy
-            out[block, 5, sample] = -Y2_XY * (y * z)
-            out[block, 6, sample] = Y2_ZZ * zz - Y2_Z0
-            out[block, 7, sample] = -Y2_XY * (x * z)
-            out[block, 8, sample] = Y2_XX * (xx - yy)
-            out[block, 9, sample] = Y3_XXY * y * (yy - THREE * xx)
-            out[block, 10, sample] = Y3_XYZ * xy * z
-            out[block, 11, sample] = Y3_YZZ * y * (ONE - FIVE * zz)
-            out[block, 12, sample] = Y3_ZZZ * z * (FIVE * zz - THREE)
-            out[block, 13, sample] = Y3_YZZ * x * (ONE - FIVE * zz)
-            out[block, 14, sample] = Y3_XXZ * z * (xx - yy)
-            out[block, 15, sample] = Y3_XXY * x * (THREE * yy - xx)
+            terms = harmonics(directions, block, sample)
+            out[block, 0, sample] = terms[0]
+            out[block, 1, sample] = terms[1]
+            out[block, 2, sample] = terms[2]
+            out[block, 3, sample] = terms[3]
+            out[block, 4, sample] = terms[4]
+            out[block, 5, sample] = terms[5]
+            out[block, 6, sample] = terms[6]
+            out[block, 7, sample] = terms[7]
+            out[block, 8, sample] = terms[8]
+            out[block, 9, sample] = terms[9]
+            out[block, 10, sample] = terms[10]
+            out[block, 11, sample] = terms[11]
+            out[block, 12, sample] = terms[12]
+            out[block, 13, sample] = terms[13]
+            out[block, 14, sample] = terms[14]
+            out[block, 15, sample] = terms[15]
     for block in range(out.shape[0]):
         for sample in range(16):
             for feature in range(features.shape[2]):
                 out[block, feature + 16, sample] = features[block, sample, feature]
+
+
+@njit
+def word(a, b, c, d, scale):
+    """Four numbers, times `scale`, as float8."""
+    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
+
+
+@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32, uint32[:, :, ::1])")
+def colour_inputs_fp8(features, directions, scale, out):
+    """`colour_inputs` times `scale`, four to a word; features are a multiple of four."""
+    for block in range(out.shape[0]):
+        for sample in range(16):
+            t = harmonics(directions, block, sample)
+            out[block, 0, sample] = word(t[0], t[1], t[2], t[3], scale)
+            out[block, 1, sample] = word(t[4], t[5], t[6], t[7], scale)
+            out[block, 2, sample] = word(t[8], t[9], t[10], t[11], scale)
+            out[block, 3, sample] = word(t[12], t[13], t[14], t[15], scale)
+    for block in range(out.shape[0]):
+        for sample in range(16):
+            for k in range(out.shape[1] - 4):
+                a = features[block, sample, 4 * k]
+                b = features[block, sample, 4 * k + 1]
+                c = features[block, sample, 4 * k + 2]
+                d = features[block, sample, 4 * k + 3]
+                out[block, k + 4, sample] = word(a, b, c, d, scale)
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1])")

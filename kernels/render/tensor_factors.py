@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 import vividc
+from vividc import lang
 
 ONE = np.uint32(1)
 TEN = np.uint32(10)
@@ -21,6 +22,7 @@ TWO = np.float32(2.0)
 LARGEST = np.float32(80.0)
 LARGE = np.float32(20.0)
 LARGEST_ANGLE = np.float32(65536.0)
+LAST_FEATURE = 26
 
 
 @njit
@@ -113,6 +115,45 @@ def factor_products(points, low, scales, nodes, axes, line, plane, slots, out):
             out[block, channel, sample] = product(plane, cell, line, first, channel, x, y, z)
 
 
+@njit
+def word(a, b, c, d, scale):
+    """Four numbers, times `scale`, as float8."""
+    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
+
+
+@vividc.kernel(
+    "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[::1], float32[::1],"
+    " float32[::1], uint32[::1], float32, uint32[:, :, ::1])"
+)
+def factor_products_fp8(points, low, scales, nodes, axes, line, plane, slots, scale, out):
+    """`factor_products` times `scale`, four channels to a word."""
+    across, down, along = axes[0], axes[1], axes[2]
+    left, top, start = low[across], low[down], low[along]
+    across_scale, down_scale, along_scale = scales[across], scales[down], scales[along]
+    last_column = np.int32(nodes[across] - 2)
+    last_row = np.int32(nodes[down] - 2)
+    last_node = np.int32(nodes[along] - 2)
+    for i in range(points.shape[0]):
+        x = (points[i, across] - left) * across_scale
+        y = (points[i, down] - top) * down_scale
+        z = (points[i, along] - start) * along_scale
+        line_node = node(z, last_node)
+        x -= np.float32(node(x, last_column))
+        y -= np.float32(node(y, last_row))
+        z -= np.float32(line_node)
+        cell = np.uint32(slots[i] << np.uint32(6))
+        first = np.uint32(np.uint32(line_node) << np.uint32(4))
+        block = np.uint32(i) >> np.uint32(4)
+        sample = np.uint32(i) & np.uint32(15)
+        for k in range(4):
+            channel = np.uint32(k) << np.uint32(2)
+            a = product(plane, cell, line, first, channel, x, y, z)
+            b = product(plane, cell, line, first, channel + ONE, x, y, z)
+            c = product(plane, cell, line, first, channel + np.uint32(2), x, y, z)
+            d = product(plane, cell, line, first, channel + np.uint32(3), x, y, z)
+            out[block, k, sample] = word(a, b, c, d, scale)
+
+
 @vividc.kernel(
     "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[::1], float32[::1],"
     " float32[::1], uint32[::1], float32[::1])"
@@ -160,6 +201,15 @@ def density(sums, shift, step, thickness):
             thickness[block, i] = (x if x > LARGE else small) * step
 
 
+@njit
+def waves(value):
+    """Sine of an angle and of its double, then their cosines."""
+    angle = min(max(value, -LARGEST_ANGLE), LARGEST_ANGLE)
+    sine = math.sin(angle)
+    cosine = math.cos(angle)
+    return sine, TWO * sine * cosine, cosine, UNIT - TWO * sine * sine
+
+
 @vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32[:, :, ::1])")
 def colour_inputs(features, directions, out):
     """27 features, the direction, sine and cosine of the features and of their doubles, channel by
@@ -172,22 +222,46 @@ def colour_inputs(features, directions, out):
             for k in range(27):
                 value = features[block, k, sample]
                 out[block, k, sample] = value
-                angle = min(max(value, -LARGEST_ANGLE), LARGEST_ANGLE)
-                sine = math.sin(angle)
-                cosine = math.cos(angle)
-                out[block, 30 + 2 * k, sample] = sine
-                out[block, 31 + 2 * k, sample] = TWO * sine * cosine
-                out[block, 84 + 2 * k, sample] = cosine
-                out[block, 85 + 2 * k, sample] = UNIT - TWO * sine * sine
+                terms = waves(value)
+                out[block, 30 + 2 * k, sample] = terms[0]
+                out[block, 31 + 2 * k, sample] = terms[1]
+                out[block, 84 + 2 * k, sample] = terms[2]
+                out[block, 85 + 2 * k, sample] = terms[3]
     for block in range(out.shape[0]):
         for sample in range(16):
             for axis in range(3):
                 value = directions[block, sample, axis]
                 out[block, 27 + axis, sample] = value
-                angle = min(max(value, -LARGEST_ANGLE), LARGEST_ANGLE)
-                sine = math.sin(angle)
-                cosine = math.cos(angle)
-                out[block, 138 + 2 * axis, sample] = sine
-                out[block, 139 + 2 * axis, sample] = TWO * sine * cosine
-                out[block, 144 + 2 * axis, sample] = cosine
-                out[block, 145 + 2 * axis, sample] = UNIT - TWO * sine * sine
+                terms = waves(value)
+                out[block, 138 + 2 * axis, sample] = terms[0]
+                out[block, 139 + 2 * axis, sample] = terms[1]
+                out[block, 144 + 2 * axis, sample] = terms[2]
+                out[block, 145 + 2 * axis, sample] = terms[3]
+
+
+@njit
+def value_of(features, directions, block, sample, k):
+    """Feature k, or behind the 27 features the direction, whose last coordinate repeats."""
+    feature = features[block, min(k, LAST_FEATURE), sample]
+    coordinate = directions[block, sample, min(max(k - LAST_FEATURE - 1, 0), 2)]
+    return feature if k <= LAST_FEATURE else coordinate
+
+
+@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32, uint32[:, :, ::1])")
+def colour_inputs_fp8(features, directions, scale, out):
+    """`colour_inputs` times `scale`, four to a word: the waves of one feature or axis, then the
+    features and the direction. The last two lanes are not for the network.
+    """
+    for block in range(out.shape[0]):
+        for k in range(30):
+            for sample in range(16):
+                t = waves(value_of(features, directions, block, sample, k))
+                out[block, k, sample] = word(t[0], t[1], t[2], t[3], scale)
+    for block in range(out.shape[0]):
+        for k in range(8):
+            for sample in range(16):
+                a = value_of(features, directions, block, sample, 4 * k)
+                b = value_of(features, directions, block, sample, 4 * k + 1)
+                c = value_of(features, directions, block, sample, 4 * k + 2)
+                d = value_of(features, directions, block, sample, 4 * k + 3)
+                out[block, 30 + k, sample] = word(a, b, c, d, scale)

@@ -100,3 +100,40 @@ def truths(x, out):
 @vividc.kernel("void(float16[::1])")
 def ordered(x):
     x.sort()
+
+
+WORDS = {
+    "f16": (lang.pack_fp16, lang.dot_fp16, lang.max_fp16),
+    "e4m3": (lang.pack_fp8, lang.dot_fp8, lang.max_fp8),
+    "e5m2": (lang.pack_e5m2, lang.dot_e5m2, lang.max_e5m2),
+}
+
+
+def on_words(fmt):
+    """Words of neighbours, and of each with the next: the sum of products, and the larger lanes."""
+    pack, dot, larger = WORDS[fmt]
+    if fmt == "f16":
+
+        @vividc.kernel(
+            "void(float32[::1], uint32[::1], float32[::1], uint32[::1])", name="words_f16"
+        )
+        def kernel(x, words, sums, most):
+            for i in range(len(words)):
+                words[i] = pack(x[2 * i], x[2 * i + 1])
+            for i in range(len(sums)):
+                sums[i] = dot(words[i], words[i + 1], x[i])
+                most[i] = larger(words[i], words[i + 1])
+
+        return kernel
+
+    @vividc.kernel(
+        "void(float32[::1], uint32[::1], float32[::1], uint32[::1])", name=f"words_{fmt}"
+    )
+    def kernel(x, words, sums, most):
+        for i in range(len(words)):
+            words[i] = pack(x[4 * i], x[4 * i + 1], x[4 * i + 2], x[4 * i + 3])
+        for i in range(len(sums)):
+            sums[i] = dot(words[i], words[i + 1], x[i])
+            most[i] = larger(words[i], words[i + 1])
+
+    return kernel

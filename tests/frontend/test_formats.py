@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.format_kernels import CODES, halves, on_codes, ordered, rounded, truths
+from tests.frontend.format_kernels import (
+    CODES,
+    halves,
+    on_codes,
+    on_words,
+    ordered,
+    rounded,
+    truths,
+)
 from vividc import lang
 from vividc.formats import FORMATS, round_array, to_floats
 
@@ -72,6 +80,34 @@ def test_casts_round_once(fmt: str) -> None:
     for got in (host, array):
         assert np.array_equal(got, wanted, equal_nan=True)
         assert np.array_equal(np.signbit(got), np.signbit(wanted))
+
+
+@pytest.mark.parametrize("fmt", FORMATS)
+def test_words_of_lanes_are_packed_and_multiplied(fmt: str) -> None:
+    rng = np.random.default_rng(11)
+    lanes = FORMATS[fmt].lanes
+    x = rng.standard_normal(24 * lanes).astype(np.float32) * np.exp2(
+        rng.integers(-9, 9, 24 * lanes)
+    )
+    x = x.astype(np.float32)
+    x[-2 * lanes : -2 * lanes + 2] = -0.0, np.nan
+    wanted = round_array(FORMATS[fmt], x).view(np.uint32)
+    lane_type = FORMATS[fmt].dtype
+    rounded_x = to_floats(FORMATS[fmt], wanted.view(lane_type)).reshape(24, lanes)
+    larger = np.fmax(rounded_x[:-1], rounded_x[1:]).ravel()
+    results = []
+    program = vividc.compile(on_words(fmt), transform="none", time_limit_s=3.0)
+    for run in (on_words(fmt).py_func, on_words(fmt), lambda *a: vividc.simulate(program, *a)):
+        words, sums = np.zeros(24, np.uint32), np.zeros(23, np.float32)
+        most = np.zeros(23, np.uint32)
+        run(x, words, sums, most)
+        assert np.array_equal(words, wanted)
+        assert np.array_equal(to_floats(FORMATS[fmt], most.view(lane_type)), larger)
+        results.append(sums)
+    for got in results:
+        assert np.array_equal(got.view(np.uint32), results[0].view(np.uint32))
+    exact = x[:23] + np.sum(rounded_x[:-1].astype(np.float64) * rounded_x[1:], axis=1)
+    assert np.allclose(results[0], exact, rtol=1e-5, atol=1e-5, equal_nan=True)
 
 
 def test_arrays_of_float16() -> None:

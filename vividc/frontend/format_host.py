@@ -103,5 +103,53 @@ def _operations(fmt: Format) -> dict[str, Callable[..., Any]]:
     return {function.__name__: function for function in made}
 
 
-HOST: Final = {fmt: _operations(fmt) for fmt in (F16, E4M3, E5M2)}
+def _larger(fmt: Format) -> Callable[..., Any]:
+    """The larger of two codes as `fmax` has it."""
+    decoded, nan = _decoder(fmt), np.uint32(fmt.nan)
+
+    @_helper
+    def larger(a: Any, b: Any) -> Any:
+        x, y = decoded(a), decoded(b)
+        if x == y:  # equal numbers share all bits but the sign of zero
+            return a & b
+        if y != y:  # noqa: PLR0124 - math.isnan is a call for the host, too
+            return a if x == x else nan  # noqa: PLR0124
+        return b if not x > y else a
+
+    return larger
+
+
+def _on_words(fmt: Format) -> dict[str, Callable[..., Any]]:
+    """The operations on words of several numbers, by name."""
+    decoded, encoded, larger = _decoder(fmt), _encoder(fmt), _larger(fmt)
+    bits, half, mask = np.uint32(fmt.bits), np.uint32(16), np.uint32(fmt.mask)
+    lanes, low_half = fmt.lanes, np.uint32(0xFFFF)
+
+    @_helper
+    def pack(x: Any, y: Any) -> Any:
+        return encoded(np.float64(x)) | encoded(np.float64(y)) << bits
+
+    def pack_high(x: Any, y: Any, low: Any) -> Any:
+        return pack(x, y) << half | np.uint32(low) & low_half
+
+    def dot(a: Any, b: Any, total: Any) -> Any:
+        result = np.float32(total)
+        for lane in range(lanes):
+            x, y = (a >> np.uint32(bits * lane)) & mask, (b >> np.uint32(bits * lane)) & mask
+            # Exact but for the last rounding: 53 bits are more than twice 24.
+            result = np.float32(decoded(x) * decoded(y) + np.float64(result))
+        return result
+
+    def lanes_max(a: Any, b: Any) -> Any:
+        word = np.uint32(0)
+        for lane in range(lanes):
+            shift = np.uint32(bits * lane)
+            word |= np.uint32(larger((a >> shift) & mask, (b >> shift) & mask) << shift)
+        return word
+
+    made = (pack, pack_high, dot, lanes_max)
+    return {function.__name__: function for function in made}
+
+
+HOST: Final = {fmt: _operations(fmt) | _on_words(fmt) for fmt in (F16, E4M3, E5M2)}
 """The operations of each format."""

@@ -112,7 +112,7 @@ def for_numba(value: Any) -> Any:
     return value
 
 
-def _compute(
+def format_call(
     context: Any, builder: Any, operation: str, fmt: Format, result: Any, args: Any
 ) -> Any:
     """Call of the array's operation, or its code for the host.
@@ -135,7 +135,7 @@ def _compute(
 def _as_float(context: Any, builder: Any, value: Any, kind: Any) -> Any:
     """Any number as float32."""
     if isinstance(kind, FormatType):
-        return _compute(context, builder, "to_f32", kind.format, types.float32, [(value, kind)])
+        return format_call(context, builder, "to_f32", kind.format, types.float32, [(value, kind)])
     return context.cast(builder, value, kind, types.float32)
 
 
@@ -145,7 +145,7 @@ def _from_number(fmt: Format, context: Any, builder: Any, signature: Any, args: 
         return value
     number = _as_float(context, builder, value, kind)
     word = types.uint32
-    return _compute(context, builder, "from_f32", fmt, word, [(number, types.float32)])
+    return format_call(context, builder, "from_f32", fmt, word, [(number, types.float32)])
 
 
 def _from_code(fmt: Format, context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -156,7 +156,7 @@ def _from_code(fmt: Format, context: Any, builder: Any, signature: Any, args: An
 def _arithmetic(operation: str, context: Any, builder: Any, signature: Any, args: Any) -> Any:
     fmt = signature.return_type.format
     pairs = list(zip(args, signature.args, strict=True))
-    return _compute(context, builder, operation, fmt, types.uint32, pairs)
+    return format_call(context, builder, operation, fmt, types.uint32, pairs)
 
 
 def _sign(operation: str, _: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -209,7 +209,7 @@ def _truth(context: Any, builder: Any, signature: Any, args: Any) -> Any:
 lower_builtin(bool, FormatType)(_truth)
 
 
-def _misuse(text: str) -> Exception:
+def misuse(text: str) -> Exception:
     error: Exception = errors.NumbaValueError(MISUSE + text)
     return error
 
@@ -234,15 +234,15 @@ def _register_cast(fmt: Format) -> None:
     def overload_cast(value: Any) -> Any:
         if isinstance(value, types.Array):
             what = f"lang.{cast} of an array of {_name(value.dtype)}"
-            raise _misuse(f"{what}: it takes one number, so cast the elements in a loop")
+            raise misuse(f"{what}: it takes one number, so cast the elements in a loop")
         if not isinstance(value, _NUMBERS):
-            raise _misuse(f"lang.{cast} of {value}: it takes a number")
+            raise misuse(f"lang.{cast} of {value}: it takes a number")
         return lambda value: from_number(value)
 
     @_overload(lang_formats.FROM_BITS[fmt])
     def overload_from_code(bits: Any) -> Any:
         if not isinstance(bits, _INTEGERS):
-            raise _misuse(f"lang.{cast}_from_bits of {_name(bits)}: it takes an integer")
+            raise misuse(f"lang.{cast}_from_bits of {_name(bits)}: it takes an integer")
         return lambda bits: from_code(bits)
 
 
@@ -258,7 +258,7 @@ def _code(typingctx: Any, value: Any) -> Any:
 @_overload(lang_formats.bits_of)
 def _overload_bits_of(value: Any) -> Any:
     if not isinstance(value, FormatType):
-        raise _misuse(f"lang.bits_of of {_name(value)}: it takes a float16 or float8 number")
+        raise misuse(f"lang.bits_of of {_name(value)}: it takes a float16 or float8 number")
     return lambda value: _code(value)
 
 
@@ -274,7 +274,7 @@ def overload_fused(a: Any, b: Any, c: Any) -> Any:
         return None
     for kind in (a, b, c):
         if kind != formats[0]:
-            raise _misuse(mixed(_name(formats[0]), _name(kind), CASTS[formats[0].format]))
+            raise misuse(mixed(_name(formats[0]), _name(kind), CASTS[formats[0].format]))
 
     def compute(a: Any, b: Any, c: Any) -> Any:
         return _fused(a, b, c)
@@ -287,7 +287,7 @@ def _checked_pair(left: Any, right: Any) -> bool:
     ours = [kind for kind in (left, right) if isinstance(kind, FormatType)]
     if not ours or left == right:
         return bool(ours)
-    raise _misuse(mixed(_name(left), _name(right), CASTS[ours[0].format]))
+    raise misuse(mixed(_name(left), _name(right), CASTS[ours[0].format]))
 
 
 def _register_binary(key: Any, operation: str) -> None:
@@ -365,7 +365,7 @@ def _refuse(key: Any, what: str) -> None:
         if not any(isinstance(kind, FormatType) for kind in (left, right)):
             return None
         names = f"{_name(left)} and {_name(right)}"
-        raise _misuse(f"{what} of {names}: the array divides float32, so cast with np.float32(...)")
+        raise misuse(f"{what} of {names}: the array divides float32, so cast with np.float32(...)")
 
 
 for _key, _what in (
@@ -390,7 +390,7 @@ def _refuse_function(key: Any) -> None:
             return None
         cast = CASTS[x.format]
         instead = f"write lang.{cast}(math.{key.__name__}(np.float32(x)))"
-        raise _misuse(f"math.{key.__name__} of {_name(x)}: {instead}")
+        raise misuse(f"math.{key.__name__} of {_name(x)}: {instead}")
 
 
 for _function in (math.exp, math.sqrt, math.log, math.sin, math.cos, math.floor, math.tanh):

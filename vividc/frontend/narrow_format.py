@@ -1,7 +1,7 @@
 """Operations on float16 and float8, which numba's target calls by name, as operations of lanes.
 
 A number is lane 0 of a word; the other lanes are 0, and stay so: a sum, product or fused product of
-zeros is 0.
+zeros is 0. Words with all lanes are those of `lang_lanes`.
 """
 
 from __future__ import annotations
@@ -32,6 +32,11 @@ def _opcodes(fmt: Format) -> dict[str, Opcode]:
     found["fma"] = Opcode(f"fma.{packed}")
     found["from_f32"] = Opcode(f"fptrunc.{fmt.name}")
     found["to_f32"] = Opcode(f"fpext.{fmt.name}")
+    found["pack"] = Opcode(f"pack.{packed}")
+    found["lanes_max"] = Opcode(f"fmax.{packed}")
+    found["dot"] = Opcode(f"dot.{packed}")
+    if fmt.lanes > 2:  # noqa: PLR2004 - the lanes that `pack` fills
+        found["pack_high"] = Opcode(f"pack_high.{packed}")
     return found
 
 

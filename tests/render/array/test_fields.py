@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vividc import KernelFunction
+from tests.render.array.by_numba import Host, launch_by_numba, samples_of
 from vividc.gemm import Layer
 from vividc.render import (
     SceneError,
@@ -33,13 +33,9 @@ from vividc.render.array import (
 )
 from vividc.render.array.hash_encoding import hash_encoding as encoding_of
 from vividc.render.array.instant_ngp import InstantNGPField
-from vividc.render.array.launches import Gathered, Launch
 from vividc.render.array.networks import dense_layer, run_network, tpu_mode
-from vividc.render.array.programs import _module, kernel_folder
 from vividc.render.array.systolic import run_systolic
 from vividc.render.array.tensorf import TensoRFField
-from vividc.render.arrays import Float32Array
-from vividc.render.radiance import March
 from vividc.render.radiance.layers import linear
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
@@ -60,22 +56,6 @@ METHODS = {
 }
 
 
-class Host:
-    """A device whose programs are the kernels themselves: numba runs them, none is mapped."""
-
-    tiles = 16
-    scratchpad_bytes = 32768
-
-    @property
-    def programs(self) -> Host:
-        return self
-
-    def get(self, kernel: str) -> KernelFunction:
-        path, _, name = kernel.partition(":")
-        found: KernelFunction = getattr(_module(kernel_folder() / f"{path}.py"), name)
-        return found
-
-
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     for module in (block_map, factors, hash_encoding):
@@ -86,40 +66,6 @@ def host(monkeypatch: pytest.MonkeyPatch) -> Host:
 @pytest.fixture(scope="module")
 def device() -> Device:
     return open_device("vivid")
-
-
-def launch_by_numba(
-    host: Host, ledger: Ledger, stage: str, kernel: str, shares: Sequence[Sequence[Launch]]
-) -> None:
-    function = host.get(kernel)
-    flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
-    assert len(shares) <= host.tiles
-    for launch in (launch for share in shares for launch in share):
-        assert sum(launch.sizes.values()) <= host.scratchpad_bytes
-        given: dict[str, object] = dict(launch.scalars)
-        for name, array in {**launch.shared, **launch.inputs}.items():
-            rows = array.table[array.indices] if isinstance(array, Gathered) else array
-            given[name] = rows.flatten() if flat[name] else rows.copy()
-        given |= {name: np.zeros(shape, np.uint32) for name, shape in launch.shapes.items()}
-        results = {
-            name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
-            for name, array in launch.outputs.items()
-        }
-        function(*({**given, **results}[name] for name in flat))
-        for name, array in launch.outputs.items():
-            array[...] = results[name].reshape(array.shape)
-
-
-def samples_of(march: March, count: int) -> tuple[Float32Array, Float32Array]:
-    """Random points in occupied cells, neighbours next to each other, and directions."""
-    rng = np.random.default_rng(7)
-    cells = np.argwhere(march.occupied)
-    chosen = cells[np.sort(rng.integers(0, len(cells), count))]
-    place = (chosen + rng.random((count, 3))) / march.occupied.shape
-    points = march.box[0] + place.astype(np.float32) * (march.box[1] - march.box[0])
-    directions = rng.standard_normal((count, 3)).astype(np.float32)
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    return np.clip(points, march.box[0], march.box[1]).astype(np.float32), directions
 
 
 def assert_like_reference(method: Method, device: object, count: int) -> Ledger:

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import vividc
 from vividc.render import Camera, Gaussians, SceneError, psnr, render_reference, scaled_camera
-from vividc.render.array import ArrayOptions, Device, open_device, render_array
+from vividc.render.array import (
+    ArrayOptions,
+    Device,
+    RenderPrecision,
+    open_device,
+    render_array,
+)
+from vividc.render.array.splat_blend import EXP_EXCESS
 from vividc.render.array.splats import render_splats
 
 
@@ -69,6 +78,46 @@ def test_scratchpads_smaller_than_the_launches_are_refused(tmp_path: Path) -> No
     file.write_text("extends: vivid\ntiles: {rows: 4, cols: 4, fabric: tile.yaml}\n")
     with pytest.raises(SceneError, match="scratchpads of 32768 bytes"):
         render_array(gaussians([[0, 0, -3]]), ahead(), ArrayOptions(fabric=str(file)))
+
+
+@vividc.kernel("void(float32[::1], float32[::1])")
+def exponentials(x: np.ndarray, y: np.ndarray) -> None:
+    for i in range(len(x)):
+        y[i] = math.exp(x[i])
+
+
+@pytest.mark.parametrize("precision", [pytest.param("fp16", marks=pytest.mark.slow), "fp8"])
+def test_exps_are_not_larger_than_lookahead_allows_for(precision: RenderPrecision) -> None:
+    x = np.linspace(-5.6, 0, 4000, dtype=np.float32)  # from below ln(1 / 255)
+    y = np.zeros_like(x)
+    policy = {"exp": precision}
+    program = vividc.compile(exponentials, transform="none", precision=policy, time_limit_s=20.0)
+    vividc.simulate(program, x, y)
+    seen = y >= np.float32(1 / 255)
+    excess = np.log(y[seen].astype(np.float64)) - x[seen]
+    assert 0.1 * EXP_EXCESS[precision] < excess.max() < EXP_EXCESS[precision]
+    assert (np.diff(y) >= 0).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("precision", ["fp16", "fp8"])
+def test_lookahead_in_a_format_gives_the_same_picture(
+    device: Device, mic: Gaussians, mic_cameras: tuple, precision: RenderPrecision
+) -> None:
+    view = mic_cameras[0]
+    camera, mic = Camera(view.c2w, 80.0, 75, 50), every_tenth(mic)
+    late, early = (
+        render_splats(mic, camera, ArrayOptions(lookahead=on, precision=precision), device=device)
+        for on in (False, True)
+    )
+    np.testing.assert_array_equal(early.image, late.image)
+    assert early.counts["exponentials"] < late.counts["exponentials"] / 2
+    single = render_splats(mic, camera, device=device)
+    assert 40 < psnr(early.image, single.image) < 120
+    blocks = render_splats(
+        mic, camera, ArrayOptions(precision=precision), device=device, culling="blocks"
+    )
+    np.testing.assert_array_equal(blocks.image, late.image)
 
 
 @pytest.mark.slow

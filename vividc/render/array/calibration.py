@@ -45,7 +45,7 @@ def largest_inputs(scene: CalibratedScene) -> dict[str, float]:
 
     It is that of the float32 reference at 4,096 points, the same ones each time: in occupied cells
     that are evenly spread over the list of all, and along directions that are over the sphere. A
-    layer that meets zeros only, or no sample because no cell is occupied, has 1.
+    layer that meets zeros only has 1.
     """
     found: dict[str, float] = {}
 

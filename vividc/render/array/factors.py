@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -27,6 +27,8 @@ _CHUNK: Final = 32
 _CACHE: Final = 64
 """Cells that a launch remembers of a plane, as in the kernel."""
 _CORNERS: Final = 4
+_LANES: Final = 4
+"""Numbers of float8 in a word."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,12 +124,22 @@ class FactorGrid:
         return self._per_pair(ledger, stage, "factor_sums", found, pairs, 1)
 
     def products(
-        self, ledger: Ledger, stage: str, found: PlaneCells, pairs: Sequence[Sequence[Pair]]
+        self,
+        ledger: Ledger,
+        stage: str,
+        found: PlaneCells,
+        pairs: Sequence[Sequence[Pair]],
+        scale: np.float32 | None = None,
     ) -> Float32Array:
         """Return [B, C, 16] float32, blocks of 16 samples: plane times line of all channels, the
         planes one after the other.
+
+        With a scale: times it, as float8, four channels to a word, [B, C / 4, 16].
         """
-        return self._per_pair(ledger, stage, "factor_products", found, pairs, CHANNELS)
+        if scale is None:
+            return self._per_pair(ledger, stage, "factor_products", found, pairs, CHANNELS)
+        width, kernel = CHANNELS // _LANES, "factor_products_fp8"
+        return self._per_pair(ledger, stage, kernel, found, pairs, width, {"scale": scale})
 
     def _per_pair(
         self,
@@ -137,16 +149,21 @@ class FactorGrid:
         found: PlaneCells,
         pairs: Sequence[Sequence[Pair]],
         width: int,
+        scalars: Mapping[str, object] | None = None,
     ) -> Float32Array:
-        """Return what a kernel makes of each pair, `width` features of each."""
+        """Return what a kernel makes of each pair, `width` words of each."""
         flat = [(k, pair) for k, group in enumerate(pairs) for pair in group]
         out = np.empty((len(found.points) // SAMPLES, width * len(flat), SAMPLES), np.float32)
         for number, (k, pair) in enumerate(flat):
             part = out[:, width * number : width * (number + 1)]
+            if scalars:
+                part = part.view(np.uint32)
             resident = self._resident(k, pair)
             launches = [
-                self._factors(
-                    found, chunk, k, pair, resident, part[first // SAMPLES : last // SAMPLES]
+                replace(
+                    self._factors(found, chunk, k, pair, resident),
+                    outputs={"out": part[first // SAMPLES : last // SAMPLES]},
+                    scalars=scalars or {},
                 )
                 for chunk, (first, last) in enumerate(found.spans)
             ]
@@ -160,7 +177,6 @@ class FactorGrid:
         k: int,
         pair: Pair,
         resident: dict[str, Words],
-        out: Float32Array,
     ) -> Launch:
         first, last = found.spans[chunk]
         rows = found.rows[chunk, k, : _CORNERS * int(found.counts[chunk, k])]
@@ -170,7 +186,6 @@ class FactorGrid:
                 "plane": Gathered(pair.plane, rows),
                 "slots": found.slots[chunk, k, : last - first],
             },
-            outputs={"out": out},
             shared=resident,
         )
 

@@ -71,7 +71,7 @@ class HashEncoding:
     ) -> Float32Array:
         """Return the encoding [B, 2 L, 16] float32 of blocks of 16 points, [B, 16, 3].
 
-        It is in `out`, if that is given; rows of features behind the encoding's are left alone.
+        It is in `out`, if that is given, whose features behind the encoding's are left alone.
         """
         if out is None:
             out = np.empty((len(points), self.features, SAMPLES), dtype=np.float32)

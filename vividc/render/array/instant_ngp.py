@@ -22,6 +22,8 @@ from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 _BATCH: Final = 32_768
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
+_LANES: Final = 4
+"""Numbers of float8 in a word."""
 
 
 class InstantNGPField:
@@ -109,13 +111,11 @@ class InstantNGPField:
         features: Float32Array,
         ledger: Ledger,
     ) -> None:
-        device = self._device
-        stage = "density network"
-        net = self._density_network
+        device, net = self._device, self._density_network
         encoded = net.room(len(points))
         self._encoding.encode(device, ledger, "hash encoding", points, encoded)
-        inputs = net.rounded(device, ledger, stage, encoded)
-        outputs = net.run(device, ledger, stage, inputs)
+        inputs = net.rounded(device, ledger, "rounding", encoded)
+        outputs = net.run(device, ledger, "density network", inputs)
         BlockMap(
             kernel="render/instant_ngp:density",
             inputs={"x": outputs},
@@ -130,15 +130,15 @@ class InstantNGPField:
         self, features: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
     ) -> None:
         device = self._device
-        net = self._colour_network
-        inputs = net.room(len(features))
-        BlockMap(
-            kernel="render/instant_ngp:colour_inputs",
-            inputs={"features": features, "directions": directions},
-            outputs={"out": inputs[:, : self._features + DIRECTION_TERMS]},
-        ).run(device, ledger, "direction encoding")
-        inputs = net.rounded(device, ledger, "direction encoding", inputs)
-        outputs = net.run(device, ledger, "colour network", inputs)
+        inputs = self._colour_network.made(
+            device,
+            ledger,
+            "direction encoding",
+            "render/instant_ngp:colour_inputs",
+            {"features": features, "directions": directions},
+            rounds=self._features % _LANES == 0,
+        )
+        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")

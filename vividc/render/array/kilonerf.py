@@ -34,6 +34,10 @@ _SPARE_BYTES = 1024
 _SORT_ARRAYS = 5
 
 
+Pieces = Sequence[tuple[int, int, int]]
+"""Network, first place and number of samples of one network in one chunk."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sorted:
     """Samples by chunk and, within each, by network.
@@ -45,12 +49,12 @@ class _Sorted:
     places
         [n] int32 where each sample is in it.
     pieces
-        Network, first place and number of samples of one network in one chunk.
+        The samples of one network in one chunk.
     """
 
     order: Int32Array
     places: Int32Array
-    pieces: tuple[tuple[int, int, int], ...]
+    pieces: Pieces
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,11 +123,35 @@ class KiloNeRFOnArray:
         networks, local = self._cells(points, ledger)
         grouped = self._sorted(networks, ledger)
         local = gather_rows(device, ledger, "grouping", local, [grouped.order])
+        thickness, features = self._density_network(local, grouped.pieces, ledger)
+        self._features = features
+        thickness = gather_rows(device, ledger, "grouping", thickness, [grouped.places])
+        return thickness, grouped.places.view(np.float32)[:, None]
+
+    def colour(
+        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+    ) -> Float32Array:
+        """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
+        device = self._device
+        networks, _ = self._cells(points, ledger)
+        grouped = self._sorted(networks, ledger)
+        directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])
+        rows = gather_rows(device, ledger, "grouping", features, [grouped.order])
+        features = gather_rows(
+            device, ledger, "grouping", self._features, [rows[:, 0].view(np.int32)]
+        )
+        colours = self._colour_network(features, directions, grouped.pieces, ledger)
+        return gather_rows(device, ledger, "grouping", colours, [grouped.places])
+
+    def _density_network(
+        self, local: Float32Array, pieces: Pieces, ledger: Ledger
+    ) -> tuple[Float32Array, Float32Array]:
+        """Return thickness [n] and features [n, words] of sorted places in cells."""
         encoded = self._encoded(local, "position", _POSITION_TERMS, ledger)
-        thickness = np.zeros(len(points), dtype=np.float32)
-        features = np.zeros((len(points), self._hidden), dtype=np.float32)
+        thickness = np.zeros(len(local), dtype=np.float32)
+        features = np.zeros((len(local), self._hidden), dtype=np.float32)
         half, launches = self._density, []
-        for network, part in self._parts(grouped.pieces):
+        for network, part in self._parts(pieces):
             count = part.stop - part.start
             launches.append(
                 Launch(
@@ -143,26 +171,16 @@ class KiloNeRFOnArray:
                 )
             )
         self._run("density network", "density_network", launches, ledger)
-        self._features = features
-        thickness = gather_rows(device, ledger, "grouping", thickness, [grouped.places])
-        return thickness, grouped.places.view(np.float32)[:, None]
+        return thickness, features
 
-    def colour(
-        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+    def _colour_network(
+        self, features: Float32Array, directions: Float32Array, pieces: Pieces, ledger: Ledger
     ) -> Float32Array:
-        """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
-        device = self._device
-        networks, _ = self._cells(points, ledger)
-        grouped = self._sorted(networks, ledger)
-        directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])
-        rows = gather_rows(device, ledger, "grouping", features, [grouped.order])
-        features = gather_rows(
-            device, ledger, "grouping", self._features, [rows[:, 0].view(np.int32)]
-        )
+        """Return colours [n, 3] of sorted features and directions."""
         seen = self._encoded(directions, "direction", _DIRECTION_TERMS, ledger)
-        colours = np.full((len(points), 3), 0.5, dtype=np.float32)
+        colours = np.full((len(features), 3), 0.5, dtype=np.float32)
         half, launches = self._colour, []
-        for network, part in self._parts(grouped.pieces):
+        for network, part in self._parts(pieces):
             count = part.stop - part.start
             second = self._at_once * self._hidden
             launches.append(
@@ -176,7 +194,7 @@ class KiloNeRFOnArray:
                 )
             )
         self._run("colour network", "colour_network", launches, ledger)
-        return gather_rows(device, ledger, "grouping", colours, [grouped.places])
+        return colours
 
     def _cells(self, points: Float32Array, ledger: Ledger) -> tuple[Int32Array, Float32Array]:
         """Return the network of each point (-1: none), and its place in that network's cell."""
@@ -255,7 +273,7 @@ class KiloNeRFOnArray:
             scalars={"low": low, "first": first},
         )
 
-    def _parts(self, pieces: Sequence[tuple[int, int, int]]) -> Iterator[tuple[int, slice]]:
+    def _parts(self, pieces: Pieces) -> Iterator[tuple[int, slice]]:
         """Yield network and places of each launch, by network, so that weights are loaded once."""
         for network, first, count in sorted(pieces):
             for start in range(first, first + count, self._at_once):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +15,7 @@ from vividc.render.array.block_map import BlockMap
 from vividc.render.array.calibration import exponents
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
+from vividc.render.array.launches import Words
 from vividc.render.array.networks import SAMPLES, DenseLayer, run_network
 from vividc.render.array.options import RenderPrecision
 from vividc.render.array.systolic import run_systolic, tpu_choice
@@ -61,6 +62,10 @@ class Network:
         """Return zeros [blocks, features, 16], for inputs that are to be rounded."""
         return np.zeros((blocks, self.features, SAMPLES), dtype=np.float32)
 
+    def words(self, blocks: int) -> Float32Array:
+        """Return room [blocks, inputs, 16] for inputs that a kernel makes as they are taken."""
+        return np.empty((blocks, self.inputs, SAMPLES), dtype=np.float32)
+
     def rounded(
         self, device: Device, ledger: Ledger, stage: str, blocks: Float32Array
     ) -> Float32Array:
@@ -73,7 +78,7 @@ class Network:
         """
         if not self.narrow:
             return blocks
-        words = np.empty((len(blocks), self.inputs, SAMPLES), dtype=np.float32)
+        words = self.words(len(blocks))
         BlockMap(
             kernel=f"render/quantise:to_{self.precision}",
             inputs={"x": blocks},
@@ -81,6 +86,36 @@ class Network:
             scalars={"scale": self.scale},
         ).run(device, ledger, stage)
         return words
+
+    def made(
+        self,
+        device: Device,
+        ledger: Ledger,
+        stage: str,
+        kernel: str,
+        given: Mapping[str, Float32Array],
+        rounds: bool = True,
+    ) -> Float32Array:
+        """Return the inputs that a kernel makes of blocks of samples, as the network takes them.
+
+        Parameters
+        ----------
+        given
+            Inputs of the kernel, [B, ...].
+        rounds
+            For fp8 there is a kernel whose name ends in `_fp8`, which rounds them itself.
+        """
+        blocks = len(next(iter(given.values())))
+        if rounds and self.precision == "fp8":
+            words = self.words(blocks)
+            made: dict[str, Words] = {"out": words.view(np.uint32)}
+            scalars = {"scale": self.scale}
+            BlockMap(f"{kernel}_fp8", given, made, scalars=scalars).run(device, ledger, stage)
+            return words
+        features = self.room(blocks)
+        made = {"out": features[:, : self.layers[0].inputs]}
+        BlockMap(kernel, given, made).run(device, ledger, stage)
+        return self.rounded(device, ledger, "rounding", features)
 
     def run(self, device: Device, ledger: Ledger, stage: str, inputs: Float32Array) -> Float32Array:
         """Return the last layer's outputs, float32 [B, outputs, 16].

@@ -13,6 +13,7 @@ from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.instant_ngp import InstantNGPField
 from vividc.render.array.kilonerf import KiloNeRFOnArray
+from vividc.render.array.kilonerf_fp8 import Fp8KiloNeRF
 from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
 from vividc.render.array.options import (
     NETWORK_MODES,
@@ -29,8 +30,13 @@ from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
 from vividc.render.scenes import Scene
 
-_NARROW: tuple[type, ...] = (InstantNGP, TensoRF)
-"""Scenes that are rendered with numbers of 16 and 8 bits."""
+_NARROW: dict[type, tuple[RenderPrecision, ...]] = {
+    Gaussians: ("fp16", "fp8"),
+    KiloNeRF: ("fp8",),
+    InstantNGP: ("fp16", "fp8"),
+    TensoRF: ("fp16", "fp8"),
+}
+"""Formats other than fp32 that scenes are rendered with."""
 
 
 def render_array(
@@ -99,9 +105,10 @@ def check_precision(precision: str, scene: Scene) -> None:
     known = ", ".join(PRECISIONS)
     if precision not in PRECISIONS:
         raise SceneError(f"unknown format {precision!r}", loc="--precision", hint=known)
-    if precision != "fp32" and not isinstance(scene, _NARROW):
+    formats = ("fp32", *_NARROW.get(type(scene), ()))
+    if precision not in formats:
         raise SceneError(
-            "the array renders scenes of this method in fp32 only",
+            f"the array renders scenes of this method in {' or '.join(formats)} only",
             loc="--precision",
             hint="leave it out",
         )
@@ -129,7 +136,8 @@ def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
 
 def _field(scene: Scene, device: Device, precision: RenderPrecision) -> ArrayField:
     if isinstance(scene, KiloNeRF):
-        return KiloNeRFOnArray(scene, device)
+        on_array = Fp8KiloNeRF if precision == "fp8" else KiloNeRFOnArray
+        return on_array(scene, device)
     if isinstance(scene, InstantNGP):
         return InstantNGPField(scene, device, precision)
     if isinstance(scene, TensoRF):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
@@ -12,6 +12,7 @@ import vividc
 from vividc.launch import At, Job
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
+from vividc.render.array.options import RenderPrecision
 from vividc.render.array.splat_project import ROW_WORDS, WORD, DeviceSplats
 from vividc.render.array.splat_sort import ScreenLists
 from vividc.render.arrays import Float32Array, Int32Array, frozen_float32
@@ -40,6 +41,12 @@ _KERNELS: dict[Culling, str] = {
     "blocks": "blend_blocks",
     "pixels": "blend_lookahead",
 }
+EXP_EXCESS: Final[dict[RenderPrecision, float]] = {"fp32": 0.0, "fp16": 0.001, "fp8": 0.0715}
+"""How far the logarithm of exp in a format may lie above the exponent, where exp is 1/255 or more:
+Lookahead Culling II keeps what is that much below its threshold. float16 errs by 0.75 units in the
+last place (`vividc.dfg.passes.expand_exp_narrow`); float8's line is highest at 3/8 and at 1/2
+between two powers of two, where its logarithm is 0.0711 too large.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,12 +119,14 @@ def blend_splats(
     camera: Camera,
     culling: Culling,
     chosen: Int32Array,
+    precision: RenderPrecision = "fp32",
 ) -> Float32Array:
     """Return the picture [height, width, 3] over white, of the `chosen` screen tiles.
 
-    Those without splats are not run. The picture is the same with every kind of culling.
+    Those without splats are not run. The picture is the same with every kind of culling. exp is
+    computed in `precision`.
     """
-    program = blend_program(device, culling)
+    program = blend_program(device, culling, precision)
     columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
     side = TILE_PX // _SIDE
     image = np.ones((rows * side, _SIDE, columns * side, _SIDE, 4), dtype=np.float32)
@@ -141,9 +150,12 @@ def _blocks_of(image: Float32Array, screen: _Screen) -> Float32Array:
     return image[row : row + side, :, column : column + side].transpose(0, 2, 1, 3, 4)
 
 
-def blend_program(device: Device, culling: Culling) -> vividc.Program:
-    """Return the program that blends with this culling."""
-    return device.programs.get(f"{_FILE}:{_KERNELS[culling]}", time_limit_s=_MAPPING_S)
+def blend_program(
+    device: Device, culling: Culling, precision: RenderPrecision = "fp32"
+) -> vividc.Program:
+    """Return the program that blends with this culling, and with exp in this format."""
+    policy = {} if precision == "fp32" else {"precision": {"exp": precision}}
+    return device.programs.get(f"{_FILE}:{_KERNELS[culling]}", time_limit_s=_MAPPING_S, **policy)
 
 
 def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:

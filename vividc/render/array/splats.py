@@ -11,7 +11,7 @@ from vividc.render.array.device import Device, open_device
 from vividc.render.array.frame import ArrayFrame, Ledger
 from vividc.render.array.options import ArrayOptions
 from vividc.render.array.sampling import sampled
-from vividc.render.array.splat_blend import Culling, blend_splats
+from vividc.render.array.splat_blend import EXP_EXCESS, Culling, blend_splats
 from vividc.render.array.splat_project import project_on_array
 from vividc.render.array.splat_scene import device_scene, screen_tiles
 from vividc.render.array.splat_sort import sort_on_array
@@ -69,6 +69,7 @@ def render_splats(
     ledger = Ledger()
     # A margin with which lookahead may go wrong does nothing without it.
     margin = chosen.exponent_margin if chosen.lookahead else BlendOptions().margin
+    margin += EXP_EXCESS[chosen.precision]
     splats = project_on_array(machine, ledger, arrays, camera, margin)
     tell(_PROJECTED)
     screens = sampled(np.arange(columns * rows, dtype=np.int32), chosen.sample)
@@ -79,7 +80,9 @@ def render_splats(
             stage.whole = True
         tell(_SORTED)
         culling = culling or ("pixels" if chosen.lookahead else "none")
-        image = blend_splats(machine, ledger, splats, lists, camera, culling, screens)
+        image = blend_splats(
+            machine, ledger, splats, lists, camera, culling, screens, chosen.precision
+        )
         ledger.count(splats=len(splats), list_entries=len(lists.slots))
     tell(1.0)
     return ArrayFrame(

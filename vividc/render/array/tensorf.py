@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc.render.array.block_map import BlockMap
 from vividc.render.array.calibration import largest_inputs
@@ -21,6 +22,7 @@ from vividc.render.radiance.tensorf import LINE_AXES
 _BATCH: Final = 16_384
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
+_FEATURES: Final = 27
 
 
 class TensoRFField:
@@ -51,6 +53,9 @@ class TensoRFField:
                 model.weights, model.biases, (True, True, False), strict=True
             )
         ]
+        if precision == "fp8":
+            # The order in which the kernel makes words of them.
+            layers[0] = dense_layer(model.weights[0][_by_words()], model.biases[0], relu=True)
         names = [f"mlp{index}" for index in range(len(layers))]
         self._colour_network = network(
             layers, precision, [largest[name] for name in names] if largest else ()
@@ -112,22 +117,34 @@ class TensoRFField:
     ) -> None:
         device = self._device
         found = self._grid.cells(ledger, "appearance factors", points)
-        products = self._grid.products(ledger, "appearance factors", found, self._appearance_pairs)
-        features = self._basis.run(
-            device, ledger, "basis", self._basis.rounded(device, ledger, "basis", products)
+        is_fp8, pairs = self._basis.precision == "fp8", self._appearance_pairs
+        scale = self._basis.scale if is_fp8 else None
+        products = self._grid.products(ledger, "appearance factors", found, pairs, scale)
+        if not is_fp8:
+            products = self._basis.rounded(device, ledger, "rounding", products)
+        features = self._basis.run(device, ledger, "basis", products)
+        inputs = self._colour_network.made(
+            device,
+            ledger,
+            "position encoding",
+            "render/tensor_factors:colour_inputs",
+            {"features": features, "directions": directions},
         )
-        net = self._colour_network
-        inputs = net.room(len(features))
-        BlockMap(
-            kernel="render/tensor_factors:colour_inputs",
-            inputs={"features": features, "directions": directions},
-            outputs={"out": inputs[:, : net.layers[0].inputs]},
-        ).run(device, ledger, "position encoding")
-        inputs = net.rounded(device, ledger, "position encoding", inputs)
-        outputs = net.run(device, ledger, "colour network", inputs)
+        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
         BlockMap(
             kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
         ).run(device, ledger, "colour")
+
+
+def _by_words() -> npt.NDArray[np.int64]:
+    """Return which of the network's inputs `colour_inputs_fp8` makes after one another."""
+    features, directions = np.arange(_FEATURES), np.arange(_CHANNELS)
+    waves = [(30 + 2 * features, 84 + 2 * features), (138 + 2 * directions, 144 + 2 * directions)]
+    parts = [
+        np.stack((sines, sines + 1, cosines, cosines + 1), axis=1).ravel()
+        for sines, cosines in waves
+    ]
+    return np.concatenate((*parts, features, _FEATURES + directions))
 
 
 def _spread(basis: Float32Array, pairs: list[list[Pair]], model: TensoRF) -> Float32Array:

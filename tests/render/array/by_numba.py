@@ -1,0 +1,64 @@
+"""A device whose kernels are run by numba, and samples of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from vividc import KernelFunction
+from vividc.render.array import Ledger
+from vividc.render.array.launches import Gathered, Launch
+from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.arrays import Float32Array
+from vividc.render.radiance import March
+
+
+class Host:
+    """A device whose programs are the kernels themselves: numba runs them, none is mapped."""
+
+    tiles = 16
+    scratchpad_bytes = 32768
+
+    @property
+    def programs(self) -> Host:
+        return self
+
+    def get(self, kernel: str) -> KernelFunction:
+        path, _, name = kernel.partition(":")
+        found: KernelFunction = getattr(_module(kernel_folder() / f"{path}.py"), name)
+        return found
+
+
+def launch_by_numba(
+    host: Host, ledger: Ledger, stage: str, kernel: str, shares: Sequence[Sequence[Launch]]
+) -> None:
+    function = host.get(kernel)
+    flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
+    assert len(shares) <= host.tiles
+    for launch in (launch for share in shares for launch in share):
+        assert sum(launch.sizes.values()) <= host.scratchpad_bytes
+        given: dict[str, object] = dict(launch.scalars)
+        for name, array in {**launch.shared, **launch.inputs}.items():
+            rows = array.table[array.indices] if isinstance(array, Gathered) else array
+            given[name] = rows.flatten() if flat[name] else rows.copy()
+        given |= {name: np.zeros(shape, np.uint32) for name, shape in launch.shapes.items()}
+        results = {
+            name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
+            for name, array in launch.outputs.items()
+        }
+        function(*({**given, **results}[name] for name in flat))
+        for name, array in launch.outputs.items():
+            array[...] = results[name].reshape(array.shape)
+
+
+def samples_of(march: March, count: int) -> tuple[Float32Array, Float32Array]:
+    """Random points in occupied cells, neighbours next to each other, and directions."""
+    rng = np.random.default_rng(7)
+    cells = np.argwhere(march.occupied)
+    chosen = cells[np.sort(rng.integers(0, len(cells), count))]
+    place = (chosen + rng.random((count, 3))) / march.occupied.shape
+    points = march.box[0] + place.astype(np.float32) * (march.box[1] - march.box[0])
+    directions = rng.standard_normal((count, 3)).astype(np.float32)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.clip(points, march.box[0], march.box[1]).astype(np.float32), directions
