@@ -362,6 +362,7 @@ def _print(body: dict[str, object], view: str | None, output: Path | None) -> No
     rows = [
         ("method", body["method"]),
         ("size", f"{body['width']}x{body['height']}"),
+        ("precision", body["precision"]),
         ("view", "a camera around the scene" if view is None else view),
         ("PSNR against the truth", _decibel(body["psnr_truth_db"])),
         ("SSIM against the truth", _ratio(body["ssim_truth"])),

@@ -9,8 +9,7 @@ from typing import Final
 import numpy as np
 
 from vividc.formats import FORMATS
-from vividc.gemm import Layer
-from vividc.mapper.systolic import Precision
+from vividc.gemm import Layer, Precision
 from vividc.render.array.block_map import BlockMap
 from vividc.render.array.calibration import exponents
 from vividc.render.array.device import Device
