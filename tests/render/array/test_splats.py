@@ -137,6 +137,18 @@ def test_one_gaussian_of_any_size(device: Device, scale: float) -> None:
 
 
 @pytest.mark.slow
+def test_flat_transparent_and_coinciding_gaussians(device: Device) -> None:
+    scales = np.full((303, 3), 0.1, np.float32)
+    scales[300], scales[301] = (1e-30, 0.2, 0.2), (1e-30, 1e-30, 3.0)
+    opacity = np.full(303, 0.02, np.float32)
+    opacity[302] = 1e-38
+    means = [[0, 0, -3]] * 300 + [[0.3, 0, -3], [-0.3, 0.1, -3], [1e30, 0, -3]]
+    scene = gaussians(means, scales=scales, opacity=opacity)
+    frame = render_splats(scene, ahead(), device=device)
+    np.testing.assert_allclose(frame.image, render_reference(scene, ahead()).image, atol=1e-5)
+
+
+@pytest.mark.slow
 def test_lookahead_gives_the_same_picture_with_fewer_exps(
     device: Device, mic: Gaussians, mic_cameras: tuple
 ) -> None:

@@ -186,7 +186,6 @@ class FactorGrid:
                 "plane": Gathered(pair.plane, rows),
                 "slots": found.slots[chunk, k, : last - first],
             },
-            outputs={},
             shared=resident,
         )
 
