@@ -32,7 +32,7 @@ def compiler(module: str) -> Compiler:
     directory can be written it is compiled again in each process.
 
     Code on disk holds the functions that it calls, too, whatever file they are in: it is good for
-    this state of the whole folder only, which numba by itself would not notice.
+    this state of the whole folder and of this file only, which numba by itself would not notice.
     """
     stamp = _stamp(Path(module).parent)
 
@@ -54,6 +54,6 @@ def constant(number: int) -> int:
 
 def _stamp(folder: Path) -> str:
     text = hashlib.sha256()
-    for path in sorted(folder.glob("*.py")):
+    for path in (Path(__file__), *sorted(folder.glob("*.py"))):
         text.update(path.read_bytes())
     return text.hexdigest()

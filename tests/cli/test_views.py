@@ -66,6 +66,13 @@ def test_for_people(folder, tmp_path):
     assert f"written: {tmp_path / 't.vcd'}" in result.stdout
 
 
+def test_figures_of_each_item_are_on_the_right():
+    lines = run("area", "vivid-tile").stdout.splitlines()
+    rows = [line.split("│") for line in lines if line.startswith("│")]
+    assert len(rows) > 5
+    assert all(cell == cell.rstrip() + " " for row in rows for cell in row[3:6])
+
+
 def test_without_options_there_is_no_energy(folder):
     out = json.loads(simulate(folder, "--json").stdout)
     assert out["energy"] is None

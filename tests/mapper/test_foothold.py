@@ -6,8 +6,10 @@ import pytest
 
 from tests.mapper.graphs import chain
 from tests.mapper.random_graphs import random_loop
+from tests.mapper.tiny_fabrics import tiny_fabric
 from vividc import arch
 from vividc.dfg.ir import DFG
+from vividc.mapper import map_dfg
 from vividc.mapper.attempt import OPEN
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.campaign import Campaign
@@ -54,3 +56,10 @@ def test_a_foothold_leaves_time_for_the_search() -> None:
 
 def test_small_graphs_on_plain_fabrics_need_none() -> None:
     assert not needs_foothold(MapProblem(random_loop(3, 18), arch.load("mesh-4x4")))
+
+
+def test_no_foothold_beyond_the_configuration_memory() -> None:
+    """The only II was refuted, and the next one negotiated: an internal error."""
+    fabric = tiny_fabric(1, 3, registers=1, constants=12, max_stages=2, contexts=1)
+    result = map_dfg(random_loop(80, 4), fabric, time_limit_s=30, workers=1)
+    assert result.status == "infeasible"

@@ -18,7 +18,7 @@ def print_energy(report: EnergyReport) -> None:
     title = f"energy by {report['table']}{_node(report['node_nm'])}"
     rows = _rows(report["items"], _PJ_IN_NJ)
     columns = ("part", "item", "count", "pJ each", "nJ", "figure")
-    print_table(title, columns, rows, numeric=("count", "nJ", "pJ", "each"))
+    print_table(title, columns, rows, numeric=columns[2:5])
     click.echo(f"energy: {report['total_pj'] / _PJ_IN_NJ:,.1f} nJ{_parts(report['parts_pj'])}")
     click.echo(f"average power: {1e3 * report['power_w']:.1f} mW at {report['clock_ghz']:g} GHz")
     for note in report["notes"]:
@@ -31,7 +31,7 @@ def print_area(report: AreaReport) -> None:
     title = f"area of {tiles}{report['fabric']} by {report['table']}{_node(report['node_nm'])}"
     rows = _rows(report["items"], _UM2_IN_MM2)
     columns = ("part", "item", "count", "um2 each", "mm2", "figure")
-    print_table(title, columns, rows, numeric=("count", "mm2"))
+    print_table(title, columns, rows, numeric=columns[2:5])
     click.echo(f"area: {report['total_mm2']:.3f} mm2{_parts(report['parts_mm2'])}")
     if report["parts_mm2"].get("configuration"):
         click.echo("note: the published area has no room for the part `configuration`")

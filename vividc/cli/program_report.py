@@ -34,7 +34,7 @@ def print_regions(program: Program) -> None:
     )
     title = f"{program.name} on {program.fabric_name}"
     print_table(
-        title, columns, rows, numeric=("line", "operations", "II", "bound", "use", "seconds")
+        title, columns, rows, numeric=("line", "operations", "II", "bound", "FU use", "seconds")
     )
     print_table(
         "What binds the loops",

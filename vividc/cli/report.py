@@ -51,6 +51,7 @@ def print_table(
     numeric
         Names of the right-aligned columns.
     """
+    assert {*numeric} <= {*columns}, "a column that is not there cannot be aligned"
     table = Table(title=Text(title, style="bold"), title_justify="left")
     for column in columns:
         table.add_column(column, justify="right" if column in numeric else "left")

@@ -59,7 +59,6 @@ def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
     campaign.request = replace(request, deadline=request.deadline.within(_share(request)))
     if _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is not None:
         return request
-    _raise_bound(campaign, _FIRST_PROOF_S)
     _gain_foothold(campaign, limit)
     _bisect(campaign)
     return request

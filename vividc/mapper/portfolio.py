@@ -104,10 +104,11 @@ def _start_small(campaign: Campaign) -> None:
     """Some mapping soon. Where words take links, constraints often map at the bound at once; where
     they do not, the way upward from there is long.
     """
+    limit = ii_limit(campaign.problem)
     if not needs_foothold(campaign.problem):
         campaign.try_ii(campaign.lower, _turn(campaign.request))
-    if campaign.best is None:
-        gain_foothold(campaign, ii_limit(campaign.problem))
+    if campaign.best is None and campaign.lower <= limit:
+        gain_foothold(campaign, limit)
 
 
 def _only(campaign: Campaign, ii: int) -> bool:
