@@ -181,6 +181,9 @@ def test_an_accelerator_without_modes_is_refused() -> None:
     with pytest.raises(SceneError, match="vivid-unit runs no layers of fp8 numbers"):
         net.run(device, Ledger(), "network", net.words(2))
     assert net.run(device, Ledger(), "network", net.words(0)).shape == (0, 4, 16)
+    for file, make in FIELDS.items():  # before anything is rendered
+        with pytest.raises(SceneError, match="no layers of fp8"):
+            make(read_scene(MIC / file)[1], device, "fp8")
 
 
 @pytest.mark.slow
