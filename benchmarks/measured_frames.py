@@ -201,7 +201,6 @@ def measure(key: Key, folder: str) -> Row:
     if key.view == ALL_VIEWS:
         return _all_views(key, scene)
     camera, truth = _view(key, scene)
-    reference = _reference(key, scene, camera, Path(folder))
     options = ArrayOptions(
         sample=key.sample, lookahead=key.lookahead, precision=key.precision, mode=key.mode
     )
@@ -209,6 +208,8 @@ def measure(key: Key, folder: str) -> Row:
         frame, seconds = _timed(scene, camera, options)
     except VividcError as error:
         return Row(key, error.reason, load=load)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # before the reference takes memory
+    reference = _reference(key, scene, camera, Path(folder))
     body = frame_body(frame, arch.load_accelerator(options.fabric), reference)
     energy = body["energy_pj"]
     assert isinstance(energy, dict)
@@ -222,7 +223,7 @@ def measure(key: Key, folder: str) -> Row:
         exp_share=_exp_share(frame, key.precision),
         energy_mj=sum(energy.values()) / _PJ_IN_MJ,
         seconds=round(seconds, 1),
-        peak_mb=round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
+        peak_mb=round(peak / 1024),
         load=load,
     )
 
