@@ -41,6 +41,11 @@ NOTES: Final = (
     "picture in the same row, too; SSIM of whole pictures alone. The Gaussians of playbot have no",
     "photographs: three cameras around them. Sizes above 400 are scaled cameras without",
     "photographs.",
+    "",
+    "Frames a second, cycles and energy are of whole frames: of a stage that is sampled each block",
+    "counts as the average. `host s` are those of the simulated share, with compiled kernels at",
+    "hand. In partitioned mode a network runs in whichever mode takes fewest cycles, in unified",
+    "mode in that one or in GPU-like mode; 3DGS and KiloNeRF know GPU-like mode alone.",
 )
 _STEPS: Final[dict[str, tuple[bool, RenderPrecision, NetworkMode]]] = {
     "GPU-like mode": (False, "fp32", "gpu"),
@@ -157,7 +162,7 @@ def _figures(
     yield ""
     yield (
         "| method | sample | step | frames/s | stages | colour path avoided | exps avoided "
-        "| exp's share of blending | mJ a simulated frame | host s | peak MB | load |"
+        "| exp's share of blending's operations | mJ a frame | host s | peak MB | load |"
     )
     yield "|---" * 12 + "|"
     for method, found in steps.items():
@@ -182,11 +187,12 @@ def _frame_line(method: str, step: str, row: Row) -> str:
     total = sum(row.stages.values())
     shares = sorted(((n / total, name) for name, n in row.stages.items()), reverse=True)
     exp = row.exp_share if row.key.precision == "fp32" else None
+    energy = None if row.energy_mj is None else row.energy_mj / row.key.sample
     cells = (
-        *(method, f"{row.key.sample:g}", step, f"{row.frames_per_second:.1f}"),
+        *(method, f"{row.key.sample:g}", step, _tenths(row.frames_per_second)),
         ", ".join(f"{name} {share:.0%}" for share, name in shares if share >= _SHOWN),
         *(_percent(row.avoided.get(name)) for name in ("colour_path", "exponentials")),
-        *(_percent(exp), f"{row.energy_mj:.1f}"),
+        *(_percent(exp), _tenths(energy)),
         *(row.seconds, f"{row.peak_mb:,.0f}", row.load),
     )
     return f"| {' | '.join(map(str, cells))} |"
@@ -197,21 +203,20 @@ def _contributions(size: int, steps: Mapping[str, Mapping[str, Row | None]]) -> 
     yield f"## Figure 7(c): what gives the speed-up, {size}x{size}"
     yield ""
     yield "Each step is added to those on its left; the factor is of frames a second, and in"
-    yield "brackets its logarithm's share of the whole factor's. A step that slows down has none."
+    yield "brackets, when all are measured, its logarithm's share of all those that are faster."
     yield ""
     names = list(_STEPS)
     yield f"| method | {names[0]}: frames/s | {' | '.join(names[1:])} | together | frames/s |"
     yield "|---" * (len(names) + 3) + "|"
     for method, found in steps.items():
         rates = _rates(found)
-        known = [rate for rate in rates if rate is not None]
         factors = _factors(rates)
-        whole = known[-1] / known[0] if rates[0] is not None else None
+        whole = _factors((rates[0], rates[-1]))
         cells = (
             *(method, _decibel(rates[0])),
             *(_factor(factor, factors) for factor in factors),
-            "-" if whole is None else f"{whole:.2f}x",
-            _decibel(known[-1] if known else None),
+            *("-" if one is None else f"{one:.2f}x" for one in whole),
+            _decibel(rates[-1]),
         )
         yield f"| {' | '.join(map(str, cells))} |"
 
@@ -231,8 +236,9 @@ def _factors(rates: Sequence[float | None]) -> list[float | None]:
 def _factor(factor: float | None, factors: Sequence[float | None]) -> str:
     if factor is None:
         return "-"
-    gains = sum(math.log(one) for one in factors if one is not None and one > 1)
-    share = f" ({math.log(factor) / gains:.0%})" if factor > 1 and gains else ""
+    gains = [math.log(one) for one in factors if one is not None and one > 1]
+    is_known = None not in factors
+    share = f" ({math.log(factor) / sum(gains):.0%})" if factor > 1 and is_known else ""
     return f"{factor:.2f}x{share}"
 
 
@@ -243,11 +249,12 @@ def _stage_bars(steps: Mapping[str, Mapping[str, Row | None]]) -> dict[str, dict
 
 
 def _bars_of_steps(steps: Mapping[str, Mapping[str, Row | None]]) -> dict[str, dict[str, float]]:
-    """Return the factor of each step that is known, by method."""
+    """Return the factor of each step, by method, of those of which all are known."""
     found = {}
     for method, rows in steps.items():
-        factors = zip(list(_STEPS)[1:], _factors(_rates(rows)), strict=True)
-        found[method] = {name: factor for name, factor in factors if factor is not None}
+        factors = [factor for factor in _factors(_rates(rows)) if factor is not None]
+        if len(factors) == len(rows) - 1:
+            found[method] = dict(zip(list(_STEPS)[1:], factors, strict=True))
     return found
 
 
@@ -260,6 +267,10 @@ def _mean(rows: Sequence[Row | None], name: str) -> float | None:
 
 def _difference(before: float | None, after: float | None) -> float | None:
     return None if before is None or after is None else before - after
+
+
+def _tenths(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}"
 
 
 def _decibel(value: float | None) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,9 +66,13 @@ def test_a_method_in_all_tables(asked: list[Key], tmp_path: Path) -> None:
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert cells[3:12] == ["36.50", "0.9900", "2", "1", "36.50", "36.40", "36.40", "36.00", "0.50"]
     assert cells[-3:] == ["120.00", "120.00", "40.00"]
+    frame = next(line for line in lines if line.startswith("| tensorf | 0.05 | lookahead |"))
+    assert frame.split(" | ")[-4] == "40.0"  # mJ of a whole frame: 2 for a twentieth
     contributions = lines[-1]
     for text in ("| 10.00 |", "1.20x (13%)", "1.25x (16%)", "1.33x (21%)", "2.00x (50%)", "4.00x"):
         assert text in contributions
+    halves = [found[-1] for found in paper.sections(["tensorf"], (800,), None)]
+    assert "| tensorf | 10.00 | 1.20x | - | - | - | - | - |" in halves  # no shares of what is known
     bars = (tmp_path / "paper-stages.svg").read_text()
     assert "network: 75%" in bars
     assert "2.00x" in (tmp_path / "paper-contributions.svg").read_text()
@@ -81,6 +87,22 @@ def test_rows_are_not_measured_again_unless_they_failed(asked: list[Key], tmp_pa
     asked.clear()
     assert table(tmp_path) == first
     assert asked == died
+
+
+def test_seconds_are_those_with_compiled_kernels_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[bool] = []
+
+    def render(*_: object, tell: Callable[[str], None]) -> str:
+        told.append(not told)
+        if told[-1]:
+            tell("compiling")
+            time.sleep(0.2)
+        return "frame"
+
+    monkeypatch.setattr(measured_frames, "render_array", render)
+    frame, seconds = measured_frames._timed(None, None, None)  # type: ignore[arg-type]
+    assert (frame, told) == ("frame", [True, False])
+    assert seconds < 0.1
 
 
 def test_modes_are_of_methods_that_know_them(asked: list[Key]) -> None:

@@ -97,6 +97,14 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
         ((MIC / "mic_kilonerf.npz", "--sample", "0.1"), "only the array is simulated"),
         ((MIC / "mic_kilonerf.npz", "--mode", "gpu"), "only networks on the array have one"),
         (
+            ("--engine", "array", MIC / "mic_kilonerf.npz", "--mode", "tpu-unified"),
+            "--mode: only the networks of Instant-NGP and TensoRF have one",
+        ),
+        (
+            ("--engine", "array", MIC / "mic_ngp_hash.npz", "--mode", "gpu", "--precision", "fp8"),
+            "--mode: layers of fp8 numbers run in the TPU-like modes only",
+        ),
+        (
             (MIC / "mic_kilonerf.npz", "--engine", "array", "--sample", "nan", "--size", "8x8"),
             "a share of nan of the blocks cannot be simulated",
         ),

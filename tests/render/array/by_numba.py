@@ -19,6 +19,7 @@ class Host:
 
     tiles = 16
     scratchpad_bytes = 32768
+    line_bytes = 32
 
     @property
     def programs(self) -> Host:

@@ -136,6 +136,14 @@ def test_what_float8_cannot_do_is_refused(model: KiloNeRF) -> None:
         render_array(narrow, camera, ArrayOptions(precision="fp8"))
 
 
+def test_networks_that_leave_float32_are_refused(model: KiloNeRF) -> None:
+    first = model.weights[0].copy()
+    first[7] = 1e38
+    large = replace(model, weights=(first, *model.weights[1:]))
+    with pytest.raises(SceneError, match="results of network 7 leave float32"):
+        fp8_words(large)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kernel", ["density_network", "colour_network"])
 def test_networks_on_a_tile_are_numbas(model: KiloNeRF, kernel: str) -> None:

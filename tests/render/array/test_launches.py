@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from vividc.render import SceneError
 from vividc.render.array import Device, Ledger, open_device
 from vividc.render.array.gather import gather_rows
-from vividc.render.array.launches import Launch, Move, dealt, run_launches
+from vividc.render.array.launches import Launch, Move, _Places, dealt, run_launches
 
 KERNEL = "saxpy:saxpy"
 
@@ -65,6 +67,24 @@ def test_what_does_not_fit_is_told_with_its_sizes(device: Device) -> None:
     x = np.zeros(5000, np.float32)
     with pytest.raises(SceneError, match=r"needs \d+ bytes of a scratchpad of 32768: x 20000"):
         run_launches(device, Ledger(), "test", KERNEL, [launch(x, x.copy())])
+
+
+@pytest.mark.parametrize("banks", [4, 8, 32])
+def test_copies_of_arrays_lie_apart_in_the_banks_asked_for(banks: int) -> None:
+    fabric = SimpleNamespace(scratchpad=SimpleNamespace(banks=banks))
+    wishes = {"x": 3, "y": 0}
+    program = SimpleNamespace(name="saxpy", banks=wishes, fabric=fabric)
+    y = np.zeros(5, np.float32)
+    share = [launch(np.zeros(9, np.float32), y, shared=True) for _ in range(3)]
+    places = _Places(program, share, 2048)
+    ends = [0]
+    for starts, sizes in ((places.shared, {"x": 36}), (places.own, {"y": 20})):
+        assert len(starts) == 2
+        for start in starts:
+            for name, address in places.addresses(sizes, start).items():
+                assert address // 4 % banks == wishes[name]
+                assert address >= ends[-1]
+                ends.append(address + sizes[name])
 
 
 def test_rows_are_gathered_in_pieces(device: Device) -> None:

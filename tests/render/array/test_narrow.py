@@ -98,6 +98,17 @@ def test_scales_pass_from_layer_to_layer(fmt: Format, gain: float) -> None:
     assert exponents([1.0], zeros, fmt) == ([0], [0])
 
 
+def test_what_no_scale_fits_is_refused() -> None:
+    weights = [np.full((4, 4), 1e4, np.float32)]
+    assert exponents([1e3], weights, F16) == ([2], [-2])
+    with pytest.raises(SceneError, match=r"inputs of up to 1e\+03 and weights .* not fit e4m3"):
+        exponents([1e3], weights, E4M3)
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    large = tuple(matrix * np.float32(1e30) for matrix in model.density_weights)
+    with pytest.raises(SceneError, match="inputs of the layer rgb0 leave float32"):
+        largest_inputs(replace(model, density_weights=large))
+
+
 @pytest.mark.parametrize("file", FIELDS)
 def test_calibration_is_the_same_each_time(file: str) -> None:
     model = read_scene(MIC / file)[1]
@@ -170,6 +181,9 @@ def test_an_accelerator_without_modes_is_refused() -> None:
     with pytest.raises(SceneError, match="vivid-unit runs no layers of fp8 numbers"):
         net.run(device, Ledger(), "network", net.words(2))
     assert net.run(device, Ledger(), "network", net.words(0)).shape == (0, 4, 16)
+    for file, make in FIELDS.items():  # before anything is rendered
+        with pytest.raises(SceneError, match="no layers of fp8"):
+            make(read_scene(MIC / file)[1], device, "fp8")
 
 
 @pytest.mark.slow

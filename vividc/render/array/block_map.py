@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
-from vividc.render.array.launches import LINE_BYTES, Launch, Words, run_shares
+from vividc.render.array.launches import Launch, Words, run_shares
 
 _LAUNCHES = 4
 """A tile gets at least so many launches, so that there is something to hide transfers behind."""
@@ -55,10 +55,12 @@ class BlockMap:
         """
         tiles = device.tiles
         counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
-        shared = max(sum(map(_room, group.values())) for group in self.shared)
+        line = device.line_bytes
+        shared = max(sum(a.nbytes + line for a in group.values()) for group in self.shared)
         room = device.scratchpad_bytes - min(_PLACES, len(self.shared)) * shared
+        own = room // _PLACES - line * (len(self.inputs) + len(self.outputs))
         shares = [
-            [self._launch(*span, counts) for span in self._spans(first, last, room // _PLACES)]
+            [self._launch(*span, counts) for span in self._spans(first, last, own)]
             for first, last in self._ranges(tiles)
         ]
         run_shares(device, ledger, stage, self.kernel, shares)
@@ -69,11 +71,10 @@ class BlockMap:
         yield from pairwise(blocks * tile // tiles for tile in range(tiles + 1))
 
     def _spans(self, first: int, last: int, room: int) -> Iterator[tuple[int, int]]:
-        """Blocks of each launch, which has `room` bytes."""
+        """Blocks of each launch, whose arrays have `room` bytes."""
         arrays = (*self.inputs.values(), *self.outputs.values())
         block = sum(array[:1].nbytes for array in arrays)
-        most = (room - LINE_BYTES * len(arrays)) // block
-        at_once = max(1, min(most, -(-(last - first) // _LAUNCHES)))
+        at_once = max(1, min(room // block, -(-(last - first) // _LAUNCHES)))
         cuts: list[int] = []
         if self.groups is not None and last > first:
             cuts = (np.flatnonzero(np.diff(self.groups[first:last])) + 1 + first).tolist()
@@ -89,8 +90,3 @@ class BlockMap:
             scalars={"blocks": last - first, **self.scalars} if counts else self.scalars,
             shared=self.shared[group],
         )
-
-
-def _room(array: Words) -> int:
-    """Return the bytes that an array takes at most, with what is before it in its first line."""
-    return array.nbytes + LINE_BYTES

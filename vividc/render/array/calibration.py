@@ -12,6 +12,7 @@ import numpy as np
 
 from vividc.formats import Format
 from vividc.render.arrays import Float32Array
+from vividc.render.errors import SceneError
 from vividc.render.radiance import March
 from vividc.render.radiance.layers import Layer, linear
 
@@ -46,18 +47,30 @@ def largest_inputs(scene: CalibratedScene) -> dict[str, float]:
     It is that of the float32 reference at 4,096 points, the same ones each time: in occupied cells
     that are evenly spread over the list of all, and along directions that are over the sphere. A
     layer that meets zeros only has 1.
+
+    Raises
+    ------
+    SceneError
+        An input is not finite.
     """
     found: dict[str, float] = {}
 
     def recorded(
         name: str, inputs: Float32Array, weights: Float32Array, bias: Float32Array | None
     ) -> Float32Array:
+        if not np.isfinite(inputs).all():
+            raise SceneError(
+                f"inputs of the layer {name} leave float32: there is no scale for them",
+                loc="--precision",
+                hint="render in fp32, or train with smaller weights",
+            )
         found[name] = max(found.get(name, 0.0), float(np.abs(inputs).max(initial=0)))
         return linear(name, inputs, weights, bias)
 
     points, directions = _samples(scene.march)
-    _, features = scene.density(points, recorded)
-    scene.colour(points, features, directions, recorded)
+    with np.errstate(over="ignore", invalid="ignore"):  # `recorded` refuses what comes of it
+        _, features = scene.density(points, recorded)
+        scene.colour(points, features, directions, recorded)
     return {name: value or 1.0 for name, value in found.items()}
 
 
@@ -75,6 +88,12 @@ def exponents(
     ----------
     largest
         Magnitude of each layer's inputs; what is larger becomes the format's largest number.
+
+    Raises
+    ------
+    SceneError
+        With the scale that a layer's sums have to have, its inputs or its weights are too large
+        for the format.
     """
     inputs, factors = [], []
     after = 0
@@ -82,6 +101,13 @@ def exponents(
         weights_max = float(np.abs(matrix).max(initial=0)) or 1.0
         most = _most(inputs_max, fmt)
         room = most + _most(weights_max, fmt) - after
+        if room < 0:
+            raise SceneError(
+                f"a layer with inputs of up to {inputs_max:.3g} and weights of up to "
+                f"{weights_max:.3g} does not fit {fmt.name}",
+                loc="--precision",
+                hint="render in fp16 or fp32, or train with smaller weights",
+            )
         before = most - room // 2
         inputs.append(before)
         factors.append(after - before)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 import vividc
 from vividc.launch import Job, JobResult
 from vividc.render.array.frame import Ledger
 from vividc.render.array.options import NetworkMode
 from vividc.render.array.programs import Programs
+
+_WORD: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +34,11 @@ class Device:
     def scratchpad_bytes(self) -> int:
         """Of each tile."""
         return self.programs.machine.fabric.scratchpad.size_bytes
+
+    @property
+    def line_bytes(self) -> int:
+        """A word of each bank: what it takes at most that an array starts in a certain bank."""
+        return _WORD * self.programs.machine.fabric.scratchpad.banks
 
     @property
     def clock_ghz(self) -> float:

@@ -41,7 +41,8 @@ class InstantNGPField:
     Raises
     ------
     SceneError
-        The model has a form that the kernels have not (see `hash_encoding`).
+        The model has a form that the kernels have not (see `hash_encoding`), or its networks run on
+        no array in this format.
     """
 
     def __init__(
@@ -64,6 +65,8 @@ class InstantNGPField:
         ]
         self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
         self._features = model.density_weights[-1].shape[1]
+        for net in (self._density_network, self._colour_network):
+            net.check(device)
 
     @property
     def march(self) -> March:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from vividc.render.array.device import Device
 from vividc.render.array.frame import Ledger
 from vividc.render.array.gather import gather_rows
-from vividc.render.array.launches import LINE_BYTES, Launch, Move, run_launches
+from vividc.render.array.launches import Launch, Move, run_launches
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF, March
@@ -241,7 +241,7 @@ class KiloNeRFOnArray:
     def _ranges(self) -> list[tuple[int, int]]:
         """First network and number of networks (-1 is one) that a scratchpad counts at once."""
         networks = len(self._model.weights[0]) + 1
-        lines = _SORT_ARRAYS * LINE_BYTES
+        lines = _SORT_ARRAYS * self._device.line_bytes
         most = (self._device.scratchpad_bytes - 3 * _WORD * _CHUNK - lines) // (2 * _WORD) - 2
         parts = -(-networks // most)
         bounds = [networks * part // parts - 1 for part in range(parts + 1)]

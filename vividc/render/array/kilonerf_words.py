@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from vividc.formats import E4M3, round_array
 from vividc.render.arrays import Float32Array
+from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 from vividc.render.radiance.layers import relu
@@ -56,10 +57,24 @@ class Fp8Words:
 
 
 def fp8_words(model: KiloNeRF) -> Fp8Words:
-    """Return the words of all networks, whose hidden layers are 32 wide."""
+    """Return the words of all networks, whose hidden layers are 32 wide.
+
+    Raises
+    ------
+    SceneError
+        Results of the calibration are not finite.
+    """
     w1, w2, w3, w4, w5 = (np.asarray(weights) for weights in model.weights)
     b1, b2, b3, b4, b5 = (np.asarray(biases) for biases in model.biases)
-    largest = _largest_results(model)
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = _largest_results(model)
+    if not np.isfinite(largest).all():
+        network = np.argwhere(~np.isfinite(largest))[0, 1]
+        raise SceneError(
+            f"results of network {network} leave float32: there is no scale for them",
+            loc="--precision",
+            hint="render in fp32, or train with smaller weights",
+        )
     by_feature, by_direction = w4[:, :WIDTH], w4[:, WIDTH:]
     s1 = _scale(largest[0], (w1, 0))
     s2 = _scale(largest[1], (w2, s1))

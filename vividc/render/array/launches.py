@@ -17,8 +17,6 @@ from vividc.render.array.frame import Ledger
 from vividc.render.errors import SceneError
 
 Words = npt.NDArray[np.generic]
-LINE_BYTES: Final = 32
-"""A line of the scratchpad's eight banks: what it takes at most that an array starts in a bank."""
 _WORD: Final = 4
 _COPIES: Final = ((2, 2), (1, 2), (1, 1))
 """Of shared and of own arrays, the best first: one is used while the next is moved in."""
@@ -199,6 +197,7 @@ class _Places:
     def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
         self._banks = program.banks
         self._count = program.fabric.scratchpad.banks
+        self._line = _WORD * self._count
         own = [launch.sizes for launch in share]
         shared = {launch.group: _sizes(launch.shared) for launch in share}
         needs = [max(self._end(sizes) for sizes in some) for some in (shared.values(), own)]
@@ -226,11 +225,13 @@ class _Places:
         return found
 
     def _end(self, sizes: Mapping[str, int]) -> int:
-        """Return the bytes that arrays take, in whole lines."""
+        """Return the bytes that arrays take, in whole lines of banks: so many bytes further on they
+        lie in the same banks.
+        """
         if not sizes:
             return 0
         name, address = list(self.addresses(sizes, 0).items())[-1]
-        return -(-(address + sizes[name]) // LINE_BYTES) * LINE_BYTES
+        return -(-(address + sizes[name]) // self._line) * self._line
 
 
 class _Tile:

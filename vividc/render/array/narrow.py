@@ -134,15 +134,30 @@ class Network:
             return run_network(device, ledger, stage, self.layers, inputs)
         if not len(inputs):
             return np.zeros((0, self.layers[-1].outputs, SAMPLES), dtype=np.float32)
-        mode = tpu_choice(device, self.narrow, len(inputs) * SAMPLES)
-        if mode is None:
+        mode = self._mode(device, len(inputs) * SAMPLES)
+        return run_systolic(device, ledger, stage, self.narrow, inputs, mode, words=True)
+
+    def check(self, device: Device) -> None:
+        """Refuse a device that cannot run the network, before there are inputs.
+
+        Raises
+        ------
+        SceneError
+            As of `run`.
+        """
+        if self.narrow:
+            self._mode(device, SAMPLES)
+
+    def _mode(self, device: Device, samples: int) -> str:
+        choice = tpu_choice(device, self.narrow, samples)
+        if choice is None:
             raise SceneError(
                 f"{device.programs.machine.name} runs no layers of {self.precision} numbers of "
                 "this size: it has no TPU-like mode for them",
                 loc="--precision",
                 hint="choose fp32, or the fabric vivid",
             )
-        return run_systolic(device, ledger, stage, self.narrow, inputs, mode.mode, words=True)
+        return choice.mode
 
 
 def network(

@@ -25,7 +25,8 @@ _FEWEST = 2048
 _NO_LIMIT = np.float32(-np.inf)
 _WORD = 4
 _PLACES = 2
-_ALIGNMENT = 96
+_ARRAYS = 3
+"""Of the kernel of layers."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,8 +129,7 @@ def tpu_mode(
     """
     if samples < _FEWEST:
         return None
-    size = device.scratchpad_bytes
-    shapes = [(layer.inputs, layer.outputs, len(_parts(layer, size, 1))) for layer in layers]
+    shapes = [(layer.inputs, layer.outputs, len(_parts(layer, device, 1))) for layer in layers]
     choice = tpu_choice(device, products, samples)
     better = choice is not None and choice.cycles < tile_cycles(shapes, samples, device.tiles)
     return choice.mode if choice is not None and better else None
@@ -144,9 +144,8 @@ def _run_layer(
     groups: npt.NDArray[np.int32] | None,
 ) -> Float32Array:
     """Run a layer, a part of its neurons after the other if its weights are many."""
-    size = device.scratchpad_bytes
     parts = []
-    for packed in _parts(layer, size, 1 if groups is None else 2):
+    for packed in _parts(layer, device, 1 if groups is None else 2):
         out = np.empty((len(values), packed.shape[1] * NEURONS, SAMPLES), dtype=np.float32)
         BlockMap(
             kernel=_KERNEL,
@@ -165,13 +164,14 @@ def _run_layer(
     return whole[:, : layer.outputs]
 
 
-def _parts(layer: DenseLayer, size: int, copies: int) -> list[Float32Array]:
-    """Cut the neurons so that weights and two blocks of samples fit a scratchpad of `size` bytes,
-    into parts as equal as possible.
+def _parts(layer: DenseLayer, device: Device, copies: int) -> list[Float32Array]:
+    """Cut the neurons so that weights and two blocks of samples fit a scratchpad, into parts as
+    equal as possible.
     """
     neurons = layer.packed.shape[1]
     weights = copies * layer.packed[0, :1].nbytes
     samples = _PLACES * SAMPLES * _WORD
-    room = size - samples * layer.inputs - _PLACES * _ALIGNMENT
+    aligned = device.scratchpad_bytes - _PLACES * _ARRAYS * device.line_bytes
+    room = aligned - samples * layer.inputs
     most = max(1, room // (weights + samples * NEURONS))
     return np.array_split(layer.packed, -(-neurons // most), axis=1)

@@ -72,7 +72,7 @@ def render_array(
             hint="give a number above 0 and at most 1",
         )
     check_precision(options.precision, scene)
-    check_mode(options.mode)
+    check_mode(options.mode, options.precision, scene)
     device = open_device(options.fabric, options.engine, tell, options.mode)
     if isinstance(scene, Gaussians):
         return render_splats(scene, camera, options, progress, device)
@@ -114,16 +114,28 @@ def check_precision(precision: str, scene: Scene) -> None:
         )
 
 
-def check_mode(mode: str) -> None:
-    """Refuse a mode that networks do not have.
+def check_mode(mode: str, precision: RenderPrecision, scene: Scene) -> None:
+    """Refuse a mode that the scene's networks do not have.
 
     Raises
     ------
     SceneError
-        No such mode.
+        No such mode, or not of this method, or of this format.
     """
     if mode not in NETWORK_MODES:
         raise SceneError(f"unknown mode {mode!r}", loc="--mode", hint=", ".join(NETWORK_MODES))
+    if mode != "auto" and not isinstance(scene, InstantNGP | TensoRF):
+        raise SceneError(
+            "only the networks of Instant-NGP and TensoRF have one",
+            loc="--mode",
+            hint="leave it out",
+        )
+    if mode == "gpu" and precision != "fp32":
+        raise SceneError(
+            f"layers of {precision} numbers run in the TPU-like modes only",
+            loc="--mode",
+            hint="leave it out, or --precision fp32",
+        )
 
 
 def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:

@@ -36,6 +36,11 @@ class TensoRFField:
         Where it is computed.
     precision
         Of the networks' operands.
+
+    Raises
+    ------
+    SceneError
+        Its networks run on no array in this format.
     """
 
     def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
@@ -60,6 +65,8 @@ class TensoRFField:
         self._colour_network = network(
             layers, precision, [largest[name] for name in names] if largest else ()
         )
+        for net in (self._basis, self._colour_network):
+            net.check(device)
 
     @property
     def march(self) -> March:
