@@ -29,7 +29,6 @@ from benchmarks import (
     precision,
     quality,
     render_kernels,
-    renderers,
     simd,
     splats,
 )
@@ -108,23 +107,20 @@ GEMM = "gemm"
 SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
-RENDERERS = "renderers"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, SPLATS, RENDERERS, PAPER, MAPPERS)  # the last ones take hours: by name only
+CHOICES = (*DEFAULT, SPLATS, PAPER, MAPPERS)  # the last ones take hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
     QUALITY: quality,
     FORMATS: formats,
     SIMD: simd,
-    RENDERERS: renderers,
     SPLATS: splats,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
-    RENDERERS: lambda fabric, _: renderers.rows(fabric),
     SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
@@ -134,7 +130,6 @@ PLACES = {
     QUALITY: ("float32 on the host",),
     FRAMES: ("vivid",),
     FORMATS: ("any fabric",),
-    RENDERERS: ("vivid",),
     SPLATS: ("vivid",),
 }
 """Where tables are made that `--fabric` has no say in."""

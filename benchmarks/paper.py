@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from statistics import mean
@@ -58,6 +59,8 @@ _STEPS: Final[dict[str, tuple[bool, RenderPrecision, NetworkMode]]] = {
 _TABLE_2: Final = {"array": "partitioned mode", "lookahead": "lookahead", "FP8": "FP8"}
 """The columns of Table 2, and the steps that they are."""
 _TABLE_2_LARGEST: Final = 400
+_WHOLE: Final = ("lookahead", "FP8")
+"""Steps of which a frame is simulated whole."""
 _WITH_MODES: Final = ("instant-ngp", "tensorf")
 """Methods whose networks know the TPU-like modes."""
 _SAMPLES: Final = ((200, 1.0), (400, 0.2), (8192, 0.05))
@@ -79,9 +82,20 @@ def sections(
         Folder of the rows and pictures; None: nothing is kept or drawn.
     """
     methods, sizes = methods or METHODS, sizes or SIZES
-    keys = list(dict.fromkeys((*_quality_keys(methods, sizes), *_figure_keys(methods, sizes[-1]))))
-    for rows in measured(keys, output):
-        yield [*_table_2(keys, rows), "", *_figures(methods, sizes[-1], rows, output)]
+    size = sizes[-1]
+    wanted = (
+        *_quality_keys(methods, sizes),
+        *_figure_keys(methods, size),
+        *_whole_keys(methods, size),
+    )
+    for rows in measured(list(dict.fromkeys(wanted)), output):
+        yield [
+            *_table_2(list(_quality_keys(methods, sizes)), rows),
+            "",
+            *_figures(methods, size, rows, output),
+            "",
+            *_whole_frames(methods, size, rows),
+        ]
 
 
 def _key(scene: str, method: str, size: int, view: int, step: str) -> Key:
@@ -115,6 +129,13 @@ def _figure_keys(methods: Sequence[str], size: int) -> Iterator[Key]:
             yield _key(MIC, method, size, chosen_views(MIC, size)[0], step)
 
 
+def _whole_keys(methods: Sequence[str], size: int) -> Iterator[Key]:
+    for method in methods:
+        for step in _WHOLE:
+            sampled = _key(MIC, method, size, chosen_views(MIC, size)[0], step)
+            yield replace(sampled, sample=1.0)
+
+
 def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
     """Yield Table 2: one line a scene, method and size."""
     yield "## Table 2: quality"
@@ -126,8 +147,6 @@ def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
     )
     yield "|---" * 17 + "|"
     for scene, method, size in dict.fromkeys((key.scene, key.method, key.size) for key in keys):
-        if size > _TABLE_2_LARGEST:
-            continue
         whole = rows.get(Key(scene, method, size, ALL_VIEWS, engine="reference"))
         views = chosen_views(scene, size)
         by_step = {
@@ -174,6 +193,29 @@ def _figures(
     if output is not None:
         draw_stages(output / "paper-stages.svg", _stage_bars(steps))
         draw_contributions(output / "paper-contributions.svg", _bars_of_steps(steps))
+
+
+def _whole_frames(methods: Sequence[str], size: int, rows: Mapping[Key, Row]) -> Iterator[str]:
+    """Yield what it takes to simulate every pixel."""
+    yield f"## Whole frames: every pixel simulated, {size}x{size}"
+    yield ""
+    yield "With lookahead. Seconds and memory are those of the host."
+    yield ""
+    yield (
+        "| method | format | cycles | frames/s | dB to float32 | SSIM | mJ | host s | peak MB "
+        "| load |"
+    )
+    yield "|---" * 10 + "|"
+    for key in _whole_keys(methods, size):
+        row = rows.get(key)
+        if row is not None and row.is_done:
+            cells = (
+                *(key.method, key.precision, f"{sum(row.stages.values()):,.0f}"),
+                *(_decibel(row.frames_per_second), _decibel(row.psnr_reference)),
+                *(_ratio(row.ssim_reference), f"{row.energy_mj:.1f}"),
+                *(row.seconds, f"{row.peak_mb:,.0f}", row.load),
+            )
+            yield f"| {' | '.join(map(str, cells))} |"
 
 
 def _before(found: Mapping[str, Row | None], step: str) -> Row | None:
