@@ -37,9 +37,10 @@ NOTES: Final = (
     "",
     "PSNR is the mean over the views, of the clipped pictures against photographs, as they are",
     "against float32 on the host. The array renders three of the held-out photographs' views (25",
-    "of 200x200, 8 of 400x400), evenly spread; `sample` is the share of the blocks of pixels that",
-    "is simulated, evenly spread and the same in each row. PSNR is of those pixels, for the host's",
-    "picture in the same row, too; SSIM of whole pictures alone. The Gaussians of playbot have no",
+    "of 200x200, 8 of 400x400), evenly spread; `views` are those measured so far, `sample` is the",
+    "share of the blocks of pixels that is simulated, evenly spread and the same in each row. PSNR",
+    "is of those pixels, for the host's picture in the same row, too; SSIM of whole pictures.",
+    "Sizes without a row have not been measured yet. The Gaussians of playbot have no",
     "photographs: three cameras around them. Sizes above 400 are scaled cameras without",
     "photographs.",
     "",
@@ -148,7 +149,11 @@ def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
     yield "|---" * 17 + "|"
     for scene, method, size in dict.fromkeys((key.scene, key.method, key.size) for key in keys):
         whole = rows.get(Key(scene, method, size, ALL_VIEWS, engine="reference"))
-        views = chosen_views(scene, size)
+        views = [
+            view
+            for view in chosen_views(scene, size)
+            if any(_key(scene, method, size, view, step) in rows for step in _TABLE_2.values())
+        ]
         by_step = {
             name: [rows.get(_key(scene, method, size, view, step)) for view in views]
             for name, step in _TABLE_2.items()
