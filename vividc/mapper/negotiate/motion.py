@@ -11,7 +11,7 @@ from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import FU, Array, Edges, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, early, enter
-from vividc.mapper.negotiate.words import Words, claim_again, show, withdraw
+from vividc.mapper.negotiate.words import MOST_HOPS, Words, claim_again, show, withdraw
 
 BROKEN, LATE, HOP, CYCLE, TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
 CELL, WAIT = 1.0, 0.1
@@ -19,6 +19,8 @@ CLASH, LATE_READ = 15.0, 40.0
 """The same as `BROKEN` and `LATE` where moves are claimed, each twice: with its FU and its output.
 A read that comes too early claims none, and so must be dearer than any.
 """
+FAR_HOP = 4.0
+"""A link of a way that is too long for moves to be claimed: dearer than those."""
 
 NODES, EDGES, WORDS = 0, 1, 2
 """Positions in `Motion.listed`."""
@@ -186,7 +188,10 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
 def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
     late = early(edges, array, places, edge)
     if array.moves:
-        return float(LATE_READ * late)
+        if not edges.routed[edge]:
+            return float(LATE_READ * late)
+        far = array.hop[places.pe[edges.src[edge]], places.pe[edges.dst[edge]]]
+        return float(LATE_READ * late + (FAR_HOP * far if far > MOST_HOPS else 0.0))
     if not edges.routed[edge]:
         return float(LATE * late)
     src, dst = edges.src[edge], edges.dst[edge]

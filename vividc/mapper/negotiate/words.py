@@ -19,6 +19,8 @@ from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, count
 
 _MOST_CELLS = 48
+MOST_HOPS = 6
+"""Links of the longest way for which moves are claimed: most longer ones are passing proposals."""
 _CELL, _TAKEN = 1.0, 15.0
 """What a move costs, and each of its two claims that meets another."""
 
@@ -136,14 +138,14 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
 
 @compiled
 def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
-    """Claim the cheapest way to a read; none if it comes too early for any."""
+    """Claim the cheapest way to a read; none if it is too early for any, or too far off."""
     word, _, target, gap = read
     best, best_length, best_price = -1, 0, 1e30
     for at in range(words.size[word]):
         origin, since = words.pe[word, at], words.cycle[word, at]
         hops = array.hop[origin, target]
         spare = gap - since - max(hops - 1, 0)
-        if spare < 0:
+        if spare < 0 or hops > MOST_HOPS:
             continue
         if hops == 1 and spare == 0:
             return
