@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.mapper.mrrg import Ints
-from vividc.mapper.negotiate.arrays import Array, Task
+from vividc.mapper.negotiate.arrays import Array, Edges, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, count
 
@@ -23,6 +23,10 @@ MOST_HOPS = 6
 """Links of the longest way for which moves are claimed: most longer ones are passing proposals."""
 _CELL, _TAKEN = 1.0, 15.0
 """What a move costs, and each of its two claims that meets another."""
+
+
+_MOST_READS = 12
+"""Reads of a word for which moves are claimed: the time of a claim grows with their square."""
 
 
 class Words(NamedTuple):
@@ -113,6 +117,12 @@ def _price(array: Array, places: Places, pe: int, shown: int) -> float:
 
 
 @compiled
+def is_popular(edges: Edges, word: int) -> bool:
+    """Whether a word has so many reads that no moves are claimed for it."""
+    return bool(edges.sink_begin[word + 1] - edges.sink_begin[word] > _MOST_READS)
+
+
+@compiled
 def show(task: Task, places: Places, words: Words, word: int) -> None:
     """Claim moves for all reads of a word that is shown nowhere yet, in order of time."""
     edges, array = task.edges, task.array
@@ -121,6 +131,8 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
     words.cycle[word, 0] = 0
     ready = places.time[word] + task.nodes.latency[word]
     begin, end = edges.sink_begin[word], edges.sink_begin[word + 1]
+    if is_popular(edges, word):
+        return
     for at in range(begin, end):
         words.served[at - begin] = 0
     for _ in range(begin, end):
