@@ -11,13 +11,17 @@ from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import FU, Array, Edges, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, early, enter
-from vividc.mapper.negotiate.words import Words, claim_again, show, withdraw
+from vividc.mapper.negotiate.words import MOST_HOPS, Words, claim_again, is_popular, show, withdraw
 
 BROKEN, LATE, HOP, CYCLE, TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
 CELL, WAIT = 1.0, 0.1
 CLASH, LATE_READ = 15.0, 40.0
 """The same as `BROKEN` and `LATE` where moves are claimed, each twice: with its FU and its output.
 A read that comes too early claims none, and so must be dearer than any.
+"""
+FAR_HOP, POPULAR_HOP = 4.0, 0.4
+"""A link of a way that is too long for moves to be claimed: dearer than those; and one of a
+word with too many reads, which share most of it.
 """
 
 NODES, EDGES, WORDS = 0, 1, 2
@@ -186,7 +190,13 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
 def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
     late = early(edges, array, places, edge)
     if array.moves:
-        return float(LATE_READ * late)
+        if not edges.routed[edge]:
+            return float(LATE_READ * late)
+        far = array.hop[places.pe[edges.src[edge]], places.pe[edges.dst[edge]]]
+        per_hop = FAR_HOP if far > MOST_HOPS else 0.0
+        if is_popular(edges, edges.src[edge]):
+            per_hop = POPULAR_HOP
+        return float(LATE_READ * late + per_hop * far)
     if not edges.routed[edge]:
         return float(LATE * late)
     src, dst = edges.src[edge], edges.dst[edge]

@@ -52,7 +52,7 @@ _OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
 _SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
 _SHOWN_HOT: Final = 20.0
 _SHOWN_MOVES: Final = 3
-"""Where moves are claimed: cooler, and so many times the moves, since little is left to routes."""
+"""Where moves of words are claimed: cooler, and more annealing, since little is left to routes."""
 _AGAIN: Final = (0.25, 0.25)
 _LITTLE: Final = 6
 """Parts of the heat with which as much as this, if broken, is annealed again."""
@@ -73,13 +73,15 @@ _MOST_CELLS: Final = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Effort:
     """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
-    node with routes, and how often all that is tried.
+    node with routes, and how often all that is tried; `shown`: how many times the annealing moves
+    where moves of words are claimed.
     """
 
     moves: int = _MOVES_PER_NODE
     rounds: int = _ROUNDS
     repairs: int = _REPAIRS_PER_NODE
     trials: int = _TRIALS
+    shown: int = _SHOWN_MOVES
 
 
 def prepare(tell: Callable[[str], None]) -> float:
@@ -116,8 +118,9 @@ def negotiate(
     attempt = _Attempt(problem, ii, _with_room(problem, start, latest), latest, seed)
     if not attempt.fits:
         return None
+    times = effort.shown if attempt.task.array.moves else 1
     for _ in range(effort.trials):
-        if attempt.anneal(effort.moves * len(nodes), deadline):
+        if attempt.anneal(effort.moves * len(nodes) * times, deadline):
             mapping = attempt.routed(effort, deadline)
             if mapping is not None:
                 return _checked(mapping, problem)
@@ -209,7 +212,7 @@ class _Attempt:
         show_all(task, places, words)
         hot = _HOT
         if task.array.moves:
-            hot, moves = _SHOWN_HOT, _SHOWN_MOVES * moves
+            hot = _SHOWN_HOT
         for part in (1.0, *_AGAIN):
             self._cool(hot * part, int(moves * part**0.5), deadline)
             if not 0 < broken(task, places) <= _LITTLE:

@@ -23,7 +23,7 @@ from vividc.mapper.negotiate.traffic import (
     crowds,
     rip_up,
 )
-from vividc.mapper.negotiate.words import Words
+from vividc.mapper.negotiate.words import Words, is_popular
 
 _FAR = 1e30
 _NO_WAY, _PART, _WHOLE = 0, 1, 2
@@ -66,11 +66,11 @@ def route_round(router: Router, everything: bool) -> int:
 @compiled
 def route_as_shown(router: Router, words: Words) -> int:
     """Route all words, none of which has a way, with no other moves than those that show them and
-    with registers to wait in; returns how many have no way.
+    with registers to wait in, but words of too many reads; returns how many have no way.
     """
     lost = 0
     for producer in range(len(router.task.nodes.latency)):
-        _bar_outputs(router, words, producer, 1)
+        _bar_outputs(router, words, producer, int(not is_popular(router.task.edges, producer)))
         if not route(router, producer):
             lost += 1
         _bar_outputs(router, words, producer, 0)

@@ -14,13 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.mapper.mrrg import Ints
-from vividc.mapper.negotiate.arrays import Array, Task
+from vividc.mapper.negotiate.arrays import Array, Edges, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, count
 
 _MOST_CELLS = 48
+MOST_HOPS = 6
+"""Links of the longest way for which moves are claimed: most longer ones are passing proposals."""
 _CELL, _TAKEN = 1.0, 15.0
 """What a move costs, and each of its two claims that meets another."""
+
+
+_MOST_READS = 12
+"""Reads of a word for which moves are claimed: the time of a claim grows with their square."""
 
 
 class Words(NamedTuple):
@@ -111,6 +117,12 @@ def _price(array: Array, places: Places, pe: int, shown: int) -> float:
 
 
 @compiled
+def is_popular(edges: Edges, word: int) -> bool:
+    """Whether a word has so many reads that no moves are claimed for it."""
+    return bool(edges.sink_begin[word + 1] - edges.sink_begin[word] > _MOST_READS)
+
+
+@compiled
 def show(task: Task, places: Places, words: Words, word: int) -> None:
     """Claim moves for all reads of a word that is shown nowhere yet, in order of time."""
     edges, array = task.edges, task.array
@@ -119,6 +131,8 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
     words.cycle[word, 0] = 0
     ready = places.time[word] + task.nodes.latency[word]
     begin, end = edges.sink_begin[word], edges.sink_begin[word + 1]
+    if is_popular(edges, word):
+        return
     for at in range(begin, end):
         words.served[at - begin] = 0
     for _ in range(begin, end):
@@ -136,14 +150,14 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
 
 @compiled
 def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
-    """Claim the cheapest way to a read; none if it comes too early for any."""
+    """Claim the cheapest way to a read; none if it is too early for any, or too far off."""
     word, _, target, gap = read
     best, best_length, best_price = -1, 0, 1e30
     for at in range(words.size[word]):
         origin, since = words.pe[word, at], words.cycle[word, at]
         hops = array.hop[origin, target]
         spare = gap - since - max(hops - 1, 0)
-        if spare < 0:
+        if spare < 0 or hops > MOST_HOPS:
             continue
         if hops == 1 and spare == 0:
             return
