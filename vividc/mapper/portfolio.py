@@ -25,6 +25,8 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
 _CLIMB_SHARE = 0.08
+_FIRST_SHARE_ALONE, _CLIMB_SHARE_ALONE = 0.5, 0.2
+"""Where constraints alone are to find a mapping: no other strategy comes to an II again."""
 _CLIMB_LEAST_S = 2.0
 _WORTH_TRYING_S = 0.3
 _PROOF_SHARE = 0.15
@@ -163,11 +165,14 @@ def _climb(campaign: Campaign) -> None:
     tried again from above. Steps grow after failures, so that something is found.
     """
     deadline = campaign.request.deadline
-    share_s = _turn(campaign.request).remaining_s
+    total_s, turn_s = deadline.remaining_s, _turn(campaign.request).remaining_s
+    alone = campaign.strategy is not _try_everything
     best = campaign.best
     limit = ii_limit(campaign.problem) if best is None else best.ii - 1
     ii, failures = campaign.lower, 0
     while ii <= limit and not deadline.passed:
+        share = _CLIMB_SHARE_ALONE if failures else _FIRST_SHARE_ALONE
+        share_s = max(_CLIMB_LEAST_S, share * total_s) if alone else turn_s
         attempt = campaign.try_ii(ii, deadline.within(share_s))
         if attempt.mapping is not None:
             return
