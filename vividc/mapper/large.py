@@ -16,7 +16,7 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.negotiate import Effort, prepare
 from vividc.mapper.request import MapRequest
 
-_QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1)
+_QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
 _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
 _SEEDS: Final = 3

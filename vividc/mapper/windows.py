@@ -22,14 +22,14 @@ _WORTH_WINDOWS = 16
 _LEAST = 16
 """PEs of the smallest window."""
 
-_TIGHTEST = 4
+_TIGHTEST = 2
 """Windows begin where operations need this many times the array's bound."""
 
 _NARROWEST = 4
 _ROOM = 1.2
 _GROWTH = 1.5
 _AMPLE = 2
-_SHARE = 0.3
+_SHARE = 0.2
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,12 @@
 """Simulated annealing of places and times (Kirkpatrick et al. 1983; for CGRAs Mei et al. 2002).
 
 The cost of a state is what it breaks (claims beyond capacity, words that cannot be there in time)
-and, far less, what words take of links and registers: the cycles that each word lives, counted once
-however many read it, and the hops of its ways. Which link or register is the router's part.
+and, far less, what words take: over links the cycles that each word lives, counted once however
+many read it, and the hops of its ways; over output registers the moves that show it (`words`).
+Which link or register is the router's part.
+
+A node moves alone, changes places with another, or pushes in time all that its move makes too
+early: where a schedule has no slack, none of its nodes can move alone.
 """
 
 from __future__ import annotations
@@ -10,16 +14,34 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from vividc.mapper.mrrg import Ints
-from vividc.mapper.negotiate.arrays import FU, Array, Edges, Floats, Task
-from vividc.mapper.negotiate.compiled import compiled
-from vividc.mapper.negotiate.places import Places, draw, early, enter, excess, window
+import numpy as np
 
-_BROKEN, _LATE, _HOP, _CYCLE, _TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
-_CELL = 1.0
-_MOVE_KNOT_BELOW = 15
+from vividc.mapper.mrrg import Ints
+from vividc.mapper.negotiate.arrays import Floats, Task
+from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.motion import (
+    NODES,
+    Motion,
+    begin,
+    cost,
+    exchange,
+    hide_words,
+    list_affected,
+    occupant,
+    put,
+    restore_words,
+    show_words,
+    withdraw_words,
+)
+from vividc.mapper.negotiate.places import Places, draw, window
+from vividc.mapper.negotiate.words import Words
+
+_PUSH_BELOW = 8
+"""Of 100 moves, which push others in time."""
 _MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
-"""Of 100 moves, which change the PE and which the time."""
+"""Of 100 other moves, which change the PE and which the time."""
+_MOST_TURNS = 16
+"""Rounds over the nodes of a push: around a recurrence some are pushed again and again."""
 
 
 class Heat(NamedTuple):
@@ -30,120 +52,193 @@ class Heat(NamedTuple):
     scratch: Ints
 
 
+class State(NamedTuple):
+    """What moves change, and their work space."""
+
+    places: Places
+    words: Words
+    motion: Motion
+
+
+def new_heat(hot: float, cold: float, moves: int) -> Heat:
+    """From hot to cold within so many moves."""
+    cooling = (cold / hot) ** (1.0 / max(moves, 1))
+    return Heat(np.array([hot]), cooling, np.zeros(2, dtype=np.int64))
+
+
 @compiled
-def anneal(task: Task, places: Places, heat: Heat, moves: int) -> None:
+def anneal(task: Task, state: State, heat: Heat, moves: int) -> None:
     """Make `moves` moves."""
-    scratch = heat.scratch
-    count = len(task.nodes.latency)
+    places, motion = state.places, state.motion
+    nodes = len(task.nodes.latency)
     for _ in range(moves):
-        _step(task, places, heat.value[0], draw(places.random, count), scratch)
+        begin(motion)
+        node = draw(places.random, nodes)
+        if draw(places.random, 100) < _PUSH_BELOW:
+            possible = _propose_push(task, places, motion, node)
+        else:
+            possible = _propose_one(task, places, motion, node, heat.scratch)
+        if possible:
+            _consider(task, state, heat.value[0])
         heat.value[0] *= heat.cooling
 
 
 @compiled
-def _step(task: Task, places: Places, heat: float, node: int, scratch: Ints) -> None:
-    nodes, edges, array = task
-    knot = edges.knot_begin[node + 1] - edges.knot_begin[node]
-    if knot > 1 and draw(places.random, 100) < _MOVE_KNOT_BELOW:
-        _shift_knot(task, places, heat, node)
-        return
-    old_pe, old_time = places.pe[node], places.time[node]
-    pe, time = propose(task, places, node, scratch)
-    if pe == old_pe and time == old_time:
-        return
-    other = occupant(task, places, node, pe, time)
-    if other >= 0 and not nodes.can[other, old_pe]:
-        return
-    before = _cost(task, places, node)
-    if other >= 0:
-        before += _cost(task, places, other)
-        enter(nodes, array, places, other, -1)
-    enter(nodes, array, places, node, -1)
-    places.pe[node], places.time[node] = pe, time
-    enter(nodes, array, places, node, 1)
-    if other >= 0:
-        places.pe[other] = old_pe
-        enter(nodes, array, places, other, 1)
-    change = _cost(task, places, node) - before
-    if other >= 0:
-        change += _cost(task, places, other)
+def _consider(task: Task, state: State, heat: float) -> None:
+    """Make the proposed move, and take it back if it is refused."""
+    places, words, motion = state
+    list_affected(task, motion)
+    moves = task.array.moves
+    before = cost(task, places, words, motion)
+    if moves:
+        hide_words(task, places, words, motion)
+    exchange(task, places, motion)
+    if moves:
+        show_words(task, places, words, motion)
+    change = cost(task, places, words, motion) - before
     if change <= 0 or draw(places.random, 1 << 24) < math.exp(-change / heat) * (1 << 24):
         return
-    enter(nodes, array, places, node, -1)
+    if moves:
+        withdraw_words(task, places, words, motion)
+    exchange(task, places, motion)
+    if moves:
+        restore_words(task, places, words, motion)
+
+
+@compiled
+def _propose_one(task: Task, places: Places, motion: Motion, node: int, scratch: Ints) -> bool:
+    """One node goes elsewhere; who is there takes its PE."""
+    pe, time = propose(task, places, node, scratch)
+    if pe == places.pe[node] and time == places.time[node]:
+        return False
+    other = occupant(task, places, node, pe, time)
     if other >= 0:
-        enter(nodes, array, places, other, -1)
-        places.pe[other] = pe
-    places.pe[node], places.time[node] = old_pe, old_time
-    enter(nodes, array, places, node, 1)
-    if other >= 0:
-        enter(nodes, array, places, other, 1)
+        if not task.nodes.can[other, places.pe[node]]:
+            return False
+        put(motion, other, places.pe[node], places.time[other])
+    put(motion, node, pe, time)
+    return True
 
 
 @compiled
-def _shift_knot(task: Task, places: Places, heat: float, node: int) -> None:
-    """Move all nodes of a recurrence in time: where it has no slack, none can move alone."""
-    ii = task.array.ii
-    by = 1 + draw(places.random, max(1, ii // 2))
-    if draw(places.random, 2) == 0:
-        by = -by
-    begin, end = task.edges.knot_begin[node], task.edges.knot_begin[node + 1]
-    for at in range(begin, end):
-        time = places.time[task.edges.knot_items[at]] + by
-        if time < 0 or time > task.array.latest:
-            return
-    before = _knot_cost(task, places, begin, end)
-    _delay(task, places, begin, end, by)
-    change = _knot_cost(task, places, begin, end) - before
-    if change > 0 and draw(places.random, 1 << 24) >= math.exp(-change / heat) * (1 << 24):
-        _delay(task, places, begin, end, -by)
+def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool:
+    """A node goes some cycles later, or to another PE when it can be there, or earlier, and pushes
+    others as far as it must. False: something would leave the schedule.
+    """
+    array, random = task.array, places.random
+    sign = 1 if draw(random, 2) == 0 else -1
+    pe, time = places.pe[node], places.time[node]
+    if draw(random, 2) == 0:
+        pe = draw_pe(task, places, node)
+        time = _next_to_those_before(task, places, node, pe, sign)
+    if pe == places.pe[node]:
+        time = places.time[node] + sign * (1 + draw(random, max(1, array.ii // 2)))
+    if time < 0 or time > array.latest:
+        return False
+    put(motion, node, pe, time)
+    return _push(task, places, motion, sign)
 
 
 @compiled
-def _knot_cost(task: Task, places: Places, begin: int, end: int) -> float:
-    total = 0.0
-    for at in range(begin, end):
-        total += _cost(task, places, task.edges.knot_items[at])
-    return total
+def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: int) -> int:
+    """The time nearest to its own at which a node can follow (sign 1) or precede (-1) its
+    neighbours from another PE.
+    """
+    edges, array = task.edges, task.array
+    time = places.time[node]
+    for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+        edge = edges.of_items[at]
+        src, dst = edges.src[edge], edges.dst[edge]
+        if sign > 0 and dst == node:
+            time = max(time, places.time[src] + _apart(task, edge, places.pe[src], pe))
+        elif sign < 0 and src == node:
+            time = min(time, places.time[dst] - _apart(task, edge, pe, places.pe[dst]))
+    return int(min(max(time, -1), array.latest + 1))
 
 
 @compiled
-def _delay(task: Task, places: Places, begin: int, end: int, by: int) -> None:
-    for at in range(begin, end):
-        node = task.edges.knot_items[at]
-        enter(task.nodes, task.array, places, node, -1)
-        places.time[node] += by
-        enter(task.nodes, task.array, places, node, 1)
+def _apart(task: Task, edge: int, src_pe: int, dst_pe: int) -> int:
+    """Least cycles between the ends of an edge on these PEs."""
+    edges = task.edges
+    if edges.routed[edge]:
+        return int(edges.ready[edge] + task.array.reach[src_pe, dst_pe])
+    return int(edges.shift[edge])
 
 
 @compiled
-def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
-    """Another node that issues on the FU that `node` would use, or -1."""
-    if not task.nodes.kind[node] & FU:
-        return -1
-    other = places.at[pe * task.array.ii + time % task.array.ii]
-    return -1 if other == node else other
+def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
+    """Push what follows (sign 1) or precedes (-1) the nodes of a move out of their way; False: out
+    of the schedule, or around a recurrence without end.
+    """
+    edges = task.edges
+    turns, clean = 0, False
+    while not clean:
+        clean = True
+        listed = 0
+        while listed < motion.listed[NODES]:
+            node = motion.nodes[listed]
+            for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+                edge = edges.of_items[at]
+                other = edges.dst[edge] if sign > 0 else edges.src[edge]
+                pe, time = _where(places, motion, other)
+                pushed = _pushed(task, places, motion, edge, sign)
+                if other == node or pushed == time:
+                    continue
+                if pushed < 0 or pushed > task.array.latest:
+                    return False
+                put(motion, other, pe, pushed)
+                clean = False
+            listed += 1
+        turns += 1
+        if turns > _MOST_TURNS:
+            return False
+    return True
+
+
+@compiled
+def _where(places: Places, motion: Motion, node: int) -> tuple[int, int]:
+    """PE and time of a node after the move so far."""
+    if motion.node_in[node]:
+        return int(motion.pe[node]), int(motion.time[node])
+    return int(places.pe[node]), int(places.time[node])
+
+
+@compiled
+def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) -> int:
+    """The time of the edge's end (sign 1) or beginning (-1) when its other end has pushed it."""
+    src_pe, src_time = _where(places, motion, task.edges.src[edge])
+    dst_pe, dst_time = _where(places, motion, task.edges.dst[edge])
+    apart = _apart(task, edge, src_pe, dst_pe)
+    return max(dst_time, src_time + apart) if sign > 0 else min(src_time, dst_time - apart)
+
+
+@compiled
+def draw_pe(task: Task, places: Places, node: int) -> int:
+    """A PE for `node`: any, or one near a neighbour in the graph."""
+    nodes, edges, array = task
+    random = places.random
+    first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
+    pe = nodes.pe_items[first + draw(random, end - first)]
+    others = edges.of_begin[node + 1] - edges.of_begin[node]
+    if others > 0 and draw(random, 2) == 0:
+        edge = edges.of_items[edges.of_begin[node] + draw(random, others)]
+        other = edges.src[edge] + edges.dst[edge] - node
+        row = array.near_begin[places.pe[other]]
+        near = array.near_items[row + draw(random, array.near_begin[places.pe[other] + 1] - row)]
+        if nodes.can[node, near]:
+            pe = near
+    return int(pe)
 
 
 @compiled
 def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
     """A PE (any, or one near a neighbour in the graph) and a time for `node`."""
-    nodes, edges, array = task
+    edges, array = task.edges, task.array
     random = places.random
     pe, time = places.pe[node], places.time[node]
     kind = draw(random, 100)
     if kind < _MOVE_PE_BELOW:
-        begin, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
-        pe = nodes.pe_items[begin + draw(random, end - begin)]
-        count = edges.of_begin[node + 1] - edges.of_begin[node]
-        if count > 0 and draw(random, 2) == 0:
-            edge = edges.of_items[edges.of_begin[node] + draw(random, count)]
-            other = edges.src[edge] + edges.dst[edge] - node
-            row = array.near_begin[places.pe[other]]
-            near = array.near_items[
-                row + draw(random, array.near_begin[places.pe[other] + 1] - row)
-            ]
-            if nodes.can[node, near]:
-                pe = near
+        pe = draw_pe(task, places, node)
     if kind >= _MOVE_TIME_FROM:
         window(edges, array, places, node, scratch)
         first, last = scratch[0], scratch[1]
@@ -152,75 +247,3 @@ def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, 
         else:
             time = max(0, min(array.latest, last + draw(random, first - last + 1)))
     return pe, time
-
-
-@compiled
-def _cost(task: Task, places: Places, node: int) -> float:
-    """What `node` breaks and what the words it makes and reads take."""
-    nodes, edges, array = task
-    total = _BROKEN * excess(nodes, array, places, node)
-    for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
-        edge = edges.of_items[at]
-        total += _edge_cost(edges, array, places, edge)
-    total += _word_cost(edges, array, places, node)
-    for at in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
-        total += _word_cost(edges, array, places, edges.fed_items[at])
-    return total
-
-
-@compiled
-def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
-    late = early(edges, array, places, edge)
-    if not edges.routed[edge]:
-        return _LATE * late
-    src, dst = edges.src[edge], edges.dst[edge]
-    hops = array.hop[places.pe[src], places.pe[dst]]
-    if array.outputs:  # the first link is free: neighbours read the output register
-        hops = max(0, hops - 1)
-    cost = _HOP * hops
-    if late > 0:
-        return float(cost + _LATE * late)
-    life = places.time[dst] - places.time[src] - edges.ready[edge]
-    return float(cost + _TIGHT * max(0, hops - life))
-
-
-@compiled
-def _word_cost(edges: Edges, array: Array, places: Places, node: int) -> float:
-    if array.outputs:
-        return _output_cost(edges, places, node)
-    return _life_cost(edges, places, node)
-
-
-@compiled
-def _output_cost(edges: Edges, places: Places, node: int) -> float:
-    """Of the word that `node` makes: the cycles after the first in which another PE reads it, since
-    each takes an output register and the FU that fills it. Its own registers are many.
-    """
-    cells, begin = 0, edges.sink_begin[node]
-    for at in range(begin, edges.sink_begin[node + 1]):
-        gap = _remote_gap(edges, places, node, edges.sink_items[at])
-        known = gap <= 0
-        for other in range(begin, at):
-            known = known or _remote_gap(edges, places, node, edges.sink_items[other]) == gap
-        cells += not known
-    return _CELL * cells
-
-
-@compiled
-def _remote_gap(edges: Edges, places: Places, node: int, edge: int) -> int:
-    """Cycles from the result to a read on another PE; 0 on its own."""
-    dst = edges.dst[edge]
-    if places.pe[dst] == places.pe[node]:
-        return 0
-    return int(places.time[dst] - places.time[node] - edges.ready[edge])
-
-
-@compiled
-def _life_cost(edges: Edges, places: Places, node: int) -> float:
-    """Of the word that `node` makes: the cycles until its last read."""
-    life = 0
-    for at in range(edges.sink_begin[node], edges.sink_begin[node + 1]):
-        edge = edges.sink_items[at]
-        gap = places.time[edges.dst[edge]] - places.time[node] - edges.ready[edge]
-        life = max(life, gap)
-    return _CYCLE * life

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,21 +58,21 @@ class Edges(NamedTuple):
     sink_items: Ints
     fed_begin: Ints
     fed_items: Ints
-    knot_begin: Ints
-    knot_items: Ints
 
 
 class Array(NamedTuple):
     """The fabric. `reach`: cycles after its result that a word needs between PEs; `hop`: links on
     the way; `near`: PEs one link away and the PE itself; `room`: entries of each constant store;
     `stored`, `held` (PEs, keys): those that other regions hold there, `RESIDENT` each. `outputs`: 1
-    where words go from PE to PE through output registers only, else 0; `rivals`: 1 where a live-out
-    writes an entry that another node reads, else 0.
+    where words go from PE to PE through output registers only, else 0; `moves`: 1 where FUs move
+    them on there, too; `rivals`: 1 where a live-out writes an entry that another node reads, else
+    0.
     """
 
     ii: int
     latest: int
     outputs: int
+    moves: int
     pes: int
     banks: int
     keys: int
@@ -160,7 +159,7 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
             sinks[src].append(index)
             if src != dst:
                 fed[dst][src] = None
-    packed = [Rows.of(rows) for rows in (of, sinks, fed, _knots(ends, len(number)))]
+    packed = [Rows.of(rows) for rows in (of, sinks, fed)]
     return Edges(
         ints(src for src, _ in ends),
         ints(dst for _, dst in ends),
@@ -184,16 +183,6 @@ def _written(node: Node) -> ConstantKey | None:
     return ("live_in", node.name) if node.op is Opcode.LIVE_OUT else None
 
 
-def _knots(ends: Sequence[tuple[int, int]], nodes: int) -> list[list[int]]:
-    """By node: the strongly connected component that it is in."""
-    graph = nx.DiGraph(ends)
-    knots = [[node] for node in range(nodes)]
-    for component in nx.strongly_connected_components(graph):
-        for node in component:
-            knots[node] = sorted(component)
-    return knots
-
-
 def _array(
     problem: MapProblem, ii: int, latest: int, graph: MRRG, keys: dict[ConstantKey, int]
 ) -> Array:
@@ -210,6 +199,7 @@ def _array(
         ii=ii,
         latest=latest,
         outputs=int(not fabric.routing.hops),
+        moves=int(not fabric.routing.hops and fabric.routing.shared and fabric.routing.moves),
         pes=pes,
         banks=fabric.scratchpad.banks,
         keys=held.shape[1],

@@ -20,8 +20,9 @@ from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.distances import FAR, hop_distances
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.mrrg import MRRG, NONE, build_mrrg
-from vividc.mapper.negotiate.anneal import Heat, anneal
+from vividc.mapper.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.negotiate.arrays import Task, build_task
+from vividc.mapper.negotiate.motion import new_motion
 from vividc.mapper.negotiate.places import broken, enter, new_places
 from vividc.mapper.negotiate.repair import new_undo, repair
 from vividc.mapper.negotiate.traffic import (
@@ -34,7 +35,8 @@ from vividc.mapper.negotiate.traffic import (
     raise_prices,
     reprice_all,
 )
-from vividc.mapper.negotiate.ways import Router, route_round
+from vividc.mapper.negotiate.ways import Router, route_as_shown, route_round
+from vividc.mapper.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registers import Stay, allocate
 from vividc.mapper.verify import violations
@@ -47,7 +49,15 @@ _NAMING_ROUNDS: Final = 12
 _HOT, _COLD = 30.0, 0.2
 _WARM, _COOL = 5.0, 1.0
 _OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
-_OUTPUT_REPAIRS: Final = 50
+_SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
+_SHOWN_HOT: Final = 20.0
+_SHOWN_MOVES: Final = 3
+"""Where moves of words are claimed: cooler, and more annealing, since little is left to routes."""
+_AGAIN: Final = (0.25, 0.25)
+_LITTLE: Final = 6
+"""Parts of the heat with which as much as this, if broken, is annealed again."""
+_QUENCH, _QUENCH_HOT = 0.25, 2.0
+_OUTPUT_REPAIRS: Final = 25
 _OUTPUT_NODES: Final = 100
 """Where words go through output registers, annealing without routes sees little of what they cost,
 and a move with routes takes a twentieth of the time that it takes over links: so many times the
@@ -63,13 +73,15 @@ _MOST_CELLS: Final = 20_000_000
 @dataclass(frozen=True, slots=True)
 class Effort:
     """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
-    node with routes, and how often all that is tried.
+    node with routes, and how often all that is tried; `shown`: how many times the annealing moves
+    where moves of words are claimed.
     """
 
     moves: int = _MOVES_PER_NODE
     rounds: int = _ROUNDS
     repairs: int = _REPAIRS_PER_NODE
     trials: int = _TRIALS
+    shown: int = _SHOWN_MOVES
 
 
 def prepare(tell: Callable[[str], None]) -> float:
@@ -106,8 +118,9 @@ def negotiate(
     attempt = _Attempt(problem, ii, _with_room(problem, start, latest), latest, seed)
     if not attempt.fits:
         return None
+    times = effort.shown if attempt.task.array.moves else 1
     for _ in range(effort.trials):
-        if attempt.anneal(effort.moves * len(nodes), deadline):
+        if attempt.anneal(effort.moves * len(nodes) * times, deadline):
             mapping = attempt.routed(effort, deadline)
             if mapping is not None:
                 return _checked(mapping, problem)
@@ -172,6 +185,7 @@ class _Attempt:
         self.task: Task
         self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
         self.places = new_places(self.task, seed)
+        self.words = new_words(self.task)
         self._put(start)
         self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
         sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
@@ -191,13 +205,34 @@ class _Attempt:
             enter(nodes, self.task.array, self.places, node, 1)
 
     def anneal(self, moves: int, deadline: Deadline) -> bool:
-        """Anneal from the start; True when nothing is broken in the end."""
-        heat = _heat(_HOT, _COLD, moves)
-        for done in range(0, moves, _SLICE):
-            if deadline.passed:
+        """Anneal from where nodes are, and again less hot where little is left broken; True when
+        nothing is in the end but what moves of words break.
+        """
+        task, places, words = self.task, self.places, self.words
+        show_all(task, places, words)
+        hot = _HOT
+        if task.array.moves:
+            hot = _SHOWN_HOT
+        for part in (1.0, *_AGAIN):
+            self._cool(hot * part, int(moves * part**0.5), deadline)
+            if not 0 < broken(task, places) <= _LITTLE:
                 break
-            anneal(self.task, self.places, heat, min(_SLICE, moves - done))
-        return broken(self.task, self.places) == 0
+        hide_all(task, places, words)
+        return broken(task, places) == 0
+
+    def _cool(self, hot: float, moves: int, deadline: Deadline) -> None:
+        """Anneal once. Where moves are claimed, what crowds nothing any more is only quenched, so
+        that words wait less: registers are not claimed.
+        """
+        state = State(self.places, self.words, new_motion(self.task, self.words))
+        heat, end = new_heat(hot, _COLD, moves), moves
+        done, quenched = 0, not self.task.array.moves
+        while done < end and not deadline.passed:
+            anneal(self.task, state, heat, min(_SLICE, end - done))
+            done += _SLICE
+            if not quenched and broken(self.task, self.places) == 0:
+                quenched, end = True, min(end, done + int(_QUENCH * moves))
+                heat = new_heat(min(float(heat.value[0]), _QUENCH_HOT), _COLD, end - done)
 
     def routed(self, effort: Effort, deadline: Deadline) -> Mapping | None:
         """Route and name registers; where a file's words fit but have no allocation, again with
@@ -208,8 +243,13 @@ class _Attempt:
         graph = new_graph(self.mrrg, self.problem.fabric)
         self.router = Router(graph, self.task, self.places, self.traffic, scratch)
         for turn in range(_NAMING_ROUNDS):
-            free = self._negotiate(effort.rounds, deadline, fresh=turn == 0)
-            if not free and not self._repair(effort.repairs * len(self.ids), deadline):
+            moves = effort.repairs * len(self.ids)
+            if turn == 0 and self._as_shown():
+                if not self._repaired(moves, _SHOWN_WARM, _SHOWN_COOL, deadline):
+                    return None
+            elif not self._negotiate(effort.rounds, deadline, fresh=turn == 0) and not self._repair(
+                moves, deadline
+            ):
                 return None
             registers, crowded = self._name_registers()
             if not crowded:
@@ -217,6 +257,12 @@ class _Attempt:
             if not all(self._shrink(pe) for pe in crowded):
                 return None
         return None
+
+    def _as_shown(self) -> bool:
+        """Route words as the annealer claimed moves for them; False if some have no way so."""
+        if not self.task.array.moves:
+            return False
+        return bool(route_as_shown(self.router, self.words) == 0)
 
     def _negotiate(self, rounds: int, deadline: Deadline, *, fresh: bool) -> bool:
         """Rounds of rip-up and re-route; True when nothing is crowded."""
@@ -238,16 +284,20 @@ class _Attempt:
         reprice_all(traffic, self.ii)
         if route_round(self.router, True):
             return False
-        undo = new_undo(self.task, traffic)
-        heat = _heat(_WARM, _COOL, moves)
+        warm, cool = (_OUTPUT_WARM, _OUTPUT_COOL) if self.task.array.outputs else (_WARM, _COOL)
+        return self._repaired(moves, warm, cool, deadline)
+
+    def _repaired(self, moves: int, warm: float, cool: float, deadline: Deadline) -> bool:
+        """Move nodes with their routes; True when nothing is crowded."""
+        undo = new_undo(self.task, self.traffic)
         if self.task.array.outputs:
             moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
-            heat = _heat(_OUTPUT_WARM, _OUTPUT_COOL, moves)
+        heat = new_heat(warm, cool, moves)
         for done in range(0, moves, _REPAIR_SLICE):
-            repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
-            if deadline.passed or traffic.totals[OVER] == 0:
+            if deadline.passed or self.traffic.totals[OVER] == 0:
                 break
-        return bool(traffic.totals[OVER] == 0)
+            repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
+        return bool(self.traffic.totals[OVER] == 0)
 
     def _shrink(self, pe: int) -> bool:
         """Let the words of a register file do with one register less; False if it has none left."""
@@ -351,12 +401,6 @@ class _Attempt:
         if self.mrrg.spots[location].kind == "link":
             return origin, cycle
         return before[origin, cycle], cycle - 1
-
-
-def _heat(hot: float, cold: float, moves: int) -> Heat:
-    """From hot to cold within so many moves."""
-    cooling = (cold / hot) ** (1.0 / max(moves, 1))
-    return Heat(np.array([hot]), cooling, np.zeros(2, dtype=np.int64))
 
 
 _Held = dict[tuple[int, int, int], int]

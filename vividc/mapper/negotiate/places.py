@@ -23,13 +23,15 @@ from vividc.mapper.negotiate.compiled import compiled
 
 class Places(NamedTuple):
     """The state: `pe` and `time` of each node; `counts` of claims: issue, completion and live-out
-    slots by PE, then banks and controller by slot; `at`: a node that issues in a slot, or -1;
-    `held` and `stored`: uses of constant-store entries by PE; `random`: one int64.
+    slots by PE, then banks and controller by slot; `over`: claims beyond capacity, one int64;
+    `at`: a node that issues in a slot, or -1; `held` and `stored`: uses of constant-store entries
+    by PE; `random`: one int64.
     """
 
     pe: Ints
     time: Ints
     counts: Ints
+    over: Ints
     at: Ints
     held: Ints
     stored: Ints
@@ -44,6 +46,7 @@ def new_places(task: Task, seed: int) -> Places:
         np.full(count, -1, dtype=np.int64),
         np.zeros(count, dtype=np.int64),
         np.zeros(3 * grid + 2 * array.ii, dtype=np.int64),
+        np.zeros(1, dtype=np.int64),
         np.full(grid, -1, dtype=np.int64),
         array.held.copy(),
         array.stored.copy(),
@@ -59,6 +62,14 @@ def draw(random: Ints, below: int) -> int:
 
 
 @compiled
+def count(places: Places, at: int, by: int, room: int) -> None:
+    """Add `by` to the claims of `counts[at]`, of which there is room for `room`."""
+    old = places.counts[at]
+    places.counts[at] = old + by
+    places.over[0] += max(0, old + by - room) - max(0, old - room)
+
+
+@compiled
 def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> None:
     """Add `by` (1 or -1) to all that `node` claims where it is."""
     ii, grid = array.ii, array.pes * array.ii
@@ -68,18 +79,19 @@ def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> Non
     if kind & FU:
         done = (places.time[node] + nodes.latency[node] - 1) % ii
         for cycle in range(nodes.busy[node]):
-            places.counts[row + (slot + cycle) % ii] += by
-        places.counts[grid + row + done] += by
+            count(places, row + (slot + cycle) % ii, by, 1)
+        count(places, grid + row + done, by, 1)
         if by > 0:
             places.at[row + slot] = node
         elif places.at[row + slot] == node:
             places.at[row + slot] = -1
         if kind & MEMORY:
-            places.counts[3 * grid + slot] += by
+            count(places, 3 * grid + slot, by, array.banks)
         if kind & CONTROL:
-            places.counts[3 * grid + ii + done] += by
+            count(places, 3 * grid + ii + done, by, 1)
     else:
-        places.counts[2 * grid + row + slot] += by
+        count(places, 2 * grid + row + slot, by, 1)
+    stored = places.stored[pe]
     for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
         key = nodes.key_items[at]
         old = places.held[pe, key]
@@ -88,6 +100,9 @@ def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> Non
             places.stored[pe] += 1
         elif places.held[pe, key] == 0:
             places.stored[pe] -= 1
+        places.over[0] += contested(places.held[pe, key]) - contested(old)
+    room = array.room[pe]
+    places.over[0] += max(0, places.stored[pe] - room) - max(0, stored - room)
 
 
 @compiled
@@ -135,13 +150,10 @@ def contested(uses: int) -> int:
 @compiled
 def broken(task: Task, places: Places) -> int:
     """How much is wrong: claims beyond capacity and cycles that words or nodes come too early."""
-    nodes, edges, array = task
-    wrong = 0
-    for node in range(len(nodes.latency)):
-        wrong += excess(nodes, array, places, node)
-    for edge in range(len(edges.src)):
-        wrong += early(edges, array, places, edge)
-    return wrong
+    wrong = places.over[0]
+    for edge in range(len(task.edges.src)):
+        wrong += early(task.edges, task.array, places, edge)
+    return int(wrong)
 
 
 @compiled

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from vividc.mapper.mrrg import Ints
-from vividc.mapper.negotiate.anneal import Heat, occupant, propose
+from vividc.mapper.negotiate.anneal import Heat, propose
 from vividc.mapper.negotiate.arrays import Task
 from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.motion import occupant
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess
 from vividc.mapper.negotiate.traffic import (
     OVER,

@@ -33,9 +33,11 @@ PRESSURE, OVER, WIRE = 0, 1, 2
 class Graph(NamedTuple):
     """The MRRG's arrays; `away`: cycles from a location to a PE; `renew`: by register file the
     location through which a word comes that is to change registers, `FREELY`: through none, or
-    `NEVER`.
+    `NEVER`. Output registers are the locations `outs` .. `files` - 1.
     """
 
+    outs: int
+    files: int
     owner: Ints
     occupies: Ints
     entering: Ints
@@ -89,12 +91,14 @@ class Traffic(NamedTuple):
 
 class Scratch(NamedTuple):
     """Work space of a search, by cycle since the result and location. `mark`: bits `IN_TREE`,
-    `READ` (its leaving port is claimed); all 0 between searches.
+    `READ` (its leaving port is claimed); all 0 between searches. `barred`: 1 where a word must not
+    come to a location.
     """
 
     cost: Floats
     before: Ints
     mark: NDArray[np.uint8]
+    barred: NDArray[np.uint8]
 
 
 DIRECT, LOST = -1, -2
@@ -111,7 +115,10 @@ def new_graph(mrrg: MRRG, fabric: Fabric) -> Graph:
         if mrrg.aside[location]:
             fresh = mrrg.fresh[mrrg.owner[location]]
             renew[location] = fresh if fabric.routing.moves else NEVER
+    files = mrrg.locations - sum(spot.kind == "reg" for spot in mrrg.spots)
     return Graph(
+        mrrg.links,
+        files,
         mrrg.owner,
         mrrg.occupies,
         mrrg.entering,
@@ -149,9 +156,8 @@ def new_traffic(mrrg: MRRG, task: Task, room: int) -> Traffic:
 def new_scratch(mrrg: MRRG, cycles: int) -> Scratch:
     """For words that live `cycles` at most."""
     shape = (cycles + 1, mrrg.locations)
-    return Scratch(
-        np.zeros(shape), np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=np.uint8)
-    )
+    marks = [np.zeros(shape, dtype=np.uint8) for _ in range(2)]
+    return Scratch(np.zeros(shape), np.zeros(shape, dtype=np.int64), *marks)
 
 
 @compiled

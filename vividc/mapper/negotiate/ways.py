@@ -23,6 +23,7 @@ from vividc.mapper.negotiate.traffic import (
     crowds,
     rip_up,
 )
+from vividc.mapper.negotiate.words import Words, is_popular
 
 _FAR = 1e30
 _NO_WAY, _PART, _WHOLE = 0, 1, 2
@@ -60,6 +61,32 @@ def route_round(router: Router, everything: bool) -> int:
             if not route(router, producer):
                 lost += 1
     return lost
+
+
+@compiled
+def route_as_shown(router: Router, words: Words) -> int:
+    """Route all words, none of which has a way, with no other moves than those that show them and
+    with registers to wait in, but words of too many reads; returns how many have no way.
+    """
+    lost = 0
+    for producer in range(len(router.task.nodes.latency)):
+        _bar_outputs(router, words, producer, int(not is_popular(router.task.edges, producer)))
+        if not route(router, producer):
+            lost += 1
+        _bar_outputs(router, words, producer, 0)
+    return lost
+
+
+@compiled
+def _bar_outputs(router: Router, words: Words, producer: int, bar: int) -> None:
+    """Bar all output registers in all cycles but those that show a word, or (0) none."""
+    graph, barred = router.graph, router.scratch.barred
+    for location in range(graph.outs, graph.files):
+        for cycle in range(barred.shape[0]):
+            barred[cycle, location] = bar
+    for at in range(words.size[producer]):
+        fresh = graph.fresh[words.pe[producer, at]]
+        barred[words.cycle[producer, at], fresh] = 0
 
 
 @compiled
@@ -176,6 +203,8 @@ def _spread_aside(router: Router, aim: Aim, cycle: int) -> None:
             continue
         for at in range(graph.side_begin[location], graph.side_begin[location + 1]):
             to = graph.side_items[at]
+            if router.scratch.barred[cycle, to]:
+                continue
             total = so_far + price[graph.occupies[to] * ii + slot]
             if graph.entering[to] >= 0:
                 total += price[graph.entering[to] * ii + earlier]
@@ -200,6 +229,8 @@ def _spread(router: Router, aim: Aim, cycle: int) -> None:
             leaving += price[graph.leaving[location] * ii + slot]
         for at in range(graph.move_begin[location], graph.move_begin[location + 1]):
             to = graph.move_items[at]
+            if router.scratch.barred[cycle + 1, to]:
+                continue
             stays = to == location and graph.keeps[to]
             total = so_far if stays else leaving
             if not stays and graph.entering[to] >= 0:
@@ -346,6 +377,8 @@ def _best_cut(router: Router, location: int, first: int, ready: int) -> int:
         total = price[graph.leaving[location] * ii + slot]
         total += price[graph.entering[location] * ii + slot]
         renew = graph.renew[location]
+        if renew >= 0 and router.scratch.barred[cycle, renew]:
+            continue
         if renew >= 0:
             total += price[graph.entering[renew] * ii + slot]
             total += price[graph.occupies[renew] * ii + (slot + 1) % ii]

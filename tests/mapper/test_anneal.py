@@ -1,0 +1,97 @@
+"""What the annealer keeps account of: claims of nodes and of the moves that show words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.mapper.random_graphs import random_loop
+from vividc import arch
+from vividc.arch.fabric import Fabric
+from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.dependences import dependences, earliest_starts
+from vividc.mapper.mrrg import build_mrrg
+from vividc.mapper.negotiate.anneal import State, anneal, new_heat
+from vividc.mapper.negotiate.arrays import Task, build_task
+from vividc.mapper.negotiate.motion import new_motion
+from vividc.mapper.negotiate.places import Places, early, enter, new_places
+from vividc.mapper.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
+from vividc.mapper.negotiate.ways import Router, route_as_shown
+from vividc.mapper.negotiate.words import claim_again, hide_all, new_words, show_all
+from vividc.mapper.problem import MapProblem
+
+MOVES = 60_000
+
+
+def annealed(name: str, seed: int, more: int) -> tuple[MapProblem, Task, State]:
+    """A state in the middle of annealing, all words shown."""
+    fabric = arch.load(name)
+    assert isinstance(fabric, Fabric)
+    problem = MapProblem(random_loop(seed, 24, (8, 2, 0)), fabric)
+    ii = mii(all_bounds(problem)) + more
+    placed = [node.id for node in problem.dfg.placed]
+    start = earliest_starts(placed, dependences(problem.dfg, fabric), ii)
+    assert start is not None
+    task, ids = build_task(problem, ii, max(start.values()) + 2 * ii, build_mrrg(fabric))
+    places, words = new_places(task, seed + 1), new_words(task)
+    for node, number in enumerate(ids):
+        places.pe[node] = task.nodes.pe_items[task.nodes.pe_begin[node]]
+        places.time[node] = start[number]
+        enter(task.nodes, task.array, places, node, 1)
+    state = State(places, words, new_motion(task, words))
+    show_all(task, places, words)
+    anneal(task, state, new_heat(20.0, 0.2, MOVES), MOVES)
+    return problem, task, state
+
+
+def counted_anew(task: Task, state: State) -> Places:
+    fresh = new_places(task, 1)
+    for node in range(len(task.nodes.latency)):
+        fresh.pe[node], fresh.time[node] = state.places.pe[node], state.places.time[node]
+        enter(task.nodes, task.array, fresh, node, 1)
+    if task.array.moves:
+        for word in range(len(state.words.size)):
+            claim_again(task, fresh, state.words, word)
+    return fresh
+
+
+@pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3"])
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_claimed_is_what_lies_there(name: str, seed: int) -> None:
+    _, task, state = annealed(name, seed, 0)
+    fresh = counted_anew(task, state)
+    for part in ("counts", "over", "held", "stored"):
+        assert np.array_equal(getattr(state.places, part), getattr(fresh, part)), part
+
+
+def test_every_claim_is_taken_back() -> None:
+    _, task, state = annealed("openedge-3x3", 5, 0)
+    hide_all(task, state.places, state.words)
+    for node in range(len(task.nodes.latency)):
+        enter(task.nodes, task.array, state.places, node, -1)
+    assert not state.places.counts.any()
+    assert state.places.over[0] == 0
+
+
+def test_words_have_the_ways_that_were_claimed() -> None:
+    """Nothing crowded by the annealer's account: nothing crowded by the router's but registers."""
+    routed = 0
+    for seed in range(6):
+        problem, task, state = annealed("openedge-3x3", seed, 3)
+        edges = range(len(task.edges.src))
+        if state.places.over[0] or any(
+            early(task.edges, task.array, state.places, edge) for edge in edges
+        ):
+            continue
+        mrrg = build_mrrg(problem.fabric)
+        cycles = task.array.latest + int(task.edges.ahead.max(initial=0)) + 1
+        traffic = new_traffic(mrrg, task, 4 * cycles)
+        scratch = new_scratch(mrrg, cycles)
+        router = Router(new_graph(mrrg, problem.fabric), task, state.places, traffic, scratch)
+        assert route_as_shown(router, state.words) == 0
+        crowded = np.flatnonzero(traffic.use > traffic.capacity) // task.array.ii
+        kinds = {mrrg.resources[resource].kind for resource in crowded}
+        assert not kinds & {"output", "FU"}
+        assert (traffic.totals[OVER] == 0) == (not kinds)
+        routed += 1
+    assert routed

@@ -1,0 +1,255 @@
+"""One move of some nodes and of what their words take, done and taken back: compiled functions."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.mapper.mrrg import Ints
+from vividc.mapper.negotiate.arrays import FU, Array, Edges, Task
+from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.places import Places, early, enter
+from vividc.mapper.negotiate.words import MOST_HOPS, Words, claim_again, is_popular, show, withdraw
+
+BROKEN, LATE, HOP, CYCLE, TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
+CELL, WAIT = 1.0, 0.1
+CLASH, LATE_READ = 15.0, 40.0
+"""The same as `BROKEN` and `LATE` where moves are claimed, each twice: with its FU and its output.
+A read that comes too early claims none, and so must be dearer than any.
+"""
+FAR_HOP, POPULAR_HOP = 4.0, 0.4
+"""A link of a way that is too long for moves to be claimed: dearer than those; and one of a
+word with too many reads, which share most of it.
+"""
+
+NODES, EDGES, WORDS = 0, 1, 2
+"""Positions in `Motion.listed`."""
+
+
+class Motion(NamedTuple):
+    """A move. `listed`: nodes, edges and words in the lists `nodes`, `edges`, `words`; in `*_in`
+    whether each is listed. `pe`, `time`: by node what it has when the move is not made, or made.
+    `shown`: by word what `Words` had of it: number, PEs, cycles.
+    """
+
+    listed: Ints
+    nodes: Ints
+    edges: Ints
+    words: Ints
+    node_in: NDArray[np.uint8]
+    edge_in: NDArray[np.uint8]
+    word_in: NDArray[np.uint8]
+    pe: Ints
+    time: Ints
+    shown_size: Ints
+    shown_pe: Ints
+    shown_cycle: Ints
+
+
+def new_motion(task: Task, words: Words) -> Motion:
+    """No node moves."""
+    nodes, edges = len(task.nodes.latency), len(task.edges.src)
+    return Motion(
+        listed=np.zeros(3, dtype=np.int64),
+        nodes=np.zeros(nodes, dtype=np.int64),
+        edges=np.zeros(edges, dtype=np.int64),
+        words=np.zeros(nodes, dtype=np.int64),
+        node_in=np.zeros(nodes, dtype=np.uint8),
+        edge_in=np.zeros(edges, dtype=np.uint8),
+        word_in=np.zeros(nodes, dtype=np.uint8),
+        pe=np.zeros(nodes, dtype=np.int64),
+        time=np.zeros(nodes, dtype=np.int64),
+        shown_size=np.zeros_like(words.size),
+        shown_pe=np.zeros_like(words.pe),
+        shown_cycle=np.zeros_like(words.cycle),
+    )
+
+
+@compiled
+def begin(motion: Motion) -> None:
+    """No node moves."""
+    for at in range(motion.listed[NODES]):
+        motion.node_in[motion.nodes[at]] = 0
+    for at in range(motion.listed[EDGES]):
+        motion.edge_in[motion.edges[at]] = 0
+    for at in range(motion.listed[WORDS]):
+        motion.word_in[motion.words[at]] = 0
+    for part in range(3):
+        motion.listed[part] = 0
+
+
+@compiled
+def put(motion: Motion, node: int, pe: int, time: int) -> None:
+    """Have `node` go to a PE and a time."""
+    if not motion.node_in[node]:
+        motion.node_in[node] = 1
+        motion.nodes[motion.listed[NODES]] = node
+        motion.listed[NODES] += 1
+    motion.pe[node], motion.time[node] = pe, time
+
+
+@compiled
+def list_affected(task: Task, motion: Motion) -> None:
+    """List edges and words whose cost depends on the nodes that move."""
+    edges = task.edges
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        for item in range(edges.of_begin[node], edges.of_begin[node + 1]):
+            edge = edges.of_items[item]
+            if not motion.edge_in[edge]:
+                motion.edge_in[edge] = 1
+                motion.edges[motion.listed[EDGES]] = edge
+                motion.listed[EDGES] += 1
+        _list_word(motion, node)
+        for item in range(edges.fed_begin[node], edges.fed_begin[node + 1]):
+            _list_word(motion, edges.fed_items[item])
+
+
+@compiled
+def _list_word(motion: Motion, word: int) -> None:
+    if not motion.word_in[word]:
+        motion.word_in[word] = 1
+        motion.words[motion.listed[WORDS]] = word
+        motion.listed[WORDS] += 1
+
+
+@compiled
+def cost(task: Task, places: Places, words: Words, motion: Motion) -> float:
+    """Of everything beyond capacity, and of the edges and words that are listed."""
+    total = (CLASH if task.array.moves else BROKEN) * places.over[0]
+    for at in range(motion.listed[EDGES]):
+        total += _edge_cost(task.edges, task.array, places, motion.edges[at])
+    for at in range(motion.listed[WORDS]):
+        total += _word_cost(task, places, words, motion.words[at])
+    return float(total)
+
+
+@compiled
+def exchange(task: Task, places: Places, motion: Motion) -> None:
+    """Make the move; a second time: take it back."""
+    for at in range(motion.listed[NODES]):
+        enter(task.nodes, task.array, places, motion.nodes[at], -1)
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        pe, time = places.pe[node], places.time[node]
+        places.pe[node], places.time[node] = motion.pe[node], motion.time[node]
+        motion.pe[node], motion.time[node] = pe, time
+        enter(task.nodes, task.array, places, node, 1)
+
+
+@compiled
+def hide_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
+    """Withdraw the listed words, and keep what they had."""
+    for at in range(motion.listed[WORDS]):
+        word = motion.words[at]
+        motion.shown_size[word] = words.size[word]
+        for cell in range(words.size[word]):
+            motion.shown_pe[word, cell] = words.pe[word, cell]
+            motion.shown_cycle[word, cell] = words.cycle[word, cell]
+        withdraw(task, places, words, word)
+
+
+@compiled
+def show_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
+    """Claim for the listed words anew."""
+    for at in range(motion.listed[WORDS]):
+        show(task, places, words, motion.words[at])
+
+
+@compiled
+def withdraw_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
+    """Withdraw the listed words."""
+    for at in range(motion.listed[WORDS]):
+        withdraw(task, places, words, motion.words[at])
+
+
+@compiled
+def restore_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
+    """Claim for the listed words what they had."""
+    for at in range(motion.listed[WORDS]):
+        word = motion.words[at]
+        words.size[word] = motion.shown_size[word]
+        for cell in range(words.size[word]):
+            words.pe[word, cell] = motion.shown_pe[word, cell]
+            words.cycle[word, cell] = motion.shown_cycle[word, cell]
+        claim_again(task, places, words, word)
+
+
+@compiled
+def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
+    """Another node that issues on the FU that `node` would use, or -1."""
+    if not task.nodes.kind[node] & FU:
+        return -1
+    other = places.at[pe * task.array.ii + time % task.array.ii]
+    return -1 if other == node else int(other)
+
+
+@compiled
+def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
+    late = early(edges, array, places, edge)
+    if array.moves:
+        if not edges.routed[edge]:
+            return float(LATE_READ * late)
+        far = array.hop[places.pe[edges.src[edge]], places.pe[edges.dst[edge]]]
+        per_hop = FAR_HOP if far > MOST_HOPS else 0.0
+        if is_popular(edges, edges.src[edge]):
+            per_hop = POPULAR_HOP
+        return float(LATE_READ * late + per_hop * far)
+    if not edges.routed[edge]:
+        return float(LATE * late)
+    src, dst = edges.src[edge], edges.dst[edge]
+    hops = array.hop[places.pe[src], places.pe[dst]]
+    if array.outputs:  # the first link is free: neighbours read the output register
+        hops = max(0, hops - 1)
+    total = HOP * hops
+    if late > 0:
+        return float(total + LATE * late)
+    life = places.time[dst] - places.time[src] - edges.ready[edge]
+    return float(total + TIGHT * max(0, hops - life))
+
+
+@compiled
+def _word_cost(task: Task, places: Places, words: Words, node: int) -> float:
+    if task.array.moves:
+        life = _life_cost(task.edges, places, node) * (WAIT / CYCLE)
+        return float(CELL * max(0, words.size[node] - 1) + life)
+    if task.array.outputs:
+        return _output_cost(task.edges, places, node)
+    return _life_cost(task.edges, places, node)
+
+
+@compiled
+def _output_cost(edges: Edges, places: Places, node: int) -> float:
+    """Of the word that `node` makes: the cycles after the first in which another PE reads it, since
+    each takes an output register. Its own registers are many.
+    """
+    cells, first = 0, edges.sink_begin[node]
+    for at in range(first, edges.sink_begin[node + 1]):
+        gap = _remote_gap(edges, places, node, edges.sink_items[at])
+        known = gap <= 0
+        for other in range(first, at):
+            known = known or _remote_gap(edges, places, node, edges.sink_items[other]) == gap
+        cells += not known
+    return CELL * cells
+
+
+@compiled
+def _remote_gap(edges: Edges, places: Places, node: int, edge: int) -> int:
+    """Cycles from the result to a read on another PE; 0 on its own."""
+    dst = edges.dst[edge]
+    if places.pe[dst] == places.pe[node]:
+        return 0
+    return int(places.time[dst] - places.time[node] - edges.ready[edge])
+
+
+@compiled
+def _life_cost(edges: Edges, places: Places, node: int) -> float:
+    """Of the word that `node` makes: the cycles until its last read."""
+    life = 0
+    for at in range(edges.sink_begin[node], edges.sink_begin[node + 1]):
+        edge = edges.sink_items[at]
+        gap = places.time[edges.dst[edge]] - places.time[node] - edges.ready[edge]
+        life = max(life, gap)
+    return CYCLE * life
