@@ -16,7 +16,7 @@ import numpy as np
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
-_OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "_nrt": False}
+_OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "nogil": True, "_nrt": False}
 
 
 class Compiler(Protocol):

@@ -112,7 +112,7 @@ def map_negotiated(
     """Annealed places and negotiated routes, without a solver: for large graphs."""
     request.tell(f"II {ii}: annealing places, negotiating routes")
     core = replace(task, fabric=unrotated(task.fabric))
-    mapping = negotiate(core, ii, seed, deadline, effort)
+    mapping = negotiate(core, ii, seed, deadline, effort, request.workers)
     return OPEN if mapping is None else Attempt(mapping=named_anew(task, mapping))
 
 

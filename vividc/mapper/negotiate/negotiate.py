@@ -6,7 +6,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -22,6 +22,7 @@ from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.mrrg import MRRG, NONE, build_mrrg
 from vividc.mapper.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.negotiate.arrays import Task, build_task
+from vividc.mapper.negotiate.lockstep import Steps, first_result
 from vividc.mapper.negotiate.motion import new_motion
 from vividc.mapper.negotiate.places import broken, enter, new_places
 from vividc.mapper.negotiate.repair import new_undo, repair
@@ -63,8 +64,10 @@ _OUTPUT_NODES: Final = 100
 and a move with routes takes a twentieth of the time that it takes over links: so many times the
 moves, of graphs up to so many nodes.
 """
-_SLICE: Final = 50_000
-_REPAIR_SLICE: Final = 400
+_SLICE: Final = 10_000
+_REPAIR_SLICE: Final = 64
+_SEED_STEP: Final = 1000
+"""Between the seeds of attempts that run side by side."""
 _HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
 _REPAIR_PRESSURE: Final = 3.0
 _MOST_CELLS: Final = 20_000_000
@@ -100,11 +103,17 @@ _prepared: list[bool] = []
 
 
 def negotiate(
-    problem: MapProblem, ii: int, seed: int, deadline: Deadline, effort: Effort | None = None
+    problem: MapProblem,
+    ii: int,
+    seed: int,
+    deadline: Deadline,
+    effort: Effort | None = None,
+    workers: int = 1,
 ) -> Mapping | None:
     """A mapping at `ii`, or None, which refutes nothing.
 
-    Deterministic for a seed while the deadline is not reached.
+    Trials are shared out among `workers` threads, each with a seed of its own. Deterministic for a
+    seed and so many workers while the deadline is not reached.
     """
     effort = effort or Effort()
     nodes = tuple(node.id for node in problem.dfg.placed)
@@ -115,18 +124,14 @@ def negotiate(
     latest = min(latest, ii * problem.fabric.controller.max_stages - 1)
     if any(time > latest for time in start.values()):
         return None
-    attempt = _Attempt(problem, ii, _with_room(problem, start, latest), latest, seed)
-    if not attempt.fits:
+    begin = _with_room(problem, start, latest)
+    seeds = range(seed, seed + _SEED_STEP * workers, _SEED_STEP)
+    attempts = [_Attempt(problem, ii, begin, latest, one) for one in seeds]
+    if not attempts[0].fits:
         return None
-    times = effort.shown if attempt.task.array.moves else 1
-    for _ in range(effort.trials):
-        if attempt.anneal(effort.moves * len(nodes) * times, deadline):
-            mapping = attempt.routed(effort, deadline)
-            if mapping is not None:
-                return _checked(mapping, problem)
-        if deadline.passed:
-            return None
-    return None
+    share = replace(effort, trials=-(-effort.trials // workers))
+    mapping = first_result([attempt.run(share, deadline) for attempt in attempts])
+    return None if mapping is None else _checked(mapping, problem)
 
 
 def _slack(problem: MapProblem, ii: int) -> int:
@@ -167,11 +172,11 @@ def _compile_all() -> None:
     problem = MapProblem(DFG("one", (node,), ()), fabric)
     attempt = _Attempt(problem, 1, {0: 0}, 0, 1)
     never = Deadline.after(3600.0)
-    attempt.anneal(1, never)
-    attempt.routed(Effort(1, 1, 1, 1), never)
+    first_result([attempt.run(Effort(1, 1, 1, 1), never)])
     raise_prices(attempt.traffic, 1, _HISTORY, _GROWTH, _MOST_PRESSURE)
     attempt.traffic.totals[OVER] = 1
-    attempt._repair(1, never)
+    repair(attempt.router, new_undo(attempt.task, attempt.traffic), new_heat(1.0, 1.0, 1), 1)
+    route_as_shown(attempt.router, attempt.words)
 
 
 class _Attempt:
@@ -204,7 +209,19 @@ class _Attempt:
             self.places.time[node] = start[name]
             enter(nodes, self.task.array, self.places, node, 1)
 
-    def anneal(self, moves: int, deadline: Deadline) -> bool:
+    def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
+        """Try until something maps, or all trials have failed."""
+        times = effort.shown if self.task.array.moves else 1
+        for _ in range(effort.trials):
+            if (yield from self._anneal(effort.moves * len(self.ids) * times, deadline)):
+                mapping = yield from self._routed(effort, deadline)
+                if mapping is not None:
+                    return mapping
+            if deadline.passed:
+                return None
+        return None
+
+    def _anneal(self, moves: int, deadline: Deadline) -> Steps[bool]:
         """Anneal from where nodes are, and again less hot where little is left broken; True when
         nothing is in the end but what moves of words break.
         """
@@ -214,13 +231,13 @@ class _Attempt:
         if task.array.moves:
             hot = _SHOWN_HOT
         for part in (1.0, *_AGAIN):
-            self._cool(hot * part, int(moves * part**0.5), deadline)
+            yield from self._cool(hot * part, int(moves * part**0.5), deadline)
             if not 0 < broken(task, places) <= _LITTLE:
                 break
         hide_all(task, places, words)
         return broken(task, places) == 0
 
-    def _cool(self, hot: float, moves: int, deadline: Deadline) -> None:
+    def _cool(self, hot: float, moves: int, deadline: Deadline) -> Steps[None]:
         """Anneal once. Where moves are claimed, what crowds nothing any more is only quenched, so
         that words wait less: registers are not claimed.
         """
@@ -230,11 +247,12 @@ class _Attempt:
         while done < end and not deadline.passed:
             anneal(self.task, state, heat, min(_SLICE, end - done))
             done += _SLICE
+            yield
             if not quenched and broken(self.task, self.places) == 0:
                 quenched, end = True, min(end, done + int(_QUENCH * moves))
                 heat = new_heat(min(float(heat.value[0]), _QUENCH_HOT), _COLD, end - done)
 
-    def routed(self, effort: Effort, deadline: Deadline) -> Mapping | None:
+    def _routed(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Route and name registers; where a file's words fit but have no allocation, again with
         one register less there.
         """
@@ -245,11 +263,11 @@ class _Attempt:
         for turn in range(_NAMING_ROUNDS):
             moves = effort.repairs * len(self.ids)
             if turn == 0 and self._as_shown():
-                if not self._repaired(moves, _SHOWN_WARM, _SHOWN_COOL, deadline):
-                    return None
-            elif not self._negotiate(effort.rounds, deadline, fresh=turn == 0) and not self._repair(
-                moves, deadline
-            ):
+                free = yield from self._repaired(moves, _SHOWN_WARM, _SHOWN_COOL, deadline)
+            else:
+                free = yield from self._negotiate(effort.rounds, deadline, fresh=turn == 0)
+                free = free or (yield from self._repair(moves, deadline))
+            if not free:
                 return None
             registers, crowded = self._name_registers()
             if not crowded:
@@ -264,7 +282,7 @@ class _Attempt:
             return False
         return bool(route_as_shown(self.router, self.words) == 0)
 
-    def _negotiate(self, rounds: int, deadline: Deadline, *, fresh: bool) -> bool:
+    def _negotiate(self, rounds: int, deadline: Deadline, *, fresh: bool) -> Steps[bool]:
         """Rounds of rip-up and re-route; True when nothing is crowded."""
         traffic = self.traffic
         for turn in range(rounds):
@@ -274,9 +292,10 @@ class _Attempt:
             if traffic.totals[OVER] == 0:
                 return True
             raise_prices(traffic, self.ii, _HISTORY, _GROWTH, _MOST_PRESSURE)
+            yield
         return False
 
-    def _repair(self, moves: int, deadline: Deadline) -> bool:
+    def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
         """Route all afresh, then move nodes with their routes; True when nothing is crowded."""
         traffic = self.traffic
         traffic.history[:] = 1.0
@@ -285,9 +304,9 @@ class _Attempt:
         if route_round(self.router, True):
             return False
         warm, cool = (_OUTPUT_WARM, _OUTPUT_COOL) if self.task.array.outputs else (_WARM, _COOL)
-        return self._repaired(moves, warm, cool, deadline)
+        return (yield from self._repaired(moves, warm, cool, deadline))
 
-    def _repaired(self, moves: int, warm: float, cool: float, deadline: Deadline) -> bool:
+    def _repaired(self, moves: int, warm: float, cool: float, deadline: Deadline) -> Steps[bool]:
         """Move nodes with their routes; True when nothing is crowded."""
         undo = new_undo(self.task, self.traffic)
         if self.task.array.outputs:
@@ -297,6 +316,7 @@ class _Attempt:
             if deadline.passed or self.traffic.totals[OVER] == 0:
                 break
             repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
+            yield
         return bool(self.traffic.totals[OVER] == 0)
 
     def _shrink(self, pe: int) -> bool:

@@ -11,35 +11,32 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import Array, Edges, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, count
 
-_MOST_CELLS = 48
+_MOST_CELLS = 96
 MOST_HOPS = 6
 """Links of the longest way for which moves are claimed: most longer ones are passing proposals."""
 _CELL, _TAKEN = 1.0, 15.0
 """What a move costs, and each of its two claims that meets another."""
-
-
-_MOST_READS = 12
+_MOST_READS = 64
 """Reads of a word for which moves are claimed: the time of a claim grows with their square."""
 
 
 class Words(NamedTuple):
     """Where words are shown: by producer `size` cells, each a `pe` and a `cycle` from the result's
-    cycle on, the result itself first. `path`: work space for two ways; `served`: work space, the
-    reads of one word that have been looked at.
+    cycle on, the result itself first. Work space: `path` for two ways, `reads` for the reads of one
+    word in order of time, as (cycles from the result, PE).
     """
 
     size: Ints
     pe: Ints
     cycle: Ints
     path: Ints
-    served: NDArray[np.uint8]
+    reads: Ints
 
 
 class Read(NamedTuple):
@@ -62,7 +59,7 @@ def new_words(task: Task) -> Words:
         np.zeros(shape, dtype=np.int64),
         np.zeros(shape, dtype=np.int64),
         np.zeros((2, 2 * task.array.pes + 2, 2), dtype=np.int64),
-        np.zeros(reads + 1, dtype=np.uint8),
+        np.zeros((reads, 2), dtype=np.int64),
     )
 
 
@@ -130,22 +127,27 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
     words.pe[word, 0] = places.pe[word]
     words.cycle[word, 0] = 0
     ready = places.time[word] + task.nodes.latency[word]
-    begin, end = edges.sink_begin[word], edges.sink_begin[word + 1]
     if is_popular(edges, word):
         return
-    for at in range(begin, end):
-        words.served[at - begin] = 0
-    for _ in range(begin, end):
-        first, gap = -1, 0
-        for at in range(begin, end):
-            if not words.served[at - begin]:
-                edge = edges.sink_items[at]
-                later = places.time[edges.dst[edge]] + edges.ahead[edge] - ready
-                if first < 0 or later < gap:
-                    first, gap = at, later
-        words.served[first - begin] = 1
-        target = places.pe[edges.dst[edges.sink_items[first]]]
+    for at in range(_order_reads(edges, places, words.reads, word, ready)):
+        gap, target = words.reads[at, 0], words.reads[at, 1]
         _serve(array, places, words, Read(word, ready, target, gap))
+
+
+@compiled
+def _order_reads(edges: Edges, places: Places, reads: Ints, word: int, ready: int) -> int:
+    """Sort the reads of a word by time into `reads`; returns how many there are."""
+    begin, end = edges.sink_begin[word], edges.sink_begin[word + 1]
+    for at in range(end - begin):
+        edge = edges.sink_items[begin + at]
+        reader = edges.dst[edge]
+        gap = places.time[reader] + edges.ahead[edge] - ready
+        to = at
+        while to > 0 and reads[to - 1, 0] > gap:
+            reads[to, 0], reads[to, 1] = reads[to - 1, 0], reads[to - 1, 1]
+            to -= 1
+        reads[to, 0], reads[to, 1] = gap, places.pe[reader]
+    return int(end - begin)
 
 
 @compiled
@@ -164,6 +166,8 @@ def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
         if hops == 0:
             best, best_length = 0, 0
             break
+        if best_price <= _CELL * (hops - (spare == 0)):
+            continue
         for late in range(1 if spare == 0 or spare >= array.ii else 2):
             row = 1 - best if best >= 0 else 0
             length, price = _way(array, places, words, read, row, at, late)

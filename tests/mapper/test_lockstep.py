@@ -1,0 +1,97 @@
+"""Attempts side by side: which result counts, and that what runs there is compiled before."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.mapper.random_graphs import random_loop
+from vividc import arch
+from vividc.arch.fabric import Fabric
+from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.negotiate import Effort, negotiate, prepare
+from vividc.mapper.negotiate.lockstep import Steps, first_result
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.verify import verify
+
+EFFORT = Effort(moves=1500, rounds=20, repairs=60, trials=2)
+
+
+def attempt(steps: int, value: str | None, pause_s: float = 0.0) -> Steps[str | None]:
+    for _ in range(steps):
+        time.sleep(pause_s)
+        yield
+    return value
+
+
+def test_the_fewest_steps_count_not_the_fewest_seconds() -> None:
+    assert first_result([attempt(3, "slow steps", 0.02), attempt(4, "quick steps")]) == "slow steps"
+
+
+def test_of_equals_the_first_counts() -> None:
+    assert first_result([attempt(3, "first", 0.01), attempt(3, "second")]) == "first"
+
+
+def test_attempts_that_fail_leave_the_others_going() -> None:
+    assert first_result([attempt(1, None), attempt(5, "found"), attempt(2, None)]) == "found"
+    assert first_result([attempt(1, None), attempt(5, None)]) is None
+    assert first_result([attempt(2, "alone")]) == "alone"
+
+
+def test_what_goes_wrong_in_an_attempt_is_raised() -> None:
+    def broken() -> Steps[str | None]:
+        yield
+        raise ValueError("of an attempt")
+
+    with pytest.raises(ValueError, match="of an attempt"):
+        first_result([attempt(5, "found"), broken()])
+
+
+@pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3"])
+def test_two_workers_find_the_same_mapping_each_time(name: str) -> None:
+    problem = problem_on(name)
+    ii = mii(all_bounds(problem)) + 3
+    found = [mapped(problem, ii, workers=2) for _ in range(3)]
+    assert found[0] is not None
+    assert verify(problem.dfg, problem.fabric, found[0]) == []
+    assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3", "hycube-3x3"])
+def test_nothing_is_compiled_within_a_time_limit(name: str) -> None:
+    """The moves with routes were compiled in the middle of a search: 27 s of a limit of 10 s."""
+    prepare(print)
+    before = specialisations()
+    problem = problem_on(name)
+    bound = mii(all_bounds(problem))
+    for ii in range(bound, bound + 3):
+        mapped(problem, ii, workers=1)
+    assert specialisations() == before
+
+
+def problem_on(name: str) -> MapProblem:
+    fabric = arch.load(name)
+    assert isinstance(fabric, Fabric)
+    return MapProblem(random_loop(4, 26, (8, 2, 0)), fabric)
+
+
+def mapped(problem: MapProblem, ii: int, workers: int) -> Mapping | None:
+    return negotiate(problem, ii, 1, Deadline.after(120), EFFORT, workers)
+
+
+def specialisations() -> dict[str, int]:
+    """Of each compiled function of negotiation that Python calls, how often it was compiled."""
+    return {f"{one.__module__}.{one.__name__}": len(one.signatures) for one in entry_points()}
+
+
+def entry_points() -> Iterator[Any]:
+    for name in [name for name in sys.modules if name.startswith("vividc.mapper.negotiate.")]:
+        for one in vars(sys.modules[name]).values():
+            if hasattr(one, "signatures"):
+                yield one
