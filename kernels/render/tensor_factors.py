@@ -86,28 +86,40 @@ def product(plane, cell, line, start, channel, across, down, along):
     return (above + (below - above) * down) * here
 
 
+@njit
+def along_axes(low, scales, nodes, axes):
+    """Corner, scale and last node but one of the plane's columns and rows, and of the line."""
+    across, down, along = axes[0], axes[1], axes[2]
+    corner = low[across], low[down], low[along]
+    scale = scales[across], scales[down], scales[along]
+    last = np.int32(nodes[across] - 2), np.int32(nodes[down] - 2), np.int32(nodes[along] - 2)
+    return corner, scale, last
+
+
+@njit
+def place(points, i, axes, grid):
+    """Where point i lies in its cell and between its nodes of the line, and where those begin."""
+    corner, scale, last = grid
+    x = (points[i, axes[0]] - corner[0]) * scale[0]
+    y = (points[i, axes[1]] - corner[1]) * scale[1]
+    z = (points[i, axes[2]] - corner[2]) * scale[2]
+    line_node = node(z, last[2])
+    x -= np.float32(node(x, last[0]))
+    y -= np.float32(node(y, last[1]))
+    z -= np.float32(line_node)
+    return x, y, z, np.uint32(np.uint32(line_node) << np.uint32(4))
+
+
 @vividc.kernel(
     "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[::1], float32[::1],"
     " float32[::1], uint32[::1], float32[:, :, ::1])"
 )
 def factor_products(points, low, scales, nodes, axes, line, plane, slots, out):
     """16 channels of plane times line; `axes` are the plane's columns and rows, and the line's."""
-    across, down, along = axes[0], axes[1], axes[2]
-    left, top, start = low[across], low[down], low[along]
-    across_scale, down_scale, along_scale = scales[across], scales[down], scales[along]
-    last_column = np.int32(nodes[across] - 2)
-    last_row = np.int32(nodes[down] - 2)
-    last_node = np.int32(nodes[along] - 2)
+    grid = along_axes(low, scales, nodes, axes)
     for i in range(points.shape[0]):
-        x = (points[i, across] - left) * across_scale
-        y = (points[i, down] - top) * down_scale
-        z = (points[i, along] - start) * along_scale
-        line_node = node(z, last_node)
-        x -= np.float32(node(x, last_column))
-        y -= np.float32(node(y, last_row))
-        z -= np.float32(line_node)
+        x, y, z, first = place(points, i, axes, grid)
         cell = np.uint32(slots[i] << np.uint32(6))
-        first = np.uint32(np.uint32(line_node) << np.uint32(4))
         block = np.uint32(i) >> np.uint32(4)
         sample = np.uint32(i) & np.uint32(15)
         for c in range(16):
@@ -127,22 +139,10 @@ def word(a, b, c, d, scale):
 )
 def factor_products_fp8(points, low, scales, nodes, axes, line, plane, slots, scale, out):
     """`factor_products` times `scale`, four channels to a word."""
-    across, down, along = axes[0], axes[1], axes[2]
-    left, top, start = low[across], low[down], low[along]
-    across_scale, down_scale, along_scale = scales[across], scales[down], scales[along]
-    last_column = np.int32(nodes[across] - 2)
-    last_row = np.int32(nodes[down] - 2)
-    last_node = np.int32(nodes[along] - 2)
+    grid = along_axes(low, scales, nodes, axes)
     for i in range(points.shape[0]):
-        x = (points[i, across] - left) * across_scale
-        y = (points[i, down] - top) * down_scale
-        z = (points[i, along] - start) * along_scale
-        line_node = node(z, last_node)
-        x -= np.float32(node(x, last_column))
-        y -= np.float32(node(y, last_row))
-        z -= np.float32(line_node)
+        x, y, z, first = place(points, i, axes, grid)
         cell = np.uint32(slots[i] << np.uint32(6))
-        first = np.uint32(np.uint32(line_node) << np.uint32(4))
         block = np.uint32(i) >> np.uint32(4)
         sample = np.uint32(i) & np.uint32(15)
         for k in range(4):
@@ -160,22 +160,10 @@ def factor_products_fp8(points, low, scales, nodes, axes, line, plane, slots, sc
 )
 def factor_sums(points, low, scales, nodes, axes, line, plane, slots, out):
     """Sums over the 16 channels of `factor_products`."""
-    across, down, along = axes[0], axes[1], axes[2]
-    left, top, start = low[across], low[down], low[along]
-    across_scale, down_scale, along_scale = scales[across], scales[down], scales[along]
-    last_column = np.int32(nodes[across] - 2)
-    last_row = np.int32(nodes[down] - 2)
-    last_node = np.int32(nodes[along] - 2)
+    grid = along_axes(low, scales, nodes, axes)
     for i in range(points.shape[0]):
-        x = (points[i, across] - left) * across_scale
-        y = (points[i, down] - top) * down_scale
-        z = (points[i, along] - start) * along_scale
-        line_node = node(z, last_node)
-        x -= np.float32(node(x, last_column))
-        y -= np.float32(node(y, last_row))
-        z -= np.float32(line_node)
+        x, y, z, first = place(points, i, axes, grid)
         cell = np.uint32(slots[i] << np.uint32(6))
-        first = np.uint32(np.uint32(line_node) << np.uint32(4))
         total = np.float32(0)
         for c in range(16):
             total += product(plane, cell, line, first, np.uint32(c), x, y, z)
