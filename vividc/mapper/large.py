@@ -18,6 +18,9 @@ from vividc.mapper.request import MapRequest
 
 _QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
 _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
+_FIRST_WITH_MOVES: Final = 2.0
+"""The first II of a large array, in bounds, where FUs move words."""
+_LARGE_ARRAY: Final = 64
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
 _SEEDS: Final = 3
 _SOLVER_S: Final = 400.0
@@ -77,7 +80,9 @@ def _negotiate(campaign: Campaign, ii: int, seed: int, effort: Effort) -> Attemp
 
 def _gain_foothold(campaign: Campaign, limit: int) -> None:
     """A mapping a quarter above the bound, or farther above it."""
-    ii = math.ceil(_FIRST_FACTOR * campaign.lower)
+    fabric = campaign.problem.fabric
+    with_moves = fabric.routing.moves and len(fabric.pes) >= _LARGE_ARRAY
+    ii = math.ceil((_FIRST_WITH_MOVES if with_moves else _FIRST_FACTOR) * campaign.lower)
     while not campaign.request.deadline.passed:
         ii = min(ii, limit)
         if _negotiate(campaign, ii, 1, _QUICK).mapping is not None or ii == limit:

@@ -22,14 +22,17 @@ _WORTH_WINDOWS = 16
 _LEAST = 16
 """PEs of the smallest window."""
 
-_TIGHTEST = 2
-"""Windows begin where operations need this many times the array's bound."""
+_TIGHTEST, _TIGHTEST_WITH_MOVES = 2, 1
+"""Windows begin where operations need this many times the array's bound; where FUs move words, too,
+they take slots themselves.
+"""
 
 _NARROWEST = 4
 _ROOM = 1.2
 _GROWTH = 1.5
 _AMPLE = 2
-_SHARE = 0.2
+_FIRST_SHARE, _SHARE = 0.3, 0.2
+"""Of the time that is left, for a window until something is mapped, and after that."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,8 @@ def with_windows(mapper: Mapper) -> Mapper:
                 break
             if best is not None and its_bound >= best.ii:
                 continue
-            found = _in_window(mapper, problem, part, request)
+            share = _FIRST_SHARE if best is None else _SHARE
+            found = _in_window(mapper, problem, part, request, share)
             if found is not None and (best is None or found.ii < best.ii):
                 best = found
             if best is not None and best.ii <= bound:
@@ -119,10 +123,11 @@ def _windows(problem: MapProblem, bound: int) -> Iterator[tuple[Window, int]]:
     """
     fabric = problem.fabric
     least = sum(fabric.occupancy(node) for node in problem.dfg.operations) / bound
+    tightest = _TIGHTEST_WITH_MOVES if fabric.routing.moves else _TIGHTEST
     area, ample = 0.0, 0
     for rows, cols in _shapes(fabric):
         size = rows * cols
-        if size < max(_LEAST, least / _TIGHTEST) or size < _GROWTH * area or ample > _AMPLE:
+        if size < max(_LEAST, least / tightest) or size < _GROWTH * area or ample > _AMPLE:
             continue
         part, its_bound = _best_corner(problem, rows, cols)
         if its_bound <= bound and size < _ROOM * least:
@@ -163,9 +168,9 @@ def _shapes(fabric: Fabric) -> list[tuple[int, int]]:
 
 
 def _in_window(
-    mapper: Mapper, problem: MapProblem, part: Window, request: MapRequest
+    mapper: Mapper, problem: MapProblem, part: Window, request: MapRequest, share: float
 ) -> Mapping | None:
-    deadline = request.deadline.within(request.deadline.remaining_s * _SHARE)
+    deadline = request.deadline.within(request.deadline.remaining_s * share)
     request.tell(f"trying the window {part.fabric.name}")
     result = mapper(replace(problem, fabric=part.fabric), replace(request, deadline=deadline))
     return None if result.mapping is None else part.embed(result.mapping)

@@ -40,6 +40,10 @@ _PUSH_BELOW = 8
 """Of 100 moves, which push others in time."""
 _MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
 """Of 100 other moves, which change the PE and which the time."""
+_ANY, _LEAST_ANY, _SMALL_ARRAY = 50, 5, 16
+"""Of 100 PEs that are proposed, how many are any, on an array of so many; on larger ones fewer."""
+_BY_GRAPH_BELOW = 70
+"""Of 100, below which number the others are near a neighbour in the graph and not near its own."""
 _MOST_TURNS = 16
 """Rounds over the nodes of a push: around a recurrence some are pushed again and again."""
 
@@ -214,20 +218,22 @@ def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) ->
 
 @compiled
 def draw_pe(task: Task, places: Places, node: int) -> int:
-    """A PE for `node`: any, or one near a neighbour in the graph."""
+    """A PE for `node`: any, or one near a neighbour in the graph, or near its own."""
     nodes, edges, array = task
     random = places.random
     first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
     pe = nodes.pe_items[first + draw(random, end - first)]
     others = edges.of_begin[node + 1] - edges.of_begin[node]
-    if others > 0 and draw(random, 2) == 0:
+    kind = draw(random, 100)
+    if others == 0 or kind < max(_LEAST_ANY, _ANY * _SMALL_ARRAY // max(array.pes, _SMALL_ARRAY)):
+        return int(pe)
+    beside = places.pe[node]
+    if array.pes <= _SMALL_ARRAY or kind < _BY_GRAPH_BELOW:
         edge = edges.of_items[edges.of_begin[node] + draw(random, others)]
-        other = edges.src[edge] + edges.dst[edge] - node
-        row = array.near_begin[places.pe[other]]
-        near = array.near_items[row + draw(random, array.near_begin[places.pe[other] + 1] - row)]
-        if nodes.can[node, near]:
-            pe = near
-    return int(pe)
+        beside = places.pe[edges.src[edge] + edges.dst[edge] - node]
+    row = array.near_begin[beside]
+    near = array.near_items[row + draw(random, array.near_begin[beside + 1] - row)]
+    return int(near if nodes.can[node, near] else pe)
 
 
 @compiled

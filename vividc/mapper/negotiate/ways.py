@@ -66,15 +66,24 @@ def route_round(router: Router, everything: bool) -> int:
 @compiled
 def route_as_shown(router: Router, words: Words) -> int:
     """Route all words, none of which has a way, with no other moves than those that show them and
-    with registers to wait in, but words of too many reads; returns how many have no way.
+    with registers to wait in; words for whose reads not all moves are claimed with any; returns how
+    many have no way.
     """
     lost = 0
     for producer in range(len(router.task.nodes.latency)):
-        _bar_outputs(router, words, producer, int(not is_popular(router.task.edges, producer)))
-        if not route(router, producer):
-            lost += 1
-        _bar_outputs(router, words, producer, 0)
+        if is_popular(router.task.edges, producer) or not _route_as_shown(router, words, producer):
+            lost += not route(router, producer)
     return lost
+
+
+@compiled
+def _route_as_shown(router: Router, words: Words, producer: int) -> bool:
+    _bar_outputs(router, words, producer, 1)
+    found = route(router, producer)
+    _bar_outputs(router, words, producer, 0)
+    if not found:
+        rip_up(router.traffic, router.task.array.ii, producer)
+    return bool(found)
 
 
 @compiled
@@ -342,7 +351,7 @@ def _cut_stays(router: Router, producer: int, ready: int) -> bool:
             if renew == NEVER:
                 return False
             first = _best_cut(router, location, first, ready)
-            if renew != FREELY:
+            if renew != FREELY and not scratch.mark[first, renew] & IN_TREE:
                 claim(traffic, ii, producer, router.graph.entering[renew], ready + first - 1)
                 claim(traffic, ii, producer, router.graph.occupies[renew], ready + first)
             if traffic.size[producer, 2] >= traffic.cut.shape[1]:
@@ -379,7 +388,7 @@ def _best_cut(router: Router, location: int, first: int, ready: int) -> int:
         renew = graph.renew[location]
         if renew >= 0 and router.scratch.barred[cycle, renew]:
             continue
-        if renew >= 0:
+        if renew >= 0 and not router.scratch.mark[cycle, renew] & IN_TREE:
             total += price[graph.entering[renew] * ii + slot]
             total += price[graph.occupies[renew] * ii + (slot + 1) % ii]
         if total < best_price:

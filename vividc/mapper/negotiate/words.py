@@ -18,7 +18,7 @@ from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, count
 
 _MOST_CELLS = 96
-MOST_HOPS = 6
+MOST_HOPS = 24
 """Links of the longest way for which moves are claimed: most longer ones are passing proposals."""
 _CELL, _TAKEN = 1.0, 15.0
 """What a move costs, and each of its two claims that meets another."""
