@@ -59,6 +59,18 @@ class Ledger:
         stage.runs += len(result.values)
         stage.stats.append(result.stats)
 
+    def merge(self, other: Ledger) -> None:
+        """Book what another ledger has, behind what is here."""
+        for name, theirs in other.stages.items():
+            stage = self.stages.setdefault(name, Stage(name, theirs.mode))
+            stage.cycles += theirs.cycles
+            stage.jobs += theirs.jobs
+            stage.runs += theirs.runs
+            stage.stats += theirs.stats
+            stage.seconds += theirs.seconds
+            stage.whole |= theirs.whole
+        self.count(**other.counts)
+
     def count(self, **numbers: int) -> None:
         """Add to named counts: samples, survivors, exps."""
         for name, number in numbers.items():

@@ -7,11 +7,10 @@ jobs, as the host of a GPU would.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from vividc.render.array.bricks import Bricks, pack_bricks
 from vividc.render.array.device import Device
@@ -19,12 +18,10 @@ from vividc.render.array.field import ArrayField
 from vividc.render.array.frame import Ledger
 from vividc.render.array.gather import gather_rows
 from vividc.render.array.launches import Launch, Move, run_launches
-from vividc.render.arrays import Float32Array
+from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.radiance import March
-
-Int32Array = npt.NDArray[np.int32]
 
 SIDE = 8
 """Pixels of a block's side."""
@@ -33,7 +30,6 @@ _KERNELS = "render/marching"
 _RAYS_AT_ONCE = 16
 """Rays of a launch of the marching kernel; a divisor of those of a block."""
 _WORD = 4
-_BLOCKS_AT_ONCE = 512
 _RAY_WORDS = 6
 _SAMPLES_AT_ONCE = 720
 """Samples of a launch of the other kernels: five words of each fit a scratchpad twice."""
@@ -85,14 +81,12 @@ class _Survivors:
 class Marcher:
     """Renders blocks of a camera's pixels."""
 
-    def __init__(
-        self, device: Device, field: ArrayField, camera: Camera, lookahead: bool, ledger: Ledger
-    ) -> None:
+    def __init__(self, device: Device, field: ArrayField, camera: Camera, lookahead: bool) -> None:
         self._device = device
         self._field = field
         self._camera = camera
         self._lookahead = lookahead
-        self._ledger = ledger
+        self._ledger = Ledger()
         march = field.march
         self._geometry = _geometry(march, camera)
         self._bricks = pack_bricks(march.occupied)
@@ -100,15 +94,17 @@ class Marcher:
         self._limits = np.array([field.transmittance_min, field.weight_min], dtype=np.float32)
         self._directions = np.empty((0, 3), dtype=np.float32)
 
-    def render(self, corners: Int32Array) -> Float32Array:
-        """Return r, g, b over white and transmittance, [n, 64, 4], of blocks of 8x8 pixels.
+    def render(self, corners: Int32Array, ledger: Ledger) -> Float32Array:
+        """Return r, g, b over white and transmittance, [n, 64, 4], of blocks of 8x8 pixels; what
+        they cost is booked in `ledger`.
 
         Parameters
         ----------
         corners
             [n, 2] int32 first column and row of each.
         """
-        camera, ledger = self._camera, self._ledger
+        camera = self._camera
+        self._ledger = ledger
         self._directions = self._camera_rays(corners)
         inside = np.minimum((camera.width, camera.height) - corners, SIDE)
         ledger.count(rays=int(inside.prod(axis=1).sum()))
@@ -339,42 +335,6 @@ def block_corners(camera: Camera) -> Int32Array:
     rows = np.arange(0, camera.height, SIDE)
     corners = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
     return corners.astype(np.int32)
-
-
-def render_blocks(
-    device: Device,
-    field: ArrayField,
-    camera: Camera,
-    corners: Int32Array,
-    *,
-    lookahead: bool = True,
-    ledger: Ledger,
-    progress: Callable[[float], None] | None = None,
-) -> Float32Array:
-    """Return the picture [height, width, 3] over white; pixels of no block are white.
-
-    Parameters
-    ----------
-    corners
-        Of the blocks that are computed (`block_corners`).
-    """
-    image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
-    marcher = Marcher(device, field, camera, lookahead, ledger)
-    done = 0
-    for part in _batches(corners):
-        for (column, row), block in zip(part, marcher.render(part), strict=True):
-            width, height = min(SIDE, camera.width - column), min(SIDE, camera.height - row)
-            pixels = block.reshape(SIDE, SIDE, 4)[:height, :width, :3]
-            image[row : row + height, column : column + width] = pixels
-        done += len(part)
-        if progress is not None:
-            progress(done / len(corners))
-    return image
-
-
-def _batches(corners: Int32Array) -> Iterator[Int32Array]:
-    for first in range(0, len(corners), _BLOCKS_AT_ONCE):
-        yield np.ascontiguousarray(corners[first : first + _BLOCKS_AT_ONCE])
 
 
 def _geometry(march: March, camera: Camera) -> Float32Array:

@@ -8,13 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.errors import demand_type
-from vividc.render.array.device import Device, open_device
-from vividc.render.array.field import ArrayField
+from vividc.render.array.blocks import render_blocks
+from vividc.render.array.crew import Work
+from vividc.render.array.device import open_device
+from vividc.render.array.fields import open_field
 from vividc.render.array.frame import ArrayFrame, Ledger
-from vividc.render.array.instant_ngp import InstantNGPField
-from vividc.render.array.kilonerf import KiloNeRFOnArray
-from vividc.render.array.kilonerf_fp8 import Fp8KiloNeRF
-from vividc.render.array.marching import SIDE, Int32Array, block_corners, render_blocks
+from vividc.render.array.marching import SIDE, block_corners
 from vividc.render.array.options import (
     NETWORK_MODES,
     PRECISIONS,
@@ -23,7 +22,7 @@ from vividc.render.array.options import (
 )
 from vividc.render.array.sampling import sampled
 from vividc.render.array.splats import render_splats
-from vividc.render.array.tensorf import TensoRFField
+from vividc.render.arrays import Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
@@ -73,10 +72,10 @@ def render_array(
         )
     check_precision(options.precision, scene)
     check_mode(options.mode, options.precision, scene)
-    device = open_device(options.fabric, options.engine, tell, options.mode)
     if isinstance(scene, Gaussians):
+        device = open_device(options.fabric, options.engine, tell, options.mode)
         return render_splats(scene, camera, options, progress, device)
-    field = _field(scene, device, options.precision)
+    device, field = open_field(scene, options, tell)
     corners = sampled(block_corners(camera), options.sample)
     ledger = Ledger()
     image = render_blocks(
@@ -87,6 +86,7 @@ def render_array(
         lookahead=options.lookahead,
         ledger=ledger,
         progress=progress,
+        work=Work(scene, camera, options),
     )
     share = len(corners) / len(block_corners(camera))
     stages = tuple(ledger.stages.values())
@@ -144,14 +144,3 @@ def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
     for column, row in corners:
         inside[row : row + SIDE, column : column + SIDE] = True
     return inside
-
-
-def _field(scene: Scene, device: Device, precision: RenderPrecision) -> ArrayField:
-    if isinstance(scene, KiloNeRF):
-        on_array = Fp8KiloNeRF if precision == "fp8" else KiloNeRFOnArray
-        return on_array(scene, device)
-    if isinstance(scene, InstantNGP):
-        return InstantNGPField(scene, device, precision)
-    if isinstance(scene, TensoRF):
-        return TensoRFField(scene, device, precision)
-    raise SceneError("the array does not render scenes of this method yet")

@@ -1,0 +1,34 @@
+"""Stands in for `vividc.render.array.helper`: what it is sent as `work` says how it behaves."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from multiprocessing.connection import Connection
+
+import numpy as np
+
+from vividc.render.array.frame import Ledger
+
+
+def serve(pipe: Connection) -> None:
+    behaviour = pipe.recv()
+    if behaviour == "late":
+        time.sleep(60)
+    pipe.send("ready")
+    while True:
+        corners = pipe.recv()
+        if behaviour == "dies":
+            os._exit(1)
+        if behaviour == "fails":
+            pipe.send(None)
+            continue
+        ledger = Ledger()
+        ledger.count(by_helper=len(corners))
+        pipe.send((np.full((len(corners), 64, 4), corners[0, 0], np.float32), ledger))
+
+
+if __name__ == "__main__":
+    with Connection(int(sys.argv[1])) as connection:
+        serve(connection)

@@ -1,0 +1,105 @@
+"""Batches shared out among processes: the same picture and cost, whoever rendered which."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from vividc.render import read_scene, read_views, scaled_camera
+from vividc.render.array import ArrayOptions, Ledger, blocks, crew, render_array
+from vividc.render.array.crew import Batch, Work, processes_for, share_out
+from vividc.render.arrays import Int32Array
+
+MIC = Path(__file__).parents[3] / "scenes" / "mic"
+BATCHES = [np.full((1 + number % 3, 2), number, dtype=np.int32) for number in range(8)]
+
+posix = pytest.mark.skipif(os.name != "posix", reason="helpers are started on POSIX only")
+
+
+def here(corners: Int32Array) -> Batch:
+    time.sleep(0.2)  # a helper has time to start
+    ledger = Ledger()
+    ledger.count(here=len(corners))
+    return np.full((len(corners), 64, 4), corners[0, 0], np.float32), ledger
+
+
+def shared(behaviour: str | None, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Batch], list[int]]:
+    """What comes of the batches, and the progress told."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+    monkeypatch.setattr(crew, "_HELPER", "echo_helper")
+    monkeypatch.setattr(crew, "processes_for", lambda _: 2)
+    told: list[int] = []
+    work = cast("Work | None", behaviour)  # the helper that stands in takes a word
+    return share_out(work, BATCHES, here, told.append), told
+
+
+def total(results: list[Batch], name: str) -> int:
+    return sum(ledger.counts.get(name, 0) for _, ledger in results)
+
+
+@posix
+@pytest.mark.parametrize("behaviour", ["works", "fails", "dies", "late"])
+def test_all_batches_are_rendered_in_order(behaviour: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    results, told = shared(behaviour, monkeypatch)
+    for (pixels, _), corners in zip(results, BATCHES, strict=True):
+        np.testing.assert_array_equal(pixels, np.full((len(corners), 64, 4), corners[0, 0]))
+    rows = sum(map(len, BATCHES))
+    assert total(results, "here") + total(results, "by_helper") == rows
+    assert told == sorted(told)
+    assert told[-1] == len(BATCHES)
+    if behaviour != "works":
+        assert total(results, "here") == rows
+
+
+@posix
+def test_a_helper_takes_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(time, "sleep", slowly(time.sleep))
+    results, _ = shared("works", monkeypatch)
+    assert total(results, "by_helper")
+
+
+def slowly(sleep: Any) -> Any:
+    return lambda seconds: sleep(5 * seconds)
+
+
+def test_without_work_there_are_no_helpers(monkeypatch: pytest.MonkeyPatch) -> None:
+    results, _ = shared(None, monkeypatch)
+    assert total(results, "here") == sum(map(len, BATCHES))
+
+
+def test_an_error_of_this_process_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(corners: Int32Array) -> Batch:
+        raise ValueError("of a batch")
+
+    with pytest.raises(ValueError, match="of a batch"):
+        share_out(None, BATCHES, broken, lambda _: None)
+
+
+def test_few_batches_are_not_worth_a_helper(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    assert [processes_for(count) for count in (0, 1, 3, 4, 100)] == [1, 1, 1, 2, 2]
+    monkeypatch.setattr(os, "cpu_count", lambda: 64)
+    assert processes_for(100) == 4
+
+
+@posix
+@pytest.mark.slow
+def test_two_processes_render_the_same_frame_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, scene = read_scene(MIC / "mic_kilonerf.npz")
+    camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 96, 96)
+    monkeypatch.setattr(blocks, "_BLOCKS_AT_ONCE", 12)
+    frames = []
+    for processes in (1, 2):
+        monkeypatch.setattr(crew, "processes_for", lambda _, count=processes: count)
+        frames.append(render_array(scene, camera, ArrayOptions()))
+    one, two = frames
+    np.testing.assert_array_equal(one.image, two.image)
+    assert one.counts == two.counts
+    assert [(s.name, s.cycles, s.jobs, s.runs, s.stats) for s in one.stages] == [
+        (s.name, s.cycles, s.jobs, s.runs, s.stats) for s in two.stages
+    ]
