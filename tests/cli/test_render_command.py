@@ -146,7 +146,11 @@ def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyP
     args = (MIC / "mic_kilonerf.npz", "--engine", "array", "--size", "16x16", "--sample", "0.5")
     printed = run(*args, "--json")
     assert (printed.exit_code, printed.stderr) == (0, "compiling saxpy\n")
-    body = json.loads(printed.stdout)["frame"]
+    whole = json.loads(printed.stdout)
+    assert [whole[name] for name in ("engine", "lookahead", "precision", "mode")] == [
+        *("array", "on", "fp32", "auto")
+    ]
+    body = whole["frame"]
     assert (body["fabric"], body["sampled"]) == ("vivid", 0.5)
     assert body["avoided"] == {"colour_path": 0.75}
     (stage,) = body["stages"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -208,34 +209,24 @@ def command(
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
     switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
-    rendered = None
+    wanted = None
     if engine == ARRAY and blend is None:
         wanted = ArrayOptions(
             fabric, "auto", lookahead == "on", exponent_margin, sample, precision, mode
         )
-        rendered = _on_array(model, camera, wanted)
-    with _bar(f"rendering {camera.width}x{camera.height}") as progress:
-        picture = render_reference(model, camera, switches, progress)
-    image, on_array, frame = picture.image, None, None
-    if rendered is not None:
-        image = rendered.image
-        frame = frame_body(rendered, arch.load_accelerator(fabric), picture.image)
-    if blend is not None:
-        blended = blend_on_array(*blend, camera, fabric)
-        image, on_array = blended.image, _array_body(blended, picture.image)
+    drawn = _draw(model, camera, switches, wanted, blend, fabric)
     if output is not None:
-        write_png(output, image)
+        write_png(output, drawn.image)
     truth = None if view is None else view.truth_at(camera.width, camera.height)
-    seen = None if rendered is None else rendered.simulated
-    body = _body(picture, image, truth, seen) | {"array": on_array, "frame": frame}
-    switched = {"engine": engine, "lookahead": lookahead, "precision": precision}
-    body = {"scene": str(scene), "method": found} | switched | body
+    body: dict[str, object] = {"scene": str(scene), "method": found, "engine": engine}
+    body |= {"lookahead": lookahead, "precision": precision, "mode": mode}
+    body |= _body(drawn, truth)
     if as_json:
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})
     else:
         _print(body, None if view is None else view.name, output)
-        if frame is not None:
-            print_frame(frame)
+        if drawn.frame is not None:
+            print_frame(drawn.frame)
 
 
 def _check_picture(output: Path) -> None:
@@ -317,6 +308,40 @@ def _blending(
     return vividc.load(program), scene
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drawn:
+    """A picture and the reference's; `frame`, `blended`: what the array's cost, as the report has
+    it; `seen`: the pixels that were simulated, None: all.
+    """
+
+    picture: Picture
+    image: Float32Array
+    frame: dict[str, object] | None = None
+    blended: dict[str, object] | None = None
+    seen: npt.NDArray[np.bool_] | None = None
+
+
+def _draw(
+    scene: Scene,
+    camera: Camera,
+    switches: ReferenceOptions,
+    wanted: ArrayOptions | None,
+    blend: tuple[vividc.Program, Gaussians] | None,
+    fabric: str,
+) -> _Drawn:
+    """Draw by the reference, and by the array what is wanted of it."""
+    frame = None if wanted is None else _on_array(scene, camera, wanted)
+    with _bar(f"rendering {camera.width}x{camera.height}") as progress:
+        picture = render_reference(scene, camera, switches, progress)
+    if frame is not None:
+        report = frame_body(frame, arch.load_accelerator(fabric), picture.image)
+        return _Drawn(picture, frame.image, frame=report, seen=frame.simulated)
+    if blend is not None:
+        blended = blend_on_array(*blend, camera, fabric)
+        return _Drawn(picture, blended.image, blended=_array_body(blended, picture.image))
+    return _Drawn(picture, picture.image)
+
+
 def _on_array(scene: Scene, camera: Camera, wanted: ArrayOptions) -> ArrayFrame:
     title = f"simulating {camera.width}x{camera.height}"
     with _bar(title) as progress:
@@ -338,13 +363,9 @@ def _array_body(blended: ArrayPicture, reference: Float32Array) -> dict[str, obj
     }
 
 
-def _body(
-    picture: Picture,
-    image: Float32Array,
-    truth: Float32Array | None,
-    seen: npt.NDArray[np.bool_] | None,
-) -> dict[str, object]:
-    """Return the figures of a picture; where only some pixels were `seen`, those are compared."""
+def _body(drawn: _Drawn, truth: Float32Array | None) -> dict[str, object]:
+    """Return the figures of a picture, of the pixels that were simulated."""
+    image, seen = drawn.image, drawn.seen
     shown = np.clip(image, 0, 1)
     structure = truth is not None and seen is None and min(truth.shape[:2]) >= MIN_SSIM_PX
     part = slice(None) if seen is None else seen
@@ -353,8 +374,10 @@ def _body(
         "height": image.shape[0],
         "psnr_truth_db": None if truth is None else psnr(shown[part], truth[part]),
         "ssim_truth": ssim(shown, truth) if structure and truth is not None else None,
-        "counts": picture.counts,
-        "seconds": round(picture.seconds, 3),
+        "counts": drawn.picture.counts,
+        "seconds": round(drawn.picture.seconds, 3),
+        "array": drawn.blended,
+        "frame": drawn.frame,
     }
 
 
