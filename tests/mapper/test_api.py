@@ -16,6 +16,7 @@ from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import InternalError, VividcError
 from vividc.mapper import MapProblem, MapRequest, MapResult, map_dfg, registry, violations
 from vividc.mapper.negotiate import prepare
+from vividc.mapper.problem import ConstantKey
 
 
 @pytest.mark.parametrize("mapper", ["auto", "cpsat", "decoupled"])
@@ -90,6 +91,22 @@ def test_homes_and_resident_constants_are_kept() -> None:
     assert result.mapping is not None
     assert result.mapping.places[home].pe == 3
     assert result.mapping.places[value].pe == 2
+
+
+@pytest.mark.parametrize(
+    ("allowed", "resident", "text"),
+    [
+        ({99: frozenset({0})}, {}, "no node 99"),
+        ({1: frozenset({0, 4})}, {}, "no PE 4"),
+        ({}, {-1: frozenset({("const", 1)})}, "no PE -1"),
+    ],
+)
+def test_nodes_and_pes_that_are_not_there_are_refused(
+    allowed: dict[int, frozenset[int]], resident: dict[int, frozenset[ConstantKey]], text: str
+) -> None:
+    """They were ignored: a slip of the pen mapped as if nothing had been asked."""
+    with pytest.raises(VividcError, match=text):
+        map_dfg(chain(2), grid(2, 2), allowed=allowed, resident=resident)
 
 
 def test_an_empty_graph_maps() -> None:

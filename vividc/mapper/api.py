@@ -67,6 +67,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check(dfg, fabric, ii, time_limit_s, workers)
     run = find_mapper(mapper)
     _check_door(mapper, extend, objective)
+    _check_places(dfg, fabric, allowed or {}, resident or {})
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
     deadline = Deadline.after(time_limit_s)
     share = _share_of_the_ii(extend, objective)
@@ -139,6 +140,25 @@ def _check(dfg: DFG, fabric: Fabric, ii: int | None, time_limit_s: float, worker
     if not 1 <= workers <= _MOST_WORKERS:
         hint = f"give 1 to {_MOST_WORKERS}; as many as there are cores are enough"
         raise VividcError(f"{workers} workers cannot be had", loc="workers", hint=hint)
+
+
+def _check_places(
+    dfg: DFG,
+    fabric: Fabric,
+    allowed: ReadOnly[int, frozenset[int]],
+    resident: ReadOnly[int, frozenset[ConstantKey]],
+) -> None:
+    """Refuse nodes that the graph has not and PEs that the fabric has not."""
+    nodes = allowed.keys() - {node.id for node in dfg.nodes}
+    if nodes:
+        hint = "name nodes by their ids in the DFG"
+        raise VividcError(f"{dfg.name} has no node {min(nodes)}", loc="allowed", hint=hint)
+    named = {"allowed": frozenset().union(*allowed.values()), "resident": resident.keys()}
+    for loc, pes in named.items():
+        absent = pes - {pe.id for pe in fabric.pes}
+        if absent:
+            hint = f"PEs are 0 to {len(fabric.pes) - 1}"
+            raise VividcError(f"{fabric.name} has no PE {min(absent)}", loc=loc, hint=hint)
 
 
 def _about(result: MapResult, subject: Subject) -> MapResult:
