@@ -238,7 +238,7 @@ def draw_pe(task: Task, places: Places, node: int) -> int:
 
 @compiled
 def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
-    """A PE (any, or one near a neighbour in the graph) and a time for `node`."""
+    """A PE (`draw_pe`) or a time, or both, for `node`."""
     edges, array = task.edges, task.array
     random = places.random
     pe, time = places.pe[node], places.time[node]
