@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from vividc.render import read_scene, read_views, scaled_camera
-from vividc.render.array import ArrayOptions, Ledger, blocks, crew, render_array
+from vividc.render.array import ArrayOptions, Ledger, batches, crew, render_array
 from vividc.render.array.crew import Batch, Work, processes_for, share_out
 from vividc.render.array.frame import Stage
 from vividc.render.arrays import Int32Array
@@ -93,7 +93,7 @@ def test_few_batches_are_not_worth_a_helper(monkeypatch: pytest.MonkeyPatch) -> 
 def test_two_processes_render_the_same_frame_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     _, scene = read_scene(MIC / "mic_kilonerf.npz")
     camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 64, 64)
-    monkeypatch.setattr(blocks, "_BLOCKS_AT_ONCE", 8)
+    monkeypatch.setattr(batches, "_BLOCKS_AT_ONCE", 8)
     frames = []
     for processes in (1, 2):
         monkeypatch.setattr(crew, "processes_for", lambda _, count=processes: count)

@@ -11,7 +11,7 @@ import pytest
 import vividc
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
 from vividc.render.array import Device, Ledger, Programs
-from vividc.render.array.blocks import render_blocks
+from vividc.render.array.batches import render_blocks
 from vividc.render.array.marching import block_corners
 from vividc.render.array.render import pixels_of, sampled
 from vividc.render.blend_reference import over_background

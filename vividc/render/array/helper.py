@@ -8,7 +8,7 @@ import sys
 from multiprocessing.connection import Connection
 
 from vividc.errors import VividcError
-from vividc.render.array.blocks import batch_renderer
+from vividc.render.array.batches import batch_renderer
 from vividc.render.array.crew import Work
 from vividc.render.array.fields import open_field
 

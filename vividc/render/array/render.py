@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.errors import demand_type
-from vividc.render.array.blocks import render_blocks
+from vividc.render.array.batches import render_blocks
 from vividc.render.array.crew import Work
 from vividc.render.array.device import open_device
 from vividc.render.array.fields import open_field
