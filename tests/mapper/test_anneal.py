@@ -17,7 +17,14 @@ from vividc.mapper.negotiate.motion import new_motion
 from vividc.mapper.negotiate.places import Places, early, enter, new_places
 from vividc.mapper.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
 from vividc.mapper.negotiate.ways import Router, route_as_shown
-from vividc.mapper.negotiate.words import claim_again, hide_all, new_words, show_all
+from vividc.mapper.negotiate.words import (
+    claim_again,
+    clashes_of,
+    hide_all,
+    new_words,
+    show_all,
+    withdraw,
+)
 from vividc.mapper.problem import MapProblem
 
 MOVES = 60_000
@@ -95,3 +102,19 @@ def test_words_have_the_ways_that_were_claimed() -> None:
         assert (traffic.totals[OVER] == 0) == (not kinds)
         routed += 1
     assert routed
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_word_frees_no_more_than_it_clashes(seed: int) -> None:
+    """The annealer refuses moves before it takes words away, by what these free at most."""
+    _, task, state = annealed("openedge-3x3", seed, 0)
+    anneal(task, state, new_heat(30.0, 29.0, 2000), 2000)
+    freed_any = False
+    for word in range(len(state.words.size)):
+        before = int(state.places.over[0])
+        most = clashes_of(task, state.places, state.words, word)
+        withdraw(task, state.places, state.words, word)
+        freed = before - int(state.places.over[0])
+        assert 0 <= freed <= most
+        freed_any = freed_any or freed > 0
+    assert freed_any

@@ -17,11 +17,20 @@ from vividc.mapper.negotiate import Effort, prepare
 from vividc.mapper.request import MapRequest
 
 _QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
+_DESCENTS: Final = (Effort(),)
+_DESCENTS_WITH_MOVES: Final = (
+    Effort(moves=4000, repairs=60, shown=1),
+    Effort(moves=4000, repairs=60),
+    Effort(),
+    Effort(moves=16000),
+)
+"""Of each round from the best downward: where FUs move words, what fails takes longest."""
 _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
 _FIRST_WITH_MOVES: Final = 2.0
 """The first II of a large array, in bounds, where FUs move words."""
 _LARGE_ARRAY: Final = 64
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
+_HALF, _THIRD = 2, 3
 _SEEDS: Final = 3
 _SOLVER_S: Final = 400.0
 """Seconds for the solver in the first round, of a graph of one node: it is the better the smaller
@@ -49,7 +58,9 @@ def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False
     if campaign.best is None or only_footholds:
         return
     _raise_bound(campaign, _FIRST_PROOF_S)
-    _bisect(campaign)
+    moves = campaign.problem.fabric.routing.moves
+    for turn, effort in enumerate(_DESCENTS_WITH_MOVES if moves else _DESCENTS):
+        _descend(campaign, effort, 1 + turn)
     _raise_bound(campaign, _PROOF_S)
     _insist(campaign)
 
@@ -63,7 +74,7 @@ def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
     if _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is not None:
         return request
     _gain_foothold(campaign, limit)
-    _bisect(campaign)
+    _descend(campaign, Effort())
     return request
 
 
@@ -90,15 +101,18 @@ def _gain_foothold(campaign: Campaign, limit: int) -> None:
         ii = math.ceil(_NEXT_FACTOR * ii)
 
 
-def _bisect(campaign: Campaign) -> None:
-    """Halve what is open below the best, as if all above an II that fails would map."""
+def _descend(campaign: Campaign, effort: Effort, seed: int = 1) -> None:
+    """Take half of what is open below the best, or a third where FUs move words and most of it will
+    fail, as if all above an II that fails would map.
+    """
+    part = _THIRD if campaign.problem.fabric.routing.moves else _HALF
     low = campaign.lower
     while campaign.best is not None and low < campaign.best.ii:
-        if campaign.request.deadline.passed:
+        if _is_enough(campaign):
             return
-        middle = (low + campaign.best.ii) // 2
-        if _negotiate(campaign, middle, 1, Effort()).mapping is None:
-            low = middle + 1
+        ii = campaign.best.ii - math.ceil((campaign.best.ii - low) / part)
+        if _negotiate(campaign, ii, seed, effort).mapping is None:
+            low = ii + 1
 
 
 def _raise_bound(campaign: Campaign, budget_s: float) -> None:

@@ -20,17 +20,22 @@ from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import Floats, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.motion import (
+    BROKEN,
+    CLASH,
     NODES,
     Motion,
     begin,
-    cost,
+    claims_cost,
+    clashes,
     exchange,
     hide_words,
     list_affected,
+    nodes_cost,
     occupant,
     put,
     restore_words,
     show_words,
+    swap,
     withdraw_words,
 )
 from vividc.mapper.negotiate.places import Places, draw, window
@@ -89,24 +94,36 @@ def anneal(task: Task, state: State, heat: Heat, moves: int) -> None:
 
 @compiled
 def _consider(task: Task, state: State, heat: float) -> None:
-    """Make the proposed move, and take it back if it is refused."""
+    """Make the proposed move, and take it back if it costs more than what is drawn for it first
+    (Metropolis et al. 1953).
+
+    Most moves are refused by what nodes alone cost, before moves of words are claimed anew.
+    """
     places, words, motion = state
     list_affected(task, motion)
-    moves = task.array.moves
-    before = cost(task, places, words, motion)
-    if moves:
-        hide_words(task, places, words, motion)
+    before = nodes_cost(task, places, motion) + claims_cost(task, places, words, motion)
+    most = before - heat * math.log((1 + draw(places.random, 1 << 24)) / (1 << 24))
     exchange(task, places, motion)
-    if moves:
-        show_words(task, places, words, motion)
-    change = cost(task, places, words, motion) - before
-    if change <= 0 or draw(places.random, 1 << 24) < math.exp(-change / heat) * (1 << 24):
+    least = nodes_cost(task, places, motion)
+    if not task.array.moves:
+        if least + BROKEN * places.over[0] > most:
+            exchange(task, places, motion)
         return
-    if moves:
+    swap(places, motion)
+    relief = clashes(task, places, words, motion)
+    if least + CLASH * (places.over[0] - relief) > most:
+        swap(places, motion)
+        exchange(task, places, motion)
+        return
+    hide_words(task, places, words, motion)
+    swap(places, motion)
+    if least + CLASH * places.over[0] <= most:
+        show_words(task, places, words, motion)
+        if least + claims_cost(task, places, words, motion) <= most:
+            return
         withdraw_words(task, places, words, motion)
     exchange(task, places, motion)
-    if moves:
-        restore_words(task, places, words, motion)
+    restore_words(task, places, words, motion)
 
 
 @compiled

@@ -11,7 +11,15 @@ from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import FU, Array, Edges, Task
 from vividc.mapper.negotiate.compiled import compiled
 from vividc.mapper.negotiate.places import Places, early, enter
-from vividc.mapper.negotiate.words import MOST_HOPS, Words, claim_again, is_popular, show, withdraw
+from vividc.mapper.negotiate.words import (
+    MOST_HOPS,
+    Words,
+    claim_again,
+    clashes_of,
+    is_popular,
+    show,
+    withdraw,
+)
 
 BROKEN, LATE, HOP, CYCLE, TIGHT = 30.0, 15.0, 1.0, 0.5, 0.7
 CELL, WAIT = 1.0, 0.1
@@ -116,14 +124,48 @@ def _list_word(motion: Motion, word: int) -> None:
 
 
 @compiled
-def cost(task: Task, places: Places, words: Words, motion: Motion) -> float:
-    """Of everything beyond capacity, and of the edges and words that are listed."""
-    total = (CLASH if task.array.moves else BROKEN) * places.over[0]
+def nodes_cost(task: Task, places: Places, motion: Motion) -> float:
+    """Of edges that are listed, and of how long words that are listed wait: what places and times
+    alone tell.
+    """
+    total = 0.0
     for at in range(motion.listed[EDGES]):
         total += _edge_cost(task.edges, task.array, places, motion.edges[at])
     for at in range(motion.listed[WORDS]):
-        total += _word_cost(task, places, words, motion.words[at])
-    return float(total)
+        total += _word_cost(task, places, motion.words[at])
+    return total
+
+
+@compiled
+def claims_cost(task: Task, places: Places, words: Words, motion: Motion) -> float:
+    """Of everything beyond capacity, and of the moves claimed for the words that are listed."""
+    if not task.array.moves:
+        return float(BROKEN * places.over[0])
+    cells = 0
+    for at in range(motion.listed[WORDS]):
+        cells += max(0, words.size[motion.words[at]] - 1)
+    return float(CLASH * places.over[0] + CELL * cells)
+
+
+@compiled
+def clashes(task: Task, places: Places, words: Words, motion: Motion) -> int:
+    """Claims of the listed words that meet others: as many, at most, are beyond capacity for their
+    sake.
+    """
+    met = 0
+    for at in range(motion.listed[WORDS]):
+        met += clashes_of(task, places, words, motion.words[at])
+    return met
+
+
+@compiled
+def swap(places: Places, motion: Motion) -> None:
+    """Exchange where nodes are with where they go, in name only: what they claim stays."""
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        pe, time = places.pe[node], places.time[node]
+        places.pe[node], places.time[node] = motion.pe[node], motion.time[node]
+        motion.pe[node], motion.time[node] = pe, time
 
 
 @compiled
@@ -131,12 +173,9 @@ def exchange(task: Task, places: Places, motion: Motion) -> None:
     """Make the move; a second time: take it back."""
     for at in range(motion.listed[NODES]):
         enter(task.nodes, task.array, places, motion.nodes[at], -1)
+    swap(places, motion)
     for at in range(motion.listed[NODES]):
-        node = motion.nodes[at]
-        pe, time = places.pe[node], places.time[node]
-        places.pe[node], places.time[node] = motion.pe[node], motion.time[node]
-        motion.pe[node], motion.time[node] = pe, time
-        enter(task.nodes, task.array, places, node, 1)
+        enter(task.nodes, task.array, places, motion.nodes[at], 1)
 
 
 @compiled
@@ -211,10 +250,9 @@ def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
 
 
 @compiled
-def _word_cost(task: Task, places: Places, words: Words, node: int) -> float:
+def _word_cost(task: Task, places: Places, node: int) -> float:
     if task.array.moves:
-        life = _life_cost(task.edges, places, node) * (WAIT / CYCLE)
-        return float(CELL * max(0, words.size[node] - 1) + life)
+        return float(_life_cost(task.edges, places, node) * (WAIT / CYCLE))
     if task.array.outputs:
         return _output_cost(task.edges, places, node)
     return _life_cost(task.edges, places, node)

@@ -51,11 +51,13 @@ _HOT, _COLD = 30.0, 0.2
 _WARM, _COOL = 5.0, 1.0
 _OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
 _SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
-_SHOWN_HOT: Final = 20.0
+_SHOWN_HOT, _SHOWN_COLD = 12.0, 1.5
 _SHOWN_MOVES: Final = 3
-"""Where moves of words are claimed: cooler, and more annealing, since little is left to routes."""
-_AGAIN: Final = (0.25, 0.25)
-_LITTLE: Final = 6
+"""Where moves of words are claimed: from about as much broken as there are operations to where
+nothing that is broken changes any more; and more annealing, since little is left to routes.
+"""
+_AGAIN, _SHOWN_AGAIN = (0.25, 0.25), (0.6, 0.6)
+_LITTLE: Final = 8
 """Parts of the heat with which as much as this, if broken, is annealed again."""
 _QUENCH, _QUENCH_HOT = 0.25, 2.0
 _OUTPUT_REPAIRS: Final = 25
@@ -227,10 +229,10 @@ class _Attempt:
         """
         task, places, words = self.task, self.places, self.words
         show_all(task, places, words)
-        hot = _HOT
+        hot, again = _HOT, _AGAIN
         if task.array.moves:
-            hot = _SHOWN_HOT
-        for part in (1.0, *_AGAIN):
+            hot, again = _SHOWN_HOT, _SHOWN_AGAIN
+        for part in (1.0, *again):
             yield from self._cool(hot * part, int(moves * part**0.5), deadline)
             if not 0 < broken(task, places) <= _LITTLE:
                 break
@@ -242,7 +244,8 @@ class _Attempt:
         that words wait less: registers are not claimed.
         """
         state = State(self.places, self.words, new_motion(self.task, self.words))
-        heat, end = new_heat(hot, _COLD, moves), moves
+        cold = _SHOWN_COLD if self.task.array.moves else _COLD
+        heat, end = new_heat(hot, cold, moves), moves
         done, quenched = 0, not self.task.array.moves
         while done < end and not deadline.passed:
             anneal(self.task, state, heat, min(_SLICE, end - done))
@@ -303,14 +306,15 @@ class _Attempt:
         reprice_all(traffic, self.ii)
         if route_round(self.router, True):
             return False
-        warm, cool = (_OUTPUT_WARM, _OUTPUT_COOL) if self.task.array.outputs else (_WARM, _COOL)
+        warm, cool = _WARM, _COOL
+        if self.task.array.outputs:
+            warm, cool = _OUTPUT_WARM, _OUTPUT_COOL
+            moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
         return (yield from self._repaired(moves, warm, cool, deadline))
 
     def _repaired(self, moves: int, warm: float, cool: float, deadline: Deadline) -> Steps[bool]:
         """Move nodes with their routes; True when nothing is crowded."""
         undo = new_undo(self.task, self.traffic)
-        if self.task.array.outputs:
-            moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
         heat = new_heat(warm, cool, moves)
         for done in range(0, moves, _REPAIR_SLICE):
             if deadline.passed or self.traffic.totals[OVER] == 0:

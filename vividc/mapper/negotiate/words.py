@@ -99,6 +99,18 @@ def claim_again(task: Task, places: Places, words: Words, word: int) -> None:
 
 
 @compiled
+def clashes_of(task: Task, places: Places, words: Words, word: int) -> int:
+    """Claims for a word that meet others."""
+    ii, grid = task.array.ii, task.array.pes * task.array.ii
+    ready = places.time[word] + task.nodes.latency[word]
+    met = 0
+    for at in range(1, words.size[word]):
+        cell = words.pe[word, at] * ii + (ready + words.cycle[word, at] - 1) % ii
+        met += (places.counts[cell] > 1) + (places.counts[grid + cell] > 1)
+    return met
+
+
+@compiled
 def _claim(array: Array, places: Places, pe: int, shown: int, by: int) -> None:
     """A move on `pe` whose word is shown from cycle `shown` on."""
     at = pe * array.ii + (shown - 1) % array.ii
