@@ -12,11 +12,17 @@ from pathlib import Path
 from typing import Any, Final, Protocol, TypeVar, cast
 
 import numba
+import numba.extending
 import numpy as np
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
-_OPTIONS: Final[dict[str, Any]] = {"error_model": "numpy", "nogil": True, "_nrt": False}
+_OPTIONS: Final[dict[str, Any]] = {
+    "error_model": "numpy",
+    "nogil": True,
+    "_nrt": False,
+    "no_cfunc_wrapper": True,
+}
 
 
 class Compiler(Protocol):
@@ -45,6 +51,18 @@ def compiler(module: str) -> Compiler:
         return cast(_Function, made)
 
     return compiled
+
+
+def inlined(function: _Function) -> _Function:
+    """Have a function put into each compiled one that calls it; called by Python it is Python.
+
+    A call would copy every array of every tuple it is given, some hundred words each: that took two
+    thirds of the annealer's time.
+    """
+    jitable = numba.extending.register_jitable(
+        forceinline=True, no_cpython_wrapper=True, **_OPTIONS
+    )
+    return cast(_Function, jitable(function))
 
 
 def constant(number: int) -> int:

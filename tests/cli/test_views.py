@@ -140,7 +140,8 @@ def test_area():
     assert "unknown fabric" in wrong.stderr
 
 
-def test_progress_shows_cycles_and_their_rate():
+def test_progress_shows_cycles_and_their_rate(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")  # rich draws nothing on a dumb one
     assert rate(3_000_000, 2.0) == "1,500,000 cycles/s"
     assert rate(0, 1.0) == rate(5, 0.0) == ""
     console = Console(file=io.StringIO(), force_terminal=True, width=120)

@@ -13,7 +13,7 @@ from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.mrrg import build_mrrg
 from vividc.mapper.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.negotiate.arrays import Task, build_task
-from vividc.mapper.negotiate.motion import new_motion
+from vividc.mapper.negotiate.motion import cost_all, new_motion
 from vividc.mapper.negotiate.places import Places, early, enter, new_places
 from vividc.mapper.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
 from vividc.mapper.negotiate.ways import Router, route_as_shown
@@ -69,6 +69,16 @@ def test_what_is_claimed_is_what_lies_there(name: str, seed: int) -> None:
     fresh = counted_anew(task, state)
     for part in ("counts", "over", "held", "stored"):
         assert np.array_equal(getattr(state.places, part), getattr(fresh, part)), part
+
+
+@pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3"])
+def test_kept_costs_are_those_of_what_lies_there(name: str) -> None:
+    _, task, state = annealed(name, 4, 0)
+    fresh = new_motion(task, state.words)
+    cost_all(task, state.places, fresh)
+    assert np.array_equal(state.motion.edge_cost, fresh.edge_cost)
+    assert np.array_equal(state.motion.word_cost, fresh.word_cost)
+    assert fresh.word_cost.any()
 
 
 def test_every_claim_is_taken_back() -> None:

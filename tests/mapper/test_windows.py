@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from random_graphs import random_loop
 
@@ -9,13 +11,13 @@ from vividc.arch import load
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import Opcode
-from vividc.mapper import map_dfg
+from vividc.mapper import MapResult, map_dfg
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import find_mapper
 from vividc.mapper.request import MapRequest
 from vividc.mapper.verify import violations
-from vividc.mapper.windows import window
+from vividc.mapper.windows import window, with_windows
 
 _ARRAYS = ("mesh-5x6", "torus-6x5", "king-5x5", "hycube-5x5", "openedge-5x5", "adres-5x5")
 
@@ -85,3 +87,22 @@ def test_sixteen_by_sixteen_takes_a_window() -> None:
     )
     assert (result.status, result.ii) == ("optimal", 1)
     assert any("window" in line for line in lines)
+
+
+@pytest.mark.parametrize("windows_map", [True, False])
+def test_what_maps_tells_when(windows_map: bool) -> None:
+    """Seconds to a window's mapping, or to the array's after those of the windows."""
+    array = load("mesh-5x5")
+
+    def mapper(problem: MapProblem, request: MapRequest) -> MapResult:
+        result = find_mapper("auto")(problem, request)
+        if problem.fabric == array:
+            return replace(result, stats={"found_s": 200.0})
+        mapping = result.mapping if windows_map else None
+        return replace(result, mapping=mapping, stats={"found_s": 100.0})
+
+    problem = MapProblem(random_loop(5, 12), array)
+    result = with_windows(mapper)(problem, MapRequest(None, Deadline.after(60.0), 1))
+    assert result.mapping is not None
+    first_s = 100.0 if windows_map else 200.0
+    assert first_s < result.stats["found_s"] < first_s + 60.0

@@ -89,20 +89,28 @@ def with_windows(mapper: Mapper) -> Mapper:
         if bound is None:
             return mapper(problem, request)
         best: Mapping | None = None
+        found_s = 0.0
         for part, its_bound in _windows(problem, bound):
             if request.deadline.passed:
                 break
             if best is not None and its_bound >= best.ii:
                 continue
             share = _FIRST_SHARE if best is None else _SHARE
-            found = _in_window(mapper, problem, part, request, share)
-            if found is not None and (best is None or found.ii < best.ii):
-                best = found
+            before_s = time.monotonic() - began
+            result = _in_window(mapper, problem, part, request, share)
+            if result.mapping is not None and (best is None or result.mapping.ii < best.ii):
+                best = part.embed(result.mapping)
+                found_s = before_s + _found_s(result)
             if best is not None and best.ii <= bound:
                 break
         if best is not None and best.ii <= bound:
-            return _at_bound(problem, best, began)
-        result = _better(mapper(problem, request), best)
+            return _at_bound(problem, best, began, found_s)
+        before_s = time.monotonic() - began
+        result = mapper(problem, request)
+        if best is None or (result.ii is not None and result.ii <= best.ii):
+            result = _with_found(result, before_s + _found_s(result))
+        else:
+            result = _with_found(_bettered(result, best), found_s)
         return replace(result, wall_s=time.monotonic() - began)
 
     return run
@@ -169,23 +177,32 @@ def _shapes(fabric: Fabric) -> list[tuple[int, int]]:
 
 def _in_window(
     mapper: Mapper, problem: MapProblem, part: Window, request: MapRequest, share: float
-) -> Mapping | None:
+) -> MapResult:
     deadline = request.deadline.within(request.deadline.remaining_s * share)
     request.tell(f"trying the window {part.fabric.name}")
-    result = mapper(replace(problem, fabric=part.fabric), replace(request, deadline=deadline))
-    return None if result.mapping is None else part.embed(result.mapping)
+    return mapper(replace(problem, fabric=part.fabric), replace(request, deadline=deadline))
 
 
-def _at_bound(problem: MapProblem, mapping: Mapping, began: float) -> MapResult:
+def _found_s(result: MapResult) -> float:
+    """Seconds from the beginning of a search to its final mapping: all of it where that is not
+    told.
+    """
+    return result.stats.get("found_s", result.wall_s)
+
+
+def _with_found(result: MapResult, found_s: float) -> MapResult:
+    return replace(result, stats={**result.stats, "found_s": found_s})
+
+
+def _at_bound(problem: MapProblem, mapping: Mapping, began: float, found_s: float) -> MapResult:
     bounds = all_bounds(problem)
     wall_s = time.monotonic() - began
-    return MapResult("optimal", mapping.ii, mii(bounds), bounds, mapping, "auto", wall_s)
+    result = MapResult("optimal", mapping.ii, mii(bounds), bounds, mapping, "auto", wall_s)
+    return _with_found(result, found_s)
 
 
-def _better(result: MapResult, best: Mapping | None) -> MapResult:
-    """The array's result with the window's mapping where that is better."""
-    if best is None or (result.ii is not None and result.ii <= best.ii):
-        return result
+def _bettered(result: MapResult, best: Mapping) -> MapResult:
+    """The array's result with a window's mapping, which is better."""
     refuted: tuple[Refutation, ...] = tuple(r for r in result.refuted if r.ii < best.ii)
     status: Status = "optimal" if result.lower_bound >= best.ii else "feasible"
     return replace(result, status=status, ii=best.ii, mapping=best, refuted=refuted)

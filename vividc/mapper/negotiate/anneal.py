@@ -18,7 +18,7 @@ import numpy as np
 
 from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import Floats, Task
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.compiled import compiled, inlined
 from vividc.mapper.negotiate.motion import (
     BROKEN,
     CLASH,
@@ -27,10 +27,12 @@ from vividc.mapper.negotiate.motion import (
     begin,
     claims_cost,
     clashes,
+    cost_all,
     exchange,
     hide_words,
+    keep_costs,
     list_affected,
-    nodes_cost,
+    nodes_change,
     occupant,
     put,
     restore_words,
@@ -80,6 +82,7 @@ def anneal(task: Task, state: State, heat: Heat, moves: int) -> None:
     """Make `moves` moves."""
     places, motion = state.places, state.motion
     nodes = len(task.nodes.latency)
+    cost_all(task, places, motion)
     for _ in range(moves):
         begin(motion)
         node = draw(places.random, nodes)
@@ -92,7 +95,7 @@ def anneal(task: Task, state: State, heat: Heat, moves: int) -> None:
         heat.value[0] *= heat.cooling
 
 
-@compiled
+@inlined
 def _consider(task: Task, state: State, heat: float) -> None:
     """Make the proposed move, and take it back if it costs more than what is drawn for it first
     (Metropolis et al. 1953).
@@ -101,47 +104,53 @@ def _consider(task: Task, state: State, heat: float) -> None:
     """
     places, words, motion = state
     list_affected(task, motion)
-    before = nodes_cost(task, places, motion) + claims_cost(task, places, words, motion)
-    most = before - heat * math.log((1 + draw(places.random, 1 << 24)) / (1 << 24))
+    price = -heat * math.log((1 + draw(places.random, 1 << 24)) / (1 << 24))
+    most = claims_cost(task, places, words, motion) + price
     exchange(task, places, motion)
-    least = nodes_cost(task, places, motion)
+    most -= nodes_change(task, places, motion)
     if not task.array.moves:
-        if least + BROKEN * places.over[0] > most:
+        if BROKEN * places.over[0] <= most:
+            keep_costs(motion)
+        else:
             exchange(task, places, motion)
         return
     swap(places, motion)
     relief = clashes(task, places, words, motion)
-    if least + CLASH * (places.over[0] - relief) > most:
+    if CLASH * (places.over[0] - relief) > most:
         swap(places, motion)
         exchange(task, places, motion)
         return
     hide_words(task, places, words, motion)
     swap(places, motion)
-    if least + CLASH * places.over[0] <= most:
-        show_words(task, places, words, motion)
-        if least + claims_cost(task, places, words, motion) <= most:
-            return
-        withdraw_words(task, places, words, motion)
+    if show_words(task, places, words, motion, most):
+        keep_costs(motion)
+        return
+    withdraw_words(task, places, words, motion)
     exchange(task, places, motion)
     restore_words(task, places, words, motion)
 
 
-@compiled
+@inlined
 def _propose_one(task: Task, places: Places, motion: Motion, node: int, scratch: Ints) -> bool:
-    """One node goes elsewhere; who is there takes its PE."""
+    """One node goes elsewhere; who is there takes its PE, and its slot there where FUs move words:
+    arrays are fuller there, while elsewhere fewer tries come out free of clashes so.
+    """
     pe, time = propose(task, places, node, scratch)
     if pe == places.pe[node] and time == places.time[node]:
         return False
     other = occupant(task, places, node, pe, time)
     if other >= 0:
-        if not task.nodes.can[other, places.pe[node]]:
+        its_time = places.time[other]
+        if task.array.moves:
+            its_time += places.time[node] - time
+        if not task.nodes.can[other, places.pe[node]] or not 0 <= its_time <= task.array.latest:
             return False
-        put(motion, other, places.pe[node], places.time[other])
+        put(motion, other, places.pe[node], its_time)
     put(motion, node, pe, time)
     return True
 
 
-@compiled
+@inlined
 def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool:
     """A node goes some cycles later, or to another PE when it can be there, or earlier, and pushes
     others as far as it must. False: something would leave the schedule.
@@ -160,7 +169,7 @@ def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool
     return _push(task, places, motion, sign)
 
 
-@compiled
+@inlined
 def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: int) -> int:
     """The time nearest to its own at which a node can follow (sign 1) or precede (-1) its
     neighbours from another PE.
@@ -177,7 +186,7 @@ def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: 
     return int(min(max(time, -1), array.latest + 1))
 
 
-@compiled
+@inlined
 def _apart(task: Task, edge: int, src_pe: int, dst_pe: int) -> int:
     """Least cycles between the ends of an edge on these PEs."""
     edges = task.edges
@@ -186,7 +195,7 @@ def _apart(task: Task, edge: int, src_pe: int, dst_pe: int) -> int:
     return int(edges.shift[edge])
 
 
-@compiled
+@inlined
 def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
     """Push what follows (sign 1) or precedes (-1) the nodes of a move out of their way; False: out
     of the schedule, or around a recurrence without end.
@@ -216,7 +225,7 @@ def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
     return True
 
 
-@compiled
+@inlined
 def _where(places: Places, motion: Motion, node: int) -> tuple[int, int]:
     """PE and time of a node after the move so far."""
     if motion.node_in[node]:
@@ -224,7 +233,7 @@ def _where(places: Places, motion: Motion, node: int) -> tuple[int, int]:
     return int(places.pe[node]), int(places.time[node])
 
 
-@compiled
+@inlined
 def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) -> int:
     """The time of the edge's end (sign 1) or beginning (-1) when its other end has pushed it."""
     src_pe, src_time = _where(places, motion, task.edges.src[edge])
@@ -233,7 +242,7 @@ def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) ->
     return max(dst_time, src_time + apart) if sign > 0 else min(src_time, dst_time - apart)
 
 
-@compiled
+@inlined
 def draw_pe(task: Task, places: Places, node: int) -> int:
     """A PE for `node`: any, or one near a neighbour in the graph, or near its own."""
     nodes, edges, array = task
@@ -253,7 +262,7 @@ def draw_pe(task: Task, places: Places, node: int) -> int:
     return int(near if nodes.can[node, near] else pe)
 
 
-@compiled
+@inlined
 def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
     """A PE (`draw_pe`) or a time, or both, for `node`."""
     edges, array = task.edges, task.array

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.mapper.mrrg import Ints
-from vividc.mapper.negotiate.arrays import FU, Array, Edges, Task
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.arrays import FU, Array, Edges, Floats, Task
+from vividc.mapper.negotiate.compiled import inlined
 from vividc.mapper.negotiate.places import Places, early, enter
 from vividc.mapper.negotiate.words import (
     MOST_HOPS,
@@ -39,7 +39,8 @@ NODES, EDGES, WORDS = 0, 1, 2
 class Motion(NamedTuple):
     """A move. `listed`: nodes, edges and words in the lists `nodes`, `edges`, `words`; in `*_in`
     whether each is listed. `pe`, `time`: by node what it has when the move is not made, or made.
-    `shown`: by word what `Words` had of it: number, PEs, cycles.
+    `shown`: by word what `Words` had of it: number, PEs, cycles. `edge_cost`, `word_cost`: of what
+    lies there; `*_next`, with the move.
     """
 
     listed: Ints
@@ -54,6 +55,10 @@ class Motion(NamedTuple):
     shown_size: Ints
     shown_pe: Ints
     shown_cycle: Ints
+    edge_cost: Floats
+    word_cost: Floats
+    edge_next: Floats
+    word_next: Floats
 
 
 def new_motion(task: Task, words: Words) -> Motion:
@@ -72,10 +77,14 @@ def new_motion(task: Task, words: Words) -> Motion:
         shown_size=np.zeros_like(words.size),
         shown_pe=np.zeros_like(words.pe),
         shown_cycle=np.zeros_like(words.cycle),
+        edge_cost=np.zeros(edges),
+        word_cost=np.zeros(nodes),
+        edge_next=np.zeros(edges),
+        word_next=np.zeros(nodes),
     )
 
 
-@compiled
+@inlined
 def begin(motion: Motion) -> None:
     """No node moves."""
     for at in range(motion.listed[NODES]):
@@ -88,7 +97,7 @@ def begin(motion: Motion) -> None:
         motion.listed[part] = 0
 
 
-@compiled
+@inlined
 def put(motion: Motion, node: int, pe: int, time: int) -> None:
     """Have `node` go to a PE and a time."""
     if not motion.node_in[node]:
@@ -98,7 +107,7 @@ def put(motion: Motion, node: int, pe: int, time: int) -> None:
     motion.pe[node], motion.time[node] = pe, time
 
 
-@compiled
+@inlined
 def list_affected(task: Task, motion: Motion) -> None:
     """List edges and words whose cost depends on the nodes that move."""
     edges = task.edges
@@ -115,7 +124,7 @@ def list_affected(task: Task, motion: Motion) -> None:
             _list_word(motion, edges.fed_items[item])
 
 
-@compiled
+@inlined
 def _list_word(motion: Motion, word: int) -> None:
     if not motion.word_in[word]:
         motion.word_in[word] = 1
@@ -123,20 +132,44 @@ def _list_word(motion: Motion, word: int) -> None:
         motion.listed[WORDS] += 1
 
 
-@compiled
-def nodes_cost(task: Task, places: Places, motion: Motion) -> float:
-    """Of edges that are listed, and of how long words that are listed wait: what places and times
-    alone tell.
+@inlined
+def cost_all(task: Task, places: Places, motion: Motion) -> None:
+    """Enter the costs of all edges and words as they lie."""
+    for edge in range(len(motion.edge_cost)):
+        motion.edge_cost[edge] = _edge_cost(task.edges, task.array, places, edge)
+    for word in range(len(motion.word_cost)):
+        motion.word_cost[word] = _word_cost(task, places, word)
+
+
+@inlined
+def nodes_change(task: Task, places: Places, motion: Motion) -> float:
+    """By how much the move, which is made, changes the costs of edges that are listed, and of how
+    long words that are listed wait: what places and times alone tell.
     """
     total = 0.0
     for at in range(motion.listed[EDGES]):
-        total += _edge_cost(task.edges, task.array, places, motion.edges[at])
+        edge = motion.edges[at]
+        motion.edge_next[edge] = _edge_cost(task.edges, task.array, places, edge)
+        total += motion.edge_next[edge] - motion.edge_cost[edge]
     for at in range(motion.listed[WORDS]):
-        total += _word_cost(task, places, motion.words[at])
+        word = motion.words[at]
+        motion.word_next[word] = _word_cost(task, places, word)
+        total += motion.word_next[word] - motion.word_cost[word]
     return total
 
 
-@compiled
+@inlined
+def keep_costs(motion: Motion) -> None:
+    """The move stays made."""
+    for at in range(motion.listed[EDGES]):
+        edge = motion.edges[at]
+        motion.edge_cost[edge] = motion.edge_next[edge]
+    for at in range(motion.listed[WORDS]):
+        word = motion.words[at]
+        motion.word_cost[word] = motion.word_next[word]
+
+
+@inlined
 def claims_cost(task: Task, places: Places, words: Words, motion: Motion) -> float:
     """Of everything beyond capacity, and of the moves claimed for the words that are listed."""
     if not task.array.moves:
@@ -147,7 +180,7 @@ def claims_cost(task: Task, places: Places, words: Words, motion: Motion) -> flo
     return float(CLASH * places.over[0] + CELL * cells)
 
 
-@compiled
+@inlined
 def clashes(task: Task, places: Places, words: Words, motion: Motion) -> int:
     """Claims of the listed words that meet others: as many, at most, are beyond capacity for their
     sake.
@@ -158,7 +191,7 @@ def clashes(task: Task, places: Places, words: Words, motion: Motion) -> int:
     return met
 
 
-@compiled
+@inlined
 def swap(places: Places, motion: Motion) -> None:
     """Exchange where nodes are with where they go, in name only: what they claim stays."""
     for at in range(motion.listed[NODES]):
@@ -168,7 +201,7 @@ def swap(places: Places, motion: Motion) -> None:
         motion.pe[node], motion.time[node] = pe, time
 
 
-@compiled
+@inlined
 def exchange(task: Task, places: Places, motion: Motion) -> None:
     """Make the move; a second time: take it back."""
     for at in range(motion.listed[NODES]):
@@ -178,7 +211,7 @@ def exchange(task: Task, places: Places, motion: Motion) -> None:
         enter(task.nodes, task.array, places, motion.nodes[at], 1)
 
 
-@compiled
+@inlined
 def hide_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
     """Withdraw the listed words, and keep what they had."""
     for at in range(motion.listed[WORDS]):
@@ -190,21 +223,29 @@ def hide_words(task: Task, places: Places, words: Words, motion: Motion) -> None
         withdraw(task, places, words, word)
 
 
-@compiled
-def show_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
-    """Claim for the listed words anew."""
+@inlined
+def show_words(task: Task, places: Places, words: Words, motion: Motion, most: float) -> bool:
+    """Claim for the listed words anew; False, with some left out, once that costs more than
+    `most`: claims only add to it.
+    """
+    cells = 0
     for at in range(motion.listed[WORDS]):
-        show(task, places, words, motion.words[at])
+        if CLASH * places.over[0] + CELL * cells > most:
+            return False
+        word = motion.words[at]
+        show(task, places, words, word)
+        cells += words.size[word] - 1
+    return bool(CLASH * places.over[0] + CELL * cells <= most)
 
 
-@compiled
+@inlined
 def withdraw_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
     """Withdraw the listed words."""
     for at in range(motion.listed[WORDS]):
         withdraw(task, places, words, motion.words[at])
 
 
-@compiled
+@inlined
 def restore_words(task: Task, places: Places, words: Words, motion: Motion) -> None:
     """Claim for the listed words what they had."""
     for at in range(motion.listed[WORDS]):
@@ -216,7 +257,7 @@ def restore_words(task: Task, places: Places, words: Words, motion: Motion) -> N
         claim_again(task, places, words, word)
 
 
-@compiled
+@inlined
 def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
     """Another node that issues on the FU that `node` would use, or -1."""
     if not task.nodes.kind[node] & FU:
@@ -225,7 +266,7 @@ def occupant(task: Task, places: Places, node: int, pe: int, time: int) -> int:
     return -1 if other == node else int(other)
 
 
-@compiled
+@inlined
 def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
     late = early(edges, array, places, edge)
     if array.moves:
@@ -249,7 +290,7 @@ def _edge_cost(edges: Edges, array: Array, places: Places, edge: int) -> float:
     return float(total + TIGHT * max(0, hops - life))
 
 
-@compiled
+@inlined
 def _word_cost(task: Task, places: Places, node: int) -> float:
     if task.array.moves:
         return float(_life_cost(task.edges, places, node) * (WAIT / CYCLE))
@@ -258,7 +299,7 @@ def _word_cost(task: Task, places: Places, node: int) -> float:
     return _life_cost(task.edges, places, node)
 
 
-@compiled
+@inlined
 def _output_cost(edges: Edges, places: Places, node: int) -> float:
     """Of the word that `node` makes: the cycles after the first in which another PE reads it, since
     each takes an output register. Its own registers are many.
@@ -273,7 +314,7 @@ def _output_cost(edges: Edges, places: Places, node: int) -> float:
     return CELL * cells
 
 
-@compiled
+@inlined
 def _remote_gap(edges: Edges, places: Places, node: int, edge: int) -> int:
     """Cycles from the result to a read on another PE; 0 on its own."""
     dst = edges.dst[edge]
@@ -282,7 +323,7 @@ def _remote_gap(edges: Edges, places: Places, node: int, edge: int) -> int:
     return int(places.time[dst] - places.time[node] - edges.ready[edge])
 
 
-@compiled
+@inlined
 def _life_cost(edges: Edges, places: Places, node: int) -> float:
     """Of the word that `node` makes: the cycles until its last read."""
     life = 0

@@ -47,19 +47,14 @@ _ROUNDS: Final = 30
 _REPAIRS_PER_NODE: Final = 150
 _TRIALS: Final = 2
 _NAMING_ROUNDS: Final = 12
-_HOT, _COLD = 30.0, 0.2
 _WARM, _COOL = 5.0, 1.0
 _OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
 _SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
-_SHOWN_HOT, _SHOWN_COLD = 12.0, 1.5
 _SHOWN_MOVES: Final = 3
-"""Where moves of words are claimed: from about as much broken as there are operations to where
-nothing that is broken changes any more; and more annealing, since little is left to routes.
-"""
-_AGAIN, _SHOWN_AGAIN = (0.25, 0.25), (0.6, 0.6)
+"""More annealing where moves of words are claimed, since little is left to routes."""
 _LITTLE: Final = 8
-"""Parts of the heat with which as much as this, if broken, is annealed again."""
-_QUENCH, _QUENCH_HOT = 0.25, 2.0
+"""As much as this, if broken, is annealed again."""
+_QUENCH, _QUENCH_HOT, _QUENCH_COLD = 0.25, 2.0, 0.2
 _OUTPUT_REPAIRS: Final = 25
 _OUTPUT_NODES: Final = 100
 """Where words go through output registers, annealing without routes sees little of what they cost,
@@ -73,6 +68,22 @@ _SEED_STEP: Final = 1000
 _HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
 _REPAIR_PRESSURE: Final = 3.0
 _MOST_CELLS: Final = 20_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class _Cooling:
+    """Of annealing: heats, and the parts of the first with which it is done again."""
+
+    hot: float
+    cold: float
+    again: tuple[float, ...]
+
+
+_FREELY: Final = _Cooling(30.0, 0.2, (0.25, 0.25))
+_SHOWN: Final = _Cooling(12.0, 1.5, (0.6, 0.6))
+"""Where moves of words are claimed: from about as much broken as there are operations to where
+nothing that is broken changes any more.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +106,7 @@ def prepare(tell: Callable[[str], None]) -> float:
     """
     began = time.monotonic()
     if not _prepared:
-        tell("annealer and router: loading, or compiling once (up to half a minute)")
+        tell("annealer and router: loading, or compiling once (up to a minute)")
         _compile_all()
         _prepared.append(True)
     return time.monotonic() - began
@@ -128,7 +139,7 @@ def negotiate(
         return None
     begin = _with_room(problem, start, latest)
     seeds = range(seed, seed + _SEED_STEP * workers, _SEED_STEP)
-    attempts = [_Attempt(problem, ii, begin, latest, one) for one in seeds]
+    attempts = [Negotiation(problem, ii, begin, latest, one) for one in seeds]
     if not attempts[0].fits:
         return None
     share = replace(effort, trials=-(-effort.trials // workers))
@@ -172,7 +183,7 @@ def _compile_all() -> None:
     )
     node = Node(0, Opcode.GENERIC, name="op")
     problem = MapProblem(DFG("one", (node,), ()), fabric)
-    attempt = _Attempt(problem, 1, {0: 0}, 0, 1)
+    attempt = Negotiation(problem, 1, {0: 0}, 0, 1)
     never = Deadline.after(3600.0)
     first_result([attempt.run(Effort(1, 1, 1, 1), never)])
     raise_prices(attempt.traffic, 1, _HISTORY, _GROWTH, _MOST_PRESSURE)
@@ -181,7 +192,7 @@ def _compile_all() -> None:
     route_as_shown(attempt.router, attempt.words)
 
 
-class _Attempt:
+class Negotiation:
     """The arrays of one II and what the compiled functions do with them."""
 
     def __init__(
@@ -193,6 +204,7 @@ class _Attempt:
         self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
+        self.cooling = _SHOWN if self.task.array.moves else _FREELY
         self._put(start)
         self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
         sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
@@ -229,23 +241,19 @@ class _Attempt:
         """
         task, places, words = self.task, self.places, self.words
         show_all(task, places, words)
-        hot, again = _HOT, _AGAIN
-        if task.array.moves:
-            hot, again = _SHOWN_HOT, _SHOWN_AGAIN
-        for part in (1.0, *again):
-            yield from self._cool(hot * part, int(moves * part**0.5), deadline)
+        for part in (1.0, *self.cooling.again):
+            yield from self._cool(part, int(moves * part**0.5), deadline)
             if not 0 < broken(task, places) <= _LITTLE:
                 break
         hide_all(task, places, words)
         return broken(task, places) == 0
 
-    def _cool(self, hot: float, moves: int, deadline: Deadline) -> Steps[None]:
-        """Anneal once. Where moves are claimed, what crowds nothing any more is only quenched, so
-        that words wait less: registers are not claimed.
+    def _cool(self, part: float, moves: int, deadline: Deadline) -> Steps[None]:
+        """Anneal once, from a part of the heat. Where moves are claimed, what crowds nothing any
+        more is only quenched, so that words wait less: registers are not claimed.
         """
         state = State(self.places, self.words, new_motion(self.task, self.words))
-        cold = _SHOWN_COLD if self.task.array.moves else _COLD
-        heat, end = new_heat(hot, cold, moves), moves
+        heat, end = new_heat(part * self.cooling.hot, self.cooling.cold, moves), moves
         done, quenched = 0, not self.task.array.moves
         while done < end and not deadline.passed:
             anneal(self.task, state, heat, min(_SLICE, end - done))
@@ -253,7 +261,8 @@ class _Attempt:
             yield
             if not quenched and broken(self.task, self.places) == 0:
                 quenched, end = True, min(end, done + int(_QUENCH * moves))
-                heat = new_heat(min(float(heat.value[0]), _QUENCH_HOT), _COLD, end - done)
+                hot = min(float(heat.value[0]), _QUENCH_HOT)
+                heat = new_heat(hot, _QUENCH_COLD, end - done)
 
     def _routed(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Route and name registers; where a file's words fit but have no allocation, again with
@@ -346,13 +355,15 @@ class _Attempt:
     def _ready(self, producer: int) -> int:
         return int(self.places.time[producer] + self.task.nodes.latency[producer])
 
+    def _cuts(self, producer: int) -> set[tuple[int, int]]:
+        """(register file, cycle) from which on a word that stays there is in another register."""
+        count, ready = self.traffic.size[producer, 2], self._ready(producer)
+        rows = self.traffic.cut[producer, :count].tolist()
+        return {(location, ready + cycle) for cycle, location in rows}
+
     def _stays(self, producer: int) -> list[tuple[int, Stay]]:
         """(PE, stay) of a word in each register that it is in."""
-        count, ready = self.traffic.size[producer, 2], self._ready(producer)
-        cuts = {
-            (location, ready + cycle)
-            for cycle, location in self.traffic.cut[producer, :count].tolist()
-        }
+        cuts = self._cuts(producer)
         found: list[tuple[int, Stay]] = []
         for location, cycle, before in self._cells(producer):
             if self.mrrg.spots[location].kind != "reg":
@@ -402,6 +413,9 @@ class _Attempt:
             return ()
         producer = int(edges.src[edge])
         before = {(at, cycle): origin for at, cycle, origin in self._cells(producer)}
+        for at, cycle in self._cuts(producer):
+            if (self.router.graph.renew[at], cycle) in before:  # shown there, for another read
+                before[at, cycle] = int(self.router.graph.renew[at])
         cycle = int(self.places.time[edges.dst[edge]] + edges.ahead[edge])
         steps = []
         while location >= 0:

@@ -18,7 +18,7 @@ from vividc.mapper.negotiate.arrays import (
     Nodes,
     Task,
 )
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.compiled import compiled, inlined
 
 
 class Places(NamedTuple):
@@ -54,14 +54,14 @@ def new_places(task: Task, seed: int) -> Places:
     )
 
 
-@compiled
+@inlined
 def draw(random: Ints, below: int) -> int:
     """The next number of a 64-bit linear congruential generator (Knuth), in 0 .. below - 1."""
     random[0] = random[0] * 6364136223846793005 + 1442695040888963407
     return int((random[0] >> 33) & 0x3FFFFFFF) % below
 
 
-@compiled
+@inlined
 def count(places: Places, at: int, by: int, room: int) -> None:
     """Add `by` to the claims of `counts[at]`, of which there is room for `room`."""
     old = places.counts[at]
@@ -105,7 +105,7 @@ def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> Non
     places.over[0] += max(0, places.stored[pe] - room) - max(0, stored - room)
 
 
-@compiled
+@inlined
 def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
     """Claims beyond capacity in the slots and the store that `node`, entered, claims."""
     ii, grid = array.ii, array.pes * array.ii
@@ -129,7 +129,7 @@ def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
     return int(over)
 
 
-@compiled
+@inlined
 def _rivals(nodes: Nodes, places: Places, node: int) -> int:
     """Contested entries of the node's on its PE."""
     both = 0
@@ -138,7 +138,7 @@ def _rivals(nodes: Nodes, places: Places, node: int) -> int:
     return both
 
 
-@compiled
+@inlined
 def contested(uses: int) -> int:
     """1 if an entry is both read and written on its PE: iterations overlap, so a live-out would
     take from its readers the word they want.
@@ -166,7 +166,7 @@ def early(edges: Edges, array: Array, places: Places, edge: int) -> int:
     return int(max(0, edges.shift[edge] - gap))
 
 
-@compiled
+@inlined
 def window(edges: Edges, array: Array, places: Places, node: int, result: Ints) -> None:
     """First and last time that keep all dependences as the other nodes lie, into `result`.
 

@@ -15,7 +15,7 @@ import numpy as np
 from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.anneal import Heat, propose
 from vividc.mapper.negotiate.arrays import Task
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.compiled import compiled, inlined
 from vividc.mapper.negotiate.motion import occupant
 from vividc.mapper.negotiate.places import Places, draw, early, enter, excess
 from vividc.mapper.negotiate.traffic import (
@@ -80,7 +80,7 @@ def repair(router: Router, undo: Undo, heat: Heat, moves: int) -> int:
     return 0
 
 
-@compiled
+@inlined
 def _list_crowded(traffic: Traffic, undo: Undo) -> None:
     count = 0
     for producer in range(traffic.size.shape[0]):
@@ -90,7 +90,7 @@ def _list_crowded(traffic: Traffic, undo: Undo) -> None:
     undo.crowded[0] = count
 
 
-@compiled
+@inlined
 def _pick(task: Task, places: Places, undo: Undo) -> int:
     """A node at an end of a crowded word, sometimes any."""
     random, edges = places.random, task.edges
@@ -102,7 +102,7 @@ def _pick(task: Task, places: Places, undo: Undo) -> int:
     return int(word if which == 0 else edges.dst[edges.sink_items[first + which - 1]])
 
 
-@compiled
+@inlined
 def _try_move(router: Router, undo: Undo, node: int, heat: Heat) -> None:
     task, places, traffic = router.task, router.places, router.traffic
     nodes = task.nodes
@@ -136,7 +136,7 @@ def _try_move(router: Router, undo: Undo, node: int, heat: Heat) -> None:
     _shift(task, places, node, old_pe, old_time, other, pe)
 
 
-@compiled
+@inlined
 def _shift(
     task: Task, places: Places, node: int, pe: int, time: int, other: int, other_pe: int
 ) -> None:
@@ -151,7 +151,7 @@ def _shift(
         enter(nodes, array, places, other, 1)
 
 
-@compiled
+@inlined
 def _is_legal(task: Task, places: Places, node: int) -> bool:
     if excess(task.nodes, task.array, places, node) > 0:
         return False
@@ -162,7 +162,7 @@ def _is_legal(task: Task, places: Places, node: int) -> bool:
     return True
 
 
-@compiled
+@inlined
 def _add_words(task: Task, undo: Undo, node: int) -> None:
     """Enter the word that `node` makes and those that it reads, each once."""
     edges = task.edges
@@ -177,7 +177,7 @@ def _add_words(task: Task, undo: Undo, node: int) -> None:
             undo.words[undo.words[0]] = word
 
 
-@compiled
+@inlined
 def _save(task: Task, traffic: Traffic, undo: Undo) -> None:
     edges = task.edges
     for at in range(undo.words[0]):
@@ -196,7 +196,7 @@ def _save(task: Task, traffic: Traffic, undo: Undo) -> None:
             undo.end[edges.sink_items[sink]] = traffic.end[edges.sink_items[sink]]
 
 
-@compiled
+@inlined
 def _restore(task: Task, traffic: Traffic, undo: Undo) -> None:
     edges, ii = task.edges, task.array.ii
     for at in range(undo.words[0]):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from vividc.arch.fabric import Fabric
 from vividc.mapper.mrrg import MRRG, Ints, Kind, away
 from vividc.mapper.negotiate.arrays import Floats, Task
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.compiled import compiled, inlined
 
 _BASE: Final[dict[Kind, float]] = {
     "link": 1.0,
@@ -160,7 +160,7 @@ def new_scratch(mrrg: MRRG, cycles: int) -> Scratch:
     return Scratch(np.zeros(shape), np.zeros(shape, dtype=np.int64), *marks)
 
 
-@compiled
+@inlined
 def reprice(traffic: Traffic, ii: int, node: int) -> None:
     over = traffic.use[node] + 1 - traffic.capacity[node]
     price = traffic.base[node // ii] * traffic.history[node]
@@ -177,7 +177,7 @@ def reprice_all(traffic: Traffic, ii: int) -> None:
     traffic.totals[1] = over
 
 
-@compiled
+@inlined
 def _use(traffic: Traffic, ii: int, node: int, by: int) -> None:
     old = traffic.use[node]
     traffic.use[node] = old + by
@@ -187,7 +187,7 @@ def _use(traffic: Traffic, ii: int, node: int, by: int) -> None:
     reprice(traffic, ii, node)
 
 
-@compiled
+@inlined
 def claim(traffic: Traffic, ii: int, producer: int, resource: int, time: int) -> None:
     node = resource * ii + time % ii
     traffic.claim[producer, traffic.size[producer, 1]] = node
@@ -195,14 +195,14 @@ def claim(traffic: Traffic, ii: int, producer: int, resource: int, time: int) ->
     _use(traffic, ii, node, 1)
 
 
-@compiled
+@inlined
 def count_claims(traffic: Traffic, ii: int, producer: int, by: int) -> None:
     """Enter (1) or withdraw (-1) all claims on record for a word."""
     for at in range(traffic.size[producer, 1]):
         _use(traffic, ii, traffic.claim[producer, at], by)
 
 
-@compiled
+@inlined
 def rip_up(traffic: Traffic, ii: int, producer: int) -> None:
     """Forget the ways of a word."""
     count_claims(traffic, ii, producer, -1)
@@ -210,7 +210,7 @@ def rip_up(traffic: Traffic, ii: int, producer: int) -> None:
         traffic.size[producer, part] = 0
 
 
-@compiled
+@inlined
 def crowds(traffic: Traffic, producer: int) -> bool:
     """Whether the word uses anything that is used beyond its capacity."""
     for at in range(traffic.size[producer, 1]):

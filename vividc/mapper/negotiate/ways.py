@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from vividc.mapper.negotiate.arrays import FU, Task
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.compiled import compiled, inlined
 from vividc.mapper.negotiate.places import Places
 from vividc.mapper.negotiate.traffic import (
     DIRECT,
@@ -76,7 +76,7 @@ def route_as_shown(router: Router, words: Words) -> int:
     return lost
 
 
-@compiled
+@inlined
 def _route_as_shown(router: Router, words: Words, producer: int) -> bool:
     _bar_outputs(router, words, producer, 1)
     found = route(router, producer)
@@ -86,7 +86,7 @@ def _route_as_shown(router: Router, words: Words, producer: int) -> bool:
     return bool(found)
 
 
-@compiled
+@inlined
 def _bar_outputs(router: Router, words: Words, producer: int, bar: int) -> None:
     """Bar all output registers in all cycles but those that show a word, or (0) none."""
     graph, barred = router.graph, router.scratch.barred
@@ -98,7 +98,7 @@ def _bar_outputs(router: Router, words: Words, producer: int, bar: int) -> None:
         barred[words.cycle[producer, at], fresh] = 0
 
 
-@compiled
+@inlined
 def route(router: Router, producer: int) -> bool:
     """Find ways for a word that has none, read by read in order of time; False: there are none."""
     edges, places, scratch = router.task.edges, router.places, router.scratch
@@ -125,7 +125,7 @@ def route(router: Router, producer: int) -> bool:
     return found
 
 
-@compiled
+@inlined
 def _take_output(router: Router, producer: int, fresh: int, ready: int) -> None:
     """Where outputs take part in routes, an operation has its FU and its output register, whether
     its word is read or not.
@@ -146,7 +146,7 @@ def _take_output(router: Router, producer: int, fresh: int, ready: int) -> None:
     traffic.size[producer, 0] += 1
 
 
-@compiled
+@inlined
 def _next_read(router: Router, producer: int, edge: int, cycles: int) -> int:
     """The read after `edge`, which is `cycles` after the result, by time and number."""
     edges, places = router.task.edges, router.places
@@ -161,7 +161,7 @@ def _next_read(router: Router, producer: int, edge: int, cycles: int) -> int:
     return best
 
 
-@compiled
+@inlined
 def _reach(router: Router, aim: Aim) -> bool:
     """Add a way to one read to the tree; False: there is none, or the tree has no room."""
     outcome = _PART
@@ -178,7 +178,7 @@ def _reach(router: Router, aim: Aim) -> bool:
     return outcome == _WHOLE
 
 
-@compiled
+@inlined
 def _begin(router: Router, aim: Aim) -> None:
     """What is in the tree costs nothing, what the result can enter its price."""
     graph, scratch, price = router.graph, router.scratch, router.traffic.price
@@ -198,7 +198,7 @@ def _begin(router: Router, aim: Aim) -> None:
             scratch.before[0, to] = -1
 
 
-@compiled
+@inlined
 def _spread_aside(router: Router, aim: Aim, cycle: int) -> None:
     """From locations of a cycle to others of the same cycle, which have higher numbers."""
     graph, price = router.graph, router.traffic.price
@@ -222,7 +222,7 @@ def _spread_aside(router: Router, aim: Aim, cycle: int) -> None:
                 before[cycle, to] = location
 
 
-@compiled
+@inlined
 def _spread(router: Router, aim: Aim, cycle: int) -> None:
     """From all locations of a cycle from which the target is in reach to those of the next."""
     graph, price = router.graph, router.traffic.price
@@ -250,7 +250,7 @@ def _spread(router: Router, aim: Aim, cycle: int) -> None:
                 before[cycle + 1, to] = location
 
 
-@compiled
+@inlined
 def _arrival(router: Router, aim: Aim) -> int:
     """The cheapest location at the time of the read from which the target reads, or -1."""
     graph, ii = router.graph, router.task.array.ii
@@ -268,7 +268,7 @@ def _arrival(router: Router, aim: Aim) -> int:
     return best
 
 
-@compiled
+@inlined
 def _graft(router: Router, aim: Aim, best: int) -> int:
     """Add the way that ends at `best` to the tree, or its first II cycles only: then the price of
     the rest counts what those took, since a word that lives longer crowds its own successors.
@@ -305,7 +305,7 @@ def _graft(router: Router, aim: Aim, best: int) -> int:
     return outcome
 
 
-@compiled
+@inlined
 def _joins(router: Router, location: int, cycle: int) -> int:
     """The last cycle of a way that is in the tree already; -1: it begins at the result."""
     scratch = router.scratch
@@ -316,13 +316,13 @@ def _joins(router: Router, location: int, cycle: int) -> int:
     return cycle
 
 
-@compiled
+@inlined
 def _takes_a_cycle(graph: Graph, before: int, location: int) -> int:
     """1, but 0 where a word goes on within a cycle."""
     return 0 if graph.aside[location] and before >= 0 and before != location else 1
 
 
-@compiled
+@inlined
 def _leave(router: Router, producer: int, location: int, cycle: int, ready: int) -> None:
     """Claim the port through which a word is read, once a cycle."""
     port, mark = router.graph.leaving[location], router.scratch.mark
@@ -331,7 +331,7 @@ def _leave(router: Router, producer: int, location: int, cycle: int, ready: int)
         claim(router.traffic, router.task.array.ii, producer, port, ready + cycle)
 
 
-@compiled
+@inlined
 def _cut_stays(router: Router, producer: int, ready: int) -> bool:
     """A word that stays in a file for more than II cycles changes registers before its successor
     comes. False if there is no room.
@@ -364,7 +364,7 @@ def _cut_stays(router: Router, producer: int, ready: int) -> bool:
     return True
 
 
-@compiled
+@inlined
 def _last_cycle(scratch: Scratch, location: int, cycle: int) -> int:
     """The last of the cycles from `cycle` on in which a word holds out at a location."""
     while (
@@ -376,7 +376,7 @@ def _last_cycle(scratch: Scratch, location: int, cycle: int) -> int:
     return cycle
 
 
-@compiled
+@inlined
 def _best_cut(router: Router, location: int, first: int, ready: int) -> int:
     """The latest of the cheapest cycles at which the word can be in another register."""
     graph, price, ii = router.graph, router.traffic.price, router.task.array.ii

@@ -14,7 +14,7 @@ import numpy as np
 
 from vividc.mapper.mrrg import Ints
 from vividc.mapper.negotiate.arrays import Array, Edges, Task
-from vividc.mapper.negotiate.compiled import compiled
+from vividc.mapper.negotiate.compiled import compiled, inlined
 from vividc.mapper.negotiate.places import Places, count
 
 _MOST_CELLS = 96
@@ -85,7 +85,7 @@ def hide_all(task: Task, places: Places, words: Words) -> None:
         _claim_all(task, places, words, word, -1)
 
 
-@compiled
+@inlined
 def _claim_all(task: Task, places: Places, words: Words, word: int, by: int) -> None:
     ready = places.time[word] + task.nodes.latency[word]
     for at in range(1, words.size[word]):
@@ -110,7 +110,7 @@ def clashes_of(task: Task, places: Places, words: Words, word: int) -> int:
     return met
 
 
-@compiled
+@inlined
 def _claim(array: Array, places: Places, pe: int, shown: int, by: int) -> None:
     """A move on `pe` whose word is shown from cycle `shown` on."""
     at = pe * array.ii + (shown - 1) % array.ii
@@ -118,20 +118,20 @@ def _claim(array: Array, places: Places, pe: int, shown: int, by: int) -> None:
     count(places, array.pes * array.ii + at, by, 1)
 
 
-@compiled
+@inlined
 def _price(array: Array, places: Places, pe: int, shown: int) -> float:
     at = pe * array.ii + (shown - 1) % array.ii
     taken = min(1, places.counts[at]) + min(1, places.counts[array.pes * array.ii + at])
     return float(_CELL + _TAKEN * taken)
 
 
-@compiled
+@inlined
 def is_popular(edges: Edges, word: int) -> bool:
     """Whether a word has so many reads that no moves are claimed for it."""
     return bool(edges.sink_begin[word + 1] - edges.sink_begin[word] > _MOST_READS)
 
 
-@compiled
+@inlined
 def show(task: Task, places: Places, words: Words, word: int) -> None:
     """Claim moves for all reads of a word that is shown nowhere yet, in order of time."""
     edges, array = task.edges, task.array
@@ -146,7 +146,7 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
         _serve(array, places, words, Read(word, ready, target, gap))
 
 
-@compiled
+@inlined
 def _order_reads(edges: Edges, places: Places, reads: Ints, word: int, ready: int) -> int:
     """Sort the reads of a word by time into `reads`; returns how many there are."""
     begin, end = edges.sink_begin[word], edges.sink_begin[word + 1]
@@ -162,7 +162,7 @@ def _order_reads(edges: Edges, places: Places, reads: Ints, word: int, ready: in
     return int(end - begin)
 
 
-@compiled
+@inlined
 def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
     """Claim the cheapest way to a read; none if it is too early for any, or too far off."""
     word, _, target, gap = read
@@ -192,7 +192,7 @@ def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
     _renew(array, places, words, read)
 
 
-@compiled
+@inlined
 def _add(array: Array, places: Places, words: Words, read: Read, pe: int, cycle: int) -> None:
     to = words.size[read.word]
     words.pe[read.word, to], words.cycle[read.word, to] = pe, cycle
@@ -200,7 +200,7 @@ def _add(array: Array, places: Places, words: Words, read: Read, pe: int, cycle:
     _claim(array, places, pe, read.ready + cycle, 1)
 
 
-@compiled
+@inlined
 def _renew(array: Array, places: Places, words: Words, read: Read) -> None:
     """A word that waits for II cycles where it is read goes to another register by a move."""
     word, ready, target, gap = read
@@ -218,7 +218,7 @@ def _renew(array: Array, places: Places, words: Words, read: Read) -> None:
         _add(array, places, words, read, target, since)
 
 
-@compiled
+@inlined
 def _way(
     array: Array, places: Places, words: Words, read: Read, row: int, cell: int, late: int
 ) -> tuple[int, float]:

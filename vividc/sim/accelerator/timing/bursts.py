@@ -10,7 +10,7 @@ from vividc.arch import Accelerator
 from vividc.program import WORD_BYTES
 from vividc.sim.accelerator.flat import Ints
 from vividc.sim.accelerator.steps import Transfer
-from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.compiled import inlined
 from vividc.sim.accelerator.timing.state import (
     DRAM_BYTES,
     DRAM_CYCLES,
@@ -74,7 +74,7 @@ def cut_pieces(cut: Cut, owners: Ints, lines: Ints, pieces: Ints) -> tuple[Ints,
     return first, bursts
 
 
-@compiled
+@inlined
 def _cut(cut: Cut, owners: Ints, lines: Ints, pieces: Ints, bursts: Ints) -> None:
     place = 0
     for piece in range(len(pieces)):

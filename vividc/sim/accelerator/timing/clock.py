@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vividc.machine_code import constant
-from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.compiled import inlined
 from vividc.sim.accelerator.timing.queues import pop, push
 from vividc.sim.accelerator.timing.state import (
     EVENTS,
@@ -34,19 +34,19 @@ _ENGINES_SHIFT = 40
 """Requests of a cycle are told apart by engine, and then by order."""
 
 
-@compiled
+@inlined
 def at(queues: Queues, cycle: int, what: int, item: int) -> None:
     """Something arrives in a cycle: what does so in the same cycle comes in order of scheduling."""
     push(queues, EVENTS, (2 * cycle, queues.pushed[EVENTS], what, item))
 
 
-@compiled
+@inlined
 def granted_at(queues: Queues, cycle: int, what: int, item: int) -> None:
     """Something is granted in a cycle, when all that arrives in it is known."""
     push(queues, EVENTS, (2 * cycle + 1, queues.pushed[EVENTS], what, item))
 
 
-@compiled
+@inlined
 def request(
     queues: Queues, state: State, server: int, cycle: int, who: tuple[int, int, int]
 ) -> None:
@@ -59,7 +59,7 @@ def request(
     look(queues, state, server, max(cycle, state.free_at[server]))
 
 
-@compiled
+@inlined
 def look(queues: Queues, state: State, server: int, cycle: int) -> None:
     """See who waits in `cycle`, once however many ask for that: one is served a cycle."""
     if cycle != state.looks_at[server]:
@@ -67,7 +67,7 @@ def look(queues: Queues, state: State, server: int, cycle: int) -> None:
         granted_at(queues, cycle, GRANT, server)
 
 
-@compiled
+@inlined
 def serve(queues: Queues, state: State, server: int, cycle: int) -> int:
     """Who has waited longest, or `NOTHING` if the server is busy or nobody waits."""
     if cycle == state.looks_at[server]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.machine_code import Compiler, compiler
+from vividc.machine_code import Compiler, compiler, inlined
+
+__all__ = ["compiled", "inlined"]
 
 compiled: Final[Compiler] = compiler(__file__)

@@ -10,7 +10,7 @@ from vividc.sim.accelerator.timing.clock import (
     at,
     granted_at,
 )
-from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.compiled import inlined
 from vividc.sim.accelerator.timing.queues import push
 from vividc.sim.accelerator.timing.state import (
     BANKS_TAKEN,
@@ -29,7 +29,7 @@ from vividc.sim.accelerator.timing.state import (
 )
 
 
-@compiled
+@inlined
 def make_ready(graph: Graph, queues: Queues, state: State, step: int, cycle: int) -> None:
     """All that a step waits for is done."""
     state.ready[step] = cycle
@@ -43,7 +43,7 @@ def make_ready(graph: Graph, queues: Queues, state: State, step: int, cycle: int
         granted_at(queues, cycle, START_TRANSFERS, NOTHING)
 
 
-@compiled
+@inlined
 def finish(graph: Graph, queues: Queues, state: State, step: int, cycle: int) -> None:
     """A step is done: some that wait for it may be ready."""
     state.end[step] = cycle
@@ -54,7 +54,7 @@ def finish(graph: Graph, queues: Queues, state: State, step: int, cycle: int) ->
             make_ready(graph, queues, state, follower, cycle)
 
 
-@compiled
+@inlined
 def start_stream(graph: Graph, queues: Queues, state: State, machine: Machine, cycle: int) -> None:
     """Load the earliest of the programs that may be loaded."""
     if state.is_loading[0]:
@@ -68,7 +68,7 @@ def start_stream(graph: Graph, queues: Queues, state: State, machine: Machine, c
             return
 
 
-@compiled
+@inlined
 def _may_load(graph: Graph, state: State, machine: Machine, step: int) -> bool:
     """Whether each of its tiles has a memory for it: with two of them, if the program before has
     started there, else if it has run for the last time.
@@ -81,14 +81,14 @@ def _may_load(graph: Graph, state: State, machine: Machine, step: int) -> bool:
     return True
 
 
-@compiled
+@inlined
 def end_configuration(queues: Queues, state: State, cycle: int) -> None:
     """A program is loaded, and the stream is free."""
     state.is_loading[0] = 0
     granted_at(queues, cycle, START_STREAM, NOTHING)
 
 
-@compiled
+@inlined
 def _start_run(graph: Graph, queues: Queues, state: State, step: int, cycle: int) -> None:
     tile = graph.tile_items[graph.tile_begin[step]]
     _charge_wait(graph, state, step, tile, cycle)
@@ -101,7 +101,7 @@ def _start_run(graph: Graph, queues: Queues, state: State, step: int, cycle: int
     _stop_at(queues, state, tile, state.issue_from[tile] + graph.cycles[step])
 
 
-@compiled
+@inlined
 def _charge_wait(graph: Graph, state: State, step: int, tile: int, cycle: int) -> None:
     """The whole wait is charged to what ended last."""
     wait = cycle - state.free_from[tile]
@@ -120,7 +120,7 @@ def _charge_wait(graph: Graph, state: State, step: int, tile: int, cycle: int) -
     state.stalls[tile, cause] += wait
 
 
-@compiled
+@inlined
 def _stop_at(queues: Queues, state: State, tile: int, cycle: int) -> None:
     """A tile's run will end in a cycle; what was said before does not count any more."""
     state.stop[tile] = cycle
@@ -128,7 +128,7 @@ def _stop_at(queues: Queues, state: State, tile: int, cycle: int) -> None:
     at(queues, cycle, END_RUN, state.version[tile] * len(state.stop) + tile)
 
 
-@compiled
+@inlined
 def take_banks(queues: Queues, state: State, tile: int, cycles: int, cycle: int) -> None:
     """DMA has the banks of a tile for some cycles: a program that runs there stands still."""
     is_running = state.running[tile] != NOTHING
@@ -137,7 +137,7 @@ def take_banks(queues: Queues, state: State, tile: int, cycles: int, cycle: int)
         _stop_at(queues, state, tile, state.stop[tile] + cycles)
 
 
-@compiled
+@inlined
 def end_run(graph: Graph, queues: Queues, state: State, item: int, cycle: int) -> int:
     """A run ends, unless it stood still meanwhile: then it is `NOTHING` that ends."""
     tile, version = item % len(state.stop), item // len(state.stop)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from vividc.sim.accelerator.flat import Ints
-from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.compiled import inlined
 from vividc.sim.accelerator.timing.state import Queues
 
 
-@compiled
+@inlined
 def push(queues: Queues, queue: int, row: tuple[int, int, int, int]) -> None:
     """Add (first key, second key, what, item) to a queue."""
     rows, begin = queues.rows, queues.begin[queue]
@@ -25,7 +25,7 @@ def push(queues: Queues, queue: int, row: tuple[int, int, int, int]) -> None:
     rows[place, 0], rows[place, 1], rows[place, 2], rows[place, 3] = first, second, what, item
 
 
-@compiled
+@inlined
 def pop(queues: Queues, queue: int) -> tuple[int, int, int, int]:
     """Take the row of the smallest keys out; the queue is not empty."""
     rows, begin = queues.rows, queues.begin[queue]
@@ -46,7 +46,7 @@ def pop(queues: Queues, queue: int) -> tuple[int, int, int, int]:
     return found
 
 
-@compiled
+@inlined
 def _is_before(first: int, second: int, rows: Ints, place: int) -> bool:
     """Whether keys are smaller than those of a row."""
     if first != rows[place, 0]:
@@ -54,7 +54,7 @@ def _is_before(first: int, second: int, rows: Ints, place: int) -> bool:
     return bool(second < rows[place, 1])
 
 
-@compiled
+@inlined
 def _copy(rows: Ints, source: int, target: int) -> None:
     for column in range(4):
         rows[target, column] = rows[source, column]

@@ -18,7 +18,7 @@ from vividc.sim.accelerator.timing.clock import (
     at,
     serve,
 )
-from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.compiled import compiled, inlined
 from vividc.sim.accelerator.timing.flow import (
     end_configuration,
     end_run,
@@ -75,7 +75,7 @@ def simulate(graph: Graph, queues: Queues, state: State, machine: Machine) -> No
             finish(graph, queues, state, done, cycle)
 
 
-@compiled
+@inlined
 def _transfer(
     graph: Graph, queues: Queues, state: State, machine: Machine, event: tuple[int, int, int]
 ) -> int:
@@ -100,7 +100,7 @@ def _transfer(
     return NOTHING
 
 
-@compiled
+@inlined
 def _grant(
     graph: Graph, queues: Queues, state: State, machine: Machine, server: int, cycle: int
 ) -> None:

@@ -16,7 +16,7 @@ from vividc.sim.accelerator.timing.clock import (
     granted_at,
     request,
 )
-from vividc.sim.accelerator.timing.compiled import compiled
+from vividc.sim.accelerator.timing.compiled import inlined
 from vividc.sim.accelerator.timing.flow import take_banks
 from vividc.sim.accelerator.timing.queues import pop
 from vividc.sim.accelerator.timing.state import (
@@ -44,7 +44,7 @@ from vividc.sim.accelerator.timing.state import (
 )
 
 
-@compiled
+@inlined
 def start_transfers(
     graph: Graph, queues: Queues, state: State, machine: Machine, cycle: int
 ) -> None:
@@ -61,7 +61,7 @@ def start_transfers(
             _go_on(graph, queues, step, first, ready)
 
 
-@compiled
+@inlined
 def _go_on(graph: Graph, queues: Queues, step: int, burst: int, cycle: int) -> None:
     """Ask for a transfer's burst in a cycle, or end there if it has no more."""
     if burst < graph.data_end[step]:
@@ -70,7 +70,7 @@ def _go_on(graph: Graph, queues: Queues, step: int, burst: int, cycle: int) -> N
         at(queues, cycle, END_TRANSFER, step)
 
 
-@compiled
+@inlined
 def ask(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> None:
     """The engine asks for its next burst where that begins."""
     step = graph.bursts[burst, OWNER]
@@ -78,7 +78,7 @@ def ask(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> N
     ask_for(graph, queues, state, server, burst, cycle)
 
 
-@compiled
+@inlined
 def ask_for(
     graph: Graph, queues: Queues, state: State, server: int, burst: int, cycle: int
 ) -> None:
@@ -88,7 +88,7 @@ def ask_for(
     request(queues, state, server, cycle, (engine, holds, burst))
 
 
-@compiled
+@inlined
 def take_channel(
     graph: Graph, queues: Queues, state: State, machine: Machine, burst: int, cycle: int
 ) -> None:
@@ -112,7 +112,7 @@ def take_channel(
         at(queues, known, ARRIVE_AT_NOC, burst)
 
 
-@compiled
+@inlined
 def take_noc(
     graph: Graph, queues: Queues, state: State, machine: Machine, burst: int, cycle: int
 ) -> None:
@@ -131,7 +131,7 @@ def take_noc(
     at(queues, left + machine.noc_latency, ARRIVE_AT_DRAM, burst)
 
 
-@compiled
+@inlined
 def reach_tiles(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> int:
     """A burst arrives in the scratchpads that it is for; what that ends (see `arrive`)."""
     step = graph.bursts[burst, OWNER]
@@ -142,7 +142,7 @@ def reach_tiles(graph: Graph, queues: Queues, state: State, burst: int, cycle: i
     return arrive(graph, queues, state, burst, cycle)
 
 
-@compiled
+@inlined
 def arrive(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> int:
     """A burst is where it should be; the last one ends its transfer, others `NOTHING`."""
     step = graph.bursts[burst, OWNER]
@@ -152,7 +152,7 @@ def arrive(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -
     return end_transfer(queues, state, step, cycle)
 
 
-@compiled
+@inlined
 def end_transfer(queues: Queues, state: State, step: int, cycle: int) -> int:
     """A transfer is complete, and its engine is free."""
     state.is_free[state.engine[step]] = 1
