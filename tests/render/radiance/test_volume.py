@@ -120,6 +120,20 @@ def test_a_row_does_not_depend_on_how_many_there_are(count: int) -> None:
     np.testing.assert_allclose(whole, 1 / (1 + np.exp(-(inputs @ weights))), rtol=1e-4)
 
 
+@pytest.mark.parametrize("groups", [(), (3,)])
+def test_a_layer_sums_in_the_order_of_its_inputs(groups: tuple[int, ...]) -> None:
+    """On every processor: nothing is contracted, and no row is summed otherwise than another."""
+    rng = np.random.default_rng(1)
+    inputs = rng.normal(size=(*groups, 37, 33)).astype(np.float32)
+    weights = rng.normal(size=(*groups, 33, 7)).astype(np.float32)
+    bias = rng.normal(size=(*groups, 1, 7)).astype(np.float32)
+    expected = np.zeros((*groups, 37, 7), dtype=np.float32)
+    for column in range(33):
+        expected += inputs[..., column, None] * weights[..., column, None, :]
+    np.testing.assert_array_equal(linear("", inputs, weights, bias), expected + bias)
+    assert linear("", inputs[..., :0, :], weights, bias).shape == (*groups, 0, 7)
+
+
 def test_sigmoid_of_large_values() -> None:
     values = np.array([-1000, 0, 1000], dtype=np.float32)
     np.testing.assert_allclose(sigmoid(values), [0, 0.5, 1], atol=1e-30)

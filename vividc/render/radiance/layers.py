@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
+from vividc.machine_code import Compiler, compiler
 from vividc.render.arrays import Float32Array
+
+_compiled: Final[Compiler] = compiler(__file__)
 
 BLOCK = 2048
 """Samples a network sees at once. Every block has this length, the last one padded, so that a
@@ -32,9 +36,27 @@ class Layer(Protocol):
 def linear(
     name: str, inputs: Float32Array, weights: Float32Array, bias: Float32Array | None
 ) -> Float32Array:
-    """Return inputs times weights plus bias in float32."""
-    product: Float32Array = np.matmul(inputs, weights)
+    """Return inputs times weights plus bias in float32, summed in the order of the inputs.
+
+    The same on every machine and for every number of rows, which products of linear algebra
+    libraries are not: their kernels differ by processor, and sum a matrix's last rows otherwise.
+    """
+    inputs, weights = (np.ascontiguousarray(array, np.float32) for array in (inputs, weights))
+    product = np.zeros((*inputs.shape[:-1], weights.shape[-1]), dtype=np.float32)
+    matrices = math.prod(inputs.shape[:-2])
+    _add_products(*(m.reshape(matrices, *m.shape[-2:]) for m in (inputs, weights, product)))
     return product if bias is None else product + bias
+
+
+@_compiled
+def _add_products(inputs: Float32Array, weights: Float32Array, sums: Float32Array) -> None:
+    """Add inputs [k, n, i] times weights [k, i, o] to `sums` [k, n, o]."""
+    for matrix in range(inputs.shape[0]):
+        for row in range(inputs.shape[1]):
+            for column in range(inputs.shape[2]):
+                factor = inputs[matrix, row, column]
+                for output in range(weights.shape[2]):
+                    sums[matrix, row, output] += factor * weights[matrix, column, output]
 
 
 def relu(values: Float32Array) -> Float32Array:
