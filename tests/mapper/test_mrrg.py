@@ -8,7 +8,7 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch import load
 from vividc.arch.fabric import Routing
 from vividc.mapper.distances import FAR, hop_distances
-from vividc.mapper.mrrg import MRRG, NONE, away, build_mrrg, reach
+from vividc.mapper.mrrg import MRRG, NONE, build_mrrg
 
 
 def _named(graph: MRRG, origin: int, target: int) -> list[tuple[str, int, int]]:
@@ -50,7 +50,7 @@ def test_links_alone_where_there_are_no_registers() -> None:
     graph = build_mrrg(tiny_fabric(1, 3, registers=0, read_ports=0, write_ports=0))
     assert graph.locations == graph.links == 4
     assert graph.leaving.tolist() == [NONE] * 4
-    assert reach(graph, 3).tolist() == [[0, 0, 1], [0, 0, 0], [1, 0, 0]]
+    assert graph.reach.tolist() == [[0, 0, 1], [0, 0, 0], [1, 0, 0]]
 
 
 def _open_pair() -> MRRG:
@@ -100,14 +100,14 @@ def test_links_in_a_row_are_passed_in_one_cycle() -> None:
     assert graph.links == graph.locations == 12
     assert [graph.spots[at].index for at in (0, 6)] == [0, 0]
     assert graph.aside.tolist() == [0] * 6 + [1] * 6
-    assert reach(graph, 4).tolist()[0] == [0, 0, 0, 1]
-    assert away(graph, 4)[0].tolist() == [0, 0, 0, 1]
+    assert graph.reach.tolist()[0] == [0, 0, 0, 1]
+    assert graph.away[0].tolist() == [0, 0, 0, 1]
 
 
 @pytest.mark.parametrize("name", ["openedge-4x4", "hycube-4x4", "adres-4x4"])
 def test_words_reach_as_far_a_cycle_as_the_fabric_lets_them(name: str) -> None:
     fabric = load(name)
-    cycles = reach(build_mrrg(fabric), len(fabric.pes))
+    cycles = build_mrrg(fabric).reach
     for row, hops in zip(cycles.tolist(), hop_distances(fabric), strict=True):
         if fabric.routing.shared:  # a neighbour reads the output register
             assert row == [max(hop - 1, 0) for hop in hops]
@@ -118,11 +118,11 @@ def test_words_reach_as_far_a_cycle_as_the_fabric_lets_them(name: str) -> None:
 @pytest.mark.parametrize("name", ["vivid-tile", "vivid-tile-unit"])
 def test_a_word_needs_a_cycle_less_than_hops(name: str) -> None:
     fabric = load(name)
-    cycles = reach(build_mrrg(fabric), len(fabric.pes))
+    cycles = build_mrrg(fabric).reach
     for row, hops in zip(cycles.tolist(), hop_distances(fabric), strict=True):
         assert row == [max(hop - 1, 0) for hop in hops]
 
 
 def test_what_no_link_leads_to_is_out_of_reach() -> None:
     fabric = tiny_fabric(1, 3, links=((0, 1),))
-    assert reach(build_mrrg(fabric), 3).tolist() == [[0, 0, FAR], [FAR, 0, FAR], [FAR, FAR, 0]]
+    assert build_mrrg(fabric).reach.tolist() == [[0, 0, FAR], [FAR, 0, FAR], [FAR, FAR, 0]]

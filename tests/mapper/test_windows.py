@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from random_graphs import random_loop
 
@@ -12,12 +10,15 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import Opcode
 from vividc.mapper import MapResult, map_dfg
+from vividc.mapper.attempt import Attempt
+from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.campaign import Campaign
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import find_mapper
 from vividc.mapper.request import MapRequest
 from vividc.mapper.verify import violations
-from vividc.mapper.windows import window, with_windows
+from vividc.mapper.windows import search_windows, window
 
 _ARRAYS = ("mesh-5x6", "torus-6x5", "king-5x5", "hycube-5x5", "openedge-5x5", "adres-5x5")
 
@@ -78,31 +79,66 @@ def test_no_window_is_tried_after_the_deadline() -> None:
     assert not any("window" in line for line in lines)
 
 
-def test_sixteen_by_sixteen_takes_a_window() -> None:
+def test_sixteen_by_sixteen_maps_at_once() -> None:
     nodes = tuple(Node(i, Opcode.GENERIC) for i in range(24))
     edges = tuple(Edge(i, i + 1, 0) for i in range(23))
-    lines: list[str] = []
-    result = map_dfg(
-        DFG("chain", nodes, edges), load("mesh-16x16"), workers=1, progress=lines.append
-    )
+    result = map_dfg(DFG("chain", nodes, edges), load("mesh-16x16"), workers=1)
     assert (result.status, result.ii) == ("optimal", 1)
-    assert any("window" in line for line in lines)
 
 
-@pytest.mark.parametrize("windows_map", [True, False])
-def test_what_maps_tells_when(windows_map: bool) -> None:
-    """Seconds to a window's mapping, or to the array's after those of the windows."""
-    array = load("mesh-5x5")
+def _campaign(lines: list[str], best_ii: int | None = None) -> Campaign:
+    """On an array with a mapping at some II that is not the best."""
+    problem = MapProblem(random_loop(5, 12), load("mesh-5x5"))
+    request = MapRequest(None, Deadline.after(60.0), 1, lines.append)
+    lower = mii(all_bounds(problem))
+    campaign = Campaign(problem, request, _never, lower)
+    if best_ii is not None:
+        campaign.best = map_dfg(problem.dfg, problem.fabric, ii=lower + best_ii).mapping
+        assert campaign.best is not None
+    return campaign
+
+
+def _never(*_: object) -> Attempt:
+    raise AssertionError("windows try no II of the array")
+
+
+@pytest.mark.parametrize("best_ii", [None, 2])
+def test_a_windows_mapping_is_kept_where_it_is_better(best_ii: int | None) -> None:
+    lines: list[str] = []
+    campaign = _campaign(lines, best_ii)
+    search_windows(campaign, find_mapper("auto"))
+    assert campaign.best is not None
+    assert campaign.best.ii == campaign.lower
+    assert violations(campaign.problem.dfg, campaign.problem.fabric, campaign.best) == []
+    assert sum("trying the window" in line for line in lines) == 1
+
+
+def test_what_no_window_betters_stays() -> None:
+    asked: list[MapRequest] = []
 
     def mapper(problem: MapProblem, request: MapRequest) -> MapResult:
-        result = find_mapper("auto")(problem, request)
-        if problem.fabric == array:
-            return replace(result, stats={"found_s": 200.0})
-        mapping = result.mapping if windows_map else None
-        return replace(result, mapping=mapping, stats={"found_s": 100.0})
+        asked.append(request)
+        return MapResult("timeout", None, 1, (), request.known, "none", 0.0)
 
-    problem = MapProblem(random_loop(5, 12), array)
-    result = with_windows(mapper)(problem, MapRequest(None, Deadline.after(60.0), 1))
-    assert result.mapping is not None
-    first_s = 100.0 if windows_map else 200.0
-    assert first_s < result.stats["found_s"] < first_s + 60.0
+    campaign = _campaign([], 2)
+    best = campaign.best
+    search_windows(campaign, mapper)
+    assert campaign.best is best
+    assert asked
+    assert all(request.known is best for request in asked)
+    assert [r.deadline.at for r in asked] == sorted(r.deadline.at for r in asked)
+
+
+def test_nothing_is_searched_below_the_bound() -> None:
+    lines: list[str] = []
+    search_windows(_campaign(lines, 0), find_mapper("auto"))
+    assert lines == []
+
+
+@pytest.mark.parametrize("nodes", [12, 50])
+def test_what_is_known_comes_back_where_nothing_better_is_found(nodes: int) -> None:
+    problem = MapProblem(random_loop(5, nodes), load("mesh-4x4"))
+    known = map_dfg(problem.dfg, problem.fabric, workers=1, time_limit_s=20).mapping
+    assert known is not None
+    result = find_mapper("auto")(problem, MapRequest(None, Deadline.after(2.0), 1, known=known))
+    assert result.mapping is known

@@ -51,6 +51,11 @@ class Campaign:
             self.best = attempt.mapping
             self.improved = time.monotonic()
 
+    @property
+    def unfinished(self) -> bool:
+        """Whether a smaller II than the best may exist."""
+        return self.best is None or self.lower < self.best.ii
+
     def open_iis(self) -> list[int]:
         """IIs that are neither refuted nor worse than the best."""
         end = self.lower if self.best is None else self.best.ii

@@ -16,11 +16,15 @@ from vividc.mapper.problem import MapProblem
 
 _STEPS: Final = (1.0, 1.3, 1.7, 2.2, 3.0)
 _STEP_SHARE: Final = 0.2
+_LARGE_ARRAY: Final = 16
 
 
 def needs_foothold(problem: MapProblem) -> bool:
-    """Whether the way upward from the bound may take all the time there is."""
-    return not is_large(problem) and not problem.fabric.is_plain
+    """Whether constraints may take all the time there is on the way upward from the bound: on large
+    arrays, and where words do not only take links.
+    """
+    fabric = problem.fabric
+    return not is_large(problem) and (not fabric.is_plain or len(fabric.pes) > _LARGE_ARRAY)
 
 
 def gain_foothold(campaign: Campaign, limit: int) -> None:

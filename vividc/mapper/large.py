@@ -17,7 +17,7 @@ from vividc.mapper.negotiate import Effort, prepare
 from vividc.mapper.request import MapRequest
 
 _QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
-_DESCENTS: Final = (Effort(),)
+_DESCENTS: Final = (Effort(trials=1), Effort())
 _DESCENTS_WITH_MOVES: Final = (
     Effort(moves=4000, repairs=60, shown=1),
     Effort(moves=4000, repairs=60),
@@ -29,6 +29,7 @@ _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
 _FIRST_WITH_MOVES: Final = 2.0
 """The first II of a large array, in bounds, where FUs move words."""
 _LARGE_ARRAY: Final = 64
+_ROOMY: Final = 0.3
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
 _HALF, _THIRD = 2, 3
 _SEEDS: Final = 3
@@ -47,22 +48,44 @@ def prepared(request: MapRequest) -> MapRequest:
     return replace(request, deadline=Deadline(request.deadline.at + spent_s))
 
 
-def search_large(campaign: Campaign, limit: int, *, only_footholds: bool = False) -> None:
+def start_large(campaign: Campaign, limit: int) -> None:
+    """Some mapping by negotiation, at the bound where the array has room enough there."""
+    if campaign.best is not None:
+        return
+    if not _is_roomy(campaign) or _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is None:
+        _gain_foothold(campaign, limit)
+
+
+def _is_roomy(campaign: Campaign) -> bool:
+    """Whether operations take a small part of the array's slots at the bound."""
+    fabric = campaign.problem.fabric
+    taken = sum(fabric.occupancy(node) for node in campaign.problem.dfg.operations)
+    return taken <= _ROOMY * len(fabric.pes) * campaign.lower
+
+
+def better_quickly(campaign: Campaign) -> None:
+    """The bound as far as it is raised easily, and IIs that negotiation reaches easily."""
+    _raise_bound(campaign, _FIRST_PROOF_S)
+    _descend(campaign, _descents(campaign)[0], 1)
+
+
+def search_large(campaign: Campaign) -> None:
     """Find the least II that negotiation and the campaign's strategy reach in time.
 
     A thrifty request stops when the best is within 1 of the bound and as much time again as three
     times what it took to come there, 4 s at least, has brought nothing: closing such a gap takes a
     proof that rarely ends.
     """
-    _gain_foothold(campaign, limit)
-    if campaign.best is None or only_footholds:
+    if campaign.best is None:
         return
-    _raise_bound(campaign, _FIRST_PROOF_S)
-    moves = campaign.problem.fabric.routing.moves
-    for turn, effort in enumerate(_DESCENTS_WITH_MOVES if moves else _DESCENTS):
+    for turn, effort in enumerate(_descents(campaign)[1:], 1):
         _descend(campaign, effort, 1 + turn)
     _raise_bound(campaign, _PROOF_S)
     _insist(campaign)
+
+
+def _descents(campaign: Campaign) -> tuple[Effort, ...]:
+    return _DESCENTS_WITH_MOVES if campaign.problem.fabric.routing.moves else _DESCENTS
 
 
 def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.mapper.distances import FAR
+from vividc.mapper.per_fabric import once_a_fabric
 
 Ints = NDArray[np.int64]
 Bits = NDArray[np.uint8]
@@ -74,7 +76,7 @@ class Rows:
         return [int(i) for i in self.items[self.begin[row] : self.begin[row + 1]]]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class MRRG:
     """Where words can be and how they move, for every slot alike.
 
@@ -135,6 +137,44 @@ class MRRG:
         """Number of locations."""
         return len(self.owner)
 
+    @cached_property
+    def away(self) -> Ints:
+        """Least cycles from being at each location to being readable on each PE, int64 (locations,
+        PEs); `FAR`: never.
+        """
+        found = np.full((self.locations, len(self.fresh)), FAR, dtype=np.int64)
+        for location in range(self.locations):
+            found[location, self.readers[location]] = 0
+        ways = [(self.moves[at], self.sides[at]) for at in range(self.locations)]
+        changed = True
+        while changed:
+            changed = False
+            for location in reversed(range(self.locations)):
+                onward, beside = ways[location]
+                best = found[location]
+                if onward:
+                    best = np.minimum(best, found[onward].min(axis=0) + 1)
+                if beside:
+                    best = np.minimum(best, found[beside].min(axis=0))
+                if (best < found[location]).any():
+                    found[location] = best
+                    changed = True
+        return np.minimum(found, FAR)
+
+    @cached_property
+    def reach(self) -> Ints:
+        """Least cycles from being ready on one PE to being readable on another, int64 (PEs, PEs).
+
+        0 on the PE itself and wherever an entry is readable; `FAR`: never.
+        """
+        pes = len(self.fresh)
+        found = np.full((pes, pes), FAR, dtype=np.int64)
+        for pe in range(pes):
+            if self.entries[pe]:
+                found[pe] = self.away[self.entries[pe]].min(axis=0)
+            found[pe, pe] = 0
+        return found
+
     def claims(self, origin: int, target: int) -> tuple[tuple[int, int], ...]:
         """(resource, 0: the slot of the cycle left, 1: of the cycle entered) of one move; `origin`
         NONE: the result enters `target`.
@@ -147,50 +187,13 @@ class MRRG:
         return tuple((resource, when) for resource, when in ends if resource != NONE)
 
 
+@once_a_fabric
 def build_mrrg(fabric: Fabric) -> MRRG:
     """The graph of a fabric. A register file without registers or ports is no location.
 
     Rotating files are taken for ones whose registers keep their names, and FUs for pipelined.
     """
     return _Builder(fabric).build()
-
-
-def away(graph: MRRG, pes: int) -> Ints:
-    """Least cycles from being at each location to being readable on each PE, int64 (locations,
-    pes); `FAR`: never.
-    """
-    found = np.full((graph.locations, pes), FAR, dtype=np.int64)
-    for location in range(graph.locations):
-        found[location, graph.readers[location]] = 0
-    ways = [(graph.moves[at], graph.sides[at]) for at in range(graph.locations)]
-    changed = True
-    while changed:
-        changed = False
-        for location in reversed(range(graph.locations)):
-            onward, beside = ways[location]
-            best = found[location]
-            if onward:
-                best = np.minimum(best, found[onward].min(axis=0) + 1)
-            if beside:
-                best = np.minimum(best, found[beside].min(axis=0))
-            if (best < found[location]).any():
-                found[location] = best
-                changed = True
-    return np.minimum(found, FAR)
-
-
-def reach(graph: MRRG, pes: int) -> Ints:
-    """Least cycles from being ready on one PE to being readable on another, int64 (pes, pes).
-
-    0 on the PE itself and wherever an entry is readable; `FAR`: never.
-    """
-    cycles = away(graph, pes)
-    found = np.full((pes, pes), FAR, dtype=np.int64)
-    for pe in range(pes):
-        if graph.entries[pe]:
-            found[pe] = cycles[graph.entries[pe]].min(axis=0)
-        found[pe, pe] = 0
-    return found
 
 
 class _Builder:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from vividc.arch.fabric import Fabric, Routing
 from vividc.mapper.mapping import Mapping, Step
+from vividc.mapper.per_fabric import once_a_fabric
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registers import Stay, allocate
 
@@ -30,10 +31,13 @@ def plain_core(fabric: Fabric) -> Fabric | None:
     return replace(fabric, routing=Routing(), pes=pes)
 
 
+@once_a_fabric
 def unrotated(fabric: Fabric) -> Fabric:
     """The fabric with register files that do not rotate: the MRRG knows all options but that one.
     Its mappings are mappings to the fabric but for the names of registers (`named_anew`).
     """
+    if not any(pe.rotating for pe in fabric.pes):
+        return fabric
     pes = tuple(replace(pe, rotating=False) for pe in fabric.pes)
     return replace(fabric, pes=pes)
 

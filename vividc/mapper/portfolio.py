@@ -19,10 +19,18 @@ from vividc.mapper.campaign import Campaign, Strategy
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.distances import hop_distances
 from vividc.mapper.foothold import gain_foothold, needs_foothold
-from vividc.mapper.large import limit_of, prepared, search_large, try_only
+from vividc.mapper.large import (
+    better_quickly,
+    limit_of,
+    prepared,
+    search_large,
+    start_large,
+    try_only,
+)
 from vividc.mapper.mapping import Bound, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
+from vividc.mapper.windows import search_windows
 
 _CLIMB_SHARE = 0.08
 _FIRST_SHARE_ALONE, _CLIMB_SHARE_ALONE = 0.5, 0.2
@@ -37,6 +45,10 @@ _FIRST_SEED = 2
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
     """Every way: decoupled first, then relaxations and the joint model."""
+    return _search(problem, request, "auto", _try_everything, windows=True)
+
+
+def _auto_in_window(problem: MapProblem, request: MapRequest) -> MapResult:
     return _search(problem, request, "auto", _try_everything)
 
 
@@ -65,14 +77,21 @@ def ii_limit(problem: MapProblem) -> int:
     return min(problem.fabric.controller.contexts, max(length, 1))
 
 
-def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strategy) -> MapResult:
+def _search(
+    problem: MapProblem,
+    request: MapRequest,
+    name: str,
+    strategy: Strategy,
+    *,
+    windows: bool = False,
+) -> MapResult:
     began = time.monotonic()
     bounds = all_bounds(problem)
     large = _negotiates(problem, request, strategy)
     small = _takes_footholds(problem, request, strategy)
     if (large or (small and needs_foothold(problem))) and mii(bounds) < no_ii(problem):
         request = prepared(request)
-    campaign = Campaign(problem, request, strategy, mii(bounds))
+    campaign = Campaign(problem, request, strategy, mii(bounds), request.known)
     if campaign.lower >= no_ii(problem):
         return result_of(campaign, bounds, name, began, infeasible=True)
     if request.ii is not None:
@@ -80,9 +99,15 @@ def _search(problem: MapProblem, request: MapRequest, name: str, strategy: Strat
         return result_of(campaign, bounds, name, began, infeasible=impossible)
     jointly = strategy is _try_jointly
     if large:
-        search_large(campaign, ii_limit(problem), only_footholds=jointly)
+        start_large(campaign, ii_limit(problem))
     elif small:
         _start_small(campaign)
+    if large and not jointly:
+        better_quickly(campaign)
+    if windows:
+        search_windows(campaign, _auto_in_window)
+    if large and not jointly:
+        search_large(campaign)
     if campaign.best is None or jointly or not large:
         _climb(campaign)
         _descend(campaign)

@@ -11,12 +11,11 @@ from vividc.mapper.portfolio import auto, cpsat, decoupled
 from vividc.mapper.request import Mapper
 from vividc.mapper.sat_kms import sat_kms
 from vividc.mapper.spr import spr
-from vividc.mapper.windows import with_windows
 
 ENTRY_POINT_GROUP: Final = "vividc.mappers"
 
 BUILT_IN: Final[dict[str, Mapper]] = {
-    "auto": with_windows(auto),
+    "auto": auto,
     "cpsat": cpsat,
     "decoupled": decoupled,
     "sat-kms": sat_kms,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from vividc.mapper.cpsat.handle import Extension
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import MapResult
+from vividc.mapper.mapping import Mapping, MapResult
 from vividc.mapper.problem import MapProblem
 
 Progress = Callable[[str], None]
@@ -31,6 +31,9 @@ class MapRequest:
         Stop before the deadline where more time is unlikely to help (`mapper/large.py`).
     extend
         Adds a caller's constraints to every model whose solution becomes a mapping.
+    known
+        A mapping that the caller has: only smaller IIs are of use, and where none is found it is
+        the result.
     """
 
     ii: int | None
@@ -39,6 +42,7 @@ class MapRequest:
     progress: Progress | None = None
     thrifty: bool = False
     extend: Extension | None = None
+    known: Mapping | None = None
 
     def tell(self, line: str) -> None:
         """Report progress."""

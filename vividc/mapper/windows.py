@@ -1,20 +1,22 @@
-"""A graph that is small for its array is mapped to a rectangle of it first.
+"""A graph that is small for its array is mapped to rectangles of it, too.
 
 A mapping to a rectangle of PEs, with the links between them, is a mapping to the whole array: an
-array does no worse than a smaller one that it contains, and takes no longer.
+array does no worse than a smaller one that it contains.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric, Link
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.mapping import Mapping, MapResult, Place, Refutation, Status, Step
+from vividc.mapper.attempt import Attempt
+from vividc.mapper.bounds import all_bounds, mii, no_ii
+from vividc.mapper.campaign import Campaign
+from vividc.mapper.large import limit_of
+from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.request import Mapper, MapRequest
+from vividc.mapper.request import Mapper
 
 _WORTH_WINDOWS = 16
 """PEs of an array from which on rectangles are tried."""
@@ -80,49 +82,31 @@ def window(fabric: Fabric, top: int, left: int, rows: int, cols: int) -> Window:
     return Window(part, tuple(pe.id for pe in inside), tuple(link.id for link in links))
 
 
-def with_windows(mapper: Mapper) -> Mapper:
-    """`mapper`, which tries windows of a large array before the array itself."""
-
-    def run(problem: MapProblem, request: MapRequest) -> MapResult:
-        began = time.monotonic()
-        bound = _bound_if_worthwhile(problem, request)
-        if bound is None:
-            return mapper(problem, request)
-        best: Mapping | None = None
-        found_s = 0.0
-        for part, its_bound in _windows(problem, bound):
-            if request.deadline.passed:
-                break
-            if best is not None and its_bound >= best.ii:
-                continue
-            share = _FIRST_SHARE if best is None else _SHARE
-            before_s = time.monotonic() - began
-            result = _in_window(mapper, problem, part, request, share)
-            if result.mapping is not None and (best is None or result.mapping.ii < best.ii):
-                best = part.embed(result.mapping)
-                found_s = before_s + _found_s(result)
-            if best is not None and best.ii <= bound:
-                break
-        if best is not None and best.ii <= bound:
-            return _at_bound(problem, best, began, found_s)
-        before_s = time.monotonic() - began
-        result = mapper(problem, request)
-        if best is None or (result.ii is not None and result.ii <= best.ii):
-            result = _with_found(result, before_s + _found_s(result))
-        else:
-            result = _with_found(_bettered(result, best), found_s)
-        return replace(result, wall_s=time.monotonic() - began)
-
-    return run
-
-
-def _bound_if_worthwhile(problem: MapProblem, request: MapRequest) -> int | None:
-    """The array's bound; None where windows do not apply."""
+def search_windows(campaign: Campaign, mapper: Mapper) -> None:
+    """Have `mapper` look for an II below the best, if there is any, on rectangles of a large array,
+    each with a share of the time that is left.
+    """
+    problem, request = campaign.problem, campaign.request
     fixed = problem.allowed or problem.resident or request.extend is not None
-    if len(problem.fabric.pes) <= _WORTH_WINDOWS or fixed or request.ii is not None:
-        return None
-    bound = mii(all_bounds(problem))
-    return bound if bound <= problem.fabric.controller.contexts else None
+    if len(problem.fabric.pes) <= _WORTH_WINDOWS or fixed or campaign.lower >= no_ii(problem):
+        return
+    for part, its_bound in _windows(problem, campaign.lower):
+        if not campaign.unfinished or limit_of(campaign).passed:
+            return
+        if campaign.best is None or its_bound < campaign.best.ii:
+            _search_window(campaign, mapper, part)
+
+
+def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
+    request, best = campaign.request, campaign.best
+    share = _FIRST_SHARE if best is None else _SHARE
+    deadline = limit_of(campaign)
+    deadline = deadline.within(deadline.remaining_s * share)
+    request.tell(f"trying the window {part.fabric.name}")
+    problem = replace(campaign.problem, fabric=part.fabric)
+    found = mapper(problem, replace(request, deadline=deadline, known=best)).mapping
+    if found is not None and found is not best:
+        campaign.note(found.ii, Attempt(mapping=part.embed(found)))
 
 
 def _windows(problem: MapProblem, bound: int) -> Iterator[tuple[Window, int]]:
@@ -173,36 +157,3 @@ def _shapes(fabric: Fabric) -> list[tuple[int, int]]:
             found |= {(rows, side), (side, cols)}
     clipped = {(min(height, rows), min(width, cols)) for height, width in found}
     return sorted(clipped - {(rows, cols)}, key=lambda s: (s[0] * s[1], abs(s[0] - s[1]), s))
-
-
-def _in_window(
-    mapper: Mapper, problem: MapProblem, part: Window, request: MapRequest, share: float
-) -> MapResult:
-    deadline = request.deadline.within(request.deadline.remaining_s * share)
-    request.tell(f"trying the window {part.fabric.name}")
-    return mapper(replace(problem, fabric=part.fabric), replace(request, deadline=deadline))
-
-
-def _found_s(result: MapResult) -> float:
-    """Seconds from the beginning of a search to its final mapping: all of it where that is not
-    told.
-    """
-    return result.stats.get("found_s", result.wall_s)
-
-
-def _with_found(result: MapResult, found_s: float) -> MapResult:
-    return replace(result, stats={**result.stats, "found_s": found_s})
-
-
-def _at_bound(problem: MapProblem, mapping: Mapping, began: float, found_s: float) -> MapResult:
-    bounds = all_bounds(problem)
-    wall_s = time.monotonic() - began
-    result = MapResult("optimal", mapping.ii, mii(bounds), bounds, mapping, "auto", wall_s)
-    return _with_found(result, found_s)
-
-
-def _bettered(result: MapResult, best: Mapping) -> MapResult:
-    """The array's result with a window's mapping, which is better."""
-    refuted: tuple[Refutation, ...] = tuple(r for r in result.refuted if r.ii < best.ii)
-    status: Status = "optimal" if result.lower_bound >= best.ii else "feasible"
-    return replace(result, status=status, ii=best.ii, mapping=best, refuted=refuted)

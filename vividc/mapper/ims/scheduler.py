@@ -23,7 +23,7 @@ from vividc.mapper.distances import FAR
 from vividc.mapper.ims.table import ReservationTable
 from vividc.mapper.ims.words import Result, Words
 from vividc.mapper.mapping import Mapping, MapResult, Place
-from vividc.mapper.mrrg import MRRG, Ints, build_mrrg, reach
+from vividc.mapper.mrrg import MRRG, Ints, build_mrrg
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.upward import attempt_of, core_for, search_upward
@@ -75,7 +75,7 @@ class _Schedule:
     ) -> None:
         self.problem, self.ii, self.deadline = problem, ii, deadline
         self.graph: MRRG = build_mrrg(problem.fabric)
-        self.reach: Ints = reach(self.graph, len(problem.fabric.pes))
+        self.reach: Ints = self.graph.reach
         self.farthest = int(self.reach[self.reach < FAR].max(initial=0))
         self.table = ReservationTable(problem, ii)
         self.words = Words(self.graph, ii, less, deadline)

@@ -12,7 +12,7 @@ from vividc.dfg.ir import Node
 from vividc.dfg.opcodes import Opcode
 from vividc.mapper.dependences import Dependence, dependences
 from vividc.mapper.distances import hop_distances
-from vividc.mapper.mrrg import MRRG, Ints, Rows, reach
+from vividc.mapper.mrrg import MRRG, Ints, Rows
 from vividc.mapper.problem import ConstantKey, MapProblem
 
 Floats = NDArray[np.float64]
@@ -188,7 +188,6 @@ def _array(
 ) -> Array:
     fabric = problem.fabric
     pes = len(fabric.pes)
-    cycles = reach(graph, pes)
     near = Rows.of([pe, *(k.dst for k in fabric.links_from[pe])] for pe in range(pes))
     resident = [problem.resident.get(pe, frozenset()) for pe in range(pes)]
     held = np.zeros((pes, max(len(keys), 1)), dtype=np.int64)
@@ -204,7 +203,7 @@ def _array(
         banks=fabric.scratchpad.banks,
         keys=held.shape[1],
         rivals=int(_has_rivals(problem)),
-        reach=cycles,
+        reach=graph.reach,
         hop=np.array(hop_distances(fabric), dtype=np.int64),
         near_begin=near.begin,
         near_items=near.items,

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
-from vividc.mapper.mrrg import MRRG, Ints, Kind, away
+from vividc.mapper.mrrg import MRRG, Ints, Kind
 from vividc.mapper.negotiate.arrays import Floats, Task
 from vividc.mapper.negotiate.compiled import compiled, inlined
 
@@ -126,7 +126,7 @@ def new_graph(mrrg: MRRG, fabric: Fabric) -> Graph:
         mrrg.keeps,
         mrrg.aside,
         mrrg.fresh,
-        away(mrrg, len(fabric.pes)),
+        mrrg.away,
         renew,
         *rows,
     )
