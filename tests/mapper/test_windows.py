@@ -106,7 +106,7 @@ def _never(*_: object) -> Attempt:
 def test_a_windows_mapping_is_kept_where_it_is_better(best_ii: int | None) -> None:
     lines: list[str] = []
     campaign = _campaign(lines, best_ii)
-    search_windows(campaign, find_mapper("auto"))
+    assert len(list(search_windows(campaign, find_mapper("auto")))) == 1
     assert campaign.best is not None
     assert campaign.best.ii == campaign.lower
     assert violations(campaign.problem.dfg, campaign.problem.fabric, campaign.best) == []
@@ -122,7 +122,7 @@ def test_what_no_window_betters_stays() -> None:
 
     campaign = _campaign([], 2)
     best = campaign.best
-    search_windows(campaign, mapper)
+    assert list(search_windows(campaign, mapper))
     assert campaign.best is best
     assert asked
     assert all(request.known is best for request in asked)
@@ -131,7 +131,7 @@ def test_what_no_window_betters_stays() -> None:
 
 def test_nothing_is_searched_below_the_bound() -> None:
     lines: list[str] = []
-    search_windows(_campaign(lines, 0), find_mapper("auto"))
+    assert list(search_windows(_campaign(lines, 0), find_mapper("auto"))) == []
     assert lines == []
 
 

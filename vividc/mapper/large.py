@@ -7,6 +7,7 @@ time limit goes the same way farther. The limit does not count the one compilati
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -63,29 +64,35 @@ def _is_roomy(campaign: Campaign) -> bool:
     return taken <= _ROOMY * len(fabric.pes) * campaign.lower
 
 
-def better_quickly(campaign: Campaign) -> None:
-    """The bound as far as it is raised easily, and IIs that negotiation reaches easily."""
+def descend_large(campaign: Campaign) -> None:
+    """Smaller IIs by negotiation, and the bound as far as it is raised easily."""
     _raise_bound(campaign, _FIRST_PROOF_S)
-    _descend(campaign, _descents(campaign)[0], 1)
+    moves = campaign.problem.fabric.routing.moves
+    for turn, effort in enumerate(_DESCENTS_WITH_MOVES if moves else _DESCENTS):
+        _descend(campaign, effort, 1 + turn)
+    _raise_bound(campaign, _PROOF_S)
 
 
-def search_large(campaign: Campaign) -> None:
-    """Find the least II that negotiation and the campaign's strategy reach in time.
+def insist(campaign: Campaign, others: Iterator[None]) -> None:
+    """The IIs just below the best, with other seeds and more effort each round, a step of another
+    search, and the campaign's own strategy.
 
     A thrifty request stops when the best is within 1 of the bound and as much time again as three
     times what it took to come there, 4 s at least, has brought nothing: closing such a gap takes a
     proof that rarely ends.
     """
-    if campaign.best is None:
-        return
-    for turn, effort in enumerate(_descents(campaign)[1:], 1):
-        _descend(campaign, effort, 1 + turn)
-    _raise_bound(campaign, _PROOF_S)
-    _insist(campaign)
-
-
-def _descents(campaign: Campaign) -> tuple[Effort, ...]:
-    return _DESCENTS_WITH_MOVES if campaign.problem.fabric.routing.moves else _DESCENTS
+    turn = 0
+    while campaign.open_iis() and not _is_enough(campaign):
+        ii = campaign.open_iis()[-1]
+        turn += 1
+        if _try_seeds(campaign, ii, turn):
+            turn = 0
+            continue
+        next(others, None)
+        if not campaign.unfinished:
+            return
+        budget_s = turn * _SOLVER_S / len(campaign.problem.dfg.placed)
+        campaign.try_ii(campaign.open_iis()[0], limit_of(campaign).within(budget_s))
 
 
 def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
@@ -147,21 +154,6 @@ def _raise_bound(campaign: Campaign, budget_s: float) -> None:
         campaign.note(before, refute_cheaply(campaign.problem, before, campaign.request, budget))
         if campaign.lower == before:
             return
-
-
-def _insist(campaign: Campaign) -> None:
-    """The IIs just below the best, with other seeds and more effort each round, and the campaign's
-    own strategy.
-    """
-    turn = 0
-    while campaign.open_iis() and not _is_enough(campaign):
-        ii = campaign.open_iis()[-1]
-        turn += 1
-        if _try_seeds(campaign, ii, turn):
-            turn = 0
-            continue
-        budget_s = turn * _SOLVER_S / len(campaign.problem.dfg.placed)
-        campaign.try_ii(campaign.open_iis()[0], limit_of(campaign).within(budget_s))
 
 
 def try_only(campaign: Campaign, ii: int) -> None:

@@ -20,10 +20,10 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.distances import hop_distances
 from vividc.mapper.foothold import gain_foothold, needs_foothold
 from vividc.mapper.large import (
-    better_quickly,
+    descend_large,
+    insist,
     limit_of,
     prepared,
-    search_large,
     start_large,
     try_only,
 )
@@ -103,11 +103,12 @@ def _search(
     elif small:
         _start_small(campaign)
     if large and not jointly:
-        better_quickly(campaign)
-    if windows:
-        search_windows(campaign, _auto_in_window)
+        descend_large(campaign)
+    others = search_windows(campaign, _auto_in_window) if windows else iter(())
     if large and not jointly:
-        search_large(campaign)
+        insist(campaign, others)
+    for _ in others:
+        pass
     if campaign.best is None or jointly or not large:
         _climb(campaign)
         _descend(campaign)

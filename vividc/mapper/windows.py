@@ -82,9 +82,9 @@ def window(fabric: Fabric, top: int, left: int, rows: int, cols: int) -> Window:
     return Window(part, tuple(pe.id for pe in inside), tuple(link.id for link in links))
 
 
-def search_windows(campaign: Campaign, mapper: Mapper) -> None:
+def search_windows(campaign: Campaign, mapper: Mapper) -> Iterator[None]:
     """Have `mapper` look for an II below the best, if there is any, on rectangles of a large array,
-    each with a share of the time that is left.
+    one a step, each with a share of the time that is left.
     """
     problem, request = campaign.problem, campaign.request
     fixed = problem.allowed or problem.resident or request.extend is not None
@@ -95,6 +95,7 @@ def search_windows(campaign: Campaign, mapper: Mapper) -> None:
             return
         if campaign.best is None or its_bound < campaign.best.ii:
             _search_window(campaign, mapper, part)
+            yield
 
 
 def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
