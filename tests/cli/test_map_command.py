@@ -1,12 +1,13 @@
 """`vividc map` says what was proved, and its exit code says the same."""
 
 import json
+from contextlib import contextmanager
 
 import pytest
 from click.testing import CliRunner
 
 from vividc import arch, dfg
-from vividc.cli import main
+from vividc.cli import main, map_command
 from vividc.mapper import mapping_from_json, verify
 
 CHAIN = {
@@ -38,6 +39,7 @@ def test_json_object(graph):
     assert out["schema"] == "vividc.map/1"
     assert (out["dfg"], out["fabric"], out["status"]) == ("chain", "mesh-2x2", "optimal")
     assert (out["ii"], out["lower_bound"], out["output"]) == (3, 3, None)
+    assert out["interrupted"] is False
     assert out["bounds"][0]["ii"] == 3
     assert out["utilization"] == pytest.approx(3 / 12)
 
@@ -46,6 +48,26 @@ def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):
     path = tmp_path / "m.json"
     result = run(graph, "--fabric", "mesh-2x2", "-o", path)
     assert result.exit_code == 0, result.stderr
+    the_dfg, fabric = dfg.load(graph), arch.load("mesh-2x2")
+    read = mapping_from_json(json.loads(path.read_text()), the_dfg, fabric)
+    assert verify(the_dfg, fabric, read.mapping) == []
+
+
+def test_an_interrupt_keeps_the_best_mapping(graph, tmp_path, monkeypatch):
+    @contextmanager
+    def progress(start):
+        def tell(line):
+            if line.endswith("mapped"):
+                raise KeyboardInterrupt
+
+        yield tell
+
+    monkeypatch.setattr(map_command, "progress", progress)
+    path = tmp_path / "m.json"
+    result = run(graph, "--fabric", "mesh-2x2", "-o", path, "--json")
+    assert (result.exit_code, result.stderr) == (130, "vividc: interrupted\n")
+    out = json.loads(result.stdout)
+    assert (out["interrupted"], out["ii"], out["output"]) == (True, 3, str(path))
     the_dfg, fabric = dfg.load(graph), arch.load("mesh-2x2")
     read = mapping_from_json(json.loads(path.read_text()), the_dfg, fabric)
     assert verify(the_dfg, fabric, read.mapping) == []

@@ -10,6 +10,12 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from random_graphs import random_loop
+
+from vividc.arch import load
+from vividc.dfg.ir import DFG
+from vividc.mapper import MapInterrupted, map_dfg
+from vividc.mapper.verify import verify
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = textwrap.dedent(
@@ -66,12 +72,52 @@ def _run(mapper: str, time_limit_s: float, *, interrupt: bool) -> list[str]:
     return lines
 
 
-@pytest.mark.parametrize("mapper", ["cpsat", "sat-kms"])
+@pytest.mark.parametrize("mapper", ["auto", "cpsat", "sat-kms"])
 def test_no_thread_is_left_after_an_interrupt(mapper: str) -> None:
     assert _run(mapper, 60.0, interrupt=True) == ["solving", "interrupted", "0"]
 
 
-@pytest.mark.parametrize("mapper", ["cpsat", "sat-kms"])
+@pytest.mark.parametrize("mapper", ["auto", "cpsat", "sat-kms"])
 def test_no_thread_is_left_after_the_time_limit(mapper: str) -> None:
     lines = _run(mapper, 1.5, interrupt=False)
     assert lines[-2:] == ["done", "0"]
+
+
+def _stop_at(what: str, fabric: str, dfg: DFG, mapper: str = "auto", **more) -> MapInterrupted:
+    """Interrupt at the first line of progress that ends so."""
+
+    def tell(line: str) -> None:
+        if line.endswith(what):
+            raise KeyboardInterrupt
+
+    with pytest.raises(MapInterrupted) as stop:
+        map_dfg(dfg, load(fabric), mapper, workers=1, progress=tell, **more)
+    return stop.value
+
+
+@pytest.mark.parametrize("nodes", [12, 60])
+@pytest.mark.parametrize("mapper", ["auto", "cpsat", "decoupled"])
+def test_an_interrupt_keeps_the_best(mapper: str, nodes: int) -> None:
+    dfg = random_loop(21, nodes, (8, 2, 1))
+    result = _stop_at("mapped", "mesh-3x3", dfg, mapper).result
+    assert result.mapping is not None
+    assert verify(dfg, load("mesh-3x3"), result.mapping) == []
+    assert result.status == ("optimal" if result.ii == result.lower_bound else "feasible")
+    assert "II" in result.explain()
+    assert result.mapping.plot()
+
+
+def test_an_interrupt_while_something_is_minimised_keeps_the_mapping() -> None:
+    dfg = random_loop(1, 8)
+    stop = _stop_at("minimising hops", "mesh-3x3", dfg, objective="hops")
+    assert stop.result.mapping is not None
+    assert stop.result.objective is None
+
+
+def test_an_interrupt_before_there_is_a_mapping_is_one() -> None:
+    def tell(line: str) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as stop:
+        map_dfg(random_loop(21, 60, (8, 2, 1)), load("mesh-3x3"), workers=1, progress=tell)
+    assert not isinstance(stop.value, MapInterrupted)

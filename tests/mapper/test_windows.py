@@ -9,7 +9,7 @@ from vividc.arch import load
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import Opcode
-from vividc.mapper import MapResult, map_dfg
+from vividc.mapper import MapInterrupted, MapResult, map_dfg
 from vividc.mapper.attempt import Attempt
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.campaign import Campaign
@@ -127,6 +127,19 @@ def test_what_no_window_betters_stays() -> None:
     assert asked
     assert all(request.known is best for request in asked)
     assert [r.deadline.at for r in asked] == sorted(r.deadline.at for r in asked)
+
+
+@pytest.mark.parametrize("best_ii", [None, 2])
+def test_an_interrupt_keeps_the_windows_mapping(best_ii: int | None) -> None:
+    def mapper(problem: MapProblem, request: MapRequest) -> MapResult:
+        raise MapInterrupted(find_mapper("auto")(problem, request))
+
+    campaign = _campaign([], best_ii)
+    with pytest.raises(KeyboardInterrupt):
+        list(search_windows(campaign, mapper))
+    assert campaign.best is not None
+    assert campaign.best.ii == campaign.lower
+    assert violations(campaign.problem.dfg, campaign.problem.fabric, campaign.best) == []
 
 
 def test_nothing_is_searched_below_the_bound() -> None:

@@ -17,7 +17,7 @@ from vividc.cli.files import check_apart, check_output, write_whole
 from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
-from vividc.mapper import OBJECTIVES, MapResult, map_dfg, mapping_to_json
+from vividc.mapper import OBJECTIVES, MapInterrupted, MapResult, map_dfg, mapping_to_json
 from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
@@ -65,27 +65,41 @@ def command(
 ) -> None:
     """Map a dataflow graph (JSON, DOT, Morpher XML or text form) and say what was proved.
 
-    Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit.
+    Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit. Exit code 130:
+    interrupted (Ctrl-C); the best mapping until then is told and written.
     """
     _check_outputs({"--output": output, "--plot": plot}, [graph, Path(fabric)])
     the_dfg = dfg.load(graph, unknown_ops=unknown_ops)
     the_fabric = arch.load_tile(fabric)
-    with progress(f"mapping {the_dfg.name}") as report:
-        result = map_dfg(
-            the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report, objective=objective
-        )
+    stopped: MapInterrupted | None = None
+    try:
+        with progress(f"mapping {the_dfg.name}") as report:
+            result = map_dfg(
+                the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report, objective=objective
+            )
+    except MapInterrupted as stop:
+        stopped, result = stop, stop.result
     document = mapping_to_json(result, the_dfg, the_fabric)
+    _write(result, document, output, plot)
+    if as_json:
+        shown = _as_object(result, the_dfg, the_fabric, document, output)
+        print_json(SCHEMA, shown | {"interrupted": stopped is not None})
+    else:
+        _print(result, the_dfg, the_fabric, output)
+    if stopped is not None:
+        raise stopped
+    _raise_unless_mapped(result, the_dfg, ii)
+
+
+def _write(
+    result: MapResult, document: Mapping[str, object], output: Path | None, plot: Path | None
+) -> None:
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
         write_whole(output, lambda file: file.write(text.encode()))
     if result.mapping is not None and plot is not None:
         picture = encode(result.mapping.plot(), plot)
         write_whole(plot, lambda file: file.write(picture))
-    if as_json:
-        print_json(SCHEMA, _as_object(result, the_dfg, the_fabric, document, output))
-    else:
-        _print(result, the_dfg, the_fabric, output)
-    _raise_unless_mapped(result, the_dfg, ii)
 
 
 def _check_outputs(outputs: Mapping[str, Path | None], inputs: Sequence[Path]) -> None:

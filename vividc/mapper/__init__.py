@@ -9,6 +9,7 @@ from vividc.mapper.cpsat import OBJECTIVES, Extension, ModelHandle
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import (
     Bound,
+    MapInterrupted,
     Mapping,
     MapResult,
     Objective,
@@ -32,6 +33,7 @@ __all__ = [
     "Deadline",
     "Extension",
     "Finding",
+    "MapInterrupted",
     "MapProblem",
     "MapRequest",
     "MapResult",

@@ -11,10 +11,10 @@ from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError, demand_type
 from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import MapResult, Subject
+from vividc.mapper.mapping import MapInterrupted, MapResult, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import find_mapper, takes_constraints
-from vividc.mapper.request import MapRequest, Progress
+from vividc.mapper.request import Mapper, MapRequest, Progress
 from vividc.mapper.verify import violations
 
 _SHOWN = 5
@@ -63,6 +63,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         A name is unknown, a number makes no sense, or the mapper takes no constraints.
     InternalError
         The mapper returned an illegal mapping.
+    MapInterrupted
+        An interrupt (a KeyboardInterrupt, Ctrl-C) came when there was a mapping: `result` has it.
     """
     _check(dfg, fabric, ii, time_limit_s, workers)
     run = find_mapper(mapper)
@@ -70,18 +72,29 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check_places(dfg, fabric, allowed or {}, resident or {})
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
     deadline = Deadline.after(time_limit_s)
-    share = _share_of_the_ii(extend, objective)
-    request = MapRequest(
-        ii, deadline.within(time_limit_s * share), workers, progress, thrifty, extend
-    )
-    began = time.monotonic()
-    result = run(problem, request)
+    request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
+    try:
+        result = _mapped(problem, run, request, objective)
+    except MapInterrupted as stop:
+        _confirm(problem, stop.result)
+        raise MapInterrupted(_about(stop.result, Subject(dfg, fabric))) from stop
     _confirm(problem, result)
-    if share < 1:
-        result = _minimised(problem, result, objective, replace(request, deadline=deadline))
-        result = replace(result, wall_s=time.monotonic() - began)
-        _confirm(problem, result)
     return _about(result, Subject(dfg, fabric))
+
+
+def _mapped(
+    problem: MapProblem, run: Mapper, request: MapRequest, objective: str | None
+) -> MapResult:
+    """The mapper's result, with the rest of the time for what is minimised at its II."""
+    share = _share_of_the_ii(request.extend, objective)
+    deadline = request.deadline.within(request.deadline.remaining_s * share)
+    began = time.monotonic()
+    result = run(problem, replace(request, deadline=deadline))
+    if share < 1:
+        _confirm(problem, result)
+        result = _minimised(problem, result, objective, request)
+        result = replace(result, wall_s=time.monotonic() - began)
+    return result
 
 
 def _share_of_the_ii(extend: Extension | None, objective: str | None) -> float:
@@ -96,9 +109,12 @@ def _minimised(
 ) -> MapResult:
     if result.mapping is None:
         return result
-    request.tell(f"II {result.ii}: minimising {objective or 'what was added'}")
     search = Search(request.deadline, request.workers)
-    mapping, found = minimise(problem, result.mapping, objective, request.extend, search)
+    try:
+        request.tell(f"II {result.ii}: minimising {objective or 'what was added'}")
+        mapping, found = minimise(problem, result.mapping, objective, request.extend, search)
+    except KeyboardInterrupt as stop:
+        raise MapInterrupted(result) from stop
     return replace(result, mapping=mapping, objective=found)
 
 

@@ -43,13 +43,13 @@ class Campaign:
     def note(self, ii: int, attempt: Attempt) -> None:
         """Keep what a try of `ii` found; a mapping no better than the best is dropped."""
         if attempt.refuted_by is not None:
-            self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
             self.refuted[ii] = attempt.refuted_by
             self._raise_lower()
+            self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
         if attempt.mapping is not None and (self.best is None or ii < self.best.ii):
-            self.request.tell(f"II {ii}: mapped")
             self.best = attempt.mapping
             self.improved = time.monotonic()
+            self.request.tell(f"II {ii}: mapped")
 
     @property
     def unfinished(self) -> bool:

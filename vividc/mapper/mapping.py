@@ -240,3 +240,11 @@ class MapResult:
         from vividc.mapper.mapping_json import read_result  # as above  # noqa: PLC0415
 
         return read_result(data)
+
+
+class MapInterrupted(KeyboardInterrupt):
+    """An interrupt of a search that has a mapping: `result` is what it found and proved so far."""
+
+    def __init__(self, result: MapResult) -> None:
+        self.result = result
+        super().__init__()

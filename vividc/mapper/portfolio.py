@@ -27,7 +27,7 @@ from vividc.mapper.large import (
     start_large,
     try_only,
 )
-from vividc.mapper.mapping import Bound, MapResult, Refutation, Status
+from vividc.mapper.mapping import Bound, MapInterrupted, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.windows import search_windows
@@ -92,15 +92,28 @@ def _search(
     if (large or (small and needs_foothold(problem))) and mii(bounds) < no_ii(problem):
         request = prepared(request)
     campaign = Campaign(problem, request, strategy, mii(bounds), request.known)
+    try:
+        infeasible = _explore(campaign, windows=windows)
+    except KeyboardInterrupt as stop:
+        if campaign.best is None:
+            raise
+        result = result_of(campaign, bounds, name, began, infeasible=False)
+        raise MapInterrupted(result) from stop
+    return result_of(campaign, bounds, name, began, infeasible=infeasible)
+
+
+def _explore(campaign: Campaign, *, windows: bool) -> bool:
+    """Search until the deadline or the proof; whether no II maps."""
+    problem, request, strategy = campaign.problem, campaign.request, campaign.strategy
     if campaign.lower >= no_ii(problem):
-        return result_of(campaign, bounds, name, began, infeasible=True)
+        return True
     if request.ii is not None:
-        impossible = _only(campaign, request.ii)
-        return result_of(campaign, bounds, name, began, infeasible=impossible)
+        return _only(campaign, request.ii)
+    large = _negotiates(problem, request, strategy)
     jointly = strategy is _try_jointly
     if large:
         start_large(campaign, ii_limit(problem))
-    elif small:
+    elif _takes_footholds(problem, request, strategy):
         _start_small(campaign)
     if large and not jointly:
         descend_large(campaign)
@@ -112,8 +125,7 @@ def _search(
     if campaign.best is None or jointly or not large:
         _climb(campaign)
         _descend(campaign)
-    exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
-    return result_of(campaign, bounds, name, began, infeasible=exhausted)
+    return campaign.best is None and campaign.lower >= no_ii(problem)
 
 
 def _negotiates(problem: MapProblem, request: MapRequest, strategy: Strategy) -> bool:

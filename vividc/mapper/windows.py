@@ -14,7 +14,7 @@ from vividc.mapper.attempt import Attempt
 from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.campaign import Campaign
 from vividc.mapper.large import limit_of
-from vividc.mapper.mapping import Mapping, Place, Step
+from vividc.mapper.mapping import MapInterrupted, Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper
 
@@ -105,8 +105,17 @@ def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
     deadline = deadline.within(deadline.remaining_s * share)
     request.tell(f"trying the window {part.fabric.name}")
     problem = replace(campaign.problem, fabric=part.fabric)
-    found = mapper(problem, replace(request, deadline=deadline, known=best)).mapping
-    if found is not None and found is not best:
+    try:
+        found = mapper(problem, replace(request, deadline=deadline, known=best)).mapping
+    except MapInterrupted as stop:
+        _keep(campaign, part, stop.result.mapping)
+        raise
+    _keep(campaign, part, found)
+
+
+def _keep(campaign: Campaign, part: Window, found: Mapping | None) -> None:
+    """Keep a window's mapping, unless it is the one that was known."""
+    if found is not None and found is not campaign.best:
         campaign.note(found.ii, Attempt(mapping=part.embed(found)))
 
 
