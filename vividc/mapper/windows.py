@@ -24,15 +24,15 @@ _WORTH_WINDOWS = 16
 _LEAST = 16
 """PEs of the smallest window."""
 
-_TIGHTEST, _TIGHTEST_WITH_MOVES = 2, 1
-"""Windows begin where operations need this many times the array's bound; where FUs move words, too,
-they take slots themselves.
-"""
+_FIRST = 2
+"""The II, in bounds, for which windows have room when nothing is mapped yet."""
+
+_ROOM, _ROOM_WITH_MOVES = 1.2, 2.0
+"""Slots for an operation; where FUs move words, too, they take slots themselves."""
 
 _NARROWEST = 4
-_ROOM = 1.2
 _GROWTH = 1.5
-_AMPLE = 2
+_AMPLE = 3
 _FIRST_SHARE, _SHARE = 0.3, 0.2
 """Of the time that is left, for a window until something is mapped, and after that."""
 
@@ -90,12 +90,9 @@ def search_windows(campaign: Campaign, mapper: Mapper) -> Iterator[None]:
     fixed = problem.allowed or problem.resident or request.extend is not None
     if len(problem.fabric.pes) <= _WORTH_WINDOWS or fixed or campaign.lower >= no_ii(problem):
         return
-    for part, its_bound in _windows(problem, campaign.lower):
-        if not campaign.unfinished or limit_of(campaign).passed:
-            return
-        if campaign.best is None or its_bound < campaign.best.ii:
-            _search_window(campaign, mapper, part)
-            yield
+    for part in _windows(campaign):
+        _search_window(campaign, mapper, part)
+        yield
 
 
 def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
@@ -119,23 +116,24 @@ def _keep(campaign: Campaign, part: Window, found: Mapping | None) -> None:
         campaign.note(found.ii, Attempt(mapping=part.embed(found)))
 
 
-def _windows(problem: MapProblem, bound: int) -> Iterator[tuple[Window, int]]:
-    """Windows with their bounds, each clearly larger than the one before: at first some for a
-    mapping at all, from those on which the bound is no larger than on the array a few.
+def _windows(campaign: Campaign) -> Iterator[Window]:
+    """Windows with room for the graph below the best II (where there is none: not far above the
+    bound), each clearly larger than the one before, until some may reach the bound.
     """
-    fabric = problem.fabric
-    least = sum(fabric.occupancy(node) for node in problem.dfg.operations) / bound
-    tightest = _TIGHTEST_WITH_MOVES if fabric.routing.moves else _TIGHTEST
+    problem, bound = campaign.problem, campaign.lower
+    work = sum(problem.fabric.occupancy(node) for node in problem.dfg.operations)
+    room = _ROOM_WITH_MOVES if problem.fabric.routing.moves else _ROOM
     area, ample = 0.0, 0
-    for rows, cols in _shapes(fabric):
-        size = rows * cols
-        if size < max(_LEAST, least / tightest) or size < _GROWTH * area or ample > _AMPLE:
+    for rows, cols in _shapes(problem.fabric):
+        if not campaign.unfinished or limit_of(campaign).passed or ample == _AMPLE:
+            return
+        size, best = rows * cols, campaign.best
+        target = _FIRST * bound if best is None else best.ii - 1
+        if size < max(_LEAST, _GROWTH * area, room * work / target):
             continue
         part, its_bound = _best_corner(problem, rows, cols)
-        if its_bound <= bound and size < _ROOM * least:
-            continue
-        if its_bound <= fabric.controller.contexts:
-            yield part, its_bound
+        if its_bound <= target:
+            yield part
             area = size
             ample += its_bound <= bound
 
