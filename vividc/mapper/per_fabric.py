@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable
 from functools import wraps
-from typing import Final, TypeVar
+from typing import TypeVar
 
 from vividc.arch.fabric import Fabric
 
 _Result = TypeVar("_Result")
-_KEPT: Final = "_kept_by_mapper"
 
 
 def once_a_fabric(function: Callable[[Fabric], _Result]) -> Callable[[Fabric], _Result]:
-    """`function`, whose result is kept beside the fabric's own cached properties: nobody may change
-    it. A fabric has a mapping for latencies and cannot be hashed.
+    """`function`, whose result is kept as long as the fabric lives: nobody may change it.
+
+    By the fabric's identity: equal fabrics are not looked for (a fabric has no hash). A result that
+    leads to the fabric would keep it for ever.
     """
+    results: dict[int, _Result] = {}
 
     @wraps(function)
     def kept(fabric: Fabric) -> _Result:
-        results = vars(fabric).setdefault(_KEPT, {})
-        if function not in results:
-            results[function] = function(fabric)
-        found: _Result = results[function]
-        return found
+        key = id(fabric)
+        if key not in results:
+            results[key] = function(fabric)
+            weakref.finalize(fabric, results.pop, key, None).atexit = False
+        return results[key]
 
     return kept

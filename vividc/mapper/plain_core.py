@@ -31,13 +31,15 @@ def plain_core(fabric: Fabric) -> Fabric | None:
     return replace(fabric, routing=Routing(), pes=pes)
 
 
-@once_a_fabric
 def unrotated(fabric: Fabric) -> Fabric:
     """The fabric with register files that do not rotate: the MRRG knows all options but that one.
     Its mappings are mappings to the fabric but for the names of registers (`named_anew`).
     """
-    if not any(pe.rotating for pe in fabric.pes):
-        return fabric
+    return _made_unrotated(fabric) if any(pe.rotating for pe in fabric.pes) else fabric
+
+
+@once_a_fabric
+def _made_unrotated(fabric: Fabric) -> Fabric:
     pes = tuple(replace(pe, rotating=False) for pe in fabric.pes)
     return replace(fabric, pes=pes)
 
