@@ -27,6 +27,7 @@ _DESCENTS_WITH_MOVES: Final = (
 )
 """Of each round from the best downward: where FUs move words, what fails takes longest."""
 _FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
+_FIRST_SHARE: Final = 0.3
 _FIRST_WITH_MOVES: Final = 2.0
 """The first II of a large array, in bounds, where FUs move words."""
 _LARGE_ARRAY: Final = 64
@@ -53,7 +54,9 @@ def start_large(campaign: Campaign, limit: int) -> None:
     """Some mapping by negotiation, at the bound where the array has room enough there."""
     if campaign.best is not None:
         return
-    if not _is_roomy(campaign) or _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is None:
+    if _is_roomy(campaign):
+        _negotiate(campaign, campaign.lower, 1, _QUICK, _FIRST_SHARE)
+    if campaign.best is None:
         _gain_foothold(campaign, limit)
 
 
@@ -112,9 +115,13 @@ def _share(request: MapRequest) -> float:
     return _FOOTHOLD_SHARE * request.deadline.remaining_s
 
 
-def _negotiate(campaign: Campaign, ii: int, seed: int, effort: Effort) -> Attempt:
-    request = campaign.request
-    found = map_negotiated(campaign.problem, ii, request, limit_of(campaign), seed, effort)
+def _negotiate(
+    campaign: Campaign, ii: int, seed: int, effort: Effort, share: float = 1.0
+) -> Attempt:
+    """Try an II, with a share of the time that is left at most."""
+    request, deadline = campaign.request, limit_of(campaign)
+    deadline = deadline.within(share * deadline.remaining_s)
+    found = map_negotiated(campaign.problem, ii, request, deadline, seed, effort)
     campaign.note(ii, found)
     return found
 
@@ -126,7 +133,8 @@ def _gain_foothold(campaign: Campaign, limit: int) -> None:
     ii = math.ceil((_FIRST_WITH_MOVES if with_moves else _FIRST_FACTOR) * campaign.lower)
     while not campaign.request.deadline.passed:
         ii = min(ii, limit)
-        if _negotiate(campaign, ii, 1, _QUICK).mapping is not None or ii == limit:
+        share = 1.0 if ii == limit else _FIRST_SHARE
+        if _negotiate(campaign, ii, 1, _QUICK, share).mapping is not None or ii == limit:
             return
         ii = math.ceil(_NEXT_FACTOR * ii)
 
