@@ -41,6 +41,7 @@ the graph.
 """
 _NEAR: Final = 1
 _FOOTHOLD_SHARE: Final = 0.3
+_FOOTHOLD_LEAST_S: Final = 2.0
 _PATIENCE_LEAST_S, _PATIENCE_FACTOR = 4.0, 3.0
 
 
@@ -112,7 +113,7 @@ def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
 
 
 def _share(request: MapRequest) -> float:
-    return _FOOTHOLD_SHARE * request.deadline.remaining_s
+    return max(_FOOTHOLD_LEAST_S, _FOOTHOLD_SHARE * request.deadline.remaining_s)
 
 
 def _negotiate(

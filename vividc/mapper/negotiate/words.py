@@ -22,6 +22,8 @@ MOST_HOPS = 24
 """Links of the longest way for which moves are claimed: most longer ones are passing proposals."""
 _CELL, _TAKEN = 1.0, 15.0
 """What a move costs, and each of its two claims that meets another."""
+_MANY_CELLS = 16
+"""Cells from which on the nearest is looked for first: with its price most others are passed by."""
 _MOST_READS = 64
 """Reads of a word for which moves are claimed: the time of a claim grows with their square."""
 
@@ -167,7 +169,10 @@ def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
     """Claim the cheapest way to a read; none if it is too early for any, or too far off."""
     word, _, target, gap = read
     best, best_length, best_price = -1, 0, 1e30
-    for at in range(words.size[word]):
+    size = words.size[word]
+    first = _nearest(array, words, read) if size > _MANY_CELLS else 0
+    for turn in range(size):
+        at = first if turn == 0 else turn - (turn <= first)
         origin, since = words.pe[word, at], words.cycle[word, at]
         hops = array.hop[origin, target]
         spare = gap - since - max(hops - 1, 0)
@@ -190,6 +195,19 @@ def _serve(array: Array, places: Places, words: Words, read: Read) -> None:
     for at in range(best_length):
         _add(array, places, words, read, words.path[best, at, 0], words.path[best, at, 1])
     _renew(array, places, words, read)
+
+
+@inlined
+def _nearest(array: Array, words: Words, read: Read) -> int:
+    """The cell from which a read can be served that has the fewest links to it: the first, if there
+    is none.
+    """
+    found, fewest = 0, 1 << 20
+    for at in range(words.size[read.word]):
+        hops = array.hop[words.pe[read.word, at], read.target]
+        if hops < fewest and read.gap - words.cycle[read.word, at] >= max(hops - 1, 0):
+            found, fewest = at, hops
+    return found
 
 
 @inlined
