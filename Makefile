@@ -4,6 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
+# The tests start many interpreters: without bytecode each compiles every module again.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: setup demo test test-all lint types layers bench c-kernels lock clean
 .DELETE_ON_ERROR:
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import gc
 import threading
 import time
 from dataclasses import replace
@@ -124,6 +125,7 @@ def test_the_time_limit_is_kept() -> None:
 
 def test_an_interrupt_stops_the_solver() -> None:
     prepare(print)  # numba swallows interrupts while it compiles
+    gc.collect()  # so do finalizers of what earlier tests left
     timer = threading.Timer(0.7, _thread.interrupt_main)
     timer.start()
     began = time.monotonic()

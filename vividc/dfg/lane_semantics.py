@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Final
 
 from vividc.dfg.opcodes import Opcode
@@ -89,13 +90,18 @@ def _truncated(fmt: Format) -> Semantics:
 
 
 def _extended(fmt: Format) -> Semantics:
-    words = tuple(word_of(value) for value in values(fmt))
+    words = _words(fmt)
     return lambda a: words[a & fmt.mask]
 
 
 def _unpacked(fmt: Format) -> Semantics:
-    words = tuple(word_of(value) for value in values(fmt))
+    words = _words(fmt)
     return lambda a, lane: words[a >> fmt.bits * (lane % fmt.lanes) & fmt.mask]
+
+
+@cache
+def _words(fmt: Format) -> tuple[int, ...]:
+    return tuple(word_of(value) for value in values(fmt))
 
 
 def _packed(fmt: Format) -> Semantics:

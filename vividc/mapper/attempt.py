@@ -65,7 +65,7 @@ def refute_cheaply(task: MapProblem, ii: int, request: MapRequest, deadline: Dea
     half = deadline.within(deadline.remaining_s / 2)
     any_schedule = ScheduleOptions(slack=ii, carry=False)
     search = Search(half, request.workers, light=True)
-    if schedule(task, ii, any_schedule, search).verdict == "found":
+    if schedule(task, ii, any_schedule, search).verdict == "found" or deadline.passed:
         return OPEN
     outcome = refute_schedule(task, ii, Search(deadline, request.workers))
     if outcome.verdict == "refuted":
@@ -142,18 +142,19 @@ def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadli
     if request.extend is not None:  # what is added may ask for longer schedules: all of them
         complete = ii * task.fabric.controller.max_stages
     slack = min(max(ii // 2, 1), complete)
-    while not deadline.passed:
-        problem = windowed(task, ii, slack)
-        if not _buildable(problem, deadline):
-            return OPEN
+    problem = windowed(task, ii, slack)
+    if slack > 1 and not _buildable(problem, deadline):
+        slack, problem = 1, windowed(task, ii, 1)
+    while not deadline.passed and _buildable(problem, deadline):
         request.tell(f"II {ii}: joint model with slack {slack}, {problem.size} Booleans")
         last = slack >= complete
-        share = deadline if last else deadline.within(deadline.remaining_s / 2)
-        search = Search(share, request.workers, light=not last)
-        attempt = _joint(problem, search, request.extend)
+        slack = min(2 * slack, complete)
+        wider, half = windowed(task, ii, slack), deadline.within(deadline.remaining_s / 2)
+        share = half if not last and _buildable(wider, half) else deadline
+        attempt = _joint(problem, Search(share, request.workers, light=not last), request.extend)
         if attempt.mapping is not None or last:
             return attempt
-        slack = min(2 * slack, complete)
+        problem = wider
     return OPEN
 
 
@@ -188,5 +189,5 @@ def _joint(problem: Prepared, search: Search, extend: Extension | None) -> Attem
 
 
 def _buildable(problem: Prepared, deadline: Deadline) -> bool:
-    within_time = problem.size <= _VARIABLES_PER_S * deadline.remaining_s
-    return within_time and problem.size <= MAX_MODEL_SIZE
+    affordable = min(_VARIABLES_PER_S * deadline.remaining_s, MAX_MODEL_SIZE)
+    return problem.least_size <= affordable and problem.size <= affordable

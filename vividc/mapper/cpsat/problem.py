@@ -153,6 +153,12 @@ class Prepared:
         return tuple((word, pe, self.wrap(time - 1)) for word, pe, time in self.in_outputs)
 
     @property
+    def least_size(self) -> int:
+        """Number of starts, without naming them: `size` takes long for the largest problems."""
+        windows = self.windows
+        return sum(len(windows[node].times) * len(pes) for node, pes in self.candidates.items())
+
+    @property
     def size(self) -> int:
         """Number of Boolean variables the model will have, nearly."""
         layers = self.fabric.routing.hops if self.fabric.routing.hops > 1 else 0
