@@ -35,6 +35,10 @@ _ROOMY: Final = 0.3
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
 _HALF, _THIRD = 2, 3
 _SEEDS: Final = 3
+_SEEDED_NODES: Final = 300
+"""Where FUs move words: nodes that the seeds of the first round anneal together, since each seed is
+as likely to map as the one before, and the solver is rarely faster.
+"""
 _SOLVER_S: Final = 400.0
 """Seconds for the solver in the first round, of a graph of one node: it is the better the smaller
 the graph.
@@ -173,14 +177,23 @@ def try_only(campaign: Campaign, ii: int) -> None:
 
 
 def _try_seeds(campaign: Campaign, ii: int, turn: int) -> bool:
-    """As many seeds as rounds, up to `_SEEDS`, with effort that grows; whether one maps."""
+    """Some seeds, with effort that grows; whether one maps."""
     effort = Effort(moves=Effort().moves * (1 + turn // 2), repairs=Effort().repairs * turn)
-    for seed in range(min(turn, _SEEDS)):
+    for seed in _seeds(campaign, turn):
         if _is_enough(campaign):
             return False
-        if _negotiate(campaign, ii, _SEEDS * turn + seed, effort).mapping is not None:
+        if _negotiate(campaign, ii, seed, effort).mapping is not None:
             return True
     return False
+
+
+def _seeds(campaign: Campaign, turn: int) -> range:
+    """As many as rounds, up to `_SEEDS`; where FUs move words the more the smaller the graph is."""
+    if not campaign.problem.fabric.routing.moves:
+        return range(_SEEDS * turn, _SEEDS * turn + min(turn, _SEEDS))
+    each = math.ceil(_SEEDED_NODES / len(campaign.problem.dfg.placed))
+    first = 1 + len(_DESCENTS_WITH_MOVES) + each * turn * (turn - 1) // 2
+    return range(first, first + each * turn)
 
 
 def _is_enough(campaign: Campaign) -> bool:

@@ -44,7 +44,9 @@ _FIRST_SEED = 2
 
 
 def auto(problem: MapProblem, request: MapRequest) -> MapResult:
-    """Every way: decoupled first, then relaxations and the joint model."""
+    """Every way: negotiation where constraints take long, schedules before places, relaxations, the
+    joint model, and windows of the array.
+    """
     return _search(problem, request, "auto", _try_everything, windows=True)
 
 
