@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 from vividc import arch, dfg
 from vividc.cli import main, map_command
-from vividc.mapper import mapping_from_json, verify
+from vividc.mapper import MapResult, mapping_from_json, registry, verify
 
 CHAIN = {
     "name": "chain",
@@ -88,6 +88,17 @@ def test_infeasible_is_exit_code_3_and_writes_nothing(graph, tmp_path):
     assert (out["status"], out["mapping"], out["output"]) == ("infeasible", None, None)
     assert result.stderr.startswith("vividc: chain: proved infeasible at II 2")
     assert not path.exists()
+
+
+def test_a_mapper_that_gives_up_does_not_ask_for_more_time(graph, monkeypatch):
+    def idle(problem, request):
+        return MapResult("timeout", None, 1, (), None, "idle", 0.1)
+
+    monkeypatch.setitem(registry.BUILT_IN, "idle", idle)
+    result = run(graph, "--mapper", "idle", "--time-limit", 8, "--ii", 5)
+    assert result.exit_code == 4
+    assert "mapper 'idle' gave up after 0.1 s without a mapping at II 5" in result.stderr
+    assert "--time-limit" not in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -166,7 +166,9 @@ def test_an_unknown_mapper_is_refused_with_the_known_ones() -> None:
         map_dfg(chain(2), grid(1, 2), mapper="magic")
 
 
-def test_an_illegal_mapping_of_a_guest_is_our_bug_report(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_illegal_mapping_of_a_mapper_of_ours_is_our_bug_report(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     def careless(problem: MapProblem, request: MapRequest) -> MapResult:
         result = registry.BUILT_IN["auto"](problem, request)
         assert result.mapping is not None

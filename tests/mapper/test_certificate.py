@@ -26,6 +26,13 @@ from vividc.mapper import (
     map_dfg,
     read_result,
 )
+from vividc.mapper.refutations import (
+    BY_MODEL,
+    BY_SCHEDULE,
+    WITHIN_ADDED,
+    by_bound,
+    by_contexts,
+)
 
 FABRIC = arch.load("mesh-2x2")
 VERDICTS = ("confirmed", "trusted", "wrong")
@@ -233,6 +240,23 @@ def test_explain_names_the_routing_bottleneck() -> None:
     assert "what binds: places and routes; II 1 passes every bound" in text
     assert "II 2 neither mapped nor refuted" in text
     assert "fullest in this mapping: PE" in text
+
+
+@pytest.mark.parametrize(
+    ("by", "binds"),
+    [
+        (BY_MODEL, "places and routes; II 9 passes every bound and cannot be routed"),
+        (BY_MODEL + WITHIN_ADDED, "places and routes within the added constraints; II 9"),
+        (BY_SCHEDULE, "dependences and resources together; II 9 has no schedule"),
+        (by_contexts(8), "the configuration memory of 8 contexts"),
+        (by_bound(10), "the recurrence (RecMII)"),
+    ],
+)
+def test_explain_names_what_refuted_the_only_ii(by: str, binds: str) -> None:
+    """The bounds may be far below an II that was asked for."""
+    refuted = (Refutation(9, by),)
+    result = replace(RESULT, status="infeasible", ii=None, mapping=None, refuted=refuted)
+    assert f"what binds: {binds}" in result.explain()
 
 
 def test_explain_blames_no_bound_of_1() -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import pytest
 from random_graphs import random_loop
 
 from vividc.arch import load, load_text
+from vividc.errors import VividcError
 from vividc.mapper import map_dfg
 from vividc.mapper.plain_core import named_anew, plain_core
 from vividc.mapper.problem import MapProblem
@@ -56,3 +58,16 @@ def test_a_plain_fabric_is_its_own_core() -> None:
     fabric = load("vivid-tile")
     assert plain_core(fabric) is fabric
     assert plain_core(replace(fabric, name="other")) is not None
+
+
+@pytest.mark.parametrize(
+    ("base", "option", "why"),
+    [
+        ("mesh-3x3", "occupancy: {imul: 3}", "units are not pipelined (imul)"),
+        ("openedge-3x3", "", "no words take links"),
+    ],
+)
+def test_ims_says_why_it_refuses_an_array(base: str, option: str, why: str) -> None:
+    fabric = load_text(f"extends: {base}\n{option}\n")
+    with pytest.raises(VividcError, match=re.escape(why)):
+        map_dfg(random_loop(1, 4), fabric, "ims")

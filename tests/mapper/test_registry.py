@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
+from typing import cast
 
 import pytest
 from fabrics import grid
 from graphs import chain
 
 from vividc.errors import VividcError
-from vividc.mapper import find_mapper, map_dfg, mapper_names, registry
+from vividc.mapper import (
+    MapProblem,
+    MapRequest,
+    MapResult,
+    find_mapper,
+    map_dfg,
+    mapper_names,
+    registry,
+)
 
 
 def _install(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
@@ -38,6 +48,37 @@ def test_a_guest_that_does_not_load_is_a_user_error(
     _install(monkeypatch, "guest", value)
     with pytest.raises(VividcError, match=message):
         find_mapper("guest")
+
+
+def _raises(problem: MapProblem, request: MapRequest) -> MapResult:
+    raise ZeroDivisionError("of the guest")
+
+
+def _nothing(problem: MapProblem, request: MapRequest) -> MapResult:
+    return cast(MapResult, None)
+
+
+def _careless(problem: MapProblem, request: MapRequest) -> MapResult:
+    result = registry.BUILT_IN["auto"](problem, request)
+    assert result.mapping is not None
+    return replace(result, mapping=replace(result.mapping, routes={}))
+
+
+@pytest.mark.parametrize(
+    ("guest", "fault"),
+    [
+        ("_raises", "failed with ZeroDivisionError: of the guest"),
+        ("_nothing", "returned a NoneType instead of a MapResult"),
+        ("_careless", "made an illegal mapping of 'chain3': "),
+    ],
+)
+def test_what_a_guest_does_wrong_is_its_own_fault(
+    guest: str, fault: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _install(monkeypatch, "guest", f"{__name__}:{guest}")
+    with pytest.raises(VividcError, match=f"mapper 'guest' {fault}") as told:
+        map_dfg(chain(3), grid(2, 2), mapper="guest", workers=1)
+    assert "bug of vividc" not in str(told.value)
 
 
 def test_a_guest_cannot_take_over_a_built_in_name(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,8 @@ from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
 
+_MOST_OF_THE_TIME = 0.8
+
 
 @click.command("map")
 @click.argument("graph", metavar="DFG", type=options.FILE)
@@ -88,7 +90,7 @@ def command(
         _print(result, the_dfg, the_fabric, output)
     if stopped is not None:
         raise stopped
-    _raise_unless_mapped(result, the_dfg, ii)
+    _raise_unless_mapped(result, the_dfg, ii, time_limit_s)
 
 
 def _write(
@@ -158,7 +160,9 @@ def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -
         click.echo(f"written: {output}")
 
 
-def _raise_unless_mapped(result: MapResult, graph: DFG, ii: int | None) -> None:
+def _raise_unless_mapped(
+    result: MapResult, graph: DFG, ii: int | None, time_limit_s: float
+) -> None:
     wanted = "" if ii is None else f" at II {ii}"
     if result.status == "infeasible":
         why = result.bounds[0].reason if result.bounds else "the search was exhausted"
@@ -166,8 +170,17 @@ def _raise_unless_mapped(result: MapResult, graph: DFG, ii: int | None) -> None:
             why = f"refuted by {result.refuted[-1].by}"
         raise MappingFailed(f"proved infeasible{wanted}: {why}", loc=graph.name)
     if result.status == "timeout":
-        hint = "give more time (--time-limit), or a fabric with more room (--fabric)"
-        reason = (
-            f"no mapping{wanted} within the time limit; the II is at least {result.lower_bound}"
-        )
-        raise TimeLimit(reason, loc=graph.name, hint=hint)
+        raise _nothing_found(result, graph, wanted, time_limit_s)
+
+
+def _nothing_found(result: MapResult, graph: DFG, wanted: str, time_limit_s: float) -> TimeLimit:
+    """In time, or before: many mappers have no more to try at some point."""
+    known = f"the II is at least {result.lower_bound}"
+    if result.wall_s < _MOST_OF_THE_TIME * time_limit_s:
+        hint = "try another mapper (--mapper auto), or a fabric with more room (--fabric)"
+        reason = f"mapper {result.mapper!r} gave up after {result.wall_s:.1f} s without a mapping"
+        return TimeLimit(f"{reason}{wanted}; {known}", loc=graph.name, hint=hint)
+    hint = "give more time (--time-limit), or a fabric with more room (--fabric)"
+    return TimeLimit(
+        f"no mapping{wanted} within the time limit; {known}", loc=graph.name, hint=hint
+    )

@@ -13,9 +13,10 @@ from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import MapInterrupted, MapResult, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
-from vividc.mapper.registry import find_mapper, takes_constraints
+from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
 from vividc.mapper.request import Mapper, MapRequest, Progress
 from vividc.mapper.verify import violations
+from vividc.mapper.verify_case import Violation
 
 _SHOWN = 5
 _MOST_WORKERS = 1000
@@ -62,7 +63,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     VividcError
         A name is unknown, a number makes no sense, or the mapper takes no constraints.
     InternalError
-        The mapper returned an illegal mapping.
+        A mapper of ours returned an illegal mapping. (What a guest does wrong is a VividcError.)
     MapInterrupted
         An interrupt (a KeyboardInterrupt, Ctrl-C) came when there was a mapping: `result` has it.
     """
@@ -76,9 +77,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     try:
         result = _mapped(problem, run, request, objective)
     except MapInterrupted as stop:
-        _confirm(problem, stop.result)
+        _confirm(problem, stop.result, mapper)
         raise MapInterrupted(_about(stop.result, Subject(dfg, fabric))) from stop
-    _confirm(problem, result)
+    _confirm(problem, result, mapper)
     return _about(result, Subject(dfg, fabric))
 
 
@@ -90,8 +91,7 @@ def _mapped(
     deadline = request.deadline.within(request.deadline.remaining_s * share)
     began = time.monotonic()
     result = run(problem, replace(request, deadline=deadline))
-    if share < 1:
-        _confirm(problem, result)
+    if share < 1 and not _violations(problem, result):
         result = _minimised(problem, result, objective, request)
         result = replace(result, wall_s=time.monotonic() - began)
     return result
@@ -183,18 +183,25 @@ def _about(result: MapResult, subject: Subject) -> MapResult:
     return replace(result, mapping=known, subject=subject)
 
 
-def _confirm(problem: MapProblem, result: MapResult) -> None:
-    if result.mapping is None:
+def _confirm(problem: MapProblem, result: MapResult, mapper: str) -> None:
+    """Refuse an illegal mapping: a bug of ours, or of the package that `mapper` comes from."""
+    found = _violations(problem, result)
+    if not found:
         return
-    found = violations(
+    shown = "; ".join(str(violation) for violation in found[:_SHOWN])
+    what = f"made an illegal mapping of {problem.dfg.name!r}: {shown}"
+    if mapper in BUILT_IN:
+        raise InternalError(f"mapper {mapper!r} {what}")
+    raise guest_fault(mapper, what)
+
+
+def _violations(problem: MapProblem, result: MapResult) -> list[Violation]:
+    if result.mapping is None:
+        return []
+    return violations(
         problem.dfg,
         problem.fabric,
         result.mapping,
         allowed=problem.allowed,
         resident=problem.resident,
     )
-    if found:
-        shown = "; ".join(str(violation) for violation in found[:_SHOWN])
-        raise InternalError(
-            f"mapper {result.mapper!r} made an illegal mapping of {problem.dfg.name!r}: {shown}"
-        )

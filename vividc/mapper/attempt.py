@@ -23,6 +23,7 @@ from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort, negotiate
 from vividc.mapper.plain_core import named_anew, unrotated
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.refutations import BY_FOLDING, BY_MODEL, BY_SCHEDULE, WITHIN_ADDED
 from vividc.mapper.request import MapRequest
 
 MAX_MODEL_SIZE = 600_000
@@ -69,7 +70,7 @@ def refute_cheaply(task: MapProblem, ii: int, request: MapRequest, deadline: Dea
         return OPEN
     outcome = refute_schedule(task, ii, Search(deadline, request.workers))
     if outcome.verdict == "refuted":
-        return Attempt(refuted_by="modulo scheduling without places and routes")
+        return Attempt(refuted_by=BY_SCHEDULE)
     return OPEN
 
 
@@ -132,7 +133,7 @@ def refute_by_folding(
         return OPEN
     request.tell(f"II {ii}: solving the cyclic relaxation")
     if refute_folded(problem, Search(deadline, request.workers)).verdict == "refuted":
-        return Attempt(refuted_by="the cyclic relaxation of time, place and route")
+        return Attempt(refuted_by=BY_FOLDING)
     return OPEN
 
 
@@ -183,8 +184,7 @@ def _joint(problem: Prepared, search: Search, extend: Extension | None) -> Attem
     if outcome.value is not None:
         return Attempt(mapping=outcome.value)
     if outcome.verdict == "refuted":
-        added = "" if extend is None else " with the added constraints"
-        return Attempt(refuted_by=f"the complete model of time, place and route{added}")
+        return Attempt(refuted_by=BY_MODEL if extend is None else BY_MODEL + WITHIN_ADDED)
     return OPEN
 
 

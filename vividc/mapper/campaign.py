@@ -10,6 +10,7 @@ from vividc.mapper.attempt import Attempt
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.refutations import by_bound, by_contexts
 from vividc.mapper.request import MapRequest
 
 Strategy = Callable[[MapProblem, int, MapRequest, Deadline, int], Attempt]
@@ -50,6 +51,15 @@ class Campaign:
             self.best = attempt.mapping
             self.improved = time.monotonic()
             self.request.tell(f"II {ii}: mapped")
+
+    def is_ruled_out(self, ii: int) -> bool:
+        """Whether a single II that is asked for needs no try; it is then refuted."""
+        contexts = self.problem.fabric.controller.contexts
+        if ii > contexts:
+            self.refuted[ii] = by_contexts(contexts)
+        elif ii < self.lower:
+            self.refuted[ii] = by_bound(self.lower)
+        return ii in self.refuted
 
     @property
     def unfinished(self) -> bool:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from collections.abc import Mapping as ReadOnly
 from typing import Final, TypeVar
 
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Subject
+from vividc.mapper.mapping import Bound, Mapping, MapResult, Refutation, Subject
+from vividc.mapper.refutations import BY_BOUND, BY_CONTEXTS, BY_SCHEDULE, WITHIN_ADDED
 
 K = TypeVar("K")
 
@@ -24,7 +25,6 @@ _KINDS: Final = {
     "island": "PEs that no links join",
     "reach": "a word that cannot get to its reader",
 }
-_SCHEDULE_ONLY: Final = "modulo scheduling"
 
 
 def explain(result: MapResult) -> str:
@@ -48,33 +48,46 @@ def _headline(result: MapResult) -> str:
 
 
 def _binding(result: MapResult) -> Iterator[str]:
-    sharpest = result.bounds[0] if result.bounds else None
     ii, lower = result.ii, result.lower_bound
-    if sharpest is not None and sharpest.ii >= lower > 1:
-        yield f"what binds: {_kind(sharpest)} ({sharpest.name})"
-    elif result.refuted and lower > 1:
-        yield _refuted(result)
+    bounded = result.bounds[0].ii if result.bounds else 1
+    binding = _what_binds(result)
+    if binding is not None:
+        yield f"what binds: {binding}"
     if ii is None:
         return
     if lower < ii:
         missing = f"II {lower}" if lower == ii - 1 else f"II {lower} .. {ii - 1}"
-        yield f"{missing} neither mapped nor refuted in the time given"
-    bounded = 1 if sharpest is None else sharpest.ii
+        yield f"{missing} neither mapped nor refuted"
     if ii > bounded and result.mapping is not None:
         subject = result.subject or result.mapping.subject
         if subject is not None:
             yield from _bottlenecks(result.mapping, subject)
 
 
+def _what_binds(result: MapResult) -> str | None:
+    """What the largest refuted II was refuted by; None where nothing was."""
+    last = result.refuted[-1] if result.refuted else None
+    if last is not None and last.ii >= result.lower_bound - 1 and BY_BOUND not in last.by:
+        return _refuted(last)
+    sharpest = result.bounds[0] if result.bounds else None
+    if sharpest is not None and sharpest.ii >= result.lower_bound > 1:
+        return f"{_kind(sharpest)} ({sharpest.name})"
+    return None
+
+
 def _kind(bound: Bound) -> str:
     return _KINDS.get(bound.name, bound.name)
 
 
-def _refuted(result: MapResult) -> str:
-    last = result.refuted[-1]
-    if _SCHEDULE_ONLY in last.by:
-        return f"what binds: dependences and resources together; II {last.ii} has no schedule"
-    return f"what binds: places and routes; II {last.ii} passes every bound and cannot be routed"
+def _refuted(last: Refutation) -> str:
+    if BY_SCHEDULE in last.by:
+        return f"dependences and resources together; II {last.ii} has no schedule"
+    if BY_CONTEXTS in last.by:
+        return last.by
+    how = f"II {last.ii} passes every bound and cannot be routed"
+    if WITHIN_ADDED in last.by:
+        return f"places and routes within the added constraints; {how} within them"
+    return f"places and routes; {how}"
 
 
 def _bottlenecks(mapping: Mapping, subject: Subject) -> Iterator[str]:

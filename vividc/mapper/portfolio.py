@@ -125,7 +125,7 @@ def _explore(campaign: Campaign, *, windows: bool) -> bool:
     for _ in others:
         pass
     if campaign.best is None or jointly or not large:
-        _climb(campaign)
+        _climb_until_mapped(campaign)
         _descend(campaign)
     return campaign.best is None and campaign.lower >= no_ii(problem)
 
@@ -155,12 +155,7 @@ def _start_small(campaign: Campaign) -> None:
 
 def _only(campaign: Campaign, ii: int) -> bool:
     """Try one II only, with all the time there is; whether it was refuted."""
-    contexts = campaign.problem.fabric.controller.contexts
-    if ii > contexts:
-        campaign.refuted[ii] = f"the configuration memory of {contexts} contexts"
-        return True
-    if ii < campaign.lower:
-        campaign.refuted[ii] = f"the lower bound {campaign.lower}"
+    if campaign.is_ruled_out(ii):
         return True
     jointly = campaign.strategy is _try_jointly
     if _negotiates(campaign.problem, campaign.request, campaign.strategy) and not jointly:
@@ -200,12 +195,27 @@ def _refute_below(campaign: Campaign, ii: int) -> None:
         campaign.lower += 1
 
 
-def _climb(campaign: Campaign) -> None:
-    """Upward from the MII with a share of the time each, which is small: an II that takes longer is
-    tried again from above. Steps grow after failures, so that something is found.
+def _climb_until_mapped(campaign: Campaign) -> None:
+    """Upward from the MII again and again, each time with twice the time for an II, until one maps,
+    none is left or trying takes no time any more.
     """
     deadline = campaign.request.deadline
     total_s, turn_s = deadline.remaining_s, _turn(campaign.request).remaining_s
+    while True:
+        before_s = deadline.remaining_s
+        _climb(campaign, total_s, turn_s)
+        spent_s = before_s - deadline.remaining_s
+        if campaign.best is not None or deadline.passed or spent_s < _WORTH_TRYING_S:
+            return
+        turn_s *= 2
+
+
+def _climb(campaign: Campaign, total_s: float, turn_s: float) -> None:
+    """Upward from the MII with a share of the time each, which is small: an II that takes longer is
+    tried again from above. Steps grow after failures, so that something is found. The only II that
+    is left gets all the time.
+    """
+    deadline = campaign.request.deadline
     alone = campaign.strategy is not _try_everything
     best = campaign.best
     limit = ii_limit(campaign.problem) if best is None else best.ii - 1
@@ -213,6 +223,8 @@ def _climb(campaign: Campaign) -> None:
     while ii <= limit and not deadline.passed:
         share = _CLIMB_SHARE_ALONE if failures else _FIRST_SHARE_ALONE
         share_s = max(_CLIMB_LEAST_S, share * total_s) if alone else turn_s
+        if best is None and campaign.lower == limit:
+            share_s = deadline.remaining_s
         attempt = campaign.try_ii(ii, deadline.within(share_s))
         if attempt.mapping is not None:
             return

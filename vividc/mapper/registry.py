@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from functools import wraps
 from importlib.metadata import entry_points
 from typing import Final, cast
 
-from vividc.errors import VividcError
+from vividc.errors import InternalError, VividcError
 from vividc.mapper.ims import ims
+from vividc.mapper.mapping import MapResult
 from vividc.mapper.portfolio import auto, cpsat, decoupled
-from vividc.mapper.request import Mapper
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import Mapper, MapRequest
 from vividc.mapper.sat_kms import sat_kms
 from vividc.mapper.spr import spr
 
@@ -69,4 +72,29 @@ def _load(name: str, load: object) -> Mapper:
     if not callable(found):
         hint = "its entry point must name a function (MapProblem, MapRequest) -> MapResult"
         raise VividcError(f"mapper {name!r} is not callable", loc="mapper", hint=hint)
-    return cast(Mapper, found)
+    return _guarded(name, cast(Mapper, found))
+
+
+def _guarded(name: str, guest: Mapper) -> Mapper:
+    """The guest, whose faults are told as its own and not as bugs of vividc."""
+
+    @wraps(guest)
+    def run(problem: MapProblem, request: MapRequest) -> MapResult:
+        try:
+            result = guest(problem, request)
+        except (VividcError, InternalError):
+            raise
+        except Exception as error:
+            what = f"{type(error).__name__}: {error}"
+            raise guest_fault(name, f"failed with {what}") from error
+        if not isinstance(result, MapResult):
+            raise guest_fault(name, f"returned a {type(result).__name__} instead of a MapResult")
+        return result
+
+    return run
+
+
+def guest_fault(name: str, what: str) -> VividcError:
+    """What a mapper of another package did wrong."""
+    hint = "report it to the package that provides the mapper, or choose another (--mapper auto)"
+    return VividcError(f"mapper {name!r} {what}", loc="mapper", hint=hint)

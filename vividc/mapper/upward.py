@@ -59,13 +59,22 @@ def core_for(fabric: Fabric, name: str) -> Fabric:
     core = plain_core(fabric)
     if core is None:
         raise VividcError(
-            f"mapper {name!r} routes words over links and registers that any word may enter, one "
-            f"operation a cycle on each PE; {fabric.name} is not of that kind (there, moves of "
-            "words take the FUs that it schedules operations on)",
+            f"mapper {name!r} routes words over links and registers that any word may enter, and "
+            f"issues an operation a cycle on each PE; on {fabric.name} {_what_is_else(fabric)}",
             loc="mapper",
             hint="use auto, cpsat, decoupled, sat-kms or spr",
         )
     return core
+
+
+def _what_is_else(fabric: Fabric) -> str:
+    """Why a fabric has no plain core."""
+    slow = [kind.value for kind, cycles in fabric.occupancies.items() if cycles > 1]
+    if not fabric.routing.hops:
+        return "no words take links"
+    if slow:
+        return f"units are not pipelined ({', '.join(slow)})"
+    return "only its own FU writes a PE's registers"
 
 
 def attempt_of(problem: MapProblem, mapping: Mapping | None) -> Attempt:
@@ -76,11 +85,6 @@ def attempt_of(problem: MapProblem, mapping: Mapping | None) -> Attempt:
 
 def _try_only(campaign: Campaign, ii: int) -> bool:
     """Try one II; whether it was refuted."""
-    contexts = campaign.problem.fabric.controller.contexts
-    if ii > contexts:
-        campaign.refuted[ii] = f"the configuration memory of {contexts} contexts"
-    elif ii < campaign.lower:
-        campaign.refuted[ii] = f"the lower bound {campaign.lower}"
-    else:
+    if not campaign.is_ruled_out(ii):
         campaign.try_ii(ii, campaign.request.deadline)
     return ii in campaign.refuted

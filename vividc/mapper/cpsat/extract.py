@@ -19,8 +19,8 @@ Holds = Callable[[IntVar], bool]
 
 @dataclass(frozen=True, slots=True)
 class RegisterConflict:
-    """Stays on one PE that no allocation fits. `inside`: where an unused write would cut one of
-    them in two.
+    """Stays on one PE that no allocation fits. `inside`: where an unused write, if there can be
+    one, would cut one of them in two.
     """
 
     pe: int
@@ -197,7 +197,7 @@ def _allocate(
         chosen = allocate(here, problem.ii, available, rotating=rotating)
         if chosen is None:
             core = conflict(here, problem.ii, available, rotating=rotating)
-            conflicts.append(_conflict(v, pe, core))
+            conflicts.append(_conflict(pe, core))
             continue
         for stay, register in zip(here, chosen, strict=True):
             for time in range(stay.first, stay.last + 1):
@@ -205,10 +205,10 @@ def _allocate(
     return registers, tuple(conflicts)
 
 
-def _conflict(v: Variables, pe: int, core: tuple[Stay, ...]) -> RegisterConflict:
+def _conflict(pe: int, core: tuple[Stay, ...]) -> RegisterConflict:
     held = tuple((s.word, pe, t) for s in core for t in range(s.first, s.last + 1))
     inside = tuple((s.word, pe, t) for s in core for t in range(s.first + 1, s.last + 1))
-    return RegisterConflict(pe, held, tuple(key for key in inside if key in v.written))
+    return RegisterConflict(pe, held, inside)
 
 
 def _step(spot: _Spot, word: int, registers: Mapping[NodeAt, int]) -> Step:

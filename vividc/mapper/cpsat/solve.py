@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from typing import Final
 
-from ortools.sat.python.cp_model import CpModel, LiteralT
+from ortools.sat.python.cp_model import CpModel
 
+from vividc.arch.fabric import Fabric
 from vividc.mapper.cpsat.constraints import add_constraints
-from vividc.mapper.cpsat.extract import Extracted, RegisterConflict, extract
+from vividc.mapper.cpsat.extract import RegisterConflict, extract
 from vividc.mapper.cpsat.handle import Extension, ModelHandle
-from vividc.mapper.cpsat.problem import Prepared
+from vividc.mapper.cpsat.problem import NodeAt, Prepared
 from vividc.mapper.cpsat.run import Outcome, Search, run
 from vividc.mapper.cpsat.variables import Variables, new_variables
 from vividc.mapper.mapping import Mapping as ModuloMapping
+
+_MOST_CUTS: Final = 3000
+"""Of one conflict in all its places and times."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +73,8 @@ def solved(problem: Prepared, joint: JointModel, search: Search) -> Outcome[Modu
         if outcome.value.mapping is not None:
             found = outcome.value.mapping
             return Outcome("found", found, outcome.objective, outcome.bound)
-        _exclude(joint, outcome.value)
+        for clash in outcome.value.conflicts:
+            _exclude(problem, joint, clash)
 
 
 def refute_folded(problem: Prepared, search: Search) -> Outcome[bool]:
@@ -76,12 +82,30 @@ def refute_folded(problem: Prepared, search: Search) -> Outcome[bool]:
     return run(build(problem).model, search, lambda _: True)
 
 
-def _exclude(joint: JointModel, extracted: Extracted) -> None:
-    for clash in extracted.conflicts:
-        joint.model.add_bool_or(_escapes(joint.variables, clash))
+def _exclude(problem: Prepared, joint: JointModel, clash: RegisterConflict) -> None:
+    """What fits no allocation fits none at other times either, nor on PEs with equal files: an
+    allocation knows cycles only relative to each other.
+    """
+    variables, cuts = joint.variables, 0
+    horizon = max(time for _, _, time in variables.held)
+    first = min(time for _, _, time in clash.held)
+    for pe in _equal_files(problem.fabric, clash.pe):
+        for shift in sorted(range(-first, horizon - first + 1), key=abs):
+            held = _moved(clash.held, pe, shift)
+            if cuts >= _MOST_CUTS or any(key not in variables.held for key in held):
+                continue
+            inside = _moved(clash.inside, pe, shift)
+            cut = [variables.written[key] for key in inside if key in variables.written]
+            joint.model.add_bool_or([*(~variables.held[key] for key in held), *cut])
+            cuts += 1
 
 
-def _escapes(variables: Variables, clash: RegisterConflict) -> list[LiteralT]:
-    freed = [~variables.held[key] for key in clash.held]
-    cut = [variables.written[key] for key in clash.inside]
-    return [*freed, *cut]
+def _equal_files(fabric: Fabric, pe: int) -> list[int]:
+    """PEs with as many registers that rotate alike, `pe` first."""
+    wanted = fabric.pes[pe].registers, fabric.pes[pe].rotating
+    others = [one.id for one in fabric.pes if (one.registers, one.rotating) == wanted]
+    return [pe, *(one for one in others if one != pe)]
+
+
+def _moved(keys: tuple[NodeAt, ...], pe: int, shift: int) -> tuple[NodeAt, ...]:
+    return tuple((word, pe, time + shift) for word, _, time in keys)
