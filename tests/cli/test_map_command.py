@@ -44,6 +44,13 @@ def test_json_object(graph):
     assert out["utilization"] == pytest.approx(3 / 12)
 
 
+def test_the_use_counts_fus_that_are_kept_busy(graph, tmp_path):
+    slow = tmp_path / "slow.yaml"
+    slow.write_text("extends: mesh-2x2\noccupancy: {imul: 3}\n")
+    out = json.loads(run(graph, "--fabric", slow, "--json").stdout)
+    assert out["utilization"] == pytest.approx((1 + 3 + 1) / (4 * out["ii"]))
+
+
 def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):
     path = tmp_path / "m.json"
     result = run(graph, "--fabric", "mesh-2x2", "-o", path)

@@ -17,7 +17,14 @@ from vividc.cli.files import check_apart, check_output, write_whole
 from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
-from vividc.mapper import OBJECTIVES, MapInterrupted, MapResult, map_dfg, mapping_to_json
+from vividc.mapper import (
+    OBJECTIVES,
+    MapInterrupted,
+    MapResult,
+    map_dfg,
+    mapping_to_json,
+    utilization,
+)
 from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
@@ -139,10 +146,7 @@ def _as_object(
 
 
 def _utilization(result: MapResult, graph: DFG, fabric: Fabric) -> float | None:
-    """Share of the FUs' issue slots that the mapping uses."""
-    if result.mapping is None:
-        return None
-    return len(graph.operations) / (len(fabric.pes) * result.mapping.ii)
+    return None if result.mapping is None else utilization(graph, fabric, result.mapping)
 
 
 def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -> None:

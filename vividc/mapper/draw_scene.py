@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 from vividc.arch.fabric import PE, Fabric
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import VividcError
+from vividc.mapper.fu_slots import fu_slots, kept, moved
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.plot import OKABE_ITO, tint
 
@@ -48,10 +48,8 @@ class Scene:
     held
         (kind, index, id of the node) of every other place of a word, at (PE, slot) where it is
         readable: registers, and output registers that a fabric routes through.
-    moved
-        Ids of the nodes whose words the FU moves at (PE, slot).
-    kept
-        The node that keeps the FU at (PE, slot), which it began to use in an earlier one.
+    moved, kept
+        See `fu_slots`.
     """
 
     dfg: DFG
@@ -87,14 +85,11 @@ class Scene:
             1 for words in self.held.values() for kind, _, _ in words if kind == "reg"
         )
         parts = (
-            (f"{self._fu_slots()}", len(fabric.pes), "FU"),
+            (f"{fu_slots(self.dfg, fabric, self.mapping)}", len(fabric.pes), "FU"),
             (f"{sum(map(len, self.driven.values()))}", len(fabric.links), "link"),
             (f"{in_registers}", registers, "register"),
         )
         return ", ".join(f"{used} of {ii * count} {what} slots" for used, count, what in parts)
-
-    def _fu_slots(self) -> int:
-        return len(self.dfg.operations) + len(self.kept) + sum(map(len, self.moved.values()))
 
 
 def scene_of(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Scene:
@@ -125,33 +120,9 @@ def scene_of(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Scene:
         {key: tuple(value) for key, value in issues.items()},
         {key: tuple(sorted(value)) for key, value in driven.items()},
         {key: tuple(sorted(value)) for key, value in held.items()},
-        _moved(dfg, fabric, mapping),
-        _kept(dfg, fabric, mapping),
+        moved(dfg, fabric, mapping),
+        kept(dfg, fabric, mapping),
     )
-
-
-def _moved(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], tuple[int, ...]]:
-    """Moves: a word enters an output register, or registers that only the FU writes, from another
-    place.
-    """
-    found: dict[tuple[int, int], set[int]] = defaultdict(set)
-    for edge, steps in mapping.routes.items():
-        for before, step in pairwise(steps):
-            by_fu = step.kind == "out" or (step.kind == "reg" and fabric.pes[step.pe].written_by_fu)
-            same = (before.kind, before.pe, before.index) == (step.kind, step.pe, step.index)
-            stays = same and (step.kind == "reg" or fabric.routing.holds)
-            if by_fu and not stays:
-                found[step.pe, (step.time - 1) % mapping.ii].add(dfg.edges[edge].src)
-    return {key: tuple(sorted(values)) for key, values in found.items()}
-
-
-def _kept(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], Node]:
-    return {
-        (place.pe, (place.time + later) % mapping.ii): dfg.by_id[node]
-        for node, place in mapping.places.items()
-        if dfg.by_id[node].uses_fu
-        for later in range(1, fabric.occupancy(dfg.by_id[node]))
-    }
 
 
 def colour_of(node: Node) -> str:
