@@ -87,23 +87,25 @@ def command(
     except MapInterrupted as stop:
         stopped, result = stop, stop.result
     document = mapping_to_json(result, the_dfg, the_fabric)
-    _write(result, document, output, plot)
+    _write(result, document, output)
     if as_json:
         shown = _as_object(result, the_dfg, the_fabric, document, output)
         print_json(SCHEMA, shown | {"interrupted": stopped is not None})
     else:
         _print(result, the_dfg, the_fabric, output)
+    _draw(result, plot)  # last: a picture that cannot be made loses nothing else
     if stopped is not None:
         raise stopped
     _raise_unless_mapped(result, the_dfg, ii)
 
 
-def _write(
-    result: MapResult, document: Mapping[str, object], output: Path | None, plot: Path | None
-) -> None:
+def _write(result: MapResult, document: Mapping[str, object], output: Path | None) -> None:
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
         write_whole(output, lambda file: file.write(text.encode()))
+
+
+def _draw(result: MapResult, plot: Path | None) -> None:
     if result.mapping is not None and plot is not None:
         picture = encode(result.mapping.plot(), plot)
         write_whole(plot, lambda file: file.write(picture))
