@@ -47,7 +47,9 @@ class Scene:
         (link, id of the node whose word it carries) of each slot in which the link is driven.
     held
         (kind, index, id of the node) of every other place of a word, at (PE, slot) where it is
-        readable: registers, and output registers that a fabric routes through.
+        readable: registers, and output registers that a fabric routes through. Of a rotating file,
+        the index is the register's name as in `Step`, and there once for each iteration whose word
+        is held: each is in a register of its own.
     moved, kept
         See `fu_slots`.
     """
@@ -105,21 +107,22 @@ def scene_of(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Scene:
     for node_id, place in sorted(mapping.places.items()):
         issues[place.pe, place.time % mapping.ii].append((dfg.by_id[node_id], place))
     driven: dict[int, dict[tuple[int, int], None]] = defaultdict(dict)
-    held: dict[tuple[int, int], dict[tuple[str, int, int], None]] = defaultdict(dict)
+    held: dict[tuple[int, int], set[tuple[str, int, int, int]]] = defaultdict(set)
     for edge, steps in sorted(mapping.routes.items()):
         value = dfg.edges[edge].src
         for step in steps:
             if step.kind == "link":
                 driven[(step.time - 1) % mapping.ii][step.index, value] = None
             else:
-                held[step.pe, step.time % mapping.ii][step.kind, step.index, value] = None
+                ago = step.time // mapping.ii if fabric.pes[step.pe].rotating else 0
+                held[step.pe, step.time % mapping.ii].add((step.kind, step.index, value, ago))
     return Scene(
         dfg,
         fabric,
         mapping,
         {key: tuple(value) for key, value in issues.items()},
         {key: tuple(sorted(value)) for key, value in driven.items()},
-        {key: tuple(sorted(value)) for key, value in held.items()},
+        {key: tuple(place[:3] for place in sorted(value)) for key, value in held.items()},
         moved(dfg, fabric, mapping),
         kept(dfg, fabric, mapping),
     )
