@@ -108,7 +108,7 @@ def _label_of(run: Path) -> Point:
     diagonals off the crossing.
     """
     (x0, y0), (x1, y1) = run
-    at = 0.42 if x0 == x1 or y0 == y1 else 0.2
+    at = 0.42 if x0 == x1 or y0 == y1 else 0.25
     return (x0 + at * (x1 - x0), y0 + at * (y1 - y0))
 
 
