@@ -44,6 +44,13 @@ def test_json_object(graph):
     assert out["utilization"] == pytest.approx(3 / 12)
 
 
+def test_the_use_counts_fus_that_are_kept_busy(graph, tmp_path):
+    slow = tmp_path / "slow.yaml"
+    slow.write_text("extends: mesh-2x2\noccupancy: {imul: 3}\n")
+    out = json.loads(run(graph, "--fabric", slow, "--json").stdout)
+    assert out["utilization"] == pytest.approx((1 + 3 + 1) / (4 * out["ii"]))
+
+
 def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):
     path = tmp_path / "m.json"
     result = run(graph, "--fabric", "mesh-2x2", "-o", path)
@@ -51,6 +58,21 @@ def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):
     the_dfg, fabric = dfg.load(graph), arch.load("mesh-2x2")
     read = mapping_from_json(json.loads(path.read_text()), the_dfg, fabric)
     assert verify(the_dfg, fabric, read.mapping) == []
+
+
+def test_a_picture_that_cannot_be_made_loses_nothing_else(graph, tmp_path):
+    path, picture = tmp_path / "m.json", tmp_path / "p.png"
+    result = run(
+        *(graph, "--fabric", "mesh-2x2", "--ii", 300),
+        *("-o", path, "--plot", picture, "--json"),
+    )
+    assert result.exit_code == 2
+    out = json.loads(result.stdout)
+    assert (out["ii"], out["output"]) == (300, str(path))
+    assert json.loads(path.read_text())["mapping"] == out["mapping"]
+    assert result.stderr.startswith(f"vividc: {picture}: a picture of ")
+    assert result.stderr.endswith("hint: write it as SVG, to a name that ends in .svg\n")
+    assert not picture.exists()
 
 
 def test_an_interrupt_keeps_the_best_mapping(graph, tmp_path, monkeypatch):

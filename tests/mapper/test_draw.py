@@ -14,11 +14,13 @@ from hypothesis import strategies as st
 
 from vividc.arch import load
 from vividc.arch.fabric import Link
+from vividc.dfg.ir import DFG
+from vividc.dfg.opcodes import Opcode
 from vividc.errors import VividcError
 from vividc.mapper import Mapping, Place, Step, Subject, map_dfg
 from vividc.mapper.draw import draw
-from vividc.mapper.draw_scene import pale
-from vividc.plot import Line, Rect, Text, text_width, to_svg
+from vividc.mapper.draw_scene import colour_of, pale, scene_of
+from vividc.plot import Line, Rect, Text, readable_on, text_width, to_svg
 
 FABRIC = grid(2, 2)
 
@@ -95,6 +97,42 @@ def test_a_link_that_wraps_around_is_two_stubs() -> None:
     assert len(arrows) == 3
 
 
+def test_an_irregular_link_is_one_arrow_from_pe_to_pe() -> None:
+    dfg, fabric = chain(2), grid(3, 3, links=False)
+    across = replace(fabric, links=(Link(0, 3, 5),))
+    index, _ = next(dfg.routed_edges())
+    first, second = (node.id for node in dfg.placed[:2])
+    places = {first: Place(3, 0), second: Place(5, 1)}
+    mapping = Mapping(2, places, {index: (Step("link", 5, 0, 1),)})
+    arrows = [s for s in draw(dfg, across, mapping).shapes if isinstance(s, Line) and s.arrow]
+    assert len(arrows) == 2  # and one in the legend
+
+
+def test_the_number_of_a_pe_can_be_read_on_its_colour() -> None:
+    dfg = chain(1)
+    node = dfg.placed[0]
+    shapes = draw(dfg, FABRIC, Mapping(1, {node.id: Place(3, 0)}, {})).shapes
+    (number,) = [s for s in shapes if isinstance(s, Text) and s.text == "3"]
+    assert number.fill == readable_on(colour_of(node))
+
+
+def test_the_legend_says_what_names_of_rotating_registers_mean() -> None:
+    dfg = chain(2)
+    index, _ = next(dfg.routed_edges())
+    first, second = (node.id for node in dfg.placed[:2])
+    places = {first: Place(0, 0), second: Place(0, 5)}
+    steps = tuple(Step("reg", 0, 0, time) for time in range(1, 6))
+    mapping = Mapping(2, places, {index: steps})
+    still = scene_of(dfg, FABRIC, replace(mapping, ii=8))
+    assert "5 of 64 register slots" in still.usage()
+    turning = replace(FABRIC, pes=tuple(replace(pe, rotating=True) for pe in FABRIC.pes))
+    assert "5 of 16 register slots" in scene_of(dfg, turning, mapping).usage()
+    shown = [s.text for s in draw(dfg, turning, mapping).shapes if isinstance(s, Text)]
+    assert any("its name when the word's iteration began" in text for text in shown)
+    plain = [s.text for s in draw(dfg, FABRIC, mapping).shapes if isinstance(s, Text)]
+    assert not any("iteration began" in text for text in plain)
+
+
 @pytest.mark.parametrize(("rows", "cols", "ii"), [(1, 1, 1), (4, 4, 5), (8, 8, 2), (16, 16, 3)])
 def test_every_shape_lies_on_the_canvas(rows: int, cols: int, ii: int) -> None:
     fabric, dfg = grid(rows, cols), chain(6)
@@ -114,14 +152,56 @@ def test_every_shape_lies_on_the_canvas(rows: int, cols: int, ii: int) -> None:
             assert shape.x + text_width(shape.text, shape.size) <= picture.width
 
 
-def test_long_names_are_shortened_to_their_box() -> None:
-    dfg = chain(1)
-    node = replace(dfg.placed[0], op=dfg.placed[0].op, id=123456789)
-    long = replace(dfg, nodes=tuple(node if n is dfg.placed[0] else n for n in dfg.nodes), edges=())
-    picture = draw(long, FABRIC, Mapping(1, {node.id: Place(0, 0)}, {}))
-    for shape in picture.shapes:
-        if isinstance(shape, Text) and shape.anchor == "middle":
-            assert text_width(shape.text, shape.size) < 90
+@pytest.mark.parametrize("size", [2, 8, 11])
+def test_long_names_and_ids_are_shortened_to_their_boxes(size: int) -> None:
+    short, fabric = chain(3), grid(size, size)
+    great = {node.id: 10**30 + node.id for node in short.nodes}
+    nodes = tuple(replace(node, id=great[node.id]) for node in short.nodes)
+    foreign = tuple(
+        replace(node, op=Opcode.GENERIC, name="a_very_long\noperation_name") if n % 2 else node
+        for n, node in enumerate(nodes)
+    )
+    edges = tuple(replace(e, src=great[e.src], dst=great[e.dst]) for e in short.edges)
+    long = DFG("x" * 300, foreign, edges)
+    index, edge = next(long.routed_edges())
+    steps = (Step("link", 1, 0, 1), Step("reg", 1, 0, 2))
+    places = {node.id: Place(n % 2, n) for n, node in enumerate(long.placed)}
+    picture = draw(long, fabric, Mapping(3, places, {index: steps}))
+    boxes = [s for s in picture.shapes if isinstance(s, Rect)]
+    labels = [s for s in picture.shapes if isinstance(s, Text) and "…" in s.text]
+    labels = [label for label in labels if not label.text.startswith("xxx")]  # the title
+    assert any(str(edge.src)[-1] in label.text for label in labels)
+    for label in labels:
+        width = text_width(label.text, label.size)
+        left = label.x - {"start": 0, "middle": 0.5, "end": 1}[label.anchor] * width
+        assert any(
+            box.x - 1 <= left
+            and left + width <= box.x + box.width + 1
+            and box.y <= label.y <= box.y + box.height
+            for box in boxes
+            if box.width < 100
+        )
+
+
+def test_a_long_name_does_not_stretch_the_picture() -> None:
+    dfg, mapping = chain(2), Mapping(1, {}, {})
+    long = draw(replace(dfg, name="x" * 300), replace(FABRIC, name="y" * 300), mapping)
+    assert long.width == draw(dfg, FABRIC, mapping).width
+    (title,) = [s for s in long.shapes if isinstance(s, Text) and "II 1" in s.text]
+    assert title.text.count("…") == 2
+    assert title.x + text_width(title.text, title.size) <= long.width
+
+
+def test_the_legend_lies_on_a_narrow_picture() -> None:
+    dfg = chain(2)
+    index, _ = next(dfg.routed_edges())
+    link = FABRIC.links[0]
+    first, second = (node.id for node in dfg.placed[:2])
+    steps = (Step("link", link.dst, link.id, 1), Step("reg", link.dst, 0, 2))
+    places = {first: Place(link.src, 0), second: Place(link.dst, 2)}
+    picture = draw(dfg, FABRIC, Mapping(1, places, {index: steps}))
+    (held,) = [s for s in picture.shapes if isinstance(s, Text) and "in a register" in s.text]
+    assert held.x + text_width(held.text, held.size) <= picture.width
 
 
 def test_the_file_is_svg_or_png_by_its_ending(tmp_path: Path) -> None:

@@ -75,7 +75,9 @@ def test_a_dashed_line_has_gaps() -> None:
 
 def test_a_huge_picture_is_refused_as_png_and_written_as_svg(tmp_path: Path) -> None:
     huge = Picture(100_000, 100_000, ())
-    with pytest.raises(VividcError, match="write it as SVG"):
+    with pytest.raises(
+        VividcError, match=r"a\.png: a picture of .* is too large for PNG\nhint: write it as SVG"
+    ):
         encode(huge, tmp_path / "a.png")
     assert encode(huge, tmp_path / "a.svg").startswith(b"<svg")
 

@@ -48,6 +48,15 @@ def test_an_fu_issues_nothing_while_it_is_busy(name: str) -> None:
             assert len(set(busy)) == len(busy), (row, pe)
 
 
+@pytest.mark.parametrize("name", ["polynomial", "search"])
+def test_the_utilization_counts_busy_fus(name: str) -> None:
+    program = _program(name)
+    for row, report in zip(program.table, program.regions, strict=True):
+        pes = range(len(program.fabric.pes))
+        busy = sum(len(_busy_slots(program, row, pe)) for pe in pes)
+        assert report.utilization == pytest.approx(busy / (row.ii * len(pes)))
+
+
 def _busy_slots(program: Program, row: RegionRow, pe: int) -> list[int]:
     """Slots in which the PE's FU issues or is busy; a straight region must end with it idle."""
     slots = []

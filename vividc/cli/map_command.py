@@ -17,7 +17,14 @@ from vividc.cli.files import check_apart, check_output, write_whole
 from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
-from vividc.mapper import OBJECTIVES, MapInterrupted, MapResult, map_dfg, mapping_to_json
+from vividc.mapper import (
+    OBJECTIVES,
+    MapInterrupted,
+    MapResult,
+    map_dfg,
+    mapping_to_json,
+    utilization,
+)
 from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
@@ -82,23 +89,25 @@ def command(
     except MapInterrupted as stop:
         stopped, result = stop, stop.result
     document = mapping_to_json(result, the_dfg, the_fabric)
-    _write(result, document, output, plot)
+    _write(result, document, output)
     if as_json:
         shown = _as_object(result, the_dfg, the_fabric, document, output)
         print_json(SCHEMA, shown | {"interrupted": stopped is not None})
     else:
         _print(result, the_dfg, the_fabric, output)
+    _draw(result, plot)  # last: a picture that cannot be made loses nothing else
     if stopped is not None:
         raise stopped
     _raise_unless_mapped(result, the_dfg, ii, time_limit_s)
 
 
-def _write(
-    result: MapResult, document: Mapping[str, object], output: Path | None, plot: Path | None
-) -> None:
+def _write(result: MapResult, document: Mapping[str, object], output: Path | None) -> None:
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
         write_whole(output, lambda file: file.write(text.encode()))
+
+
+def _draw(result: MapResult, plot: Path | None) -> None:
     if result.mapping is not None and plot is not None:
         picture = encode(result.mapping.plot(), plot)
         write_whole(plot, lambda file: file.write(picture))
@@ -141,10 +150,7 @@ def _as_object(
 
 
 def _utilization(result: MapResult, graph: DFG, fabric: Fabric) -> float | None:
-    """Share of the FUs' issue slots that the mapping uses."""
-    if result.mapping is None:
-        return None
-    return len(graph.operations) / (len(fabric.pes) * result.mapping.ii)
+    return None if result.mapping is None else utilization(graph, fabric, result.mapping)
 
 
 def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -> None:

@@ -7,6 +7,7 @@ from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.certificate import Finding, check_certificate
 from vividc.mapper.cpsat import OBJECTIVES, Extension, ModelHandle
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.fu_slots import utilization
 from vividc.mapper.mapping import (
     Bound,
     MapInterrupted,
@@ -58,6 +59,7 @@ __all__ = [
     "mapping_to_json",
     "mii",
     "read_result",
+    "utilization",
     "verify",
     "violations",
 ]

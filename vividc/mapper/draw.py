@@ -7,7 +7,8 @@ from typing import Final
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.mapper.draw_array import CHIP, FRAME, WIRE, ArrayPanel, detail_of
+from vividc.mapper.draw_array import CHIP, FRAME, WIRE, ArrayPanel
+from vividc.mapper.draw_label import fitted
 from vividc.mapper.draw_scene import MOVE, Scene, groups_of, scene_of
 from vividc.mapper.draw_table import ReservationTable
 from vividc.mapper.mapping import Mapping
@@ -18,6 +19,9 @@ _TITLE: Final = 46.0
 _LEGEND: Final = 24.0
 _WIDTH: Final = 1500.0
 _SPACE: Final = 10.0
+_FONT: Final = 15.0
+_BOLD: Final = 1.08  # how much wider bold text is
+_LEAST_HEADLINE: Final = 300.0
 
 
 def draw(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Picture:
@@ -25,8 +29,9 @@ def draw(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Picture:
 
     One panel a slot shows the array in steady state: what each PE issues (with the operation's id
     and stage), the links that are driven in the slot and the registers that hold a word, both
-    with the id of the word's producer. Links that wrap around are drawn as stubs. Larger arrays
-    are drawn with less text. Below stands the modulo reservation table.
+    with the id of the word's producer. Links between PEs that are no neighbours lead round those
+    between, and links that wrap around are drawn as stubs. Larger arrays are drawn with less text.
+    Below stands the modulo reservation table.
 
     Raises
     ------
@@ -34,62 +39,77 @@ def draw(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Picture:
         The mapping is not one of this graph on this fabric.
     """
     scene = scene_of(dfg, fabric, mapping)
-    panel = ArrayPanel(scene, detail_of(scene))
-    rows = -(-mapping.ii // max(1, int(_WIDTH // panel.width)))
+    panel = ArrayPanel(scene)
+    grid = panel.grid
+    rows = -(-mapping.ii // max(1, int(_WIDTH // grid.width)))
     a_row = -(-mapping.ii // rows)
-    room = max(a_row * panel.width, _WIDTH / 2)
+    room = max(a_row * grid.width, _WIDTH / 2)
     table = ReservationTable(scene, room)
     top = _TITLE + _LEGEND
-    shapes: list[Shape] = [*_title(scene), *_moved(_legend(scene), _MARGIN, _TITLE)]
+    shapes = list(_moved(_legend(scene), _MARGIN, _TITLE))
     for slot in range(mapping.ii):
-        x = _MARGIN + slot % a_row * panel.width
-        y = top + slot // a_row * (panel.height + _SPACE)
+        x = _MARGIN + slot % a_row * grid.width
+        y = top + slot // a_row * (grid.height + _SPACE)
         shapes += _moved(panel.shapes(slot), x, y)
-    bottom = top + rows * (panel.height + _SPACE) + _SPACE
+    bottom = top + rows * (grid.height + _SPACE) + _SPACE
     shapes += _moved(table.shapes(), _MARGIN, bottom)
-    width = max(a_row * panel.width, table.width, _title_width(scene)) + 2 * _MARGIN
+    width = max(a_row * grid.width, table.width, _least_width(scene))
+    shapes += _title(scene, width)
     title = f"{dfg.name} on {fabric.name}"
-    return Picture(width, bottom + table.height + _MARGIN, tuple(shapes), title)
+    height = bottom + table.height + _MARGIN
+    return Picture(width + 2 * _MARGIN, height, tuple(shapes), title)
 
 
 def _moved(shapes: Iterable[Shape], x: float, y: float) -> Iterator[Shape]:
     return (translated(shape, x, y) for shape in shapes)
 
 
-def _headline(scene: Scene) -> str:
-    stages = f"{scene.stages} stage" + ("s" if scene.stages > 1 else "")
-    return f"{scene.dfg.name} on {scene.fabric.name}: II {scene.mapping.ii}, {stages}"
-
-
-def _title(scene: Scene) -> Iterator[Shape]:
-    yield Text(_MARGIN, _MARGIN, _headline(scene), 15, bold=True)
+def _title(scene: Scene, width: float) -> Iterator[Shape]:
+    yield Text(_MARGIN, _MARGIN, _headline(scene, width), _FONT, bold=True)
     yield Text(_MARGIN, _MARGIN + 19, scene.usage(), 10)
 
 
-def _title_width(scene: Scene) -> float:
-    legend = max((x for x, _ in _entries(scene)), default=0.0) + 120
-    return max(text_width(_headline(scene), 15) * 1.08, text_width(scene.usage(), 10), legend)
+def _headline(scene: Scene, width: float) -> str:
+    """Names that are too long for the picture are shortened: it is not stretched for them."""
+    stages = f"{scene.stages} stage" + ("s" if scene.stages > 1 else "")
+    tail = f": II {scene.mapping.ii}, {stages}"
+    room = width / _BOLD - text_width(f" on {tail}", _FONT)
+    fabric = fitted(scene.fabric.name, _FONT, room / 2)
+    graph = fitted(scene.dfg.name, _FONT, room - text_width(fabric, _FONT))
+    return f"{graph} on {fabric}{tail}"
+
+
+def _least_width(scene: Scene) -> float:
+    """What lies above the panels has room."""
+    legend = max((x + _entry_width(name) for x, name in _entries(scene)), default=0.0)
+    return max(text_width(scene.usage(), 10), legend, _LEAST_HEADLINE)
 
 
 def _entries(scene: Scene) -> list[tuple[float, str]]:
     x, entries = 0.0, []
     for name in [*(name for name, _ in groups_of(scene.dfg)), *_signs(scene)]:
         entries.append((x, name))
-        x += 22 + text_width(name, 9) + 14
+        x += _entry_width(name) + 14
     return entries
+
+
+def _entry_width(name: str) -> float:
+    return 22 + text_width(name, 9)
 
 
 _LINK: Final = "word on a link, by producer"
 _HELD: Final = "word in a register (r) or output (o)"
+_HELD_ROTATING: Final = f"{_HELD}; r is its name when the word's iteration began (rotating files)"
 _MOVED: Final = "word moved by an FU"
 _MEMORY: Final = "PE with load/store unit"
 
 
 def _signs(scene: Scene) -> list[str]:
     """What the picture shows besides operations."""
+    rotates = any(pe.rotating for pe in scene.fabric.pes)
     signs = (
         (_LINK, scene.driven),
-        (_HELD, scene.held),
+        (_HELD_ROTATING if rotates else _HELD, scene.held),
         (_MOVED, scene.moved),
         (_MEMORY, scene.fabric_has_plain_pes),
     )
@@ -97,7 +117,7 @@ def _signs(scene: Scene) -> list[str]:
 
 
 def _legend(scene: Scene) -> Iterator[Shape]:
-    colours = dict(groups_of(scene.dfg)) | {_HELD: CHIP, _MOVED: MOVE}
+    colours = dict(groups_of(scene.dfg)) | {_HELD: CHIP, _HELD_ROTATING: CHIP, _MOVED: MOVE}
     for x, name in _entries(scene):
         if name == _LINK:
             yield Line(((x, 6), (x + 16, 6)), WIRE, 1.3, arrow=True)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 from vividc.arch.fabric import PE, Fabric
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import VividcError
+from vividc.mapper.fu_slots import fu_slots, kept, moved
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.plot import OKABE_ITO, tint
 
@@ -47,11 +47,11 @@ class Scene:
         (link, id of the node whose word it carries) of each slot in which the link is driven.
     held
         (kind, index, id of the node) of every other place of a word, at (PE, slot) where it is
-        readable: registers, and output registers that a fabric routes through.
-    moved
-        Ids of the nodes whose words the FU moves at (PE, slot).
-    kept
-        The node that keeps the FU at (PE, slot), which it began to use in an earlier one.
+        readable: registers, and output registers that a fabric routes through. Of a rotating file,
+        the index is the register's name as in `Step`, and there once for each iteration whose word
+        is held: each is in a register of its own.
+    moved, kept
+        See `fu_slots`.
     """
 
     dfg: DFG
@@ -87,14 +87,11 @@ class Scene:
             1 for words in self.held.values() for kind, _, _ in words if kind == "reg"
         )
         parts = (
-            (f"{self._fu_slots()}", len(fabric.pes), "FU"),
+            (f"{fu_slots(self.dfg, fabric, self.mapping)}", len(fabric.pes), "FU"),
             (f"{sum(map(len, self.driven.values()))}", len(fabric.links), "link"),
             (f"{in_registers}", registers, "register"),
         )
         return ", ".join(f"{used} of {ii * count} {what} slots" for used, count, what in parts)
-
-    def _fu_slots(self) -> int:
-        return len(self.dfg.operations) + len(self.kept) + sum(map(len, self.moved.values()))
 
 
 def scene_of(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Scene:
@@ -110,48 +107,25 @@ def scene_of(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Scene:
     for node_id, place in sorted(mapping.places.items()):
         issues[place.pe, place.time % mapping.ii].append((dfg.by_id[node_id], place))
     driven: dict[int, dict[tuple[int, int], None]] = defaultdict(dict)
-    held: dict[tuple[int, int], dict[tuple[str, int, int], None]] = defaultdict(dict)
+    held: dict[tuple[int, int], set[tuple[str, int, int, int]]] = defaultdict(set)
     for edge, steps in sorted(mapping.routes.items()):
         value = dfg.edges[edge].src
         for step in steps:
             if step.kind == "link":
                 driven[(step.time - 1) % mapping.ii][step.index, value] = None
             else:
-                held[step.pe, step.time % mapping.ii][step.kind, step.index, value] = None
+                ago = step.time // mapping.ii if fabric.pes[step.pe].rotating else 0
+                held[step.pe, step.time % mapping.ii].add((step.kind, step.index, value, ago))
     return Scene(
         dfg,
         fabric,
         mapping,
         {key: tuple(value) for key, value in issues.items()},
         {key: tuple(sorted(value)) for key, value in driven.items()},
-        {key: tuple(sorted(value)) for key, value in held.items()},
-        _moved(dfg, fabric, mapping),
-        _kept(dfg, fabric, mapping),
+        {key: tuple(place[:3] for place in sorted(value)) for key, value in held.items()},
+        moved(dfg, fabric, mapping),
+        kept(dfg, fabric, mapping),
     )
-
-
-def _moved(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], tuple[int, ...]]:
-    """Moves: a word enters an output register, or registers that only the FU writes, from another
-    place.
-    """
-    found: dict[tuple[int, int], set[int]] = defaultdict(set)
-    for edge, steps in mapping.routes.items():
-        for before, step in pairwise(steps):
-            by_fu = step.kind == "out" or (step.kind == "reg" and fabric.pes[step.pe].written_by_fu)
-            same = (before.kind, before.pe, before.index) == (step.kind, step.pe, step.index)
-            stays = same and (step.kind == "reg" or fabric.routing.holds)
-            if by_fu and not stays:
-                found[step.pe, (step.time - 1) % mapping.ii].add(dfg.edges[edge].src)
-    return {key: tuple(sorted(values)) for key, values in found.items()}
-
-
-def _kept(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], Node]:
-    return {
-        (place.pe, (place.time + later) % mapping.ii): dfg.by_id[node]
-        for node, place in mapping.places.items()
-        if dfg.by_id[node].uses_fu
-        for later in range(1, fabric.occupancy(dfg.by_id[node]))
-    }
 
 
 def colour_of(node: Node) -> str:

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Final
 
 from vividc.arch.fabric import PE
-from vividc.dfg.ir import Node
-from vividc.mapper.draw_array import FAINT, FRAME, fitted
+from vividc.mapper.draw_array import FAINT, FRAME
+from vividc.mapper.draw_label import fitted_id, name_and_id
 from vividc.mapper.draw_scene import (
     IDLE,
     MOVE,
@@ -19,7 +19,6 @@ from vividc.mapper.draw_scene import (
     operation_name,
     pale,
 )
-from vividc.mapper.mapping import Place
 from vividc.plot import Rect, Shape, Text, readable_on, text_width
 
 _HEADER: Final = 36.0
@@ -118,26 +117,22 @@ class ReservationTable:
         here = self.scene.issues.get(at, ())
         moved, kept = self.scene.moved.get(at, ()), self.scene.kept.get(at)
         if not here:
-            text = f"mov {moved[0]}" if moved else ""
+            text = self._label("mov", moved[0], self.cell) if moved else ""
             fill = MOVE if moved else IDLE if kept is None else pale(kept)
             yield Rect(x, y, self.cell, _ROW, fill, FRAME if moved or kept else FAINT, 0.5)
-            yield Text(
-                x + self.cell / 2, y + _ROW / 2, fitted(text, _FONT, self.cell - 2), _FONT, "middle"
-            )
+            yield Text(x + self.cell / 2, y + _ROW / 2, text, _FONT, "middle")
             return
         tip = "; ".join(describe(node, place, self.scene.fabric) for node, place in here)
         share = self.cell / len(here)
         for number, (node, place) in enumerate(here):
             fill, left = colour_of(node), x + number * share
             yield Rect(left, y, share, _ROW, fill, FRAME, 0.5, title=tip)
-            text = self._text(node, place, share)
+            tail = f" s{place.time // self.scene.mapping.ii}"
+            text = self._label(operation_name(node), node.id, share, tail)
             yield Text(left + share / 2, y + _ROW / 2, text, _FONT, "middle", readable_on(fill))
 
-    def _text(self, node: Node, place: Place, width: float) -> str:
+    def _label(self, name: str, number: int, width: float, tail: str = "") -> str:
+        """What happens in a cell `width` wide; narrow ones have room for the id only."""
         if width < _WIDE:
-            return fitted(str(node.id), _FONT, width - 2)
-        tail = f" {node.id} s{place.time // self.scene.mapping.ii}"
-        name = operation_name(node)
-        while name and fitted(f"{name}{tail}", _FONT, width - 4) != f"{name}{tail}":
-            name = name[:-1]
-        return f"{name}{tail}"
+            return fitted_id(number, _FONT, width - 2)
+        return name_and_id(name, number, _FONT, width - 4 - text_width(tail, _FONT)) + tail

@@ -44,7 +44,7 @@ def to_image(picture: Picture, scale: float = 2.0) -> Image.Image:
     if area * scale**2 > _MAX_PIXELS:
         raise VividcError(
             f"a picture of {picture.width:.0f} x {picture.height:.0f} points is too large for PNG",
-            hint="write it as SVG",
+            hint="write it as SVG, to a name that ends in .svg",
         )
     factor = scale * _OVERSAMPLE
     size = (math.ceil(picture.width * factor), math.ceil(picture.height * factor))

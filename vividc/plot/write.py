@@ -37,6 +37,9 @@ def encode(picture: Picture, path: Path) -> bytes:
         See `check_picture_path` and `to_png`.
     """
     check_picture_path(path, str(path))
-    if path.suffix.lower() == ".png":
+    if path.suffix.lower() == ".svg":
+        return to_svg(picture).encode()
+    try:
         return to_png(picture)
-    return to_svg(picture).encode()
+    except VividcError as error:
+        raise VividcError(error.reason, loc=str(path), hint=error.hint) from error

@@ -16,6 +16,7 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, KernelError
+from vividc.mapper.fu_slots import utilization
 from vividc.mapper.mapping import Mapping, MapResult
 from vividc.program.banks import choose_banks
 from vividc.program.constants import allocate, return_high, return_home
@@ -72,7 +73,7 @@ def encode(
     table = _table(kernel, fabric, mappings)
     _check_contexts(kernel, fabric, table)
     _check_locals(kernel, fabric)
-    found = _reports(kernel, fabric, table, reports or {})
+    found = _reports(kernel, fabric, table, mappings, reports or {})
     program = _program(kernel, fabric, mappings, table, found, _provenance(kernel, options or {}))
     return replace(program, warnings=tuple(warnings))
 
@@ -182,18 +183,16 @@ def _reports(
     kernel: Kernel,
     fabric: Fabric,
     table: Sequence[RegionRow],
+    mappings: ReadOnly[int, Mapping],
     results: ReadOnly[int, MapResult],
 ) -> tuple[RegionReport, ...]:
     return tuple(
-        _report(region, row, fabric, results.get(index))
+        _report(region, row, utilization(region.dfg, fabric, mappings[index]), results.get(index))
         for index, (region, row) in enumerate(zip(kernel.regions, table, strict=True))
     )
 
 
-def _report(
-    region: Region, row: RegionRow, fabric: Fabric, result: MapResult | None
-) -> RegionReport:
-    operations = len(region.dfg.operations)
+def _report(region: Region, row: RegionRow, used: float, result: MapResult | None) -> RegionReport:
     bounds = () if result is None else result.bounds
     lower_bound = 1 if result is None else result.lower_bound
     return RegionReport(
@@ -203,8 +202,8 @@ def _report(
         mii=max((bound.ii for bound in bounds), default=lower_bound),
         lower_bound=lower_bound,
         status="optimal" if result is not None and result.status == "optimal" else "feasible",
-        utilization=operations / (row.ii * len(fabric.pes)),
-        operations=operations,
+        utilization=used,
+        operations=len(region.dfg.operations),
         span=row.span,
         stages=row.stages,
         mapper="" if result is None else result.mapper,

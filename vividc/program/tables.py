@@ -115,7 +115,7 @@ class RegionReport:
     status
         "optimal" if every II below `ii` was refuted, else "feasible".
     utilization
-        Share of the FU issue slots that the region's operations take, 0 .. 1.
+        Share of the FU issue slots that the region takes, 0 .. 1 (`mapper.utilization`).
     wall_s
         Seconds the mapper spent; None in a loaded program, as files are reproducible.
     """
