@@ -13,10 +13,11 @@ import click
 from vividc import arch, dfg
 from vividc.arch import Fabric
 from vividc.cli import options
-from vividc.cli.files import check_apart, check_output, write_whole
+from vividc.cli.files import check_apart, check_output
 from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
+from vividc.files import write_whole
 from vividc.mapper import OBJECTIVES, MapInterrupted, MapResult, map_dfg, mapping_to_json
 from vividc.plot import check_picture_path, encode
 
@@ -96,10 +97,9 @@ def _write(
 ) -> None:
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
-        write_whole(output, lambda file: file.write(text.encode()))
+        write_whole(output, text.encode())
     if result.mapping is not None and plot is not None:
-        picture = encode(result.mapping.plot(), plot)
-        write_whole(plot, lambda file: file.write(picture))
+        write_whole(plot, encode(result.mapping.plot(), plot))
 
 
 def _check_outputs(outputs: Mapping[str, Path | None], inputs: Sequence[Path]) -> None:
