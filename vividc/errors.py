@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
+from vividc.printable import quoted
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class SourceLoc:
@@ -119,7 +121,7 @@ def demand_type(value: object, expected: type | tuple[type, ...], what: str, hin
         `value` is not an instance of `expected`.
     """
     if not isinstance(value, expected):
-        raise ArgumentError(f"{what} cannot be {value!r:.60}", hint=hint)
+        raise ArgumentError(f"{what} cannot be {quoted(value)}", hint=hint)
 
 
 def _source_line(loc: SourceLoc) -> str:
