@@ -113,7 +113,7 @@ def read_result(data: object, file: str = "mapping file") -> MapResult:
     source = _get(top, "fabric_yaml", str)
     if not source:
         raise _fault("fabric_yaml", "empty: the fabric was not made from YAML")
-    fabric = load_text(source, _get(top, "fabric", str))
+    fabric = load_text(source, f"{file}: fabric_yaml")
     return mapping_from_json(data, dfg, fabric)
 
 
