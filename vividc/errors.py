@@ -113,14 +113,16 @@ class InternalError(Exception):
 
 
 def demand_type(value: object, expected: type | tuple[type, ...], what: str, hint: str) -> None:
-    """Refuse an argument of the wrong type.
+    """Refuse an argument of the wrong type; a bool is no number.
 
     Raises
     ------
     ArgumentError
         `value` is not an instance of `expected`.
     """
-    if not isinstance(value, expected):
+    wanted = expected if isinstance(expected, tuple) else (expected,)
+    odd_bool = isinstance(value, bool) and int in wanted and bool not in wanted
+    if odd_bool or not isinstance(value, expected):
         raise ArgumentError(f"{what} cannot be {quoted(value)}", hint=hint)
 
 
