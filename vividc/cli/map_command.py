@@ -14,12 +14,13 @@ from vividc import arch, dfg
 from vividc.arch import Fabric
 from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
-from vividc.cli.report import percent, plain, print_json, print_table, progress
+from vividc.cli.report import percent, plain, print_json, print_table, progress, say
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.files import write_whole
 from vividc.mapper import OBJECTIVES, MapInterrupted, MapResult, map_dfg, mapping_to_json
 from vividc.plot import check_picture_path, encode
+from vividc.printable import printable
 
 SCHEMA = "vividc.map/1"
 
@@ -153,9 +154,9 @@ def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -
     row = (*sizes, result.ii, result.lower_bound, result.claim, use)
     timed = (*row, f"{result.wall_s:.1f}", result.mapper)
     print_table(f"{graph.name} on {fabric.name}", columns, [timed])
-    click.echo(result.explain())
+    say(result.explain())
     if output is not None and result.mapping is not None:
-        click.echo(f"written: {output}")
+        say(f"written: {output}")
 
 
 def _raise_unless_mapped(result: MapResult, graph: DFG, ii: int | None) -> None:
@@ -164,10 +165,10 @@ def _raise_unless_mapped(result: MapResult, graph: DFG, ii: int | None) -> None:
         why = result.bounds[0].reason if result.bounds else "the search was exhausted"
         if result.refuted:
             why = f"refuted by {result.refuted[-1].by}"
-        raise MappingFailed(f"proved infeasible{wanted}: {why}", loc=graph.name)
+        raise MappingFailed(f"proved infeasible{wanted}: {why}", loc=printable(graph.name))
     if result.status == "timeout":
         hint = "give more time (--time-limit), or a fabric with more room (--fabric)"
         reason = (
             f"no mapping{wanted} within the time limit; the II is at least {result.lower_bound}"
         )
-        raise TimeLimit(reason, loc=graph.name, hint=hint)
+        raise TimeLimit(reason, loc=printable(graph.name), hint=hint)

@@ -21,6 +21,7 @@ from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import SCHEMA, from_json, to_json
 from vividc.dfg.opcodes import BASE, PRED, LatencyClass, Opcode
 from vividc.errors import DFGError, VividcWarning
+from vividc.printable import printable
 
 _COLOURS: Final = {
     LatencyClass.SOURCE: "white",
@@ -166,7 +167,7 @@ def _infer_distances(
     for edge in carried:
         edge["distance"] = 1
     if carried:
-        shown = ", ".join(f"{edge['src']} -> {edge['dst']}" for edge in carried[:_SHOWN])
+        shown = ", ".join(printable(f"{edge['src']} -> {edge['dst']}") for edge in carried[:_SHOWN])
         warnings.warn(
             f"{file}: no edge has a distance; 1 iteration is taken for {shown}"
             + (f" and {len(carried) - _SHOWN} more" if len(carried) > _SHOWN else ""),
