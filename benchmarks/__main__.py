@@ -34,6 +34,7 @@ from benchmarks import (
 )
 from benchmarks.measured_frames import METHODS
 from benchmarks.workloads import WORKLOADS, Workload
+from vividc.files import write_whole
 
 HEADER = (
     "| kernel | hot loop ops | ResMII | RecMII | II | status | utilisation | all regions (cycles) "
@@ -215,7 +216,7 @@ def _print_table(
             click.echo(line)
             if output is not None:  # after each row: an interrupted run keeps what it has
                 text = "\n".join([*lines, ""])
-                (output / f"{table}.md").write_text(text, encoding="utf-8")
+                write_whole(output / f"{table}.md", text.encode())
         lines.append("")
 
 
@@ -225,7 +226,7 @@ def _print_own(table: str, title: str, body: list[str], output: Path | None) -> 
     lines = [f"# {title}", "", f"Made by `{command}` (`make bench`).", "", *machine(), "", *body]
     click.echo("\n".join(lines))
     if output is not None:
-        (output / f"{table}.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+        write_whole(output / f"{table}.md", "\n".join([*lines, ""]).encode())
 
 
 def _print_paper(methods: tuple[str, ...], sizes: tuple[int, ...], output: Path | None) -> None:
@@ -238,7 +239,7 @@ def _print_paper(methods: tuple[str, ...], sizes: tuple[int, ...], output: Path 
     for body in paper.sections(methods, sizes, output):
         if output is not None:
             text = "\n".join([*head, *body, ""])
-            (output / f"{PAPER}.md").write_text(text, encoding="utf-8")
+            write_whole(output / f"{PAPER}.md", text.encode())
     click.echo("\n".join([*head, *body]))
 
 
@@ -254,7 +255,7 @@ def _print_mappers(
     for body in mappers.sections(fabrics, chosen, time_limit, output):
         if output is not None:
             text = "\n".join([*head, *mappers.NOTES, "", *body])
-            (output / f"{MAPPERS}.md").write_text(text, encoding="utf-8")
+            write_whole(output / f"{MAPPERS}.md", text.encode())
     click.echo("\n".join([*head, *mappers.NOTES, "", *body]))
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+from vividc.files import write_whole
 from vividc.plot import OKABE_ITO, Picture, Rect, Shape, Text, encode, readable_on, text_width, tint
 
 _LEFT, _TOP, _WIDTH, _BAR, _PITCH = 90.0, 40.0, 560.0, 26.0, 40.0
@@ -111,4 +112,4 @@ def _legend(fills: Mapping[str, str], top: float) -> Iterator[Rect | Text]:
 
 
 def _write(path: Path, picture: Picture) -> None:
-    path.write_bytes(encode(picture, path))
+    write_whole(path, encode(picture, path))

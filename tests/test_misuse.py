@@ -33,6 +33,15 @@ def plain(x: object) -> object:
         lambda: vividc.mapper.map_dfg("x.json", MESH),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, ii="2"),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, ii=1.5),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, ii=True),
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, workers=True),
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, time_limit_s=True),
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed=5),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed=0),  # type: ignore[arg-type]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={0: 1}),  # type: ignore[dict-item]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={"a": frozenset({0})}),  # type: ignore[dict-item]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={0: frozenset({"x", 9})}),  # type: ignore[dict-item]
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, resident=[1]),  # type: ignore[arg-type]
         lambda: vividc.mapper.verify(GRAPH, MESH, None),  # type: ignore[arg-type]
         lambda: vividc.load(None),  # type: ignore[arg-type]
         lambda: vividc.arch.load(None),  # type: ignore[arg-type]

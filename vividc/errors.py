@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
+from vividc.printable import quoted
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class SourceLoc:
@@ -111,15 +113,17 @@ class InternalError(Exception):
 
 
 def demand_type(value: object, expected: type | tuple[type, ...], what: str, hint: str) -> None:
-    """Refuse an argument of the wrong type.
+    """Refuse an argument of the wrong type; a bool is no number.
 
     Raises
     ------
     ArgumentError
         `value` is not an instance of `expected`.
     """
-    if not isinstance(value, expected):
-        raise ArgumentError(f"{what} cannot be {value!r:.60}", hint=hint)
+    wanted = expected if isinstance(expected, tuple) else (expected,)
+    odd_bool = isinstance(value, bool) and int in wanted and bool not in wanted
+    if odd_bool or not isinstance(value, expected):
+        raise ArgumentError(f"{what} cannot be {quoted(value)}", hint=hint)
 
 
 def _source_line(loc: SourceLoc) -> str:

@@ -131,6 +131,27 @@ def test_extends_in_a_circle_is_refused(tmp_path):
         load(str(tmp_path / "a.yaml"))
 
 
+def test_a_base_that_cannot_be_read_is_told_with_the_line_that_names_it(tmp_path):
+    (tmp_path / "child.yaml").write_text("rows: 2\nextends: nope.yaml")
+    with pytest.raises(ArchError, match=r"child\.yaml:2: `.*nope\.yaml`: cannot be read: No such"):
+        load(tmp_path / "child.yaml")
+    (tmp_path / "chip.yaml").write_text("extends: vivid\ntiles:\n  fabric: nope.yaml")
+    with pytest.raises(ArchError, match=r"chip\.yaml:3: `.*nope\.yaml`: cannot be read: No such"):
+        load(tmp_path / "chip.yaml")
+
+
+def test_a_folder_or_a_file_without_ending_is_told(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "plain").write_text("extends: mesh-2x2")
+    for name in ("mine", "./mine", tmp_path / "mine"):
+        with pytest.raises(ArchError, match=r"mine: a folder is no fabric\nhint: name a YAML file"):
+            load(name)
+    with pytest.raises(ArchError, match=r"unknown fabric `plain`\nhint: .* write \./plain"):
+        load("plain")
+    assert load("./plain").rows == 2
+
+
 def test_mistake_in_the_base_names_the_base(tmp_path):
     (tmp_path / "base.yaml").write_text("extends: mesh-2x3\nrows: none")
     (tmp_path / "child.yaml").write_text("extends: base.yaml")

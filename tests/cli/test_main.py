@@ -96,3 +96,12 @@ def test_interrupt_that_a_callback_swallows_is_no_bug(monkeypatch):
     result = CliRunner().invoke(main, ["map"])
     assert (result.exit_code, result.stderr) == (130, "vividc: interrupted\n")
     assert sys.unraisablehook is hook
+
+
+@pytest.mark.parametrize("closed", [">&-", ">&- 2>&-"])
+def test_a_closed_stream_takes_nothing_and_stops_nothing(closed, tmp_path):
+    (tmp_path / "g.dot").write_text("digraph { a [op=add]; a -> a [dist=1] }")
+    command = f"{sys.executable} -m vividc map g.dot --fabric mesh-2x2 -o m.json {closed}"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert (tmp_path / "m.json").read_bytes().startswith(b"{")

@@ -117,3 +117,10 @@ def test_a_file_of_another_kind_is_named(tmp_path: Path) -> None:
     done = run("verify", path)
     assert done.exit_code == 2
     assert f"{path}: schema: expected 'vividc.mapping/" in done.stderr
+
+
+def test_a_mistake_in_the_fabric_of_a_mapping_file_names_the_file(mapping: Path) -> None:
+    damage(mapping, lambda d: d.update(fabric_yaml="name: ring\nrows: many"))
+    done = run("verify", mapping)
+    assert done.exit_code == 2
+    assert f"vividc: {mapping}: fabric_yaml:2: `rows`" in done.stderr

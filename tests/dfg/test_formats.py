@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import chain
 from pathlib import Path
 
 import networkx as nx
@@ -13,6 +14,7 @@ from hypothesis import given, settings
 
 from tests.strategies import dfgs, foreign_dfgs
 from vividc.dfg import Opcode, from_networkx, load, parse_dot, to_dot, to_json, to_networkx
+from vividc.dfg.attributes import EDGE_ALIASES, NODE_ALIASES, OPERANDS
 from vividc.dfg.foreign_names import NAME_ROWS, is_known, row_of
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import from_json
@@ -301,3 +303,141 @@ def test_lines_of_json_elements() -> None:
     assert element_lines(text) == {"nodes[0]": 4, "nodes[1]": 6}
     assert element_lines("[1]") == {}
     assert element_lines('{"edges": {}}') == {}
+
+
+def read_json(edges: list[dict[str, object]], ops: tuple[str, ...] = ("load", "add")) -> DFG:
+    nodes = [{"id": number, "op": op} for number, op in enumerate(ops)]
+    return from_json({"name": "d", "nodes": nodes, "edges": edges})
+
+
+def test_the_same_names_mean_the_same_in_all_forms() -> None:
+    wanted = (Edge(0, 1, 1, 1),)
+    for edge in (
+        {"distance": 1, "operand": 1},
+        {"dist": 1, "port": 1},
+        {"dist": 1, "operand": "RHS"},
+        {"distance": 1, "port": "data"},
+    ):
+        graph = nx.MultiDiGraph()
+        graph.add_nodes_from([(0, {"operation": "load"}), (1, {"opcode": "add"})])
+        graph.add_edge(0, 1, **edge)
+        attributes = ", ".join(f'{key}="{value}"' for key, value in edge.items())
+        dot = f"digraph {{ 0 [op=load]; 1 [operation=add]; 0 -> 1 [{attributes}] }}"
+        for dfg in (
+            read_json([{"src": 0, "dst": 1, **edge}]),
+            parse_dot(dot),
+            from_networkx(graph),
+        ):
+            assert dfg.edges == wanted
+            assert [node.op for node in dfg.nodes] == [Opcode.LOAD, Opcode.GENERIC]
+
+
+def test_names_of_nodes_in_json() -> None:
+    nodes = [{"id": 0, "opcode": "const", "value": 7}, {"id": 1, "operation": "add", "name": "sum"}]
+    dfg = from_json({"name": "d", "nodes": nodes, "edges": []})
+    assert dfg.nodes == (
+        Node(0, Opcode.CONST, const=7),
+        Node(1, Opcode.GENERIC, name="add", label="sum"),
+    )
+
+
+def test_cgra_me_operands_of_any_order_take_what_is_free() -> None:
+    """As its `OpGraph::serialize` writes, with tags of its header."""
+    dfg = parse_dot(
+        """digraph G {
+        input0 [opcode=input]; const1 [opcode=const, constVal="3"]; mul2 [opcode=mul];
+        add3 [opcode=add]; load4 [opcode=load, memName="x"]; fma5 [opcode=fma];
+        input0 -> mul2 [operand="any2input"]; const1 -> mul2 [operand="any2input"];
+        mul2 -> add3 [operand="RHS", bitwidth=32]; mul2 -> add3 [operand=any2input];
+        mul2 -> load4 [operand="addr"]; load4 -> load4 [kind=alias, dist=1];
+        input0 -> fma5 [operand=any3input]; mul2 -> fma5 [operand=any3input];
+        add3 -> fma5 [operand=any3input];
+        }"""
+    )
+    assert dfg.nodes[1] == Node(1, Opcode.CONST, const=3, label="const1")
+    assert dfg.nodes[4] == Node(4, Opcode.LOAD, name="x", label="load4")
+    assert [edge.port for edge in dfg.edges] == [0, 1, 1, 0, 0, ORDER, 0, 1, 2]
+    assert [edge.distance for edge in dfg.edges] == [0, 0, 0, 0, 0, 1, 0, 0, 0]
+
+
+def test_a_branch_s_operands_follow_its_condition() -> None:
+    tags = ("branch_cond", "branch_true", "BRANCH_FALSE")
+    edges = [{"src": 0, "dst": 1, "operand": tag} for tag in reversed(tags)]
+    assert [edge.port for edge in read_json([*edges], ("icmp", "br")).edges] == [2, 1, 0]
+
+
+def test_a_wrong_operand_names_all_that_are_known() -> None:
+    with pytest.raises(DFGError) as error:
+        parse_dot("digraph {\n a -> b [operand=left] }", "x.dot")
+    assert str(error.value).startswith("x.dot:2: edges[0]: operand 'left' is neither a port number")
+    for tag in ("pred", "base", "LHS", "RHS", "addr", "data", "any2input", "branch_true"):
+        assert tag in str(error.value)
+    with pytest.raises(DFGError, match=r"operand 0 of node 1 is fed by edges\[0\] already"):
+        read_json([{"src": 0, "dst": 1, "operand": name} for name in ("LHS", 0)])
+
+
+def test_keys_without_a_meaning_are_warned_of_once_each(tmp_path: Path) -> None:
+    path = tmp_path / "g.json"
+    path.write_text(
+        '{"name": "g", "stats": {}, "nodes": [{"id": 0, "op": "add"},\n'
+        '{"id": 1, "op": "add", "latency": -3},\n{"id": 2, "op": "add", "latency": 2}],\n'
+        '"edges": [{"src": 0, "dst": 1, "ctype": "I1"},\n{"src": 1, "dst": 2, "distnace": 1}]}'
+    )
+    with pytest.warns(VividcWarning) as caught:
+        load(path)
+    (warning,) = caught
+    text = str(warning.message)
+    assert f"{path}:2: unknown key 'latency' of nodes[1], " in text
+    assert f"{path}:5: unknown key 'distnace' of edges[1]: ignored; a node has id, op (opco" in text
+    assert "an edge has src, dst, kind, distance (dist), operand (port)" in text
+
+
+def test_keys_without_a_meaning_in_dot_and_networkx() -> None:
+    styled = 'digraph { a [shape=box, label="add"]; a -> a [color=red, dist=1, weight=3, len=2] }'
+    assert parse_dot(styled).nodes[0].name == "add"
+    with pytest.warns(VividcWarning, match=r"^x\.dot:2: unknown key 'latency' of nodes\[0\]: ign"):
+        parse_dot("digraph {\n a [latency=2] }", "x.dot")
+    graph = nx.MultiDiGraph(name="g")
+    graph.add_edge("a", "b", distnace=1)
+    with pytest.warns(VividcWarning, match=r"networkx graph 'g': unknown key 'distnace' of edges"):
+        from_networkx(graph)
+
+
+def test_numpy_s_numbers_are_numbers() -> None:
+    graph = nx.MultiDiGraph()
+    graph.add_node("c", op="const", const=np.float32(1.5))
+    graph.add_node("d", op="const", const=np.uint8(7))
+    graph.add_edge("c", "a")
+    graph.add_edge("d", "a", distance=np.int16(2))
+    dfg = from_networkx(graph)
+    assert [node.const for node in dfg.nodes] == [0x3FC00000, 7, None]
+    assert [edge.distance for edge in dfg.edges] == [0, 2]
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("g.json", '{"name": "\\"12",\n"nodes": [{"id": 0, "op": "const", "const": -%s}]}'),
+        ("g.json", '{"name": "0", "x": 0.%s,\n "nodes": [{"id": %s}]}'),
+        ("g.dfg", 'dfg "d"\n%%0 = const %s'),
+        ("g.dfg", 'dfg "d"\n%%%s = mov %%0'),
+    ],
+)
+def test_a_number_of_thousands_of_digits_has_its_line(name: str, text: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text(text % (("9" * 5000,) * text.count("%s")))
+    with pytest.raises(DFGError, match=rf"{name}:2: a number of 5000 digits"):
+        load(path)
+
+
+def test_a_long_unknown_name_is_cut_inside_its_quotes(tmp_path: Path) -> None:
+    path = tmp_path / "g.json"
+    path.write_text(json.dumps({"name": "g", "nodes": [{"id": 0, "op": "z" * 80}], "edges": []}))
+    with pytest.warns(VividcWarning, match=r"unknown operation 'z{35}\.\.\.' \(node 0\): taken"):
+        load(path)
+
+
+def test_all_operands_and_aliases_are_documented() -> None:
+    text = DOC.read_text()
+    for name in (*OPERANDS, *chain(*NODE_ALIASES.values()), *chain(*EDGE_ALIASES.values())):
+        assert f"`{name}`" in text

@@ -198,7 +198,7 @@ def test_a_result_is_read_back_with_graph_and_fabric() -> None:
             "id is missing",
         ),
         ("fabric_yaml", "", "not made from YAML"),
-        ("fabric_yaml", "rows: [", "mesh-2x2"),
+        ("fabric_yaml", "rows: [", "mapping file: fabric_yaml:1: not YAML"),
         ("fabric_yaml", 3, "not of type str"),
         ("schema", "vividc.mapping/1", "expected 'vividc.mapping/2'"),
     ],

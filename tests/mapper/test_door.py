@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 
 import pytest
 from fabrics import grid
@@ -122,6 +123,36 @@ def test_a_mapper_without_the_model_takes_no_constraints(mapper: str) -> None:
 def test_an_unknown_objective_is_refused() -> None:
     with pytest.raises(VividcError, match="unknown objective"):
         map_dfg(chain(2), grid(1, 2), objective="beauty")
+
+
+@pytest.mark.parametrize(
+    ("use", "message"),
+    [
+        (lambda h: h.start(99), "start: chain2 has no placed node 99\nhint: placed nodes are 2, 3"),
+        (lambda h: h.start(0), "start: chain2 has no placed node 0"),
+        (lambda h: h.start("a"), "start: chain2 has no placed node 'a'"),
+        (lambda h: h.on_pe(2, 77), "on_pe: grid-2x2 has no PE 77\nhint: PEs are 0 to 3"),
+        (lambda h: h.in_slot(-1, 0), "in_slot: grid-2x2 has no PE -1"),
+        (lambda h: h.held(4, 0), "held: grid-2x2 has no PE 4"),
+        (lambda h: h.on_link(99), "on_link: the fabric has no link 99\nhint: links are 0 to 7"),
+        (lambda h: h.on_link(0, 99), "on_link: chain2 has no placed node 99"),
+        (lambda h: h.minimize("x"), "minimize: 'x' is no expression\nhint: give a sum"),
+        (lambda h: h.minimize(h.start(2) <= 3), "is no expression"),
+    ],
+)
+def test_what_does_not_exist_is_refused(use: Callable[[ModelHandle], object], message: str) -> None:
+    def extend(handle: ModelHandle) -> None:
+        use(handle)
+
+    with pytest.raises(VividcError) as caught:
+        map_dfg(chain(2), grid(2, 2), extend=extend, workers=1)
+    assert message in str(caught.value)
+
+
+def test_a_function_of_no_or_two_arguments_is_refused() -> None:
+    for extend in (lambda: None, lambda _, __: None):
+        with pytest.raises(VividcError, match="extend: extend cannot be called with one argument"):
+            map_dfg(chain(2), grid(1, 2), extend=extend)  # type: ignore[arg-type]
 
 
 def test_no_worker_is_left_after_the_time_limit() -> None:

@@ -31,7 +31,7 @@ def test_png_round_trip(tmp_path: Path, dtype: type) -> None:
 
 
 def test_png_into_a_missing_folder(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match="cannot write the picture"):
+    with pytest.raises(SceneError, match="cannot be written"):
         write_png(tmp_path / "absent" / "picture.png", gradient(2, 2))
 
 

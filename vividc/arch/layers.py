@@ -68,22 +68,19 @@ def preset_tree(name: str) -> Tree:
     return _shipped_tree(name)
 
 
-def file_tree(path: Path, opened: tuple[Path, ...] = ()) -> Tree:
-    """Layers of a YAML file, merged."""
+def file_tree(path: Path, opened: tuple[Path, ...] = (), named_at: str | None = None) -> Tree:
+    """Layers of a YAML file, merged; `named_at` is the `file:line` that names it, if one does."""
     resolved = path.resolve()
-    if resolved in opened:
-        chain = " -> ".join(str(item.name) for item in (*opened, resolved))
-        raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
     try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise ArchError("not a text file in UTF-8", loc=str(path)) from error
-    except OSError as error:
-        raise ArchError(
-            f"cannot be read: {error.strerror}",
-            loc=str(path),
-            hint=f"a file's path, or one of {_known()}",
-        ) from error
+        if resolved in opened:
+            chain = " -> ".join(str(item.name) for item in (*opened, resolved))
+            raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
+        text = _text_of(path)
+    except ArchError as error:
+        if named_at is None:
+            raise
+        reason = f"`{path}`: {error.reason}"
+        raise ArchError(reason, loc=named_at, hint=error.hint) from error
     return text_tree(text, str(path), (*opened, resolved))
 
 
@@ -115,11 +112,31 @@ def merge(base: Tree, layer: Tree) -> Tree:
 
 def _base_tree(name: str, layer: Tree, file: str, opened: tuple[Path, ...]) -> Tree:
     if is_path(name):
-        return file_tree(Path(file).parent / name, opened)
+        return file_tree(Path(file).parent / name, opened, layer.place(("extends",)))
     try:
         return preset_tree(name)
     except ArchError as error:
         raise ArchError(error.reason, loc=layer.place(("extends",)), hint=error.hint) from error
+
+
+def _text_of(path: Path) -> str:
+    if path.is_dir():
+        raise a_folder(str(path))
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ArchError("not a text file in UTF-8", loc=str(path)) from error
+    except OSError as error:
+        raise ArchError(
+            f"cannot be read: {error.strerror}",
+            loc=str(path),
+            hint=f"a file's path, or one of {_known()}",
+        ) from error
+
+
+def a_folder(name: str) -> ArchError:
+    """What is wrong with the name of a folder."""
+    return ArchError("a folder is no fabric", loc=name, hint="name a YAML file in it")
 
 
 def _merged(base: Tree, layer: Tree, path: TreePath, places: dict[TreePath, str]) -> Plain:

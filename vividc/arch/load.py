@@ -7,8 +7,9 @@ from pathlib import Path
 
 from vividc.arch.build import build
 from vividc.arch.fabric import Fabric
-from vividc.arch.layers import file_tree, is_path, preset_tree, text_tree
-from vividc.errors import demand_type
+from vividc.arch.layers import a_folder, file_tree, is_path, preset_tree, text_tree
+from vividc.arch.yaml_tree import Tree
+from vividc.errors import ArchError, demand_type
 
 
 def load(name_or_path: str | os.PathLike[str]) -> Fabric:
@@ -29,7 +30,7 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric:
     hint = "give a preset's name or the path of a YAML file"
     demand_type(name_or_path, (str, os.PathLike), "the fabric", hint)
     if isinstance(name_or_path, str) and not is_path(name_or_path):
-        return build(preset_tree(name_or_path))
+        return build(_named_tree(name_or_path))
     return build(file_tree(Path(name_or_path)))
 
 
@@ -49,3 +50,17 @@ def load_text(text: str, file: str = "fabric.yaml") -> Fabric:
         The description is faulty; every fault is listed with `file:line`.
     """
     return build(text_tree(text, file))
+
+
+def _named_tree(name: str) -> Tree:
+    """The preset `name`; a file or folder of an unknown name is told."""
+    try:
+        return preset_tree(name)
+    except ArchError as error:
+        if os.path.isdir(name):
+            raise a_folder(name) from error
+        if os.path.isfile(name):
+            raise ArchError(
+                error.reason, hint=f"for the file of that name write ./{name}"
+            ) from error
+        raise

@@ -191,7 +191,7 @@ def _problems(spec: AcceleratorSpec, tree: Tree) -> list[Problem]:
 def _tile(name: str, tree: Tree, folder: Path | None) -> Fabric:
     place = tree.place(("tiles", "fabric"))
     if is_path(name):
-        return build(file_tree((folder or Path()) / name))
+        return build(file_tree((folder or Path()) / name, named_at=place))
     try:
         return load_tile(name)
     except ArchError as error:

@@ -112,7 +112,7 @@ class _Walker:
         try:
             value: Plain = self._scalars.construct_object(node)
         except ValueError as error:
-            raise self._error(node, f"`{node.value}` is not a value: {error}") from error
+            raise self._error(node, f"`{node.value:.60}` is not a value") from error
         return value
 
     def _enter(self, node: yaml.Node, path: Path) -> None:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.cli.files import write_whole
 from vividc.dfg.cfg import DType, Param
 from vividc.errors import ArgumentError
+from vividc.files import write_whole
 
 Array = NDArray[Any]
 RETURN_KEY = "return"
@@ -44,7 +45,7 @@ def write_results(path: Path, arguments: Mapping[str, Array], value: object) -> 
     arrays = {name: array for name, array in arguments.items() if array.ndim > 0}
     if value is not None:
         arrays[RETURN_KEY] = np.asarray(value)
-    write_whole(path, lambda file: _write_npz(file, arrays))
+    write_whole(path, _npz(arrays))
 
 
 def describe(param: Param) -> str:
@@ -70,12 +71,14 @@ def _read(path: Path) -> dict[str, Array]:
         raise ArgumentError(f"not an .npz file: {error}", loc=str(path), hint=hint) from error
 
 
-def _write_npz(file: IO[bytes], arrays: Mapping[str, Array]) -> None:
+def _npz(arrays: Mapping[str, Array]) -> bytes:
     """As `numpy.savez`, which cannot name an array `file` and stamps the time of day."""
-    with zipfile.ZipFile(file, "w") as archive:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as archive:
         for name, array in arrays.items():
             with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, array, allow_pickle=False)
+    return data.getvalue()
 
 
 def _problems(arrays: Mapping[str, Array], params: Sequence[Param]) -> list[str]:

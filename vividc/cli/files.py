@@ -1,14 +1,13 @@
-"""Output files that appear whole or not at all."""
+"""Checks of output paths, before any work is done for them."""
 
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import IO
 
 from vividc.errors import VividcError
+from vividc.files import is_written_through
 
 
 def check_output(path: Path, option: str) -> None:
@@ -17,11 +16,16 @@ def check_output(path: Path, option: str) -> None:
     Raises
     ------
     VividcError
-        The folder is missing or not writable, or the path is a folder.
+        The folder is missing or not writable, or the path is a folder, or a device and the like
+        that is not writable.
     """
-    folder = path.parent
     if path.is_dir():
         raise VividcError(f"`{path}` is a folder", loc=option, hint="name a file in it")
+    if is_written_through(path):
+        if not os.access(path, os.W_OK):
+            raise VividcError(f"`{path}` is not writable", loc=option)
+        return
+    folder = Path(os.path.realpath(path)).parent if path.is_symlink() else path.parent
     if not folder.is_dir():
         raise VividcError(f"the folder `{folder}` does not exist", loc=option)
     if not os.access(folder, os.W_OK | os.X_OK):
@@ -29,7 +33,7 @@ def check_output(path: Path, option: str) -> None:
 
 
 def check_apart(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
-    """Refuse outputs that would replace an input or one another.
+    """Refuse outputs that would replace an input or one another; a device takes several.
 
     Parameters
     ----------
@@ -46,6 +50,8 @@ def check_apart(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
     sources = {os.path.realpath(path) for path in inputs}
     taken: dict[str, str] = {}
     for option, path in outputs.items():
+        if is_written_through(path):
+            continue
         place = os.path.realpath(path)
         if place in sources:
             reason = f"`{path}` is an input, which would be lost"
@@ -54,39 +60,3 @@ def check_apart(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
             reason = f"`{path}` is also what {taken[place]} writes"
             raise VividcError(reason, loc=option, hint="name another file")
         taken[place] = option
-
-
-def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
-    """Create or replace `path` with what `write` writes; if that fails, `path` stays as it was.
-
-    The text goes to a temporary file in the same folder, which then takes the name in one step.
-
-    Raises
-    ------
-    VividcError
-        The file cannot be written.
-    """
-    try:
-        descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                write(file)
-                file.flush()
-                os.fsync(file.fileno())
-            os.chmod(name, _mode(path))
-            os.replace(name, path)
-        except BaseException:
-            os.unlink(name)
-            raise
-    except OSError as error:
-        raise VividcError(f"cannot be written: {error.strerror}", loc=str(path)) from error
-
-
-def _mode(path: Path) -> int:
-    """Permissions of the file that is replaced, or those of a new file."""
-    try:
-        return path.stat().st_mode & 0o777
-    except FileNotFoundError:
-        umask = os.umask(0)
-        os.umask(umask)
-        return 0o666 & ~umask

@@ -26,6 +26,7 @@ from vividc.cli import (
     simulate_command,
     verify_command,
 )
+from vividc.cli.report import say
 from vividc.errors import InternalError, VividcError, VividcWarning
 
 INTERRUPTED: Final = 130
@@ -34,6 +35,10 @@ _DEBUG: Final = "VIVIDC_DEBUG"
 
 class _Commands(click.Group):
     """Turns what a command raises into one message and an exit code."""
+
+    def main(self, *args: Any, **extra: Any) -> Any:
+        _open_closed_streams()
+        return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
         with warnings.catch_warnings():
@@ -62,6 +67,15 @@ class _Commands(click.Group):
             _fail(ctx, str(internal), internal.exit_code)
 
 
+def _open_closed_streams() -> None:
+    """What is printed to a stream that the shell closed (`>&-`) goes nowhere: files are written,
+    and the exit code tells the rest.
+    """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 - to the end
+
+
 @contextmanager
 def _seen_interrupts() -> Iterator[list[BaseException]]:
     """Interrupts that a callback of a C library has swallowed, instead of their tracebacks.
@@ -85,7 +99,7 @@ def _seen_interrupts() -> Iterator[list[BaseException]]:
 
 
 def _fail(ctx: click.Context, message: str, exit_code: int) -> None:
-    click.echo(f"vividc: {message}", err=True)
+    say(f"vividc: {message}", err=True)
     ctx.exit(exit_code)
 
 
@@ -108,7 +122,7 @@ def _show_warning(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    click.echo(f"vividc: warning: {message}", err=True)
+    say(f"vividc: warning: {message}", err=True)
 
 
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -13,10 +13,11 @@ import click
 from vividc import arch, dfg
 from vividc.arch import Fabric
 from vividc.cli import options
-from vividc.cli.files import check_apart, check_output, write_whole
-from vividc.cli.report import percent, plain, print_json, print_table, progress
+from vividc.cli.files import check_apart, check_output
+from vividc.cli.report import percent, plain, print_json, print_table, progress, say
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
+from vividc.files import write_whole
 from vividc.mapper import (
     OBJECTIVES,
     MapInterrupted,
@@ -26,6 +27,7 @@ from vividc.mapper import (
     utilization,
 )
 from vividc.plot import check_picture_path, encode
+from vividc.printable import printable
 
 SCHEMA = "vividc.map/1"
 
@@ -104,13 +106,12 @@ def command(
 def _write(result: MapResult, document: Mapping[str, object], output: Path | None) -> None:
     if result.mapping is not None and output is not None:
         text = json.dumps(plain(document), indent=1, allow_nan=False) + "\n"
-        write_whole(output, lambda file: file.write(text.encode()))
+        write_whole(output, text.encode())
 
 
 def _draw(result: MapResult, plot: Path | None) -> None:
     if result.mapping is not None and plot is not None:
-        picture = encode(result.mapping.plot(), plot)
-        write_whole(plot, lambda file: file.write(picture))
+        write_whole(plot, encode(result.mapping.plot(), plot))
 
 
 def _check_outputs(outputs: Mapping[str, Path | None], inputs: Sequence[Path]) -> None:
@@ -161,9 +162,9 @@ def _print(result: MapResult, graph: DFG, fabric: Fabric, output: Path | None) -
     row = (*sizes, result.ii, result.lower_bound, result.claim, use)
     timed = (*row, f"{result.wall_s:.1f}", result.mapper)
     print_table(f"{graph.name} on {fabric.name}", columns, [timed])
-    click.echo(result.explain())
+    say(result.explain())
     if output is not None and result.mapping is not None:
-        click.echo(f"written: {output}")
+        say(f"written: {output}")
 
 
 def _raise_unless_mapped(
@@ -174,19 +175,17 @@ def _raise_unless_mapped(
         why = result.bounds[0].reason if result.bounds else "the search was exhausted"
         if result.refuted:
             why = f"refuted by {result.refuted[-1].by}"
-        raise MappingFailed(f"proved infeasible{wanted}: {why}", loc=graph.name)
+        raise MappingFailed(f"proved infeasible{wanted}: {why}", loc=printable(graph.name))
     if result.status == "timeout":
         raise _nothing_found(result, graph, wanted, time_limit_s)
 
 
 def _nothing_found(result: MapResult, graph: DFG, wanted: str, time_limit_s: float) -> TimeLimit:
     """In time, or before: many mappers have no more to try at some point."""
-    known = f"the II is at least {result.lower_bound}"
+    loc, known = printable(graph.name), f"the II is at least {result.lower_bound}"
     if result.wall_s < _MOST_OF_THE_TIME * time_limit_s:
         hint = "try another mapper (--mapper auto), or a fabric with more room (--fabric)"
         reason = f"mapper {result.mapper!r} gave up after {result.wall_s:.1f} s without a mapping"
-        return TimeLimit(f"{reason}{wanted}; {known}", loc=graph.name, hint=hint)
+        return TimeLimit(f"{reason}{wanted}; {known}", loc=loc, hint=hint)
     hint = "give more time (--time-limit), or a fabric with more room (--fabric)"
-    return TimeLimit(
-        f"no mapping{wanted} within the time limit; {known}", loc=graph.name, hint=hint
-    )
+    return TimeLimit(f"no mapping{wanted} within the time limit; {known}", loc=loc, hint=hint)

@@ -17,6 +17,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from vividc.printable import printable
+
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 _FILE_WIDTH: Final = 120
 
@@ -37,6 +39,11 @@ def plain(value: object) -> Plain:
     return _plain_container(value)
 
 
+def say(text: str, *, err: bool = False) -> None:
+    """Print text for people; of the characters that a terminal obeys only line ends are left."""
+    click.echo("\n".join(printable(line) for line in text.split("\n")), err=err)
+
+
 def print_table(
     title: str,
     columns: Sequence[str],
@@ -52,11 +59,11 @@ def print_table(
         Names of the right-aligned columns.
     """
     assert {*numeric} <= {*columns}, "a column that is not there cannot be aligned"
-    table = Table(title=Text(title, style="bold"), title_justify="left")
+    table = Table(title=Text(printable(title), style="bold"), title_justify="left")
     for column in columns:
         table.add_column(column, justify="right" if column in numeric else "left")
     for row in rows:
-        table.add_row(*(Text("-" if cell is None else str(cell)) for cell in row))
+        table.add_row(*(Text("-" if cell is None else printable(str(cell))) for cell in row))
     _console().print(table)
 
 
@@ -67,8 +74,8 @@ def progress(start: str) -> Iterator[Callable[..., None] | None]:
         yield None
         return
     console = Console(stderr=True)
-    with console.status(Text(start)) as status:
-        yield lambda *state: status.update(Text(" ".join(map(str, state))))
+    with console.status(Text(printable(start))) as status:
+        yield lambda *state: status.update(Text(printable(" ".join(map(str, state)))))
 
 
 def percent(fraction: float) -> str:

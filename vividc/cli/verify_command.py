@@ -10,7 +10,7 @@ import click
 
 from vividc import arch, dfg
 from vividc.cli import options
-from vividc.cli.report import print_json
+from vividc.cli.report import print_json, say
 from vividc.errors import VividcError
 from vividc.mapper import (
     Finding,
@@ -20,6 +20,7 @@ from vividc.mapper import (
     mapping_from_json,
     read_result,
 )
+from vividc.printable import printable
 
 SCHEMA: Final = "vividc.verify/1"
 MISMATCH: Final = 5
@@ -105,7 +106,7 @@ def _as_object(
 def _print(result: MapResult, findings: tuple[Finding, ...], *, wrong: bool) -> None:
     about = _of(result.subject)
     end = "" if result.ii is None else f" at II {result.ii}"
-    click.echo(f"{about.dfg.name} on {about.fabric.name}: {result.status}{end}")
+    say(f"{printable(about.dfg.name)} on {about.fabric.name}: {result.status}{end}")
     for finding in findings:
-        click.echo(f"  {finding}")
-    click.echo("the file is wrong" if wrong else "nothing in the file is wrong")
+        say(f"  {printable(str(finding))}")
+    say("the file is wrong" if wrong else "nothing in the file is wrong")

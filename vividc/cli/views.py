@@ -15,8 +15,9 @@ from vividc.arch import load_accelerator
 from vividc.arch.costs import DEFAULT_TABLE, CostTable, load_costs
 from vividc.cli import options
 from vividc.cli.energy_report import print_energy
-from vividc.cli.files import check_output, write_whole
+from vividc.cli.files import check_output
 from vividc.errors import VividcError
+from vividc.files import write_whole
 from vividc.launch import JobResult
 from vividc.plot import Picture, check_picture_path, encode
 from vividc.program import Program
@@ -224,9 +225,8 @@ _OPTIONS: Final = (
 
 
 def _write(path: Path, text: str) -> None:
-    write_whole(path, lambda file: file.write(text.encode()))
+    write_whole(path, text.encode())
 
 
 def _draw(path: Path, picture: Picture) -> None:
-    data = encode(picture, path)
-    write_whole(path, lambda file: file.write(data))
+    write_whole(path, encode(picture, path))

@@ -14,6 +14,7 @@ from typing import Final
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode, Type, never_meet
 from vividc.dfg.order import zero_cycle
+from vividc.printable import printable
 
 WORD_LIMIT: Final = 1 << 32
 _SHIFT_LIMIT: Final = 32
@@ -173,7 +174,7 @@ def _no_cycle_of_distance_0(dfg: DFG) -> Iterator[str]:
 
 def _called(node: Node) -> str:
     name = node.name if node.op is Opcode.GENERIC else node.op.value
-    return f"{node.id} ({name}{f', {node.label}' if node.label else ''})"
+    return printable(f"{node.id} ({name}{f', {node.label}' if node.label else ''})")
 
 
 def _sources_and_bases(dfg: DFG) -> Iterator[str]:
@@ -201,7 +202,7 @@ def _variables_have_one_word(dfg: DFG) -> Iterator[str]:
             sources[node.name] |= {e.src for e in dfg.edges if e.dst == node.id and e.is_data}
     for name, words in sources.items():
         if len(words) > 1:
-            yield f"{len(words)} different words are written to {name}"
+            yield f"{len(words)} different words are written to {printable(name)}"
 
 
 def _control_marks(dfg: DFG) -> Iterator[str]:

@@ -15,12 +15,13 @@ from typing import Final
 
 import networkx as nx
 
-from vividc.dfg.attributes import edge_entry, has_distance, node_entry
+from vividc.dfg.attributes import drawn_edge, drawn_node
 from vividc.dfg.dot_parser import DotGraph, parse_graph
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import SCHEMA, from_json, to_json
 from vividc.dfg.opcodes import BASE, PRED, LatencyClass, Opcode
 from vividc.errors import DFGError, VividcWarning
+from vividc.printable import printable
 
 _COLOURS: Final = {
     LatencyClass.SOURCE: "white",
@@ -134,14 +135,14 @@ def _entry(attributes: Mapping[str, str], line: int, file: str) -> object:
 
 def _foreign(graph: DotGraph, file: str) -> dict[str, object]:
     edges: list[dict[str, object]] = [
-        {"src": _identifier(edge.src), "dst": _identifier(edge.dst), **edge_entry(edge.attributes)}
+        {**drawn_edge(edge.attributes), "src": _identifier(edge.src), "dst": _identifier(edge.dst)}
         for edge in graph.edges
     ]
     nodes: list[dict[str, object]] = [
-        {"id": _identifier(node.name), **node_entry(node.attributes, node.name)}
+        {**drawn_node(node.attributes, node.name), "id": _identifier(node.name)}
         for node in graph.nodes
     ]
-    if not any(has_distance(edge.attributes) for edge in graph.edges):
+    if not any("distance" in edge for edge in edges):
         _infer_distances(nodes, edges, file)
     return {"name": graph.name or "dfg", "nodes": nodes, "edges": edges}
 
@@ -149,8 +150,8 @@ def _foreign(graph: DotGraph, file: str) -> dict[str, object]:
 def _infer_distances(
     nodes: list[dict[str, object]], edges: list[dict[str, object]], file: str
 ) -> None:
-    """CGRA-ME's files have no distances: a value that a node feeds to itself, or to a phi before
-    it, is of the iteration before. Any other cycle is left for the check to refuse.
+    """Most of CGRA-ME's files have no distances: a value that a node feeds to itself, or to a phi
+    before it, is of the iteration before. Any other cycle is left for the check to refuse.
     """
     phis = {node["id"] for node in nodes if str(node["op"]).lower() == "phi"}
     graph = nx.DiGraph((edge["src"], edge["dst"]) for edge in edges)
@@ -166,7 +167,7 @@ def _infer_distances(
     for edge in carried:
         edge["distance"] = 1
     if carried:
-        shown = ", ".join(f"{edge['src']} -> {edge['dst']}" for edge in carried[:_SHOWN])
+        shown = ", ".join(printable(f"{edge['src']} -> {edge['dst']}") for edge in carried[:_SHOWN])
         warnings.warn(
             f"{file}: no edge has a distance; 1 iteration is taken for {shown}"
             + (f" and {len(carried) - _SHOWN} more" if len(carried) > _SHOWN else ""),

@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Final, NoReturn
 
 from vividc.errors import DFGError
+from vividc.printable import printable
 
 _TOKEN: Final = re.compile(
     r"""(?P<space>\s+|//[^\n]*|\#[^\n]*|/\*.*?\*/)
@@ -119,12 +120,12 @@ class _Parser:
 
     def expect(self, kind: str, text: str) -> None:
         if not self.accept(kind, text):
-            self.fail(f"expected {text}, found {self.peek().text}")
+            self.fail(f"expected {text}, found {printable(self.peek().text)}")
 
     def identifier(self) -> str:
         token = self.peek()
         if token.kind not in {"word", "string"}:
-            self.fail(f"expected a name, found {token.text}")
+            self.fail(f"expected a name, found {printable(token.text)}")
         self.next += 1
         return token.text if token.kind == "word" else _unescaped(token.text)
 

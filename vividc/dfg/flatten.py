@@ -13,6 +13,7 @@ from vividc.dfg.order import evaluation_order
 from vividc.dfg.semantics import SEMANTICS
 from vividc.dfg.words import WORD_MASK, loaded, signed, stored
 from vividc.errors import DFGError, SimulationError
+from vividc.printable import printable
 
 Step = Callable[[list[int], "memoryview[int]"], None]
 
@@ -66,7 +67,9 @@ def compile_dfg(dfg: DFG) -> Executable:
     """
     problems = check(dfg)
     if problems:
-        raise DFGError("; ".join(problems), loc=dfg.name, hint="print the graph with `to_text`")
+        raise DFGError(
+            "; ".join(problems), loc=printable(dfg.name), hint="print the graph with `to_text`"
+        )
     return _Flattening(dfg).executable()
 
 
@@ -123,7 +126,7 @@ class _Flattening:
         if edge.init is None:
             raise DFGError(
                 f"edge {edge.src} -> {edge.dst} has distance {edge.distance} and no init",
-                loc=self.dfg.by_id[edge.dst].loc or self.dfg.name,
+                loc=self.dfg.by_id[edge.dst].loc or printable(self.dfg.name),
             )
         line = self.lines.setdefault((edge.src, edge.init), [])
         while len(line) < edge.distance:
@@ -148,9 +151,10 @@ class _Flattening:
             return self.memory_step(node, pred)
         function = SEMANTICS.get(node.op)
         if function is None:
+            name = printable(node.name) or node.op.value
             raise DFGError(
-                f"node {node.id} ({node.name or node.op.value}) has no meaning that can be run",
-                loc=node.loc or self.dfg.name,
+                f"node {node.id} ({name}) has no meaning that can be run",
+                loc=node.loc or printable(self.dfg.name),
             )
         slots = self.operands(node)
         plain = _STEPS[len(slots)](function, self.slot[node.id], slots)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
 from vividc.errors import DFGError, SourceLoc
+from vividc.printable import printable, quoted
 
 T = TypeVar("T")
 _MAX_DISTANCE: Final = 1 << 20
@@ -29,14 +30,16 @@ class Fields:
         """Record every key that is not among `keys`."""
         for key in self.data:
             if key not in keys:
-                self.problem(f"unknown key {key!r}; the keys are {', '.join(sorted(keys))}")
+                self.problem(f"unknown key {quoted(key)}; the keys are {', '.join(sorted(keys))}")
 
     def text(self, key: str, default: str | None) -> str:
         """A string; `default` None: it must be there."""
         value = self.data.get(key, default)
         if isinstance(value, str):
             return value
-        self.problem(f"{key} is missing" if value is None else f"{key} {value!r} is no string")
+        self.problem(
+            f"{key} is missing" if value is None else f"{key} {quoted(value)} is no string"
+        )
         return ""
 
     def integer(self, key: str, default: int) -> int:
@@ -44,23 +47,23 @@ class Fields:
         value = self.data.get(key, default)
         if isinstance(value, int) and not isinstance(value, bool):
             return value
-        self.problem(f"{key} {value!r} is no integer")
+        self.problem(f"{key} {quoted(value)} is no integer")
         return default
 
     def distance(self, key: str) -> int:
         """An integer that is not negative; 0 if absent."""
         value = self.integer(key, 0)
         if value < 0:
-            self.problem(f"{key} {value} is negative; it counts iterations, from 0 on")
+            self.problem(f"{key} {quoted(value)} is negative; it counts iterations, from 0 on")
         if value > _MAX_DISTANCE:
-            self.problem(f"{key} {value} is more than {_MAX_DISTANCE} iterations")
+            self.problem(f"{key} {quoted(value)} is more than {_MAX_DISTANCE} iterations")
         return value
 
     def flag(self, key: str) -> bool:
         """A boolean; false if absent."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
-            self.problem(f"{key} {value!r} is neither true nor false")
+            self.problem(f"{key} {quoted(value)} is neither true nor false")
         return value is True
 
     def identifier(self, key: str) -> int | str | None:
@@ -70,7 +73,7 @@ class Fields:
             isinstance(value, int) and not isinstance(value, bool) and value >= 0
         ):
             return value
-        shown = f"{key} is missing" if value is None else f"{key} {value!r}"
+        shown = f"{key} is missing" if value is None else f"{key} {quoted(value)}"
         self.problem(f"{shown}: an id is a string or an integer from 0 on")
         return None
 
@@ -80,7 +83,7 @@ class Fields:
         if value is None:
             return -1
         if value not in numbers:
-            self.problem(f"{key} {value} is no node")
+            self.problem(f"{key} {_plain(value)} is no node")
             return -1
         return numbers[value]
 
@@ -91,7 +94,7 @@ class Fields:
             return default
         if isinstance(value, str) and value in choices:
             return choices[value]
-        self.problem(f"{key} {value!r:.60} is not one of {', '.join(choices)}")
+        self.problem(f"{key} {quoted(value)} is not one of {', '.join(choices)}")
         return default
 
     def port(self, key: str, names: Mapping[str, int]) -> int | None:
@@ -103,7 +106,7 @@ class Fields:
             return names[value]
         if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
             return value
-        self.problem(f"{key} {value!r} is neither a port number nor {' nor '.join(names)}")
+        self.problem(f"{key} {quoted(value)} is neither a port number nor {_listed(names)}")
         return None
 
 
@@ -119,7 +122,7 @@ def fields_of(data: Mapping[str, object], key: str, problems: list[str]) -> list
         if isinstance(entry, dict):
             found.append(Fields(entry, place, problems))
         else:
-            problems.append(f"{place}: {entry!r} is no object")
+            problems.append(f"{place}: {quoted(entry)} is no object")
     return found
 
 
@@ -145,7 +148,7 @@ def raise_problems(
     """
     if not problems:
         return
-    places = [_place(file, problem, lines or {}) for problem in problems[:_SHOWN]]
+    places = [place_of(file, problem, lines or {}) for problem in problems[:_SHOWN]]
     first, *others = zip(places, problems, strict=False)
     shown = [first[1], *(text if at == file else f"{at}: {text}" for at, text in others)]
     if len(problems) > _SHOWN:
@@ -153,9 +156,19 @@ def raise_problems(
     raise DFGError("\n    ".join(shown), loc=first[0], hint=hint)
 
 
-def _place(file: str, problem: str, lines: Mapping[str, int]) -> str:
+def place_of(file: str, problem: str, lines: Mapping[str, int]) -> str:
+    """File, and line if known, of an entry such as "nodes[3]", or of a problem that begins so."""
     line = lines.get(problem.partition(":")[0])
     return file if line is None else f"{file}:{line}"
 
 
 _SHOWN = 20
+
+
+def _plain(node_id: int | str) -> str:
+    return printable(node_id) if isinstance(node_id, str) else quoted(node_id)
+
+
+def _listed(names: Iterable[str]) -> str:
+    *others, last = names
+    return f"{', '.join(others)} or {last}" if others else last

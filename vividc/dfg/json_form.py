@@ -5,25 +5,30 @@
 With ``"schema": "vividc.dfg/1"`` the operations are our own (`Opcode` values) and the graph is
 complete: nodes also have ``const``, ``name``, ``shift``, ``offset``, ``width``, ``signed``,
 ``control``, ``unless_exit``, ``loc`` and ``label``, edges ``init``. Without it the graph is foreign
-and its names are read as `vividc.dfg.foreign` says; ids may be strings, which are numbered in file
-order; nodes may have ``const``, ``label`` and ``array``.
+and its names are read as `vividc.dfg.foreign` and `vividc.dfg.attributes` say; ids may be strings,
+which are numbered in file order; nodes may have ``const``, ``label`` and ``array``.
 ``operand`` is a port number, ``"pred"`` or ``"base"``; ``kind`` is ``"data"``, ``"order"`` or
 ``"control"``.
 """
 
 from __future__ import annotations
 
-import warnings
-from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
-from vividc.dfg.foreign import ForeignEdge, ForeignNode, foreign_edges, foreign_node
+from vividc.dfg.attributes import edge_entry, node_entry
+from vividc.dfg.foreign_json import (
+    foreign_graph,
+    shown_id,
+    warn_of_shared_ids,
+    warn_of_unknown_keys,
+)
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.json_fields import Fields, fields_of, parse_loc, raise_problems
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
-from vividc.dfg.words import WORD_MASK
-from vividc.errors import DFGError, VividcWarning
+from vividc.errors import DFGError
+from vividc.printable import quoted
 
 SCHEMA: Final = "vividc.dfg/1"
 _PORT_NAMES: Final = {"pred": PRED, "base": BASE}
@@ -68,6 +73,7 @@ def from_json(data: object, *, file: str = "<json>", lines: Mapping[str, int] | 
     -----
     VividcWarning
         A graph with a `source` (a published one) uses an id for two operations: they become one.
+        Nodes or edges of a foreign graph have keys that mean nothing.
     """
     if not isinstance(data, dict):
         raise DFGError(f"expected an object with nodes and edges, not {_kind(data)}", loc=file)
@@ -76,18 +82,23 @@ def from_json(data: object, *, file: str = "<json>", lines: Mapping[str, int] | 
     name = top.text("name", file)
     nodes = fields_of(data, "nodes", problems)
     edges = fields_of(data, "edges", problems)
-    numbers = _numbers(nodes, problems, repeated=_is_published(data))
     schema = data.get("schema")
-    if schema not in (None, SCHEMA):
-        problems.append(f'schema {schema!r} is unknown; it is "{SCHEMA}" or absent')
-    raise_problems(file, problems, lines)
     own = schema == SCHEMA
-    if not own and not _is_published(data):
-        _slots_have_one_producer(edges)
-    dfg = _own(name, nodes, edges, numbers) if own else _foreign(name, nodes, edges, numbers)
+    if not own:
+        nodes = [replace(fields, data=node_entry(fields.data)) for fields in nodes]
+        edges = [replace(fields, data=edge_entry(fields.data)) for fields in edges]
+    numbers = _numbers(nodes, problems, repeated=_is_published(data))
+    if schema not in (None, SCHEMA):
+        problems.append(f'schema {quoted(schema)} is unknown; it is "{SCHEMA}" or absent')
+    raise_problems(file, problems, lines)
+    if own:
+        dfg = _own(name, nodes, edges, numbers)
+    else:
+        dfg = foreign_graph(name, nodes, edges, numbers, merges=_is_published(data))
     raise_problems(file, problems, lines)
     if not own:
-        _warn_of_shared_ids(file, nodes)
+        warn_of_shared_ids(file, nodes)
+        warn_of_unknown_keys(file, nodes, edges, lines or {})
     return dfg
 
 
@@ -141,7 +152,7 @@ def _numbers(nodes: list[Fields], problems: list[str], *, repeated: bool) -> dic
         first = seen.setdefault(node_id, node)
         same_op = first.data.get("op") == node.data.get("op")
         if first is not node and (same_op or not repeated):
-            node.problem(f"two nodes have id {_shown(node_id)}: the other is {first.place}")
+            node.problem(f"two nodes have id {shown_id(node_id)}: the other is {first.place}")
     integers = all(isinstance(node_id, int) for node_id in ids)
     numbers: dict[int | str, int] = {}
     for place, node_id in enumerate(ids):
@@ -198,96 +209,10 @@ def _own_edge(fields: Fields, numbers: Mapping[int | str, int]) -> Edge:
     )
 
 
-def _foreign(
-    name: str, nodes: list[Fields], edges: list[Fields], numbers: Mapping[int | str, int]
-) -> DFG:
-    found = [
-        ForeignEdge(
-            src=fields.reference("src", numbers),
-            dst=fields.reference("dst", numbers),
-            distance=fields.distance("distance"),
-            operand=_foreign_port(fields),
-            order=_edge_kind(fields) is not EdgeKind.DATA,
-        )
-        for fields in edges
-    ]
-    fed = {edge.dst for edge in found}
-    made: dict[int, Node] = {}
-    for fields in nodes:
-        node = _foreign_node(fields, numbers, fed)
-        # Entries with one id are one node, as no edge tells them apart; it can do what each needs.
-        if node.id not in made or node.is_memory:
-            made[node.id] = node
-    return DFG(name, tuple(made.values()), foreign_edges(found))
-
-
-def _foreign_node(fields: Fields, numbers: Mapping[int | str, int], fed: set[int]) -> Node:
-    number = fields.reference("id", numbers)
-    node_id = fields.data.get("id")
-    # Some files name a constant by its word: the id "255".
-    word = fields.data.get("const", node_id if isinstance(node_id, str) else None)
-    if word is not None and (isinstance(word, bool) or not isinstance(word, str | int | float)):
-        fields.problem(f"const {word!r:.60} is neither a number nor text")
-    op = fields.text("op", None)
-    if op == "" and isinstance(fields.data.get("op"), str):
-        fields.problem("op is empty")
-    found = ForeignNode(
-        number,
-        op,
-        fields.text("label", str(node_id)) or str(node_id),
-        _word_text(word),
-        fields.text("array", ""),
-    )
-    return foreign_node(found, has_inputs=number in fed)
-
-
-def _word_text(word: object) -> str | None:
-    if isinstance(word, int) and not isinstance(word, bool):
-        return str(word & WORD_MASK)  # not all of a very long integer can be written out
-    return str(word) if isinstance(word, str | float) else None
-
-
-def _slots_have_one_producer(edges: list[Fields]) -> None:
-    """Published graphs feed an operand from several merged definitions; others do so by mistake."""
-    feeds: dict[tuple[object, object], Fields] = {}
-    for edge in edges:
-        dst, operand = edge.data.get("dst"), edge.data.get("operand")
-        if edge.data.get("kind") not in (None, "data") or not isinstance(operand, int | str):
-            continue
-        if not isinstance(dst, int | str):
-            continue
-        first = feeds.setdefault((dst, operand), edge)
-        if first is not edge:
-            edge.problem(f"operand {operand} of node {_shown(dst)} is fed by {first.place} already")
-
-
-def _warn_of_shared_ids(file: str, nodes: list[Fields]) -> None:
-    counts = Counter(node.data["id"] for node in nodes)
-    shared = [str(node_id) for node_id, count in counts.items() if count > 1]
-    if shared:
-        warnings.warn(
-            f"{file}: no edge tells the operations apart that share the ids {', '.join(shared)}; "
-            "each id is taken as one node",
-            VividcWarning,
-            stacklevel=3,
-        )
-
-
-def _shown(node_id: object) -> str:
-    return f"{node_id!r:.60}" if isinstance(node_id, str) else f"{node_id}"
-
-
-def _foreign_port(fields: Fields) -> int | None:
-    port = fields.port("operand", _PORT_NAMES)
-    if port is None or fields.data.get("operand") in _PORT_NAMES or port < PRED:
-        return port
-    return port + len(_PORT_NAMES)  # operands past the third lie behind the named ports
-
-
 def _edge_kind(fields: Fields) -> EdgeKind:
     kinds = {kind.value: kind for kind in EdgeKind}
     return fields.choice("kind", kinds, EdgeKind.DATA)
 
 
 def _kind(value: object) -> str:
-    return "an array" if isinstance(value, list) else f"{value!r}"
+    return "an array" if isinstance(value, list) else quoted(value)

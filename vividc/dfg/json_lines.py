@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from bisect import bisect_right
 from typing import Final
+
+from vividc.errors import DFGError
 
 _SPACE: Final = re.compile(r"[ \t\r\n]*")
 _ARRAYS: Final = ("nodes", "edges")
 _DECODER: Final = json.JSONDecoder()
+_STRING_OR_NUMBER: Final = re.compile(
+    r'"(?:[^"\\]|\\.)*"|-?(?P<digits>\d+)(?P<rest>\.\d+|[eE])?', re.S
+)
 
 
 def element_lines(text: str) -> dict[str, int]:
@@ -40,6 +46,18 @@ def element_lines(text: str) -> dict[str, int]:
             at = _DECODER.raw_decode(text, at)[1]
         at = _after_space(text, _after_space(text, at) + 1)
     return {place: bisect_right(breaks, offset) + 1 for place, offset in offsets.items()}
+
+
+def too_long_number(text: str, file: str) -> DFGError:
+    """What is wrong with a JSON text of which Python refuses an integer: it has too many digits."""
+    most = sys.get_int_max_str_digits()
+    for match in _STRING_OR_NUMBER.finditer(text):
+        digits = match["digits"]
+        if digits is not None and match["rest"] is None and len(digits) > most:
+            line = text.count("\n", 0, match.start()) + 1
+            hint = "a constant is a word of 32 bits; give an id of many characters as a text"
+            return DFGError(f"a number of {len(digits)} digits", loc=f"{file}:{line}", hint=hint)
+    return DFGError("a number is malformed", loc=file)
 
 
 def _elements(text: str, at: int, key: str, offsets: dict[str, int]) -> int:

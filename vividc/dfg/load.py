@@ -16,10 +16,11 @@ from vividc.dfg.foreign import unknown_operations
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_fields import raise_problems
 from vividc.dfg.json_form import from_json
-from vividc.dfg.json_lines import element_lines
+from vividc.dfg.json_lines import element_lines, too_long_number
 from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.text import parse
 from vividc.errors import DFGError, VividcWarning, demand_type
+from vividc.printable import printable, quoted
 
 UnknownOps = Literal["generic", "refuse"]
 _SHOWN: Final = 8
@@ -71,7 +72,9 @@ def _judge_unknown(dfg: DFG, file: str, unknown_ops: UnknownOps) -> None:
     unknown = unknown_operations(dfg)
     if not unknown:
         return
-    shown = [f"{name!r:.40} (node {_label(dfg, nodes[0])})" for name, nodes in unknown.items()]
+    shown = [
+        f"{quoted(name, 40)} (node {_label(dfg, nodes[0])})" for name, nodes in unknown.items()
+    ]
     names = ", ".join(shown[:_SHOWN])
     if len(shown) > _SHOWN:
         names += f" and {len(shown) - _SHOWN} more"
@@ -91,7 +94,7 @@ def _judge_unknown(dfg: DFG, file: str, unknown_ops: UnknownOps) -> None:
 
 
 def _label(dfg: DFG, node: int) -> str:
-    return dfg.by_id[node].label or str(node)
+    return printable(dfg.by_id[node].label) or str(node)
 
 
 def _text_of(file: Path) -> str:
@@ -126,7 +129,7 @@ def _read_json(text: str, file: str) -> DFG:
     except json.JSONDecodeError as error:
         raise DFGError(f"not JSON: {error.msg}", loc=f"{file}:{error.lineno}") from error
     except ValueError as error:  # an integer of thousands of digits
-        raise DFGError(f"not a DFG: {error}", loc=file) from error
+        raise too_long_number(text, file) from error
     except RecursionError as error:
         raise DFGError("not a DFG: the JSON is nested too deeply", loc=file) from error
     return from_json(data, file=file, lines=element_lines(text))

@@ -22,6 +22,7 @@ from typing import Final, NoReturn
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_form import from_json
 from vividc.errors import DFGError
+from vividc.printable import quoted
 
 _TOKEN: Final = re.compile(
     r"""<!--.*?-->|<\?.*?\?>|<!\w[^>]*>
@@ -151,7 +152,7 @@ def _edge(src: object, tag: _Tag, file: str) -> dict[str, object]:
         return entry
     if kind not in _OPERANDS:
         known = ", ".join([*_OPERANDS, _ORDER])
-        _fail(file, tag.line, f"the type {kind!r:.40} of an <Output> is none of {known}")
+        _fail(file, tag.line, f"the type {quoted(kind, 40)} of an <Output> is none of {known}")
     return entry | {"operand": _OPERANDS[kind]}
 
 
@@ -160,7 +161,7 @@ def _integer(tag: _Tag, key: str, file: str) -> int:
     if text is None:
         _fail(file, tag.line, f"<{tag.name}> has no {key}")
     if not _INTEGER.fullmatch(text.strip()):
-        _fail(file, tag.line, f"{key} {text!r:.40} of <{tag.name}> is no integer")
+        _fail(file, tag.line, f"{key} {quoted(text, 40)} of <{tag.name}> is no integer")
     return int(text)
 
 

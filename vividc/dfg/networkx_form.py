@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping
+from numbers import Real
 from operator import index
 from typing import Final
 
 import networkx as nx
 
-from vividc.dfg.attributes import edge_entry, node_entry
+from vividc.dfg.attributes import drawn_edge, drawn_node
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_fields import raise_problems
@@ -47,7 +48,7 @@ def from_networkx(graph: nx.DiGraph) -> DFG:
         A `MultiDiGraph` or `DiGraph`. Written by `to_networkx`, or foreign: nodes are anything
         hashable, with an attribute ``op`` (or ``opcode``, ``operation``, ``label``) and perhaps
         ``const``; edges may have ``distance`` (or ``dist``), ``operand`` (or ``port``) and
-        ``kind``. Names of operations are read as in files.
+        ``kind``. Names of operations, operands and other attributes are read as in files.
 
     Raises
     ------
@@ -92,10 +93,10 @@ def _foreign(graph: nx.DiGraph, name: str) -> dict[str, object]:
     numbers = _identifiers(list(graph.nodes))
     nodes: list[dict[str, object]] = []
     for node, attributes in graph.nodes(data=True):
-        entry = node_entry(_plain_all(attributes), str(node))
-        nodes.append({"id": numbers[node], "label": str(node), **entry})
+        entry = drawn_node(_given(attributes), str(node))
+        nodes.append({**entry, "id": numbers[node]})
     edges = [
-        {"src": numbers[src], "dst": numbers[dst], **edge_entry(_plain_all(attributes))}
+        {**drawn_edge(_given(attributes)), "src": numbers[src], "dst": numbers[dst]}
         for src, dst, attributes in graph.edges(data=True)
     ]
     return {"name": name, "nodes": nodes, "edges": edges}
@@ -110,15 +111,20 @@ def _identifiers(nodes: list[Hashable]) -> dict[Hashable, int]:
     return {node: number for number, node in enumerate(nodes)}
 
 
+def _given(attributes: Mapping[object, object]) -> dict[str, object]:
+    """Attributes that are set: networkx has None for others."""
+    return {key: value for key, value in _plain_all(attributes).items() if value is not None}
+
+
 def _plain_all(attributes: Mapping[object, object]) -> dict[str, object]:
     return {str(key): _plain(value) for key, value in attributes.items()}
 
 
 def _plain(value: object) -> object:
-    """numpy's integers and the like as Python's; everything else as it is."""
-    if isinstance(value, bool | str | float):
+    """numpy's numbers and the like as Python's; everything else as it is."""
+    if isinstance(value, bool | str):
         return value
     try:
         return index(value)  # type: ignore[arg-type]  # what has no index raises
     except TypeError:
-        return value
+        return float(value) if isinstance(value, Real) else value

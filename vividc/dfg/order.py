@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.opcodes import Opcode
 from vividc.errors import DFGError
+from vividc.printable import printable
 
 
 def evaluation_order(dfg: DFG) -> tuple[int, ...]:
@@ -25,7 +26,8 @@ def evaluation_order(dfg: DFG) -> tuple[int, ...]:
     if len(order) < len(dfg.nodes):
         cycle = cyclic_nodes(dfg)
         raise DFGError(
-            f"nodes {', '.join(map(str, cycle))} form a cycle of distance 0", loc=dfg.name
+            f"nodes {', '.join(map(str, cycle))} form a cycle of distance 0",
+            loc=printable(dfg.name),
         )
     return tuple(order)
 

@@ -9,6 +9,7 @@ from vividc.dfg.cfg import Function
 from vividc.dfg.opcodes import Opcode
 from vividc.errors import ArgumentError
 from vividc.formats import E4M3, E5M2, F16, Format
+from vividc.printable import quoted
 
 FUNCTIONS: Final = {"exp": Opcode.EXP, "exp2": Opcode.EXP2}
 """Functions that a policy may name."""
@@ -50,14 +51,14 @@ def parse_precision(wanted: FormatChoices | None) -> Precision:
         return ()
     if not isinstance(wanted, Mapping):
         hint = 'write precision={"exp": "fp8"}'
-        raise ArgumentError(f"a precision policy cannot be {wanted!r:.60}", hint=hint)
+        raise ArgumentError(f"a precision policy cannot be {quoted(wanted)}", hint=hint)
     for name, fmt in wanted.items():
         if name not in (*NAMES, ALL):
             hint = f"it can be set for {', '.join(NAMES)}; `{ALL}` is each of them"
-            raise ArgumentError(f"no precision can be set for {name!r:.40}", hint=hint)
+            raise ArgumentError(f"no precision can be set for {quoted(name, 40)}", hint=hint)
         if not isinstance(fmt, str) or fmt not in FORMAT_NAMES:
             hint = f"formats are {', '.join(FORMAT_NAMES)}"
-            raise ArgumentError(f"{fmt!r:.40} of {name} is no format", hint=hint)
+            raise ArgumentError(f"{quoted(fmt, 40)} of {name} is no format", hint=hint)
     named = {name: wanted.get(name, wanted.get(ALL)) for name in NAMES}
     return tuple((name, fmt) for name, fmt in named.items() if fmt not in (None, "fp32"))
 

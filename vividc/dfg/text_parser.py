@@ -129,7 +129,7 @@ class _Line:
         """`edges 2 0 1`, the word `edges` read."""
         order: list[int] = []
         while (number := self.accept("number")) is not None:
-            order.append(_integer(number))
+            order.append(self.whole(number))
         self.end()
         if sorted(order) != list(range(count)):
             self.fail(f"`edges` must list each of 0 .. {count - 1} once")
@@ -137,7 +137,7 @@ class _Line:
 
     def node(self) -> tuple[Node, list[Edge]]:
         """A node and the edges that enter it."""
-        node_id = int(self.expect("ref")[1:])
+        node_id = self.whole(self.expect("ref")[1:])
         self.expect("mark", "=")
         op = self.opcode()
         quoted = self.accept("string")
@@ -206,19 +206,26 @@ class _Line:
 
     def edge(self, dst: int, port: int, kind: EdgeKind = EdgeKind.DATA) -> Edge:
         """`%3`, `%3@1` or `%3@1(init=%0)`."""
-        src = int(self.expect("ref")[1:])
+        src = self.whole(self.expect("ref")[1:])
         distance = self.integer() if self.accept("mark", "@") is not None else 0
         init: int | None = None
         if self.accept("mark", "(") is not None:
             self.expect("word", "init")
             self.expect("mark", "=")
-            init = int(self.expect("ref")[1:])
+            init = self.whole(self.expect("ref")[1:])
             self.expect("mark", ")")
         return Edge(src, dst, port, distance, init, kind)
 
     def integer(self) -> int:
         """A decimal or hexadecimal integer."""
-        return _integer(self.expect("number"))
+        return self.whole(self.expect("number"))
+
+    def whole(self, text: str) -> int:
+        """The integer of a text; Python reads none of thousands of digits."""
+        try:
+            return int(text, 16 if text.startswith("0x") else 10)
+        except ValueError:
+            self.fail(f"a number of {len(text)} digits")
 
     def string(self, quoted: str) -> str:
         """The value of a string in JSON's notation."""
@@ -237,16 +244,14 @@ class _Line:
         if match is None:
             self.fail(f"{text} is no source line: write !file:line")
         file = match["file"]
-        return SourceLoc(self.string(file) if file.startswith('"') else file, int(match["line"]))
+        return SourceLoc(
+            self.string(file) if file.startswith('"') else file, self.whole(match["line"])
+        )
 
     def end(self) -> None:
         """Nothing may be left."""
         if self.peek()[0] != "end":
             self.fail(f"unexpected {self.peek()[1]}")
-
-
-def _integer(text: str) -> int:
-    return int(text, 16 if text.startswith("0x") else 10)
 
 
 _KINDS: Final = {

@@ -22,6 +22,7 @@ from vividc.frontend.format_types import TYPES, for_numba, in_arrays
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
 from vividc.frontend.prange import prange_lines
+from vividc.printable import quoted
 
 _DTYPES = {
     types.float32: DType.F32,
@@ -159,12 +160,14 @@ def kernel(
     """
 
     if not isinstance(signature, str):
-        raise KernelError(f"the signature {signature!r:.60} is not a string", hint=_SIGNATURE_HINT)
+        raise KernelError(
+            f"the signature {quoted(signature)} is not a string", hint=_SIGNATURE_HINT
+        )
 
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:
         if not inspect.isfunction(py_func):
             hint = "decorate a plain Python function; vividc passes it to numba by itself"
-            raise KernelError(f"a kernel cannot be made of {py_func!r:.60}", hint=hint)
+            raise KernelError(f"a kernel cannot be made of {quoted(py_func)}", hint=hint)
         return KernelFunction(py_func, signature, name)
 
     return decorate

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections.abc import Mapping as ReadOnly
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 from vividc.arch.fabric import Fabric
@@ -17,6 +19,7 @@ from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_con
 from vividc.mapper.request import Mapper, MapRequest, Progress
 from vividc.mapper.verify import violations
 from vividc.mapper.verify_case import Violation
+from vividc.printable import printable, quoted
 
 _SHOWN = 5
 _MOST_WORKERS = 1000
@@ -70,8 +73,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check(dfg, fabric, ii, time_limit_s, workers)
     run = find_mapper(mapper)
     _check_door(mapper, extend, objective)
-    _check_places(dfg, fabric, allowed or {}, resident or {})
-    problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
+    allowed, resident = {} if allowed is None else allowed, {} if resident is None else resident
+    _check_places(dfg, fabric, allowed, resident)
+    problem = MapProblem(dfg, fabric, allowed, resident)
     deadline = Deadline.after(time_limit_s)
     request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
     try:
@@ -130,6 +134,13 @@ def _check_door(mapper: str, extend: Extension | None, objective: str | None) ->
         raise VividcError(
             "extend is not callable", loc="extend", hint="pass a function of a ModelHandle"
         )
+    try:
+        inspect.signature(extend).bind(None)
+    except TypeError as error:
+        reason = f"extend cannot be called with one argument: {error}"
+        raise VividcError(reason, loc="extend", hint="pass a function of a ModelHandle") from error
+    except ValueError:  # a function of C that does not say what it takes
+        pass
     if not takes_constraints(mapper):
         hint = "use one that solves the joint model: auto, cpsat or decoupled"
         raise VividcError(f"mapper {mapper!r} takes no constraints", loc="extend", hint=hint)
@@ -165,16 +176,29 @@ def _check_places(
     resident: ReadOnly[int, frozenset[ConstantKey]],
 ) -> None:
     """Refuse nodes that the graph has not and PEs that the fabric has not."""
-    nodes = allowed.keys() - {node.id for node in dfg.nodes}
+    _check_sets(allowed, "allowed", "give the set of PEs of each node: {3: frozenset({0, 1})}")
+    _check_sets(resident, "resident", "give the set of constants of each PE")
+    nodes = sorted(allowed.keys() - {node.id for node in dfg.nodes}, key=str)
     if nodes:
         hint = "name nodes by their ids in the DFG"
-        raise VividcError(f"{dfg.name} has no node {min(nodes)}", loc="allowed", hint=hint)
+        raise VividcError(
+            f"{printable(dfg.name)} has no node {quoted(nodes[0])}", loc="allowed", hint=hint
+        )
     named = {"allowed": frozenset().union(*allowed.values()), "resident": resident.keys()}
     for loc, pes in named.items():
-        absent = pes - {pe.id for pe in fabric.pes}
+        absent = sorted(pes - {pe.id for pe in fabric.pes}, key=str)
         if absent:
             hint = f"PEs are 0 to {len(fabric.pes) - 1}"
-            raise VividcError(f"{fabric.name} has no PE {min(absent)}", loc=loc, hint=hint)
+            raise VividcError(f"{fabric.name} has no PE {quoted(absent[0])}", loc=loc, hint=hint)
+
+
+def _check_sets(given: object, loc: str, hint: str) -> None:
+    if not isinstance(given, ReadOnly):
+        raise VividcError(f"{loc} cannot be {quoted(given)}", loc=loc, hint=hint)
+    for key, found in given.items():
+        if not isinstance(found, AbstractSet):
+            reason = f"{loc} cannot have {quoted(found)} for {quoted(key)}: no set"
+            raise VividcError(reason, loc=loc, hint=hint)
 
 
 def _about(result: MapResult, subject: Subject) -> MapResult:

@@ -25,6 +25,7 @@ from vividc.mapper.mapping import Bound
 from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 from vividc.mapper.reach_bounds import island_bounds, operand_bounds, unreachable_bounds
+from vividc.printable import printable
 
 _MAX_HALL_SETS = 256
 _SHOWN = 6
@@ -299,4 +300,5 @@ def _name(node: Node) -> str:
     label = " ".join(
         filter(None, (kind, node.name, f"#{node.id}", node.label and f"({node.label})"))
     )
+    label = printable(label)
     return label if node.loc is None else f"{label} ({node.loc})"

@@ -10,6 +10,7 @@ from typing import Literal
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
+from vividc.files import write_whole
 from vividc.plot import Picture, encode
 
 Status = Literal["optimal", "feasible", "infeasible", "timeout"]
@@ -103,11 +104,7 @@ class Mapping:
             )
         picture = draw(about.dfg, about.fabric, self)
         if path is not None:
-            data = encode(picture, Path(path))
-            try:
-                Path(path).write_bytes(data)
-            except OSError as error:
-                raise VividcError(f"cannot be written: {error.strerror}", loc=str(path)) from error
+            write_whole(Path(path), encode(picture, Path(path)))
         return picture
 
 

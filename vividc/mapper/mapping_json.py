@@ -30,6 +30,7 @@ from vividc.mapper.mapping import (
     Step,
     Subject,
 )
+from vividc.printable import quoted
 
 SCHEMA: Final = "vividc.mapping/2"
 T = TypeVar("T")
@@ -104,7 +105,7 @@ def read_result(data: object, file: str = "mapping file") -> MapResult:
     """
     top = _object(data, "mapping file")
     if top.get("schema") != SCHEMA:
-        raise _fault("schema", f"expected {SCHEMA!r}, found {top.get('schema')!r:.60}")
+        raise _fault("schema", f"expected {SCHEMA!r}, found {quoted(top.get('schema'))}")
     dfg = dfg_from_json(_object(top.get("graph"), "graph"), file=f"{file}: graph")
     problems = check(dfg)
     if problems:
@@ -112,7 +113,7 @@ def read_result(data: object, file: str = "mapping file") -> MapResult:
     source = _get(top, "fabric_yaml", str)
     if not source:
         raise _fault("fabric_yaml", "empty: the fabric was not made from YAML")
-    fabric = load_text(source, _get(top, "fabric", str))
+    fabric = load_text(source, f"{file}: fabric_yaml")
     return mapping_from_json(data, dfg, fabric)
 
 

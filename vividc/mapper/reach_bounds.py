@@ -9,6 +9,7 @@ from vividc.dfg.ir import DFG, Node
 from vividc.mapper.distances import FAR, hop_distances
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
+from vividc.printable import printable
 
 Reach = tuple[frozenset[int], ...]
 """For each PE those that can read a word made there, at some time."""
@@ -143,5 +144,5 @@ def _groups(count: int, pairs: Iterator[tuple[int, int]]) -> tuple[tuple[int, ..
 
 
 def _name(node: Node) -> str:
-    label = f"{node.op.value} {node.name}".strip()
+    label = printable(f"{node.op.value} {node.name}".strip())
     return f"{label} #{node.id}" if node.loc is None else f"{label} #{node.id} ({node.loc})"

@@ -8,6 +8,7 @@ from typing import Literal
 
 from vividc.dfg.transform.threads import MOST_THREADS
 from vividc.errors import ArgumentError, demand_type
+from vividc.printable import quoted
 
 Mode = Literal["auto", "none"]
 Factors = Mapping[int, int] | Mapping[str, int]
@@ -65,7 +66,7 @@ def transform_options(
     """
     hint = 'give transform="auto" or transform="none"'
     if transform not in _MODES:
-        raise ArgumentError(f"transform cannot be {transform!r:.60}", hint=hint)
+        raise ArgumentError(f"transform cannot be {quoted(transform)}", hint=hint)
     mode: Mode = "auto" if transform == "auto" else "none"
     choices = _choices("flatten", flatten)
     factors = _factors("unroll", unroll), _factors("jam", jam)
@@ -77,7 +78,7 @@ def _threads(given: object) -> int | None:
         return None
     if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_THREADS:
         hint = f"give 1 to {MOST_THREADS} threads of a tile; 1 leaves the loop over prange as it is"
-        raise ArgumentError(f"threads cannot be {given!r:.60}", hint=hint)
+        raise ArgumentError(f"threads cannot be {quoted(given)}", hint=hint)
     return given
 
 
@@ -89,7 +90,7 @@ def _choices(name: str, given: Choices | None) -> dict[int, bool]:
     found: dict[int, bool] = {}
     for line, wanted in given.items():
         if not isinstance(wanted, bool):
-            raise ArgumentError(f"{name} cannot take {wanted!r:.60}", hint=hint)
+            raise ArgumentError(f"{name} cannot take {quoted(wanted)}", hint=hint)
         found[_line(name, line, hint)] = wanted
     return found
 
@@ -97,7 +98,7 @@ def _choices(name: str, given: Choices | None) -> dict[int, bool]:
 def _line(name: str, line: object, hint: str) -> int:
     number = int(line) if isinstance(line, str) and line.isdecimal() else line
     if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-        raise ArgumentError(f"{name} cannot take {line!r:.60} for a line", hint=hint)
+        raise ArgumentError(f"{name} cannot take {quoted(line)} for a line", hint=hint)
     return number
 
 
@@ -110,7 +111,7 @@ def _factors(name: str, given: Factors | None) -> dict[int, int]:
     for line, factor in given.items():
         number = _line(name, line, hint)
         if not _is_factor(factor):
-            text = f"{name} cannot take the factor {factor!r:.60}"
+            text = f"{name} cannot take the factor {quoted(factor)}"
             powers = f"a power of two up to {_LARGEST_FACTOR}; 1 leaves the loop alone"
             raise ArgumentError(text, hint=powers)
         found[number] = int(str(factor))

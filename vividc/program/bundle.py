@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import struct
-import tempfile
 import zipfile
 import zlib
 from collections.abc import Mapping as ReadOnly
@@ -27,6 +25,7 @@ from vividc.dfg.cfg import DType, LocalArray, Param
 from vividc.dfg.parallel import Parallel
 from vividc.dfg.product import Product
 from vividc.errors import BundleError
+from vividc.files import write_whole
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -93,26 +92,14 @@ _ADAPTER: Final = TypeAdapter(Manifest)
 def write_bundle(
     path: Path, manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]
 ) -> None:
-    """Write `path` by way of a temporary file beside it, so that it is complete or untouched.
+    """Write `path` so that it is complete or untouched (`write_whole`).
 
     Raises
     ------
     BundleError
         The file cannot be written.
     """
-    data = _bytes(manifest, arrays)
-    try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    except OSError as error:
-        raise BundleError(f"cannot write: {error.strerror}", loc=str(path)) from error
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(temporary).chmod(0o644)  # mkstemp gives 0600, unlike a file opened for writing
-        os.replace(temporary, path)
-    except OSError as error:
-        Path(temporary).unlink(missing_ok=True)
-        raise BundleError(f"cannot write: {error.strerror}", loc=str(path)) from error
+    write_whole(path, _bytes(manifest, arrays), BundleError)
 
 
 class BundleReader:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from vividc.files import write_whole
 from vividc.render.arrays import Float32Array, UInt8Array
 from vividc.render.errors import SceneError
 
@@ -37,14 +39,9 @@ def to_uint8(image: Float32Array) -> UInt8Array:
 def write_png(path: Path | str, image: Float32Array | UInt8Array) -> None:
     """Write [height, width, 3], float 0..1 or uint8, as an 8-bit sRGB PNG."""
     pixels = image if image.dtype == np.uint8 else to_uint8(image.astype(np.float32))
-    try:
-        Image.fromarray(pixels).save(path, format="PNG")
-    except OSError as error:
-        raise SceneError(
-            f"cannot write the picture: {error.strerror or error}",
-            loc=str(path),
-            hint="check that the folder exists and is writable",
-        ) from error
+    data = BytesIO()
+    Image.fromarray(pixels).save(data, format="PNG")
+    write_whole(Path(path), data.getvalue(), SceneError)
 
 
 def upscale_nearest(image: Float32Array, factor: int) -> Float32Array:
