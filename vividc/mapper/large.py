@@ -35,7 +35,7 @@ _ROOMY: Final = 0.3
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
 _HALF, _THIRD = 2, 3
 _SEEDS: Final = 3
-_SEEDED_NODES: Final = 300
+_SEEDED_NODES: Final = 150
 """Where FUs move words: nodes that the seeds of the first round anneal together, since each seed is
 as likely to map as the one before, and the solver is rarely faster.
 """
