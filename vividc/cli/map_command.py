@@ -18,6 +18,7 @@ from vividc.cli.report import percent, plain, print_json, print_table, progress
 from vividc.dfg import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import OBJECTIVES, MapInterrupted, MapResult, map_dfg, mapping_to_json
+from vividc.mapper.explain import binding, fullest
 from vividc.plot import check_picture_path, encode
 
 SCHEMA = "vividc.map/1"
@@ -123,12 +124,17 @@ def _as_object(
         "dfg": graph.name,
         "fabric": fabric.name,
         "mapper": result.mapper,
+        "operations": len(graph.operations),
+        "pes": len(fabric.pes),
         "status": result.status,
         "ii": result.ii,
         "lower_bound": result.lower_bound,
         "bounds": [
-            {"name": bound.name, "ii": bound.ii, "reason": bound.reason} for bound in result.bounds
+            {"name": bound.name, "ii": bound.ii, "reason": bound.reason, "nodes": bound.nodes}
+            for bound in result.bounds
         ],
+        "binding": binding(result),
+        "fullest": fullest(result),
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
         "objective": None if result.objective is None else asdict(result.objective),
         "utilization": _utilization(result, graph, fabric),

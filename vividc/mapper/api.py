@@ -71,15 +71,21 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check_door(mapper, extend, objective)
     _check_places(dfg, fabric, allowed or {}, resident or {})
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
+    about = Subject(
+        dfg,
+        fabric,
+        {node: frozenset(pes) for node, pes in problem.allowed.items()},
+        {pe: frozenset(held) for pe, held in problem.resident.items()},
+    )
     deadline = Deadline.after(time_limit_s)
     request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
     try:
         result = _mapped(problem, run, request, objective)
     except MapInterrupted as stop:
         _confirm(problem, stop.result)
-        raise MapInterrupted(_about(stop.result, Subject(dfg, fabric))) from stop
+        raise MapInterrupted(_about(stop.result, about)) from stop
     _confirm(problem, result)
-    return _about(result, Subject(dfg, fabric))
+    return _about(result, about)
 
 
 def _mapped(

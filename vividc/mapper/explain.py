@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Subject
+from vividc.mapper.mapping import Mapping, MapResult, Subject
 
 K = TypeVar("K")
 
@@ -25,11 +26,12 @@ _KINDS: Final = {
     "reach": "a word that cannot get to its reader",
 }
 _SCHEDULE_ONLY: Final = "modulo scheduling"
+_PLACES_AND_ROUTES: Final = "places and routes"
 
 
 def explain(result: MapResult) -> str:
     """A few lines for a person: the outcome, what binds it, all bounds, and what was refuted."""
-    lines = [_headline(result), *(f"  {line}" for line in _binding(result))]
+    lines = [_headline(result), *(f"  {line}" for line in _binding_lines(result))]
     if result.objective is not None:
         lines.append(f"  minimised: {result.objective}")
     lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in result.bounds]
@@ -47,38 +49,115 @@ def _headline(result: MapResult) -> str:
     return f"{result.claim}: {what}"
 
 
-def _binding(result: MapResult) -> Iterator[str]:
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """What binds a result: a kind of bound, or the search that refuted the II below.
+
+    Attributes
+    ----------
+    bound
+        Name of the bound that binds; None: a search does.
+    refuted_ii
+        The largest II that a search refuted; None: a bound binds.
+    """
+
+    what: str
+    bound: str | None = None
+    refuted_ii: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FullestFU:
+    """The PE that issues in most slots."""
+
+    pe: int
+    slots: int
+
+
+@dataclass(frozen=True, slots=True)
+class FullestLink:
+    """The link, from PE `src` to PE `dst`, that is driven in most slots."""
+
+    src: int
+    dst: int
+    slots: int
+
+
+@dataclass(frozen=True, slots=True)
+class FullestFile:
+    """The PE whose registers hold most words in a slot."""
+
+    pe: int
+    words: int
+    registers: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fullest:
+    """Where a smaller II would need room first; None: nothing of that kind is used."""
+
+    fu: FullestFU | None
+    link: FullestLink | None
+    file: FullestFile | None
+
+
+def binding(result: MapResult) -> Binding | None:
+    """What the lower bound of a result comes from; None where it is 1, which needs no reason."""
     sharpest = result.bounds[0] if result.bounds else None
-    ii, lower = result.ii, result.lower_bound
-    if sharpest is not None and sharpest.ii >= lower > 1:
-        yield f"what binds: {_kind(sharpest)} ({sharpest.name})"
-    elif result.refuted and lower > 1:
-        yield _refuted(result)
-    if ii is None:
-        return
-    if lower < ii:
+    if result.lower_bound <= 1:
+        return None
+    if sharpest is not None and sharpest.ii >= result.lower_bound:
+        return Binding(_KINDS.get(sharpest.name, sharpest.name), bound=sharpest.name)
+    if not result.refuted:
+        return None
+    last = result.refuted[-1]
+    by_schedule = _SCHEDULE_ONLY in last.by
+    what = "dependences and resources together" if by_schedule else _PLACES_AND_ROUTES
+    return Binding(what, refuted_ii=last.ii)
+
+
+def fullest(result: MapResult) -> Fullest | None:
+    """The fullest FU, link and register file of a mapping whose II is above every bound."""
+    subject = result.subject or (None if result.mapping is None else result.mapping.subject)
+    bounded = result.bounds[0].ii if result.bounds else 1
+    if result.mapping is None or subject is None or result.mapping.ii <= bounded:
+        return None
+    return _fullest_of(result.mapping, subject)
+
+
+def _binding_lines(result: MapResult) -> Iterator[str]:
+    found, ii, lower = binding(result), result.ii, result.lower_bound
+    if found is not None:
+        yield f"what binds: {found.what}{_because(found)}"
+    if ii is not None and lower < ii:
         missing = f"II {lower}" if lower == ii - 1 else f"II {lower} .. {ii - 1}"
         yield f"{missing} neither mapped nor refuted in the time given"
-    bounded = 1 if sharpest is None else sharpest.ii
-    if ii > bounded and result.mapping is not None:
-        subject = result.subject or result.mapping.subject
-        if subject is not None:
-            yield from _bottlenecks(result.mapping, subject)
+    room = fullest(result)
+    parts = [] if room is None or ii is None else list(_fullest_parts(room, ii))
+    if parts:
+        yield f"fullest in this mapping: {'; '.join(parts)}"
 
 
-def _kind(bound: Bound) -> str:
-    return _KINDS.get(bound.name, bound.name)
+def _because(found: Binding) -> str:
+    if found.bound is not None:
+        return f" ({found.bound})"
+    if found.what == _PLACES_AND_ROUTES:
+        return f"; II {found.refuted_ii} passes every bound and cannot be routed"
+    return f"; II {found.refuted_ii} has no schedule"
 
 
-def _refuted(result: MapResult) -> str:
-    last = result.refuted[-1]
-    if _SCHEDULE_ONLY in last.by:
-        return f"what binds: dependences and resources together; II {last.ii} has no schedule"
-    return f"what binds: places and routes; II {last.ii} passes every bound and cannot be routed"
+def _fullest_parts(room: Fullest, ii: int) -> Iterator[str]:
+    if room.fu is not None:
+        yield f"PE {room.fu.pe} issues in {room.fu.slots} of {ii} slots"
+    if room.link is not None:
+        ends = f"PE {room.link.src} -> {room.link.dst}"
+        yield f"the link {ends} is driven in {room.link.slots} of {ii}"
+    if room.file is not None:
+        words, registers = room.file.words, room.file.registers
+        yield f"PE {room.file.pe} holds {words} words in {registers} registers"
 
 
-def _bottlenecks(mapping: Mapping, subject: Subject) -> Iterator[str]:
-    """The fullest FU, link and register file: where a smaller II would need room first."""
+def _fullest_of(mapping: Mapping, subject: Subject) -> Fullest:
     fabric, ii = subject.fabric, mapping.ii
     issues = Counter(
         place.pe for node, place in mapping.places.items() if subject.dfg.by_id[node].uses_fu
@@ -91,20 +170,17 @@ def _bottlenecks(mapping: Mapping, subject: Subject) -> Iterator[str]:
                 links[step.index].add(step.time % ii)
             elif step.kind == "reg":
                 registers[step.pe, step.time % ii].add(step.index)
-    parts = []
+    fu = link = file = None
     if issues:
-        pe, count = _fullest(issues)
-        parts.append(f"PE {pe} issues in {count} of {ii} slots")
+        fu = FullestFU(*_most(issues))
     if links:
-        link, count = _fullest({index: len(slots) for index, slots in links.items()})
-        ends = f"PE {fabric.links[link].src} -> {fabric.links[link].dst}"
-        parts.append(f"the link {ends} is driven in {count} of {ii}")
+        index, slots = _most({index: len(found) for index, found in links.items()})
+        link = FullestLink(fabric.links[index].src, fabric.links[index].dst, slots)
     if registers:
-        (pe, _), count = _fullest({key: len(found) for key, found in registers.items()})
-        parts.append(f"PE {pe} holds {count} words in {fabric.pes[pe].registers} registers")
-    if parts:
-        yield f"fullest in this mapping: {'; '.join(parts)}"
+        (pe, _), words = _most({key: len(found) for key, found in registers.items()})
+        file = FullestFile(pe, words, fabric.pes[pe].registers)
+    return Fullest(fu, link, file)
 
 
-def _fullest(counts: ReadOnly[K, int]) -> tuple[K, int]:
+def _most(counts: ReadOnly[K, int]) -> tuple[K, int]:
     return max(counts.items(), key=lambda item: item[1])
