@@ -167,4 +167,4 @@ def _taken_on_trust(result: MapResult) -> Iterator[Finding]:
         text = "constraints were added that are not in the result: what is mapped keeps to them"
         yield Finding("trusted", f"{text}, and what is refuted is so within them")
     about = f"mapped by {quoted(result.mapper)} in {result.wall_s:.1f} s"
-    yield Finding("trusted", f"{about}; statistics, versions, and how bounds are worded")
+    yield Finding("trusted", f"{about}; statistics, versions, words and source lines of bounds")
