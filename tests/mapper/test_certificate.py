@@ -25,6 +25,7 @@ from vividc.mapper import (
     Subject,
     check_certificate,
     map_dfg,
+    mapper_names,
     read_result,
 )
 
@@ -68,6 +69,16 @@ def test_no_bound_above_the_real_one_is_confirmed(number: int) -> None:
     for bound in result.bounds:
         false = (replace(bound, ii=bound.ii + 1),)
         assert f"{bound.name} {bound.ii + 1}" in wrong(checked(result, bounds=false))
+
+
+@pytest.mark.parametrize("mapper", mapper_names())
+@pytest.mark.parametrize("ii", [None, 1, 4, 600])
+def test_what_any_mapper_says_of_an_ii_holds(mapper: str, ii: int | None) -> None:
+    result = map_dfg(ring(3), FABRIC, mapper, ii, workers=1)
+    assert result.status == {None: "optimal", 4: "feasible"}.get(ii, "infeasible")
+    findings = checked(result)
+    assert wrong(findings) == ""
+    assert [found.what for found in findings if found.verdict == "trusted"] == [findings[-1].what]
 
 
 def test_bounds_of_kernels_hold() -> None:

@@ -71,21 +71,15 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     _check_door(mapper, extend, objective)
     _check_places(dfg, fabric, allowed or {}, resident or {})
     problem = MapProblem(dfg, fabric, allowed or {}, resident or {})
-    about = Subject(
-        dfg,
-        fabric,
-        {node: frozenset(pes) for node, pes in problem.allowed.items()},
-        {pe: frozenset(held) for pe, held in problem.resident.items()},
-    )
     deadline = Deadline.after(time_limit_s)
     request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
     try:
         result = _mapped(problem, run, request, objective)
     except MapInterrupted as stop:
         _confirm(problem, stop.result)
-        raise MapInterrupted(_about(stop.result, about)) from stop
+        raise MapInterrupted(_about(stop.result, problem)) from stop
     _confirm(problem, result)
-    return _about(result, about)
+    return _about(result, problem)
 
 
 def _mapped(
@@ -183,7 +177,14 @@ def _check_places(
             raise VividcError(f"{fabric.name} has no PE {min(absent)}", loc=loc, hint=hint)
 
 
-def _about(result: MapResult, subject: Subject) -> MapResult:
+def _about(result: MapResult, problem: MapProblem) -> MapResult:
+    """The result with what it is about, which a caller cannot change after."""
+    subject = Subject(
+        problem.dfg,
+        problem.fabric,
+        {node: frozenset(pes) for node, pes in problem.allowed.items()},
+        {pe: frozenset(held) for pe, held in problem.resident.items()},
+    )
     mapping = result.mapping
     known = None if mapping is None else replace(mapping, subject=subject)
     return replace(result, mapping=known, subject=subject)
