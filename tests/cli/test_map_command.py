@@ -40,7 +40,10 @@ def test_json_object(graph):
     assert (out["dfg"], out["fabric"], out["status"]) == ("chain", "mesh-2x2", "optimal")
     assert (out["ii"], out["lower_bound"], out["output"]) == (3, 3, None)
     assert out["interrupted"] is False
-    assert out["bounds"][0]["ii"] == 3
+    assert (out["bounds"][0]["ii"], sorted(out["bounds"][0]["nodes"])) == (3, [0, 1, 2])
+    assert (out["operations"], out["pes"]) == (3, 4)
+    assert out["binding"] == {"what": "the recurrence", "bound": "RecMII", "refuted_ii": None}
+    assert out["fullest"] is None
     assert out["utilization"] == pytest.approx(3 / 12)
 
 
@@ -49,6 +52,15 @@ def test_the_use_counts_fus_that_are_kept_busy(graph, tmp_path):
     slow.write_text("extends: mesh-2x2\noccupancy: {imul: 3}\n")
     out = json.loads(run(graph, "--fabric", slow, "--json").stdout)
     assert out["utilization"] == pytest.approx((1 + 3 + 1) / (4 * out["ii"]))
+
+
+def test_json_names_what_is_fullest_where_the_ii_is_above_the_bounds(graph):
+    done = run(graph, "--fabric", "mesh-2x2", "--ii", 5)
+    out = json.loads(run(graph, "--fabric", "mesh-2x2", "--ii", 5, "--json").stdout)
+    assert (out["ii"], out["lower_bound"]) == (5, 3)
+    fu = out["fullest"]["fu"]
+    assert set(out["fullest"]) == {"fu", "link", "file"}
+    assert f"PE {fu['pe']} issues in {fu['slots']} of 5 slots" in done.stdout
 
 
 def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):

@@ -65,6 +65,15 @@ def test_json_and_another_graph_or_fabric(mapping: Path) -> None:
         (lambda d: d["bounds"][0].update(ii=3), "wrong: RecMII 3"),
         (lambda d: d.update(lower_bound=1), "wrong: optimal is claimed at II 2"),
         (lambda d: d["graph"]["edges"][1].update(distance=2), "wrong: RecMII 2"),
+        (lambda d: d["bounds"][0].update(name="foo", ii=1000), "wrong: foo 1000: "),
+        (
+            lambda d: d["bounds"][0].update(name="foo"),
+            "wrong: the lower bound 2 is given no reason",
+        ),
+        (lambda d: d["bounds"][0].update(distance=77), "wrong: RecMII 2"),
+        (lambda d: d["bounds"][0].update(edges=[0]), "wrong: RecMII 2"),
+        (lambda d: d.update(refuted=[{"ii": 2, "by": "me"}]), "wrong: II 2 is said to be refuted"),
+        (lambda d: d.update(status="feasible"), "wrong: feasible is claimed"),
     ],
 )
 def test_a_changed_file_is_wrong_and_exit_code_5(mapping: Path, change: Any, what: str) -> None:
@@ -124,3 +133,34 @@ def test_a_mistake_in_the_fabric_of_a_mapping_file_names_the_file(mapping: Path)
     done = run("verify", mapping)
     assert done.exit_code == 2
     assert f"vividc: {mapping}: fabric_yaml:2: `rows`" in done.stderr
+
+
+def test_a_reason_is_no_evidence_and_not_repeated(mapping: Path) -> None:
+    damage(mapping, lambda d: d["bounds"][0].update(reason="it is well known"))
+    done = run("verify", mapping)
+    assert done.exit_code == 0
+    assert "confirmed: RecMII 2: 2 cycles over distance 1: add #0 (a) -> mul #1 (b)" in done.stdout
+    assert "well known" not in done.stdout
+
+
+def test_added_constraints_are_told(mapping: Path) -> None:
+    damage(mapping, lambda d: d.update(constrained=True))
+    done = run("verify", mapping)
+    assert "ring on mesh-2x2: optimal within the added constraints at II 2" in done.stdout
+    assert "trusted: constraints were added that are not in the result" in done.stdout
+    assert json.loads(run("verify", mapping, "--json").stdout)["constrained"] is True
+
+
+def test_what_was_given_is_told(mapping: Path) -> None:
+    damage(mapping, lambda d: d.update(allowed=[{"node": 0, "pes": [0, 1, 2, 3]}]))
+    done = run("verify", mapping)
+    assert done.exit_code == 0
+    assert "optimal at II 2 (nodes whose PEs were given: 1)" in done.stdout
+
+
+def test_a_key_that_is_there_twice_is_refused(mapping: Path) -> None:
+    text = mapping.read_text()
+    mapping.write_text(text.replace('"ii": 2', '"ii": 1, "ii": 2', 1))
+    done = run("verify", mapping)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert f"{mapping}: the key 'ii' is there twice" in done.stderr

@@ -19,11 +19,13 @@ from vividc.mapper import (
     Finding,
     Mapping,
     MapResult,
+    Objective,
     Place,
     Refutation,
     Subject,
     check_certificate,
     map_dfg,
+    mapper_names,
     read_result,
 )
 from vividc.mapper.refutations import (
@@ -76,6 +78,16 @@ def test_no_bound_above_the_real_one_is_confirmed(number: int) -> None:
         assert f"{bound.name} {bound.ii + 1}" in wrong(checked(result, bounds=false))
 
 
+@pytest.mark.parametrize("mapper", mapper_names())
+@pytest.mark.parametrize("ii", [None, 1, 4, 600])
+def test_what_any_mapper_says_of_an_ii_holds(mapper: str, ii: int | None) -> None:
+    result = map_dfg(ring(3), FABRIC, mapper, ii, workers=1)
+    assert result.status == {None: "optimal", 4: "feasible"}.get(ii, "infeasible")
+    findings = checked(result)
+    assert wrong(findings) == ""
+    assert [found.what for found in findings if found.verdict == "trusted"] == [findings[-1].what]
+
+
 def test_bounds_of_kernels_hold() -> None:
     fabric = arch.load("vivid-tile")
     result = map_dfg(blending(), fabric, workers=1)
@@ -121,10 +133,11 @@ def test_a_node_that_nothing_can_serve_is_confirmed() -> None:
         result = map_dfg(dfg, FABRIC)
         assert result.status == "infeasible"
         assert result.bounds[0].name == name
-        assert {finding.verdict for finding in checked(result)} == {"confirmed"}
+        assert {finding.verdict for finding in checked(result)[:-1]} == {"confirmed"}
 
 
 RESULT = map_dfg(ring(3), FABRIC, workers=1)
+LAST = max(place.time for place in RESULT.mapping.places.values()) if RESULT.mapping else -1
 
 
 @pytest.mark.parametrize(
@@ -136,6 +149,30 @@ RESULT = map_dfg(ring(3), FABRIC, workers=1)
         ({"mapping": None}, "II 3 is claimed without a mapping"),
         ({"mapping": None, "ii": None}, "there is no mapping"),
         ({"status": "timeout"}, "the status is timeout, but there is a mapping"),
+        ({"status": "feasible"}, "feasible is claimed at II 3, but no smaller II is open"),
+        ({"status": "feasible", "lower_bound": 1}, "the lower bound 1 is not the one that follows"),
+        ({"refuted": (Refutation(3, "me"),)}, "II 3 is said to be refuted, and is mapped"),
+        ({"refuted": (Refutation(2, "me"),)}, ""),
+        ({"bounds": (Bound("moon", 3, "full"),)}, "moon 3: full (no bound of this name is known)"),
+        (
+            {"bounds": (Bound("moon", 3, "full"),)},
+            "optimal is claimed at II 3 with a lower bound of 1",
+        ),
+        ({"bounds": (Bound("moon", 9, "full"),)}, "moon 9 is above the II 3 of the mapping"),
+        ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2), (0,), 1),)}, "RecMII 3: r"),
+        ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2), (0, 1, 99), 1),)}, "RecMII 3: r"),
+        ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2), (0, 1, 2), 77),)}, "RecMII 3: r"),
+        ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2), (), 77),)}, "RecMII 3: r"),
+        ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2), (0, 1, 2), 1),)}, ""),
+        ({"bounds": (Bound("RecMII", 3, "r", (0, 1, 2)),)}, ""),
+        ({"bounds": (*RESULT.bounds, Bound("ResMII", 1, "r", (0,), (0,)))}, "edges and a distance"),
+        ({"objective": Objective("hops", 0, None, None, 9)}, "hops 0: the mapping has"),
+        ({"objective": Objective("beauty", 0, None, None, 9)}, "no objective is called beauty"),
+        ({"objective": Objective("added objective", 0, None, None, 9)}, "nothing was added"),
+        ({"objective": Objective("hops", None, None, 1, 9)}, "this one has None"),
+        ({"objective": Objective("length", LAST + 1, None, LAST + 2, 9)}, "has less than"),
+        ({"objective": Objective("length", LAST + 1, None, 3, LAST - 1)}, "this one issues in"),
+        ({"objective": Objective("length", LAST + 1, 9, 3, LAST)}, ""),
         ({"bounds": ()}, "the lower bound 3 is given no reason: nothing refutes II 1"),
         ({"bounds": (Bound("RecMII", 3, "r", (0, 2, 1)),)}, "RecMII 3: r"),
         ({"bounds": (Bound("RecMII", 3, "r", (0, 9)),)}, "the graph has no node 9"),
@@ -169,9 +206,10 @@ def test_what_a_solver_said_is_trusted_and_named() -> None:
     refuted = (Refutation(1, "the joint model"), Refutation(2, "the joint model"))
     findings = checked(RESULT, **feasible, refuted=refuted)
     trusted = [finding.what for finding in findings if finding.verdict == "trusted"]
-    assert trusted == ["II 1 refuted by the joint model", "II 2 refuted by the joint model"]
-    unknown = checked(RESULT, bounds=(*RESULT.bounds, Bound("moon phase", 2, "full")))
-    assert "trusted: moon phase 2: full (no check" in "\n".join(map(str, unknown))
+    assert trusted[:2] == ["II 1 refuted by the joint model", "II 2 refuted by the joint model"]
+    assert trusted[2] == "the II is at least 3"
+    assert trusted[3].startswith("mapped by auto in ")
+    assert len(trusted) == 4
 
 
 def test_a_result_is_read_back_with_graph_and_fabric() -> None:

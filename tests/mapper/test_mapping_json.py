@@ -63,3 +63,38 @@ def test_a_route_of_another_edge_is_refused() -> None:
     data["mapping"]["routes"][0]["src"] = 99
     with pytest.raises(VividcError, match="other ends"):
         mapping_from_json(data, accumulator(), FABRIC)
+
+
+@pytest.mark.parametrize(("key", "name"), [("places", "node"), ("routes", "edge")])
+def test_an_entry_that_is_there_twice_is_refused(key: str, name: str) -> None:
+    """The last one won without a word."""
+    data = _written()
+    entries = data["mapping"][key]
+    entries.append(dict(entries[0]))
+    where = rf"mapping file: {key}\[{len(entries) - 1}\].{name}: {name} \d+ is there already"
+    with pytest.raises(VividcError, match=where) as caught:
+        mapping_from_json(data, accumulator(), FABRIC)
+    assert caught.value.hint == "write the mapping anew with `vividc map`"
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        (("mapping", "places", 1, "pe"), "0", r"places\[1\].pe: missing, or not of type int"),
+        (("mapping", "routes", 0, "steps"), [3], r"routes\[0\].steps\[0\]: not a JSON object"),
+        (("bounds", 0, "edges"), "0", r"bounds\[0\].edges: not a list of integers"),
+        (("bounds", 0, "nodes"), [True], r"bounds\[0\].nodes: not a list of integers"),
+        (("refuted",), [{"ii": 0, "by": "me"}], r"refuted\[0\].ii: 0 is not 1 or more"),
+        (("constrained",), "no", "constrained: neither true nor false"),
+        (("wall_s",), float("nan"), "wall_s: not a finite number"),
+        (("wall_s",), 10**400, "wall_s: not a finite number"),
+    ],
+)
+def test_a_broken_entry_is_named(path: tuple[Any, ...], value: object, message: str) -> None:
+    data: Any = _written()
+    holder = data
+    for key in path[:-1]:
+        holder = holder[key]
+    holder[path[-1]] = value
+    with pytest.raises(VividcError, match=f"mapping file: {message}"):
+        mapping_from_json(data, accumulator(), FABRIC)

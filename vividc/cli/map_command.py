@@ -26,6 +26,7 @@ from vividc.mapper import (
     mapping_to_json,
     utilization,
 )
+from vividc.mapper.explain import binding, fullest
 from vividc.plot import check_picture_path, encode
 from vividc.printable import printable
 
@@ -135,12 +136,17 @@ def _as_object(
         "dfg": graph.name,
         "fabric": fabric.name,
         "mapper": result.mapper,
+        "operations": len(graph.operations),
+        "pes": len(fabric.pes),
         "status": result.status,
         "ii": result.ii,
         "lower_bound": result.lower_bound,
         "bounds": [
-            {"name": bound.name, "ii": bound.ii, "reason": bound.reason} for bound in result.bounds
+            {"name": bound.name, "ii": bound.ii, "reason": bound.reason, "nodes": bound.nodes}
+            for bound in result.bounds
         ],
+        "binding": binding(result),
+        "fullest": fullest(result),
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
         "objective": None if result.objective is None else asdict(result.objective),
         "utilization": _utilization(result, graph, fabric),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -79,7 +80,8 @@ def _of(subject: Subject | None) -> Subject:
 
 def _json_of(path: Path) -> object:
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        return json.loads(text, object_pairs_hook=lambda pairs: _once(path, pairs))
     except json.JSONDecodeError as error:
         raise VividcError(f"not JSON: {error.msg}", loc=f"{path}:{error.lineno}") from error
     except OSError as error:
@@ -89,6 +91,17 @@ def _json_of(path: Path) -> object:
         raise VividcError("not a mapping file", loc=str(path), hint=hint) from error
 
 
+def _once(path: Path, pairs: list[tuple[str, object]]) -> dict[str, object]:
+    """An object whose keys are there once: of two the last would be taken unseen."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        hint = "name a file that `vividc map -o` wrote"
+        raise VividcError(f"the key {twice!r} is there twice", loc=str(path), hint=hint)
+    return found
+
+
 def _as_object(
     result: MapResult, findings: tuple[Finding, ...], *, wrong: bool
 ) -> dict[str, object]:
@@ -96,6 +109,7 @@ def _as_object(
         "dfg": _of(result.subject).dfg.name,
         "fabric": _of(result.subject).fabric.name,
         "status": result.status,
+        "constrained": result.constrained,
         "ii": result.ii,
         "lower_bound": result.lower_bound,
         "valid": not wrong,
@@ -103,10 +117,19 @@ def _as_object(
     }
 
 
+def _given(about: Subject) -> Iterator[str]:
+    """What was decided before, within which everything else holds."""
+    if about.allowed:
+        yield f"(nodes whose PEs were given: {len(about.allowed)})"
+    if about.resident:
+        yield f"(PEs with resident constants: {len(about.resident)})"
+
+
 def _print(result: MapResult, findings: tuple[Finding, ...], *, wrong: bool) -> None:
     about = _of(result.subject)
     end = "" if result.ii is None else f" at II {result.ii}"
-    say(f"{printable(about.dfg.name)} on {about.fabric.name}: {result.status}{end}")
+    given = "".join(f" {part}" for part in _given(about))
+    say(f"{printable(about.dfg.name)} on {about.fabric.name}: {result.claim}{end}{given}")
     for finding in findings:
         say(f"  {printable(str(finding))}")
     say("the file is wrong" if wrong else "nothing in the file is wrong")

@@ -4,9 +4,10 @@ of it.
 
 from vividc.mapper.api import check_time_limit, map_dfg
 from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.certificate import Finding, check_certificate
+from vividc.mapper.certificate import check_certificate
 from vividc.mapper.cpsat import OBJECTIVES, Extension, ModelHandle
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.finding import Finding
 from vividc.mapper.fu_slots import utilization
 from vividc.mapper.mapping import (
     Bound,

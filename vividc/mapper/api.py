@@ -82,9 +82,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         result = _mapped(problem, run, request, objective)
     except MapInterrupted as stop:
         _confirm(problem, stop.result, mapper)
-        raise MapInterrupted(_about(stop.result, Subject(dfg, fabric))) from stop
+        raise MapInterrupted(_about(stop.result, problem)) from stop
     _confirm(problem, result, mapper)
-    return _about(result, Subject(dfg, fabric))
+    return _about(result, problem)
 
 
 def _mapped(
@@ -201,7 +201,14 @@ def _check_sets(given: object, loc: str, hint: str) -> None:
             raise VividcError(reason, loc=loc, hint=hint)
 
 
-def _about(result: MapResult, subject: Subject) -> MapResult:
+def _about(result: MapResult, problem: MapProblem) -> MapResult:
+    """The result with what it is about, which a caller cannot change after."""
+    subject = Subject(
+        problem.dfg,
+        problem.fabric,
+        {node: frozenset(pes) for node, pes in problem.allowed.items()},
+        {pe: frozenset(held) for pe, held in problem.resident.items()},
+    )
     mapping = result.mapping
     known = None if mapping is None else replace(mapping, subject=subject)
     return replace(result, mapping=known, subject=subject)

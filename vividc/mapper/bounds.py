@@ -159,8 +159,11 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     cycle = positive_cycle(nodes, edges, low - 1)
     if low == impossible:
         reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}"
-        return (Bound("RecMII", no_ii(problem), reason, tuple(e.src for e in cycle)),)
-    return (_recurrence_bound(problem, low, cycle),)
+        return (_recurrence_bound(no_ii(problem), reason, cycle),)
+    latency = sum(edge.separation for edge in cycle)
+    distance = sum(edge.distance for edge in cycle)
+    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}"
+    return (_recurrence_bound(low, reason, cycle),)
 
 
 def issue_bounds(problem: MapProblem) -> tuple[Bound, ...]:
@@ -272,11 +275,9 @@ def _forward(problem: MapProblem) -> tuple[Dependence, ...]:
     return tuple(sorted(edges, key=lambda edge: position.get(edge.src, len(position))))
 
 
-def _recurrence_bound(problem: MapProblem, ii: int, cycle: Sequence[Dependence]) -> Bound:
-    latency = sum(edge.separation for edge in cycle)
-    distance = sum(edge.distance for edge in cycle)
-    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}"
-    return Bound("RecMII", ii, reason, tuple(edge.src for edge in cycle))
+def _recurrence_bound(ii: int, reason: str, cycle: Sequence[Dependence]) -> Bound:
+    nodes, edges = tuple(edge.src for edge in cycle), tuple(edge.index for edge in cycle)
+    return Bound("RecMII", ii, reason, nodes, edges, sum(edge.distance for edge in cycle))
 
 
 def _cycle_text(problem: MapProblem, cycle: Sequence[Dependence]) -> str:

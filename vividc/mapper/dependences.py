@@ -5,7 +5,7 @@ rest on.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, EdgeKind
@@ -15,7 +15,8 @@ from vividc.dfg.ir import DFG, EdgeKind
 class Dependence:
     """start[dst] + II * distance >= start[src] + separation, between placed nodes.
 
-    `routed`: the edge carries a word, so it needs a route as well. `latency` is the producer's.
+    `routed`: the edge carries a word, so it needs a route as well. `latency` is the producer's,
+    `index` the edge's in `dfg.edges`.
     """
 
     src: int
@@ -24,6 +25,7 @@ class Dependence:
     separation: int
     routed: bool
     latency: int
+    index: int
 
     def weight(self, ii: int) -> int:
         """Least start[dst] - start[src] at this II."""
@@ -33,7 +35,7 @@ class Dependence:
 def dependences(dfg: DFG, fabric: Fabric) -> tuple[Dependence, ...]:
     """Every edge between placed nodes, in edge order."""
     found = []
-    for edge in dfg.edges:
+    for index, edge in enumerate(dfg.edges):
         source = dfg.by_id[edge.src]
         if source.is_source:
             continue
@@ -44,7 +46,7 @@ def dependences(dfg: DFG, fabric: Fabric) -> tuple[Dependence, ...]:
             EdgeKind.CONTROL: latency + fabric.controller.control_latency,
         }[edge.kind]
         found.append(
-            Dependence(edge.src, edge.dst, edge.distance, separation, edge.is_data, latency)
+            Dependence(edge.src, edge.dst, edge.distance, separation, edge.is_data, latency, index)
         )
     return tuple(found)
 
@@ -65,9 +67,7 @@ def earliest_starts(
 
 def longest_tails(nodes: Iterable[int], edges: Iterable[Dependence], ii: int) -> dict[int, int]:
     """Longest path from each node to an end. The II must not be below the RecMII."""
-    reverse = tuple(
-        Dependence(e.dst, e.src, e.distance, e.separation, e.routed, e.latency) for e in edges
-    )
+    reverse = tuple(replace(edge, src=edge.dst, dst=edge.src) for edge in edges)
     tails = earliest_starts(nodes, reverse, ii)
     if tails is None:
         raise ValueError(f"II {ii} is below the RecMII")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Refutation, Subject
+from vividc.mapper.mapping import Mapping, MapResult, Refutation, Subject
 from vividc.mapper.refutations import BY_BOUND, BY_CONTEXTS, BY_SCHEDULE, WITHIN_ADDED
 
 K = TypeVar("K")
@@ -25,11 +26,14 @@ _KINDS: Final = {
     "island": "PEs that no links join",
     "reach": "a word that cannot get to its reader",
 }
+_SCHEDULE: Final = "dependences and resources together"
+_PLACES_AND_ROUTES: Final = "places and routes"
+_WITHIN: Final = " within the added constraints"
 
 
 def explain(result: MapResult) -> str:
     """A few lines for a person: the outcome, what binds it, all bounds, and what was refuted."""
-    lines = [_headline(result), *(f"  {line}" for line in _binding(result))]
+    lines = [_headline(result), *(f"  {line}" for line in _binding_lines(result))]
     if result.objective is not None:
         lines.append(f"  minimised: {result.objective}")
     lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in result.bounds]
@@ -47,51 +51,122 @@ def _headline(result: MapResult) -> str:
     return f"{result.claim}: {what}"
 
 
-def _binding(result: MapResult) -> Iterator[str]:
-    ii, lower = result.ii, result.lower_bound
-    bounded = result.bounds[0].ii if result.bounds else 1
-    binding = _what_binds(result)
-    if binding is not None:
-        yield f"what binds: {binding}"
-    if ii is None:
-        return
-    if lower < ii:
-        missing = f"II {lower}" if lower == ii - 1 else f"II {lower} .. {ii - 1}"
-        yield f"{missing} neither mapped nor refuted"
-    if ii > bounded and result.mapping is not None:
-        subject = result.subject or result.mapping.subject
-        if subject is not None:
-            yield from _bottlenecks(result.mapping, subject)
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """What binds a result: a kind of bound, or the search that refuted the II below.
+
+    Attributes
+    ----------
+    bound
+        Name of the bound that binds; None: a search does.
+    refuted_ii
+        The largest II that a search refuted; None: a bound binds.
+    """
+
+    what: str
+    bound: str | None = None
+    refuted_ii: int | None = None
 
 
-def _what_binds(result: MapResult) -> str | None:
-    """What the largest refuted II was refuted by; None where nothing was."""
+@dataclass(frozen=True, slots=True)
+class FullestFU:
+    """The PE that issues in most slots."""
+
+    pe: int
+    slots: int
+
+
+@dataclass(frozen=True, slots=True)
+class FullestLink:
+    """The link, from PE `src` to PE `dst`, that is driven in most slots."""
+
+    src: int
+    dst: int
+    slots: int
+
+
+@dataclass(frozen=True, slots=True)
+class FullestFile:
+    """The PE whose registers hold most words in a slot."""
+
+    pe: int
+    words: int
+    registers: int
+
+
+@dataclass(frozen=True, slots=True)
+class Fullest:
+    """Where a smaller II would need room first; None: nothing of that kind is used."""
+
+    fu: FullestFU | None
+    link: FullestLink | None
+    file: FullestFile | None
+
+
+def binding(result: MapResult) -> Binding | None:
+    """What refuted the largest II that was refuted; None where nothing was."""
     last = result.refuted[-1] if result.refuted else None
     if last is not None and last.ii >= result.lower_bound - 1 and BY_BOUND not in last.by:
-        return _refuted(last)
+        return Binding(_searched(last), refuted_ii=last.ii)
     sharpest = result.bounds[0] if result.bounds else None
     if sharpest is not None and sharpest.ii >= result.lower_bound > 1:
-        return f"{_kind(sharpest)} ({sharpest.name})"
+        return Binding(_KINDS.get(sharpest.name, sharpest.name), bound=sharpest.name)
     return None
 
 
-def _kind(bound: Bound) -> str:
-    return _KINDS.get(bound.name, bound.name)
-
-
-def _refuted(last: Refutation) -> str:
+def _searched(last: Refutation) -> str:
     if BY_SCHEDULE in last.by:
-        return f"dependences and resources together; II {last.ii} has no schedule"
+        return _SCHEDULE
     if BY_CONTEXTS in last.by:
         return last.by
-    how = f"II {last.ii} passes every bound and cannot be routed"
-    if WITHIN_ADDED in last.by:
-        return f"places and routes within the added constraints; {how} within them"
-    return f"places and routes; {how}"
+    return _PLACES_AND_ROUTES + (_WITHIN if WITHIN_ADDED in last.by else "")
 
 
-def _bottlenecks(mapping: Mapping, subject: Subject) -> Iterator[str]:
-    """The fullest FU, link and register file: where a smaller II would need room first."""
+def fullest(result: MapResult) -> Fullest | None:
+    """The fullest FU, link and register file of a mapping whose II is above every bound."""
+    subject = result.subject or (None if result.mapping is None else result.mapping.subject)
+    bounded = result.bounds[0].ii if result.bounds else 1
+    if result.mapping is None or subject is None or result.mapping.ii <= bounded:
+        return None
+    return _fullest_of(result.mapping, subject)
+
+
+def _binding_lines(result: MapResult) -> Iterator[str]:
+    found, ii, lower = binding(result), result.ii, result.lower_bound
+    if found is not None:
+        yield f"what binds: {found.what}{_because(found)}"
+    if ii is not None and lower < ii:
+        missing = f"II {lower}" if lower == ii - 1 else f"II {lower} .. {ii - 1}"
+        yield f"{missing} neither mapped nor refuted"
+    room = fullest(result)
+    parts = [] if room is None or ii is None else list(_fullest_parts(room, ii))
+    if parts:
+        yield f"fullest in this mapping: {'; '.join(parts)}"
+
+
+def _because(found: Binding) -> str:
+    if found.bound is not None:
+        return f" ({found.bound})"
+    if found.what == _SCHEDULE:
+        return f"; II {found.refuted_ii} has no schedule"
+    if _PLACES_AND_ROUTES not in found.what:
+        return ""
+    within = " within them" if _WITHIN in found.what else ""
+    return f"; II {found.refuted_ii} passes every bound and cannot be routed{within}"
+
+
+def _fullest_parts(room: Fullest, ii: int) -> Iterator[str]:
+    if room.fu is not None:
+        yield f"PE {room.fu.pe} issues in {room.fu.slots} of {ii} slots"
+    if room.link is not None:
+        ends = f"PE {room.link.src} -> {room.link.dst}"
+        yield f"the link {ends} is driven in {room.link.slots} of {ii}"
+    if room.file is not None:
+        words, registers = room.file.words, room.file.registers
+        yield f"PE {room.file.pe} holds {words} words in {registers} registers"
+
+
+def _fullest_of(mapping: Mapping, subject: Subject) -> Fullest:
     fabric, ii = subject.fabric, mapping.ii
     issues = Counter(
         place.pe for node, place in mapping.places.items() if subject.dfg.by_id[node].uses_fu
@@ -104,20 +179,17 @@ def _bottlenecks(mapping: Mapping, subject: Subject) -> Iterator[str]:
                 links[step.index].add(step.time % ii)
             elif step.kind == "reg":
                 registers[step.pe, step.time % ii].add(step.index)
-    parts = []
+    fu = link = file = None
     if issues:
-        pe, count = _fullest(issues)
-        parts.append(f"PE {pe} issues in {count} of {ii} slots")
+        fu = FullestFU(*_most(issues))
     if links:
-        link, count = _fullest({index: len(slots) for index, slots in links.items()})
-        ends = f"PE {fabric.links[link].src} -> {fabric.links[link].dst}"
-        parts.append(f"the link {ends} is driven in {count} of {ii}")
+        index, slots = _most({index: len(found) for index, found in links.items()})
+        link = FullestLink(fabric.links[index].src, fabric.links[index].dst, slots)
     if registers:
-        (pe, _), count = _fullest({key: len(found) for key, found in registers.items()})
-        parts.append(f"PE {pe} holds {count} words in {fabric.pes[pe].registers} registers")
-    if parts:
-        yield f"fullest in this mapping: {'; '.join(parts)}"
+        (pe, _), words = _most({key: len(found) for key, found in registers.items()})
+        file = FullestFile(pe, words, fabric.pes[pe].registers)
+    return Fullest(fu, link, file)
 
 
-def _fullest(counts: ReadOnly[K, int]) -> tuple[K, int]:
+def _most(counts: ReadOnly[K, int]) -> tuple[K, int]:
     return max(counts.items(), key=lambda item: item[1])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -11,6 +12,7 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
 from vividc.files import write_whole
+from vividc.mapper.problem import ConstantKey
 from vividc.plot import Picture, encode
 
 Status = Literal["optimal", "feasible", "infeasible", "timeout"]
@@ -46,10 +48,15 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What was mapped onto what: kept beside a result so that it can be explained and drawn."""
+    """What was mapped onto what: kept beside a result so that it can be explained, drawn, checked.
+
+    `allowed`, `resident`: what was decided before, as in `MapProblem`.
+    """
 
     dfg: DFG
     fabric: Fabric
+    allowed: ReadOnly[int, Collection[int]] = field(default_factory=dict)
+    resident: ReadOnly[int, Collection[ConstantKey]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -110,12 +117,21 @@ class Mapping:
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """A proved lower bound on the II, with what binds it in words and as node ids."""
+    """A proved lower bound on the II, with what binds it in words and as node ids.
+
+    Attributes
+    ----------
+    edges, distance
+        Of a recurrence: its edges as indices of `dfg.edges`, and the sum of their distances. A
+        bound that names no edges may mean any between its nodes.
+    """
 
     name: str
     ii: int
     reason: str
     nodes: tuple[int, ...] = ()
+    edges: tuple[int, ...] = ()
+    distance: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +239,7 @@ class MapResult:
                 loc="to_json",
                 hint="pass subject=Subject(dfg, fabric)",
             )
-        return mapping_to_json(self, about.dfg, about.fabric)
+        return mapping_to_json(replace(self, subject=about), about.dfg, about.fabric)
 
     @staticmethod
     def from_json(data: object) -> MapResult:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import platform
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
@@ -18,7 +19,6 @@ from vividc.dfg import DFG, check
 from vividc.dfg import from_json as dfg_from_json
 from vividc.dfg import to_json as dfg_to_json
 from vividc.errors import VividcError
-from vividc.mapper.certificate import cycle_edges
 from vividc.mapper.mapping import (
     Bound,
     Mapping,
@@ -30,14 +30,17 @@ from vividc.mapper.mapping import (
     Step,
     Subject,
 )
+from vividc.mapper.problem import ConstantKey
 from vividc.printable import quoted
 
 SCHEMA: Final = "vividc.mapping/2"
+_FILE: Final = "mapping file: "
 T = TypeVar("T")
 
 
 def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, Any]:
     """A JSON-ready object that `mapping_from_json` reads back."""
+    subject = result.subject or Subject(dfg, fabric)
     return {
         "schema": SCHEMA,
         "dfg": dfg.name,
@@ -47,11 +50,18 @@ def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, An
         "ii": result.ii,
         "lower_bound": result.lower_bound,
         "wall_s": result.wall_s,
-        "bounds": [_bound_object(bound, Subject(dfg, fabric)) for bound in result.bounds],
+        "bounds": [_bound_object(bound, dfg) for bound in result.bounds],
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
         "stats": dict(result.stats),
         "constrained": result.constrained,
         "objective": None if result.objective is None else asdict(result.objective),
+        "allowed": [
+            {"node": node, "pes": sorted(pes)} for node, pes in sorted(subject.allowed.items())
+        ],
+        "resident": [
+            {"pe": pe, "entries": [{kind: word} for kind, word in sorted(held, key=repr)]}
+            for pe, held in sorted(subject.resident.items())
+        ],
         "mapping": None if result.mapping is None else _mapping_object(result.mapping, dfg),
         "versions": _versions(),
         "graph": dfg_to_json(dfg),
@@ -78,7 +88,7 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
     if status not in get_args(Status):
         raise _fault("status", f"{status!r} is none of {', '.join(get_args(Status))}")
     body = top.get("mapping")
-    subject = Subject(dfg, fabric)
+    subject = Subject(dfg, fabric, _allowed(top, dfg, fabric), _resident(top, fabric))
     return MapResult(
         status=cast(Status, status),
         ii=None if top.get("ii") is None else _get(top, "ii", int),
@@ -90,7 +100,7 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
         refuted=tuple(_each(top, "refuted", _refutation)),
         stats=_stats(top),
         subject=subject,
-        constrained=bool(top.get("constrained", False)),
+        constrained="constrained" in top and _flag(top, "constrained"),
         objective=_objective(top),
     )
 
@@ -138,17 +148,13 @@ def _versions() -> dict[str, str]:
     return found
 
 
-def _bound_object(bound: Bound, subject: Subject) -> dict[str, Any]:
+def _bound_object(bound: Bound, dfg: DFG) -> dict[str, Any]:
     entry: dict[str, Any] = {"name": bound.name, "ii": bound.ii, "reason": bound.reason}
     entry["nodes"] = list(bound.nodes)
-    entry["source"] = [
-        str(node.loc) for n in bound.nodes if (node := subject.dfg.by_id[n]).loc is not None
-    ]
-    if bound.name == "RecMII":
-        indices = cycle_edges(bound, subject)
-        edges = [subject.dfg.edges[index] for index in indices]
-        entry["edges"] = list(indices)
-        entry["distance"] = sum(edge.distance for edge in edges)
+    entry["source"] = [str(node.loc) for n in bound.nodes if (node := dfg.by_id[n]).loc is not None]
+    if bound.edges:
+        entry["edges"] = list(bound.edges)
+        entry["distance"] = bound.distance
     return entry
 
 
@@ -175,12 +181,12 @@ def _mapping_object(mapping: Mapping, dfg: DFG) -> dict[str, Any]:
 
 def _mapping(body: dict[str, Any], subject: Subject) -> Mapping:
     dfg = subject.dfg
-    places = dict(_each(body, "places", _place))
+    places = _by_key(body, "places", "node", _place)
     known = {node.id for node in dfg.placed}
     if places.keys() != known:
         odd = sorted(places.keys() ^ known)[0]
         raise _fault("places", f"node {odd} is in only one of the mapping and the DFG")
-    routes = dict(_each(body, "routes", lambda item: _route(item, dfg)))
+    routes = _by_key(body, "routes", "edge", lambda item: _route(item, dfg))
     ii = _get(body, "ii", int)
     if ii < 1:
         raise _fault("ii", f"{ii} is not 1 or more")
@@ -214,16 +220,56 @@ def _step(item: dict[str, Any]) -> Step:
 
 
 def _bound(item: dict[str, Any]) -> Bound:
-    nodes = item.get("nodes", [])
-    if not isinstance(nodes, list) or not all(isinstance(node, int) for node in nodes):
-        raise _fault("nodes", "not a list of node ids")
+    distance = _get(item, "distance", int) if "distance" in item else 0
     return Bound(
-        _get(item, "name", str), _get(item, "ii", int), _get(item, "reason", str), tuple(nodes)
+        name=_get(item, "name", str),
+        ii=_get(item, "ii", int),
+        reason=_get(item, "reason", str),
+        nodes=_integers(item, "nodes") if "nodes" in item else (),
+        edges=_integers(item, "edges") if "edges" in item else (),
+        distance=distance,
     )
 
 
+def _allowed(top: dict[str, Any], dfg: DFG, fabric: Fabric) -> dict[int, frozenset[int]]:
+    def read(item: dict[str, Any]) -> tuple[int, frozenset[int]]:
+        node, pes = _get(item, "node", int), _integers(item, "pes")
+        if node not in dfg.by_id:
+            raise _fault("node", f"the graph has no node {node}")
+        for pe in pes:
+            _check_pe("pes", pe, fabric)
+        return node, frozenset(pes)
+
+    return _by_key(top, "allowed", "node", read) if "allowed" in top else {}
+
+
+def _resident(top: dict[str, Any], fabric: Fabric) -> dict[int, frozenset[ConstantKey]]:
+    def read(item: dict[str, Any]) -> tuple[int, frozenset[ConstantKey]]:
+        pe = _get(item, "pe", int)
+        _check_pe("pe", pe, fabric)
+        return pe, frozenset(_each(item, "entries", _entry))
+
+    return _by_key(top, "resident", "pe", read) if "resident" in top else {}
+
+
+def _entry(item: dict[str, Any]) -> ConstantKey:
+    if item.keys() == {"const"}:
+        return "const", _get(item, "const", int)
+    if item.keys() == {"live_in"}:
+        return "live_in", _get(item, "live_in", str)
+    raise _fault("entry", 'neither {"const": word} nor {"live_in": name}')
+
+
+def _check_pe(place: str, pe: int, fabric: Fabric) -> None:
+    if not 0 <= pe < len(fabric.pes):
+        raise _fault(place, f"the fabric has no PE {pe}; PEs are 0 to {len(fabric.pes) - 1}")
+
+
 def _refutation(item: dict[str, Any]) -> Refutation:
-    return Refutation(_get(item, "ii", int), _get(item, "by", str))
+    ii = _get(item, "ii", int)
+    if ii < 1:
+        raise _fault("ii", f"{ii} is not 1 or more")
+    return Refutation(ii, _get(item, "by", str))
 
 
 def _stats(top: dict[str, Any]) -> dict[str, float]:
@@ -232,17 +278,52 @@ def _stats(top: dict[str, Any]) -> dict[str, float]:
 
 
 def _each(item: dict[str, Any], key: str, read: Callable[[dict[str, Any]], T]) -> Iterator[T]:
+    """Each entry of a list as `read` takes it; a fault names the entry by its number."""
     entries = item.get(key)
     if not isinstance(entries, list):
         raise _fault(key, "missing, or not a list")
-    for entry in entries:
-        yield read(_object(entry, key))
+    for number, entry in enumerate(entries):
+        where = f"{key}[{number}]"
+        try:
+            found = read(_object(entry, ""))
+        except VividcError as error:
+            inner = str(error.loc).removeprefix(_FILE)
+            raise _fault(f"{where}.{inner}" if inner else where, error.reason) from error
+        yield found
+
+
+def _by_key(
+    item: dict[str, Any], key: str, name: str, read: Callable[[dict[str, Any]], tuple[int, T]]
+) -> dict[int, T]:
+    """The entries of a list by what they are about, which only one of them may be."""
+    found: dict[int, T] = {}
+    for number, (about, value) in enumerate(_each(item, key, read)):
+        if about in found:
+            raise _fault(f"{key}[{number}].{name}", f"{name} {about} is there already")
+        found[about] = value
+    return found
+
+
+def _integers(item: dict[str, Any], key: str) -> tuple[int, ...]:
+    found = item.get(key)
+    if not isinstance(found, list) or not all(type(number) is int for number in found):
+        raise _fault(key, "not a list of integers")
+    return tuple(found)
+
+
+def _flag(item: dict[str, Any], key: str) -> bool:
+    value = item.get(key)
+    if not isinstance(value, bool):
+        raise _fault(key, "neither true nor false")
+    return value
 
 
 def _number(item: dict[str, Any], key: str) -> float:
     value = item.get(key)
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise _fault(key, "missing, or not a number")
+    if not abs(value) <= sys.float_info.max:  # NaN, and integers that no float holds
+        raise _fault(key, "not a finite number")
     return float(value)
 
 
@@ -261,4 +342,4 @@ def _object(data: object, name: str) -> dict[str, Any]:
 
 def _fault(place: str, reason: str) -> VividcError:
     hint = "write the mapping anew with `vividc map`"
-    return VividcError(reason, loc=f"mapping file: {place}", hint=hint)
+    return VividcError(reason, loc=f"{_FILE}{place}", hint=hint)

@@ -216,23 +216,29 @@ def _entry(node: Node) -> ConstantKey | None:
     return ("live_in", node.name) if node.op is Opcode.LIVE_IN else None
 
 
-def _entries_read(case: Case, node: Node) -> Iterator[ConstantKey]:
-    for edge in case.dfg.in_edges[node.id]:
+def _entries_read(dfg: DFG, node: Node) -> Iterator[ConstantKey]:
+    for edge in dfg.in_edges[node.id]:
         if edge.kind is not EdgeKind.DATA:
             continue
         for source in (edge.src, edge.init):
-            entry = None if source is None else _entry(case.dfg.by_id[source])
+            entry = None if source is None else _entry(dfg.by_id[source])
             if entry is not None:
                 yield entry
+
+
+def entries_needed(dfg: DFG, node: Node) -> set[ConstantKey]:
+    """Entries of the constant store of its PE that a node reads or writes."""
+    needed = set(_entries_read(dfg, node))
+    if node.op is Opcode.LIVE_OUT:
+        needed.add(("live_in", node.name))
+    return needed
 
 
 def _constants(case: Case, resident: ReadOnly[int, Collection[ConstantKey]]) -> Iterator[Violation]:
     entries = {pe.id: set(resident.get(pe.id, ())) for pe in case.fabric.pes}
     users: dict[int, list[int]] = defaultdict(list)
     for node, place in case.placed():
-        needed = set(_entries_read(case, node))
-        if node.op is Opcode.LIVE_OUT:
-            needed.add(("live_in", node.name))
+        needed = entries_needed(case.dfg, node)
         entries[place.pe] |= needed
         if needed:
             users[place.pe].append(node.id)
@@ -272,7 +278,7 @@ def _old_word_lost(
     for node, reader in case.placed():
         if reader.pe != place.pe or (straight and reader.time <= place.time):
             continue
-        if entry in _entries_read(case, node):
+        if entry in _entries_read(case.dfg, node):
             where = f"{live_out.name!r} on PE {place.pe}"
             text = f"{case.show(node.id)} reads {where} after it is written"
             yield Violation("live_in", text, (live_out.id, node.id))

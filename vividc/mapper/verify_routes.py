@@ -37,6 +37,24 @@ def route_violations(case: Case) -> tuple[list[Violation], Moves]:
     return [*found, *traffic.conflicts()], traffic.moves
 
 
+def carrying(case: Case) -> tuple[int, int]:
+    """Of legal routes: links driven and moves made for an iteration, each word once however many
+    read it; and registers in use, of each file the most in a slot, added up.
+    """
+    traffic = _Traffic(case)
+    for _ in _faulty_routes(case, traffic):
+        pass
+    links, held = 0, defaultdict[tuple[int, int], int](int)
+    for ((kind, pe, _), slot), words in traffic.words.items():
+        links += len(words) if kind == "link" else 0
+        held[pe, slot] += len(words) if kind == "reg" else 0
+    most: dict[int, int] = {}
+    for (pe, _), count in held.items():
+        most[pe] = max(count, most.get(pe, 0))
+    moves = sum(len(words) for words in traffic.moves.values())
+    return links + moves, sum(most.values())
+
+
 def _faulty_routes(case: Case, traffic: _Traffic) -> Iterator[Violation]:
     """What is wrong with routes by themselves; the sound ones enter `traffic`."""
     routed = dict(case.dfg.routed_edges())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import defaultdict
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from vividc.mapper.cpsat.problem import Prepared, windowed
 from vividc.mapper.cpsat.run import Search, run
 from vividc.mapper.cpsat.solve import JointModel, build, solved
 from vividc.mapper.dependences import dependences, earliest_starts, longest_tails
-from vividc.mapper.mapping import Mapping, Objective, Step
+from vividc.mapper.mapping import Mapping, Objective
 from vividc.mapper.problem import MapProblem
 
 _MOST_BOOLEANS: Final = 300_000
@@ -69,11 +70,13 @@ def measure(task: MapProblem, mapping: Mapping, objective: str) -> int:
         nodes = task.dfg.by_id
         ends = (p.time + task.fabric.latency(nodes[n]) for n, p in mapping.places.items())
         return max(ends, default=0)
-    words = _steps(task, mapping)
+    words = {
+        (task.dfg.edges[edge].src, step) for edge, route in mapping.routes.items() for step in route
+    }
     if objective == "hops":
-        return sum(step.kind == "link" or moved for _, step, moved in words)
+        return sum(step.kind == "link" for _, step in words) + len(_moves(task, mapping))
     held: dict[tuple[int, int], int] = defaultdict(int)
-    for _, step, _ in words:
+    for _, step in words:
         held[step.pe, step.time % mapping.ii] += step.kind == "reg"
     most: dict[int, int] = defaultdict(int)
     for (pe, _), count in held.items():
@@ -81,18 +84,19 @@ def measure(task: MapProblem, mapping: Mapping, objective: str) -> int:
     return sum(most.values())
 
 
-def _steps(task: MapProblem, mapping: Mapping) -> set[tuple[int, Step, bool]]:
-    """(word, step, whether an FU moved it there) of all words, each once however many read it."""
+def _moves(task: MapProblem, mapping: Mapping) -> set[tuple[int, int, int]]:
+    """(word, PE, cycle): the FU of the PE moves the word, wherever its result goes."""
     found = set()
     for edge, route in mapping.routes.items():
-        for before, step in zip((None, *route), route, strict=False):
+        for before, step in itertools.pairwise(route):
             here = (step.kind, step.pe, step.index)
-            stays = before is not None and (before.kind, before.pe, before.index) == here
+            keeps = step.kind == "reg" or task.fabric.routing.holds
+            stays = keeps and (before.kind, before.pe, before.index) == here
             by_fu = step.kind == "out" or (
                 step.kind == "reg" and task.fabric.pes[step.pe].written_by_fu
             )
-            moved = by_fu and before is not None and not stays
-            found.add((task.dfg.edges[edge].src, step, moved))
+            if by_fu and not stays:
+                found.add((task.dfg.edges[edge].src, step.pe, step.time))
     return found
 
 
