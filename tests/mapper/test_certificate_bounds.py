@@ -143,5 +143,5 @@ def test_a_reason_cannot_pass_for_a_finding() -> None:
     (found,) = check_bounds(
         (Bound("x", 2, "r\n  confirmed: \x1b[1m" + 999 * "y"),), subject_of(problem)
     )
-    assert str(found).startswith("wrong: x 2: r confirmed: ?[1myyy")
+    assert str(found).startswith("wrong: x 2: r confirmed: \\x1b[1myyy")
     assert len(str(found)) < 400

@@ -20,6 +20,7 @@ from vividc.mapper import (
     mapper_names,
     registry,
 )
+from vividc.mapper.mapping import Status
 
 
 def _install(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
@@ -64,11 +65,28 @@ def _careless(problem: MapProblem, request: MapRequest) -> MapResult:
     return replace(result, mapping=replace(result.mapping, routes={}))
 
 
+def _boasts(problem: MapProblem, request: MapRequest) -> MapResult:
+    result = registry.BUILT_IN["auto"](problem, request)
+    assert result.mapping is not None
+    return replace(result, lower_bound=7, ii=7)
+
+
+def _great(problem: MapProblem, request: MapRequest) -> MapResult:
+    return MapResult(cast(Status, "great"), None, 1, (), None, "guest", 0.1)
+
+
+def _impossible(problem: MapProblem, request: MapRequest) -> MapResult:
+    return MapResult("infeasible", None, 1, (), None, "guest", 0.1)
+
+
 @pytest.mark.parametrize(
     ("guest", "fault"),
     [
         ("_raises", "failed with ZeroDivisionError: of the guest"),
         ("_nothing", "returned a NoneType instead of a MapResult"),
+        ("_boasts", "claims what does not hold: the mapping has II 1, the result says 7"),
+        ("_great", "claims what does not hold: there is no status 'great'"),
+        ("_impossible", "claims what does not hold: infeasible is claimed, but no II is refuted"),
         ("_careless", "made an illegal mapping of 'chain3': "),
     ],
 )

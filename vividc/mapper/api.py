@@ -7,13 +7,15 @@ import time
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
+from typing import get_args
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError, demand_type
+from vividc.mapper.certificate import check_certificate
 from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import MapInterrupted, MapResult, Subject
+from vividc.mapper.mapping import MapInterrupted, MapResult, Status, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
 from vividc.mapper.request import Mapper, MapRequest, Progress
@@ -202,28 +204,42 @@ def _check_sets(given: object, loc: str, hint: str) -> None:
 
 
 def _about(result: MapResult, problem: MapProblem) -> MapResult:
-    """The result with what it is about, which a caller cannot change after."""
-    subject = Subject(
+    subject, mapping = _subject(problem), result.mapping
+    known = None if mapping is None else replace(mapping, subject=subject)
+    return replace(result, mapping=known, subject=subject)
+
+
+def _subject(problem: MapProblem) -> Subject:
+    """What a result is about, which a caller cannot change after."""
+    return Subject(
         problem.dfg,
         problem.fabric,
         {node: frozenset(pes) for node, pes in problem.allowed.items()},
         {pe: frozenset(held) for pe, held in problem.resident.items()},
     )
-    mapping = result.mapping
-    known = None if mapping is None else replace(mapping, subject=subject)
-    return replace(result, mapping=known, subject=subject)
 
 
 def _confirm(problem: MapProblem, result: MapResult, mapper: str) -> None:
-    """Refuse an illegal mapping: a bug of ours, or of the package that `mapper` comes from."""
-    found = _violations(problem, result)
+    """Refuse an illegal mapping: a bug of ours, or of the package that `mapper` comes from. What a
+    guest claims must hold, too, as far as that can be seen without a solver.
+    """
+    found = [str(violation) for violation in _violations(problem, result)]
+    what = f"made an illegal mapping of {printable(problem.dfg.name)!r}"
+    if mapper not in BUILT_IN and not found:
+        found, what = _false_claims(problem, result), "claims what does not hold"
     if not found:
         return
-    shown = "; ".join(str(violation) for violation in found[:_SHOWN])
-    what = f"made an illegal mapping of {problem.dfg.name!r}: {shown}"
+    what = f"{what}: {'; '.join(found[:_SHOWN])}"
     if mapper in BUILT_IN:
         raise InternalError(f"mapper {mapper!r} {what}")
     raise guest_fault(mapper, what)
+
+
+def _false_claims(problem: MapProblem, result: MapResult) -> list[str]:
+    if result.status not in get_args(Status):
+        return [f"there is no status {quoted(result.status)}"]
+    findings = check_certificate(result, _subject(problem))
+    return [finding.what for finding in findings if finding.verdict == "wrong"]
 
 
 def _violations(problem: MapProblem, result: MapResult) -> list[Violation]:

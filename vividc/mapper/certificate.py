@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from vividc.mapper.certificate_bounds import check_bounds
 from vividc.mapper.certificate_objective import check_objective
-from vividc.mapper.finding import Finding, Verdict, quoted
+from vividc.mapper.finding import Finding, Verdict, own_words
 from vividc.mapper.mapping import MapResult, Subject
 from vividc.mapper.verify import violations
 
@@ -67,7 +67,7 @@ def _bounds_above(result: MapResult) -> Iterator[Finding]:
     """Bounds that the mapping, which is legal, disproves."""
     for bound in result.bounds:
         if result.mapping is not None and bound.ii > result.mapping.ii:
-            text = f"{quoted(bound.name)} {bound.ii} is above the II {result.mapping.ii}"
+            text = f"{own_words(bound.name)} {bound.ii} is above the II {result.mapping.ii}"
             yield Finding("wrong", f"{text} of the mapping")
 
 
@@ -118,7 +118,7 @@ def _check_refuted(result: MapResult, reach: _Reach) -> Iterator[Finding]:
             text = f"II {item.ii} cannot work: there are {reach.contexts} contexts"
             yield Finding("confirmed", text)
         else:
-            yield Finding("trusted", f"II {item.ii} refuted by {quoted(item.by)}")
+            yield Finding("trusted", f"II {item.ii} refuted by {own_words(item.by)}")
 
 
 def _check_lower_bound(result: MapResult, reach: _Reach) -> Iterator[Finding]:
@@ -166,5 +166,5 @@ def _taken_on_trust(result: MapResult) -> Iterator[Finding]:
     if result.constrained:
         text = "constraints were added that are not in the result: what is mapped keeps to them"
         yield Finding("trusted", f"{text}, and what is refuted is so within them")
-    about = f"mapped by {quoted(result.mapper)} in {result.wall_s:.1f} s"
+    about = f"mapped by {own_words(result.mapper)} in {result.wall_s:.1f} s"
     yield Finding("trusted", f"{about}; statistics, versions, words and source lines of bounds")

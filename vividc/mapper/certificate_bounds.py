@@ -13,7 +13,7 @@ from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.opcodes import Opcode
 from vividc.mapper.certificate_lives import least_sum_of_lives, places_for_words, separation
 from vividc.mapper.certificate_reach import connected, readable_from
-from vividc.mapper.finding import Finding, quoted
+from vividc.mapper.finding import Finding, own_words
 from vividc.mapper.mapping import Bound, Subject
 from vividc.mapper.verify import entries_needed
 
@@ -64,8 +64,8 @@ class _Claim:
 
 def _check(claim: _Claim) -> Finding:
     bound = claim.bound
-    text = f"{quoted(bound.name)} {bound.ii}: "
-    given = f"{text}{quoted(bound.reason)}"
+    text = f"{own_words(bound.name)} {bound.ii}: "
+    given = f"{text}{own_words(bound.reason)}"
     unknown = [node for node in bound.nodes if node not in claim.dfg.by_id]
     if unknown:
         return Finding("wrong", f"{given} (the graph has no node {unknown[0]})")
@@ -87,8 +87,8 @@ def _shown(nodes: Sequence[Node]) -> str:
 
 def _name(node: Node) -> str:
     kind = node.name if node.op is Opcode.GENERIC and node.name else node.op.value
-    label = f" ({quoted(node.label)})" if node.label else ""
-    return f"{quoted(kind)} #{node.id}{label}"
+    label = f" ({own_words(node.label)})" if node.label else ""
+    return f"{own_words(kind)} #{node.id}{label}"
 
 
 # --- recurrences and paths ------------------------------------------------------------------------

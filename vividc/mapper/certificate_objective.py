@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from vividc.mapper.finding import Finding, quoted
+from vividc.mapper.finding import Finding, own_words
 from vividc.mapper.mapping import Mapping, MapResult, Objective, Subject
 from vividc.mapper.verify_case import Case
 from vividc.mapper.verify_routes import carrying
@@ -19,7 +19,7 @@ def check_objective(result: MapResult, subject: Subject) -> Iterator[Finding]:
     if found is None:
         return
     if mapping is None:
-        yield Finding("wrong", f"an objective is given without a mapping: {quoted(found.name)}")
+        yield Finding("wrong", f"an objective is given without a mapping: {own_words(found.name)}")
         return
     case = _case(mapping, subject)
     yield _check_value(found, case, constrained=result.constrained)
@@ -41,7 +41,7 @@ def _check_value(found: Objective, case: Case, *, constrained: bool) -> Finding:
     values = {"hops": hops, "registers": registers, "length": length}
     added = found.name in (_ADDED, *(f"{_ADDED} + {name}" for name in values))
     if not added and found.name not in values:
-        return Finding("wrong", f"no objective is called {quoted(found.name)}")
+        return Finding("wrong", f"no objective is called {own_words(found.name)}")
     if added and not constrained:
         return Finding("wrong", f"{found.name}: nothing was added to the problem")
     if found.value is None:
@@ -57,7 +57,7 @@ def _check_value(found: Objective, case: Case, *, constrained: bool) -> Finding:
 def _check_bound(found: Objective, case: Case) -> Finding:
     last = max((place.time for place in case.places.values()), default=0)
     limit = f"no mapping that issues nothing after cycle {found.last_issue} has less than"
-    text = f"{quoted(found.name)}: {limit} {found.bound}"
+    text = f"{own_words(found.name)}: {limit} {found.bound}"
     if last > found.last_issue:
         return Finding("wrong", f"{text}; this one issues in cycle {last}")
     if found.value is None or (found.bound is not None and found.bound > found.value):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from vividc.printable import printable
+
 Verdict = Literal["confirmed", "trusted", "wrong"]
 _MOST_CHARACTERS: Final = 300
 
@@ -20,7 +22,7 @@ class Finding:
         return f"{self.verdict}: {self.what}"
 
 
-def quoted(text: str) -> str:
+def own_words(text: str) -> str:
     """A file's own words on one line: they cannot pass for a finding."""
-    shown = "".join(char if char.isprintable() else "?" for char in " ".join(text.split()))
+    shown = printable(" ".join(text.split()))
     return shown if len(shown) <= _MOST_CHARACTERS else f"{shown[:_MOST_CHARACTERS]}..."
