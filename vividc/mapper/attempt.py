@@ -148,12 +148,13 @@ def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadli
         slack, problem = 1, windowed(task, ii, 1)
     while not deadline.passed and _buildable(problem, deadline):
         request.tell(f"II {ii}: joint model with slack {slack}, {problem.size} Booleans")
-        last = slack >= complete
+        if slack >= complete:
+            return _joint(problem, Search(deadline, request.workers), request.extend)
         slack = min(2 * slack, complete)
         wider, half = windowed(task, ii, slack), deadline.within(deadline.remaining_s / 2)
-        share = half if not last and _buildable(wider, half) else deadline
-        attempt = _joint(problem, Search(share, request.workers, light=not last), request.extend)
-        if attempt.mapping is not None or last:
+        share = half if _buildable(wider, half) else deadline
+        attempt = _joint(problem, Search(share, request.workers, light=True), request.extend)
+        if attempt.mapping is not None:
             return attempt
         problem = wider
     return OPEN

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import defaultdict
 from collections.abc import Callable
@@ -16,6 +15,7 @@ from vividc.mapper.cpsat.problem import Prepared, windowed
 from vividc.mapper.cpsat.run import Search, run
 from vividc.mapper.cpsat.solve import JointModel, build, solved
 from vividc.mapper.dependences import dependences, earliest_starts, longest_tails
+from vividc.mapper.fu_slots import moved
 from vividc.mapper.mapping import Mapping, Objective
 from vividc.mapper.problem import MapProblem
 
@@ -74,7 +74,8 @@ def measure(task: MapProblem, mapping: Mapping, objective: str) -> int:
         (task.dfg.edges[edge].src, step) for edge, route in mapping.routes.items() for step in route
     }
     if objective == "hops":
-        return sum(step.kind == "link" for _, step in words) + len(_moves(task, mapping))
+        moves = moved(task.dfg, task.fabric, mapping).values()
+        return sum(step.kind == "link" for _, step in words) + sum(map(len, moves))
     held: dict[tuple[int, int], int] = defaultdict(int)
     for _, step in words:
         held[step.pe, step.time % mapping.ii] += step.kind == "reg"
@@ -82,22 +83,6 @@ def measure(task: MapProblem, mapping: Mapping, objective: str) -> int:
     for (pe, _), count in held.items():
         most[pe] = max(most[pe], count)
     return sum(most.values())
-
-
-def _moves(task: MapProblem, mapping: Mapping) -> set[tuple[int, int, int]]:
-    """(word, PE, cycle): the FU of the PE moves the word, wherever its result goes."""
-    found = set()
-    for edge, route in mapping.routes.items():
-        for before, step in itertools.pairwise(route):
-            here = (step.kind, step.pe, step.index)
-            keeps = step.kind == "reg" or task.fabric.routing.holds
-            stays = keeps and (before.kind, before.pe, before.index) == here
-            by_fu = step.kind == "out" or (
-                step.kind == "reg" and task.fabric.pes[step.pe].written_by_fu
-            )
-            if by_fu and not stays:
-                found.add((task.dfg.edges[edge].src, step.pe, step.time))
-    return found
 
 
 def _around(task: MapProblem, mapping: Mapping) -> tuple[Prepared, int]:
