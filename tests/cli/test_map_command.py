@@ -60,7 +60,7 @@ def test_json_names_what_is_fullest_where_the_ii_is_above_the_bounds(graph):
     assert (out["ii"], out["lower_bound"]) == (5, 3)
     fu = out["fullest"]["fu"]
     assert set(out["fullest"]) == {"fu", "link", "file"}
-    assert f"PE {fu['pe']} issues in {fu['slots']} of 5 slots" in done.stdout
+    assert f"the FU of PE {fu['pe']} is taken in {fu['slots']} of 5 slots" in done.stdout
 
 
 def test_mapping_file_reads_back_as_a_legal_mapping(graph, tmp_path):

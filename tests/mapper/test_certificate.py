@@ -277,7 +277,7 @@ def test_explain_names_the_routing_bottleneck() -> None:
     text = refuted.explain()
     assert "what binds: places and routes; II 1 passes every bound" in text
     assert "II 2 neither mapped nor refuted" in text
-    assert "fullest in this mapping: PE" in text
+    assert "fullest in this mapping: the FU of PE" in text
 
 
 @pytest.mark.parametrize(

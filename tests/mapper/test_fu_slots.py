@@ -9,9 +9,10 @@ from fabrics import grid
 from graphs import chain
 
 from vividc.arch import load
-from vividc.mapper import Mapping, Place, Step, utilization
+from vividc.mapper import Mapping, MapResult, Place, Step, utilization
 from vividc.mapper.draw_scene import scene_of
 from vividc.mapper.fu_slots import fu_slots
+from vividc.mapper.mapping import Subject
 
 
 def test_operations_take_a_slot_each_and_live_outs_none() -> None:
@@ -29,6 +30,8 @@ def test_moves_of_words_by_fus_take_slots() -> None:
     steps = (Step("out", 0, 0, 1), Step("out", 1, 0, 2), Step("out", 1, 0, 3))
     mapping = Mapping(4, {first: Place(0, 0), second: Place(1, 3)}, {index: steps})
     assert utilization(dfg, fabric, mapping) == pytest.approx(3 / 16)
+    result = MapResult("feasible", 4, 1, (), mapping, "auto", 0.0, subject=Subject(dfg, fabric))
+    assert "the FU of PE 1 is taken in 2 of 4 slots" in result.explain()
 
 
 def test_an_fu_that_is_kept_busy_takes_slots() -> None:

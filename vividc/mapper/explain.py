@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
+from vividc.mapper.fu_slots import fu_slots_by_pe
 from vividc.mapper.mapping import Mapping, MapResult, Refutation, Subject
 from vividc.mapper.refutations import BY_BOUND, BY_CONTEXTS, BY_SCHEDULE, WITHIN_ADDED
 
@@ -70,7 +71,7 @@ class Binding:
 
 @dataclass(frozen=True, slots=True)
 class FullestFU:
-    """The PE that issues in most slots."""
+    """The PE whose FU is taken in most slots: by operations, units kept busy and moves."""
 
     pe: int
     slots: int
@@ -157,7 +158,7 @@ def _because(found: Binding) -> str:
 
 def _fullest_parts(room: Fullest, ii: int) -> Iterator[str]:
     if room.fu is not None:
-        yield f"PE {room.fu.pe} issues in {room.fu.slots} of {ii} slots"
+        yield f"the FU of PE {room.fu.pe} is taken in {room.fu.slots} of {ii} slots"
     if room.link is not None:
         ends = f"PE {room.link.src} -> {room.link.dst}"
         yield f"the link {ends} is driven in {room.link.slots} of {ii}"
@@ -168,9 +169,7 @@ def _fullest_parts(room: Fullest, ii: int) -> Iterator[str]:
 
 def _fullest_of(mapping: Mapping, subject: Subject) -> Fullest:
     fabric, ii = subject.fabric, mapping.ii
-    issues = Counter(
-        place.pe for node, place in mapping.places.items() if subject.dfg.by_id[node].uses_fu
-    )
+    taken = fu_slots_by_pe(subject.dfg, fabric, mapping)
     links: dict[int, set[int]] = defaultdict(set)
     registers: dict[tuple[int, int], set[int]] = defaultdict(set)
     for steps in mapping.routes.values():
@@ -180,8 +179,8 @@ def _fullest_of(mapping: Mapping, subject: Subject) -> Fullest:
             elif step.kind == "reg":
                 registers[step.pe, step.time % ii].add(step.index)
     fu = link = file = None
-    if issues:
-        fu = FullestFU(*_most(issues))
+    if taken:
+        fu = FullestFU(*_most(taken))
     if links:
         index, slots = _most({index: len(found) for index, found in links.items()})
         link = FullestLink(fabric.links[index].src, fabric.links[index].dst, slots)

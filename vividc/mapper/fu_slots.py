@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from itertools import pairwise
 
 from vividc.arch.fabric import Fabric
@@ -17,10 +17,18 @@ def utilization(dfg: DFG, fabric: Fabric, mapping: Mapping) -> float:
 
 def fu_slots(dfg: DFG, fabric: Fabric, mapping: Mapping) -> int:
     """Issue slots that the mapping takes, of all FUs together."""
-    placed = (dfg.by_id[node] for node in mapping.places)
-    issued = sum(1 for node in placed if node.uses_fu)
-    moves = sum(map(len, moved(dfg, fabric, mapping).values()))
-    return issued + len(kept(dfg, fabric, mapping)) + moves
+    return fu_slots_by_pe(dfg, fabric, mapping).total()
+
+
+def fu_slots_by_pe(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Counter[int]:
+    """Issue slots of each PE's FU that the mapping takes, by PE id; what takes none is left out."""
+    found = Counter(
+        place.pe for node, place in mapping.places.items() if dfg.by_id[node].uses_fu
+    )
+    found.update(pe for pe, _ in kept(dfg, fabric, mapping))
+    for (pe, _), words in moved(dfg, fabric, mapping).items():
+        found[pe] += len(words)
+    return found
 
 
 def kept(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], Node]:
