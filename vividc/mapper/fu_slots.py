@@ -22,9 +22,7 @@ def fu_slots(dfg: DFG, fabric: Fabric, mapping: Mapping) -> int:
 
 def fu_slots_by_pe(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Counter[int]:
     """Issue slots of each PE's FU that the mapping takes, by PE id; what takes none is left out."""
-    found = Counter(
-        place.pe for node, place in mapping.places.items() if dfg.by_id[node].uses_fu
-    )
+    found = Counter(place.pe for node, place in mapping.places.items() if dfg.by_id[node].uses_fu)
     found.update(pe for pe, _ in kept(dfg, fabric, mapping))
     for (pe, _), words in moved(dfg, fabric, mapping).items():
         found[pe] += len(words)

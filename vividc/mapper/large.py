@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
+from vividc.arch.fabric import Fabric
 from vividc.mapper.attempt import Attempt, map_negotiated, refute_cheaply
 from vividc.mapper.campaign import Campaign
 from vividc.mapper.deadline import Deadline
@@ -26,10 +27,12 @@ _DESCENTS_WITH_MOVES: Final = (
     Effort(moves=16000),
 )
 """Of each round from the best downward: where FUs move words, what fails takes longest."""
-_FIRST_FACTOR, _NEXT_FACTOR = 1.25, 1.4
-_FIRST_SHARE: Final = 0.3
-_FIRST_WITH_MOVES: Final = 2.0
-"""The first II of a large array, in bounds, where FUs move words."""
+_STEP, _STEP_WITH_MOVES, _LARGE_STEP_WITH_MOVES = 1 / 24, 1 / 4, 1.0
+"""The first step above the bound, in bounds (the last one: on large arrays). Where FUs move words
+the best II is farther above it, and what fails takes longest.
+"""
+_SHARE, _BOUND_SHARE_WITH_MOVES = 0.4, 0.1
+"""Of the time that is left, for an II until something maps."""
 _LARGE_ARRAY: Final = 64
 _ROOMY: Final = 0.3
 _FIRST_PROOF_S, _PROOF_S = 1.0, 2.0
@@ -56,13 +59,21 @@ def prepared(request: MapRequest) -> MapRequest:
 
 
 def start_large(campaign: Campaign, limit: int) -> None:
-    """Some mapping by negotiation, at the bound where the array has room enough there."""
+    """Some mapping by negotiation, from the bound upward; from above it on large arrays whose FUs
+    move words, unless there is room enough at the bound.
+    """
     if campaign.best is not None:
         return
-    if _is_roomy(campaign):
-        _negotiate(campaign, campaign.lower, 1, _QUICK, _FIRST_SHARE)
+    fabric = campaign.problem.fabric
+    share = _BOUND_SHARE_WITH_MOVES if fabric.routing.moves else _SHARE
+    if not _needs_large_steps(fabric) or _is_roomy(campaign):
+        _negotiate(campaign, campaign.lower, 1, _QUICK, share)
     if campaign.best is None:
-        _gain_foothold(campaign, limit)
+        _climb(campaign, limit)
+
+
+def _needs_large_steps(fabric: Fabric) -> bool:
+    return fabric.routing.moves and len(fabric.pes) >= _LARGE_ARRAY
 
 
 def _is_roomy(campaign: Campaign) -> bool:
@@ -111,7 +122,7 @@ def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
     campaign.request = replace(request, deadline=request.deadline.within(_share(request)))
     if _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is not None:
         return request
-    _gain_foothold(campaign, limit)
+    _climb(campaign, limit)
     _descend(campaign, Effort())
     return request
 
@@ -131,17 +142,18 @@ def _negotiate(
     return found
 
 
-def _gain_foothold(campaign: Campaign, limit: int) -> None:
-    """A mapping a quarter above the bound, or farther above it."""
+def _climb(campaign: Campaign, limit: int) -> None:
+    """Some mapping above the bound, each time twice as far above it."""
     fabric = campaign.problem.fabric
-    with_moves = fabric.routing.moves and len(fabric.pes) >= _LARGE_ARRAY
-    ii = math.ceil((_FIRST_WITH_MOVES if with_moves else _FIRST_FACTOR) * campaign.lower)
+    part = _STEP_WITH_MOVES if fabric.routing.moves else _STEP
+    part = _LARGE_STEP_WITH_MOVES if _needs_large_steps(fabric) else part
+    above = math.ceil(part * campaign.lower)
     while not campaign.request.deadline.passed:
-        ii = min(ii, limit)
-        share = 1.0 if ii == limit else _FIRST_SHARE
+        ii = min(campaign.lower + above, limit)
+        share = 1.0 if ii == limit else _SHARE
         if _negotiate(campaign, ii, 1, _QUICK, share).mapping is not None or ii == limit:
             return
-        ii = math.ceil(_NEXT_FACTOR * ii)
+        above *= 2
 
 
 def _descend(campaign: Campaign, effort: Effort, seed: int = 1) -> None:
