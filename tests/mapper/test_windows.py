@@ -155,3 +155,12 @@ def test_what_is_known_comes_back_where_nothing_better_is_found(nodes: int) -> N
     assert known is not None
     result = find_mapper("auto")(problem, MapRequest(None, Deadline.after(2.0), 1, known=known))
     assert result.mapping is known
+
+
+def test_schedules_are_placed_in_windows_of_a_large_array() -> None:
+    """With 256 PEs for each node placing alone takes longer than there is time."""
+    told: list[str] = []
+    dfg, fabric = random_loop(1, 16), load("mesh-16x16")
+    result = map_dfg(dfg, fabric, "decoupled", time_limit_s=60, progress=told.append)
+    assert result.status == "optimal"
+    assert "trying the window" in " ".join(told)

@@ -29,7 +29,7 @@ from vividc.mapper.large import (
 )
 from vividc.mapper.mapping import Bound, MapInterrupted, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.request import MapRequest
+from vividc.mapper.request import Mapper, MapRequest
 from vividc.mapper.windows import search_windows
 
 _CLIMB_SHARE = 0.08
@@ -47,7 +47,7 @@ def auto(problem: MapProblem, request: MapRequest) -> MapResult:
     """Every way: negotiation where constraints take long, schedules before places, relaxations, the
     joint model, and windows of the array.
     """
-    return _search(problem, request, "auto", _try_everything, windows=True)
+    return _search(problem, request, "auto", _try_everything, in_window=_auto_in_window)
 
 
 def _auto_in_window(problem: MapProblem, request: MapRequest) -> MapResult:
@@ -62,9 +62,13 @@ def cpsat(problem: MapProblem, request: MapRequest) -> MapResult:
 
 
 def decoupled(problem: MapProblem, request: MapRequest) -> MapResult:
-    """Schedule first, then place and route, graphs of any size; "optimal" only where bounds and the
-    relaxation prove it.
+    """Schedule first, then place and route, graphs of any size, on large arrays in windows first;
+    "optimal" only where bounds and the relaxation prove it.
     """
+    return _search(problem, request, "decoupled", _try_decoupled, in_window=_decoupled_in_window)
+
+
+def _decoupled_in_window(problem: MapProblem, request: MapRequest) -> MapResult:
     return _search(problem, request, "decoupled", _try_decoupled)
 
 
@@ -85,7 +89,7 @@ def _search(
     name: str,
     strategy: Strategy,
     *,
-    windows: bool = False,
+    in_window: Mapper | None = None,
 ) -> MapResult:
     began = time.monotonic()
     bounds = all_bounds(problem)
@@ -95,7 +99,7 @@ def _search(
         request = prepared(request)
     campaign = Campaign(problem, request, strategy, mii(bounds), request.known)
     try:
-        infeasible = _explore(campaign, windows=windows)
+        infeasible = _explore(campaign, in_window)
     except KeyboardInterrupt as stop:
         if campaign.best is None:
             raise
@@ -104,8 +108,10 @@ def _search(
     return result_of(campaign, bounds, name, began, infeasible=infeasible)
 
 
-def _explore(campaign: Campaign, *, windows: bool) -> bool:
-    """Search until the deadline or the proof; whether no II maps."""
+def _explore(campaign: Campaign, in_window: Mapper | None) -> bool:
+    """Search until the deadline or the proof, with `in_window` on rectangles of a large array;
+    whether no II maps.
+    """
     problem, request, strategy = campaign.problem, campaign.request, campaign.strategy
     if campaign.lower >= no_ii(problem):
         return True
@@ -119,7 +125,7 @@ def _explore(campaign: Campaign, *, windows: bool) -> bool:
         _start_small(campaign)
     if large and not jointly:
         descend_large(campaign)
-    others = search_windows(campaign, _auto_in_window) if windows else iter(())
+    others = iter(()) if in_window is None else search_windows(campaign, in_window)
     if large and not jointly:
         insist(campaign, others)
     for _ in others:
