@@ -164,3 +164,17 @@ def test_schedules_are_placed_in_windows_of_a_large_array() -> None:
     result = map_dfg(dfg, fabric, "decoupled", time_limit_s=60, progress=told.append)
     assert result.status == "optimal"
     assert "trying the window" in " ".join(told)
+
+
+@pytest.mark.parametrize(("name", "first"), [("openedge-12x12", True), ("mesh-12x12", False)])
+def test_a_sparse_graph_begins_in_a_window_where_fus_move_words(name: str, first: bool) -> None:
+    """A cycle of 12 operations, and a tail: 42 of 1728 slots at the bound."""
+    nodes = tuple(Node(i, Opcode.GENERIC) for i in range(42))
+    edges = (*(Edge(i, i + 1, 0) for i in range(41)), Edge(11, 0, 1, 1))
+    told: list[str] = []
+    dfg, fabric = DFG("cycle", nodes, edges), load(name)
+    result = map_dfg(dfg, fabric, time_limit_s=60, workers=1, progress=told.append)
+    assert (result.status, result.ii) == ("optimal", 12)
+    assert result.mapping is not None
+    assert violations(dfg, fabric, result.mapping) == []
+    assert any("window" in line for line in told) == first

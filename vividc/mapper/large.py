@@ -18,7 +18,7 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.negotiate import Effort, prepare
 from vividc.mapper.request import MapRequest
 
-_QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
+QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
 _DESCENTS: Final = (Effort(trials=1), Effort())
 _DESCENTS_WITH_MOVES: Final = (
     Effort(moves=4000, repairs=60, shown=1),
@@ -67,7 +67,7 @@ def start_large(campaign: Campaign, limit: int) -> None:
     fabric = campaign.problem.fabric
     share = _BOUND_SHARE_WITH_MOVES if fabric.routing.moves else _SHARE
     if not _needs_large_steps(fabric) or _is_roomy(campaign):
-        _negotiate(campaign, campaign.lower, 1, _QUICK, share)
+        _negotiate(campaign, campaign.lower, 1, QUICK, share)
     if campaign.best is None:
         _climb(campaign, limit)
 
@@ -120,7 +120,7 @@ def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
     """
     request = prepared(campaign.request)
     campaign.request = replace(request, deadline=request.deadline.within(_share(request)))
-    if _negotiate(campaign, campaign.lower, 1, _QUICK).mapping is not None:
+    if _negotiate(campaign, campaign.lower, 1, QUICK).mapping is not None:
         return request
     _climb(campaign, limit)
     _descend(campaign, Effort())
@@ -151,7 +151,7 @@ def _climb(campaign: Campaign, limit: int) -> None:
     while not campaign.request.deadline.passed:
         ii = min(campaign.lower + above, limit)
         share = 1.0 if ii == limit else _SHARE
-        if _negotiate(campaign, ii, 1, _QUICK, share).mapping is not None or ii == limit:
+        if _negotiate(campaign, ii, 1, QUICK, share).mapping is not None or ii == limit:
             return
         above *= 2
 

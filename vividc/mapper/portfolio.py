@@ -30,7 +30,7 @@ from vividc.mapper.large import (
 from vividc.mapper.mapping import Bound, MapInterrupted, MapResult, Refutation, Status
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper, MapRequest
-from vividc.mapper.windows import search_windows
+from vividc.mapper.windows import search_windows, start_in_window
 
 _CLIMB_SHARE = 0.08
 _FIRST_SHARE_ALONE, _CLIMB_SHARE_ALONE = 0.5, 0.2
@@ -119,6 +119,8 @@ def _explore(campaign: Campaign, in_window: Mapper | None) -> bool:
         return _only(campaign, request.ii)
     large = _negotiates(problem, request, strategy)
     jointly = strategy is _try_jointly
+    if large and in_window is not None:
+        start_in_window(campaign)
     if large:
         start_large(campaign, ii_limit(problem))
     elif _takes_footholds(problem, request, strategy):

@@ -6,14 +6,16 @@ array does no worse than a smaller one that it contains.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Final
 
 from vividc.arch.fabric import Fabric, Link
-from vividc.mapper.attempt import Attempt
+from vividc.mapper.attempt import Attempt, map_negotiated
 from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.campaign import Campaign
-from vividc.mapper.large import limit_of
+from vividc.mapper.large import QUICK, limit_of
 from vividc.mapper.mapping import MapInterrupted, Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper
@@ -35,6 +37,13 @@ _GROWTH = 1.5
 _AMPLE = 3
 _FIRST_SHARE, _SHARE = 0.3, 0.2
 """Of the time that is left, for a window until something is mapped, and after that."""
+
+_SPARSE, _FILLED = 0.06, 0.2
+"""Parts of the slots: a graph that takes less of the array's begins in a window where it takes no
+more than this of them, since on the array annealing leaves it far apart.
+"""
+_FIRST_SEEDS: Final = (1, 2)
+_SEED_SHARE: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -82,17 +91,49 @@ def window(fabric: Fabric, top: int, left: int, rows: int, cols: int) -> Window:
     return Window(part, tuple(pe.id for pe in inside), tuple(link.id for link in links))
 
 
+def start_in_window(campaign: Campaign) -> None:
+    """Where FUs move words and a graph takes hardly any of a large array's slots at the bound,
+    negotiate at the bound in one window.
+    """
+    problem, request, bound = campaign.problem, campaign.request, campaign.lower
+    work = _work(problem)
+    sparse = work <= _SPARSE * len(problem.fabric.pes) * bound
+    if not (sparse and problem.fabric.routing.moves and _has_windows(campaign)):
+        return
+    side = max(_NARROWEST, math.ceil(math.sqrt(work / bound / _FILLED)))
+    if side > min(problem.fabric.rows, problem.fabric.cols):
+        return
+    part, its_bound = _best_corner(problem, side, side)
+    smaller = replace(problem, fabric=part.fabric)
+    for seed in _FIRST_SEEDS:
+        if its_bound > bound or campaign.best is not None:
+            return
+        request.tell(f"trying the window {part.fabric.name}")
+        deadline = request.deadline.within(_SEED_SHARE * request.deadline.remaining_s)
+        found = map_negotiated(smaller, bound, request, deadline, seed, QUICK).mapping
+        _keep(campaign, part, found)
+
+
 def search_windows(campaign: Campaign, mapper: Mapper) -> Iterator[None]:
     """Have `mapper` look for an II below the best, if there is any, on rectangles of a large array,
     one a step, each with a share of the time that is left.
     """
-    problem, request = campaign.problem, campaign.request
-    fixed = problem.allowed or problem.resident or request.extend is not None
-    if len(problem.fabric.pes) <= _WORTH_WINDOWS or fixed or campaign.lower >= no_ii(problem):
+    if not _has_windows(campaign) or campaign.lower >= no_ii(campaign.problem):
         return
     for part in _windows(campaign):
         _search_window(campaign, mapper, part)
         yield
+
+
+def _has_windows(campaign: Campaign) -> bool:
+    problem = campaign.problem
+    fixed = problem.allowed or problem.resident or campaign.request.extend is not None
+    return len(problem.fabric.pes) > _WORTH_WINDOWS and not fixed
+
+
+def _work(problem: MapProblem) -> int:
+    """Slots of FUs that the operations take in an iteration."""
+    return sum(problem.fabric.occupancy(node) for node in problem.dfg.operations)
 
 
 def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
@@ -121,7 +162,7 @@ def _windows(campaign: Campaign) -> Iterator[Window]:
     bound), each clearly larger than the one before, until some may reach the bound.
     """
     problem, bound = campaign.problem, campaign.lower
-    work = sum(problem.fabric.occupancy(node) for node in problem.dfg.operations)
+    work = _work(problem)
     room = _ROOM_WITH_MOVES if problem.fabric.routing.moves else _ROOM
     area, ample = 0.0, 0
     for rows, cols in _shapes(problem.fabric):
