@@ -8,6 +8,7 @@ Each becomes something that survives LLVM and that `local_arrays` recognises aft
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 from collections.abc import Callable, Iterator
@@ -20,6 +21,7 @@ from llvmlite import ir
 from numba.core import cgutils, lowering, types
 from numba.core.runtime.context import NRTContext
 from numba.cpython import slicing, tupleobj
+from numba.extending import overload
 from numba.np import arraymath, arrayobj, npyimpl
 
 from vividc.frontend.overlap import ask_later
@@ -222,6 +224,19 @@ def reshape(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
 
 
 _array_reshape: Callable[..., Any] = arrayobj.array_reshape
+
+
+_overload: Callable[..., Callable[..., Any]] = functools.partial(overload, target="vividc")
+
+
+@_overload(arrayobj.raise_with_shape_context)
+def _overload_raise_with_shape_context(src_shapes: Any, index_shape: Any) -> Any:
+    """Without the sizes: to write them, numba compiles strings, in vain, for every such slice."""
+    return _raise_other_size
+
+
+def _raise_other_size(src_shapes: Any, index_shape: Any) -> Any:
+    raise ValueError("cannot assign slice from input of different size")
 
 
 def broadcast_onto(builder: ir.IRBuilder, args: Any) -> Any:
