@@ -10,12 +10,12 @@ from tests.mapper.tiny_fabrics import tiny_fabric
 from vividc import arch
 from vividc.dfg.ir import DFG
 from vividc.mapper import map_dfg
-from vividc.mapper.attempt import OPEN
+from vividc.mapper.attempt import OPEN, Attempt
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.campaign import Campaign
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.foothold import gain_foothold, needs_foothold
-from vividc.mapper.portfolio import ii_limit
+from vividc.mapper.portfolio import _climb, ii_limit
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.verify import verify
@@ -63,3 +63,21 @@ def test_no_foothold_beyond_the_configuration_memory() -> None:
     fabric = tiny_fabric(1, 3, registers=1, constants=12, max_stages=2, contexts=1)
     result = map_dfg(random_loop(80, 4), fabric, time_limit_s=30, workers=1)
     assert result.status == "infeasible"
+
+
+def test_below_a_foothold_the_iis_between_come_before_the_bound() -> None:
+    """The bound was tried for the same time before: another II is likelier to map."""
+    tried = []
+
+    def strategy(_: MapProblem, ii: int, *__: object) -> Attempt:
+        tried.append(ii)
+        return OPEN
+
+    search = campaign("mesh-4x4", random_loop(3, 18))
+    search.strategy = strategy
+    lower = search.lower
+    search.best = map_dfg(search.problem.dfg, search.problem.fabric, ii=lower + 3).mapping
+    _climb(search, 10.0, 1.0)
+    search.tries = {lower: 1}
+    _climb(search, 10.0, 1.0)
+    assert tried == [lower, lower + 1, lower + 2, lower + 1, lower + 2]

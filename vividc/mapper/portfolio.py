@@ -36,6 +36,7 @@ _CLIMB_SHARE = 0.08
 _FIRST_SHARE_ALONE, _CLIMB_SHARE_ALONE = 0.5, 0.2
 """Where constraints alone are to find a mapping: no other strategy comes to an II again."""
 _CLIMB_LEAST_S = 2.0
+_FIRST_SHARE = 0.5
 _WORTH_TRYING_S = 0.3
 _PROOF_SHARE = 0.15
 _NEGOTIATION_SHARE = 0.4
@@ -156,7 +157,8 @@ def _start_small(campaign: Campaign) -> None:
     """
     limit = ii_limit(campaign.problem)
     if not needs_foothold(campaign.problem):
-        campaign.try_ii(campaign.lower, _turn(campaign.request))
+        half = _part(campaign.request.deadline, _FIRST_SHARE)
+        campaign.try_ii(campaign.lower, half.within(_turn(campaign.request).remaining_s))
     if campaign.best is None and campaign.lower <= limit:
         gain_foothold(campaign, limit)
 
@@ -221,13 +223,15 @@ def _climb_until_mapped(campaign: Campaign) -> None:
 def _climb(campaign: Campaign, total_s: float, turn_s: float) -> None:
     """Upward from the MII with a share of the time each, which is small: an II that takes longer is
     tried again from above. Steps grow after failures, so that something is found. The only II that
-    is left gets all the time.
+    is left gets all the time. Below a foothold the bound, just tried, waits for the IIs between.
     """
     deadline = campaign.request.deadline
     alone = campaign.strategy is not _try_everything
     best = campaign.best
     limit = ii_limit(campaign.problem) if best is None else best.ii - 1
     ii, failures = campaign.lower, 0
+    if best is not None and ii < limit and campaign.tries.get(ii, 0) > 0:
+        ii += 1
     while ii <= limit and not deadline.passed:
         share = _CLIMB_SHARE_ALONE if failures else _FIRST_SHARE_ALONE
         share_s = max(_CLIMB_LEAST_S, share * total_s) if alone else turn_s
