@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -17,7 +18,21 @@ PAGES = sorted(
     if re.search(r"```(python|sh)\n", page.read_text())
 )
 
-
+RUN_PAGE = r"""
+import json, re, subprocess, sys
+for language, text in json.load(sys.stdin):
+    named = re.match(r"# file: (\S+)\n", text)
+    if named:
+        with open(named.group(1), "w", encoding="utf-8") as file:
+            file.write(text)
+        continue
+    print(text, flush=True)
+    if language == "sh":
+        subprocess.run(["bash", "-ec", text], stdin=subprocess.DEVNULL, check=True)
+    else:
+        exec(compile(text, "<string>", "exec"), {"__name__": "__main__"})
+"""
+"""Each Python block has its own names."""
 SLOW = {"render-your-own"}
 """Pages that compile all kernels of a renderer, which takes minutes."""
 
@@ -35,18 +50,19 @@ def blocks(page: Path) -> list[tuple[str, str]]:
     ],
 )
 def test_how_to_runs(page: Path, tmp_path: Path) -> None:
+    """In one process a page: importing vividc for each block takes longer than most blocks."""
     bin_folder = str(Path(sys.executable).parent)
     environment = os.environ | {
         "PATH": f"{bin_folder}{os.pathsep}{os.environ['PATH']}",
         "PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}",
     }
-    for language, text in blocks(page):
-        named = re.match(r"# file: (\S+)\n", text)
-        if named:
-            (tmp_path / named.group(1)).write_text(text, encoding="utf-8")
-            continue
-        command = [sys.executable, "-c", text] if language == "python" else ["bash", "-ec", text]
-        done = subprocess.run(
-            command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, f"{page.name}:\n{text}\n{done.stdout}\n{done.stderr}"
+    done = subprocess.run(
+        [sys.executable, "-c", RUN_PAGE],
+        input=json.dumps(blocks(page)),
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"{page.name}:\n{done.stdout}\n{done.stderr}"

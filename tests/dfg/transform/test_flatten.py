@@ -50,7 +50,7 @@ def assert_same(program: Program, function: Function) -> None:
     assert memory_after(optimize_kernel(kernel)) == meaning(program)
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=60, deadline=None, derandomize=True)
 @given(nests())
 def test_flattened_nests_mean_the_same(program: Program) -> None:
     assert_same(program, flattened(prepared(program)))

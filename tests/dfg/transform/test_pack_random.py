@@ -100,7 +100,7 @@ def test_packing_keeps_every_word(seed: int, tmp_path: Path) -> None:
 
 def test_some_of_the_programs_are_packed(tmp_path: Path) -> None:
     packed = 0
-    for seed in range(10):
+    for seed in range(5):
         function = normalize(load(_source(Random(seed)), tmp_path).program.lower())
         packed += pack_lanes(function) is not function
-    assert packed >= 3
+    assert packed >= 2

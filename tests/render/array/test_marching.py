@@ -41,7 +41,7 @@ class HostField:
 
 @pytest.fixture(scope="session")
 def device() -> Device:
-    return Device(Programs(vividc.arch.load_accelerator("vivid"), mapping_s=6))
+    return Device(Programs(vividc.arch.load_accelerator("vivid"), mapping_s=3))
 
 
 @pytest.fixture(scope="session")
