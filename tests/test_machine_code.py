@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
+import numba
 import numpy as np
+import pytest
+from numba.core.codegen import CPUCodeLibrary
 from numpy.typing import NDArray
 
 from vividc.machine_code import compiler, inlined
@@ -63,3 +66,31 @@ def test_no_call_is_left() -> None:
     code = "".join(enter_all.inspect_asm().values())  # type: ignore[attr-defined]
     assert re.search(r"^_ZN\S*enter_all\S*:", code, re.MULTILINE)
     assert not re.search(r"^_ZN\S*enterB\S*:", code, re.MULTILINE)
+
+
+def test_only_callers_are_optimised(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All that is put into a caller was optimised by itself before: two fifths of the time."""
+    names = []
+    optimise = CPUCodeLibrary._optimize_final_module
+
+    def noted(library: CPUCodeLibrary) -> None:
+        names.append(library.name.rpartition(".")[2])
+        optimise(library)
+
+    monkeypatch.setattr(CPUCodeLibrary, "_optimize_final_module", noted)
+
+    @inlined
+    def half(x: int) -> int:
+        return x // 2
+
+    @inlined
+    def quarter(x: int) -> int:
+        return half(half(x))
+
+    @numba.njit
+    def eighth(x: int) -> int:
+        return half(quarter(x))
+
+    assert eighth(17) == 2
+    assert "eighth" in names
+    assert not {"half", "quarter"} & set(names)
