@@ -1,11 +1,11 @@
 """Unoptimised LLVM IR of a Python function, typed and lowered by a numba target of our own.
 
-With `numba_integer`, `subscripts` and `machine_code` the only module that relies on numba's
-internals. The target is numba's CPU without everything that an array has not: code generation,
-reference counting, Python wrappers, exceptions. A raise becomes a call of a function named after
-it, so that a reachable one can be reported with its line. `range` iterates by comparing with its
-stop value: numba's own trip counter needs a division. An array index is taken as a 32-bit word,
-since any other is outside its array, which numba leaves undefined.
+Relies on numba's internals, as do its helpers in this folder and `machine_code`. The target is
+numba's CPU without everything that an array has not: code generation, reference counting, Python
+wrappers, exceptions. A raise becomes a call of a function named after it, so that a reachable one
+can be reported with its line. `range` iterates by comparing with its stop value: numba's own trip
+counter needs a division. An array index is taken as a 32-bit word, since any other is outside its
+array, which numba leaves undefined.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from vividc.mapper.attempt import Attempt, map_negotiated, refute_cheaply
 from vividc.mapper.campaign import Campaign
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.negotiate import Effort, prepare
+from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 
 QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
@@ -78,9 +79,13 @@ def _needs_large_steps(fabric: Fabric) -> bool:
 
 def _is_roomy(campaign: Campaign) -> bool:
     """Whether operations take a small part of the array's slots at the bound."""
-    fabric = campaign.problem.fabric
-    taken = sum(fabric.occupancy(node) for node in campaign.problem.dfg.operations)
-    return taken <= _ROOMY * len(fabric.pes) * campaign.lower
+    problem = campaign.problem
+    return work_of(problem) <= _ROOMY * len(problem.fabric.pes) * campaign.lower
+
+
+def work_of(problem: MapProblem) -> int:
+    """Slots of FUs that the operations take in an iteration."""
+    return sum(problem.fabric.occupancy(node) for node in problem.dfg.operations)
 
 
 def descend_large(campaign: Campaign) -> None:

@@ -15,7 +15,7 @@ from vividc.arch.fabric import Fabric, Link
 from vividc.mapper.attempt import Attempt, map_negotiated
 from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.campaign import Campaign
-from vividc.mapper.large import QUICK, limit_of
+from vividc.mapper.large import QUICK, limit_of, work_of
 from vividc.mapper.mapping import MapInterrupted, Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper
@@ -96,7 +96,7 @@ def start_in_window(campaign: Campaign) -> None:
     negotiate at the bound in one window.
     """
     problem, request, bound = campaign.problem, campaign.request, campaign.lower
-    work = _work(problem)
+    work = work_of(problem)
     sparse = work <= _SPARSE * len(problem.fabric.pes) * bound
     if not (sparse and problem.fabric.routing.moves and _has_windows(campaign)):
         return
@@ -131,11 +131,6 @@ def _has_windows(campaign: Campaign) -> bool:
     return len(problem.fabric.pes) > _WORTH_WINDOWS and not fixed
 
 
-def _work(problem: MapProblem) -> int:
-    """Slots of FUs that the operations take in an iteration."""
-    return sum(problem.fabric.occupancy(node) for node in problem.dfg.operations)
-
-
 def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
     request, best = campaign.request, campaign.best
     share = _FIRST_SHARE if best is None else _SHARE
@@ -162,7 +157,7 @@ def _windows(campaign: Campaign) -> Iterator[Window]:
     bound), each clearly larger than the one before, until some may reach the bound.
     """
     problem, bound = campaign.problem, campaign.lower
-    work = _work(problem)
+    work = work_of(problem)
     room = _ROOM_WITH_MOVES if problem.fabric.routing.moves else _ROOM
     area, ample = 0.0, 0
     for rows, cols in _shapes(problem.fabric):
