@@ -12,10 +12,19 @@ import vividc
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
 from vividc.render.array import Device, Ledger, Programs
 from vividc.render.array.batches import render_blocks
-from vividc.render.array.marching import block_corners
-from vividc.render.array.render import pixels_of, sampled
+from vividc.render.array.marching import SIDE, block_corners
+from vividc.render.array.render import pixels_of
+from vividc.render.array.sampling import expected_samples, sampled
 from vividc.render.blend_reference import over_background
-from vividc.render.radiance import KiloNeRF, March, RadianceField, linear, render_field
+from vividc.render.radiance import (
+    KiloNeRF,
+    March,
+    RadianceField,
+    linear,
+    occupied_samples,
+    pixel_rays,
+    render_field,
+)
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 
@@ -177,10 +186,30 @@ def test_a_sample_is_the_same_blocks_each_time() -> None:
     camera = Camera(np.eye(4, dtype=np.float32), 100.0, 100, 60)
     corners = block_corners(camera)
     assert len(corners) == 13 * 8
-    some = sampled(corners, 0.25)
-    assert abs(len(some) - 26) <= 2
-    np.testing.assert_array_equal(some, sampled(corners, 0.25))
-    assert len(sampled(corners, 1.0)) == 104
-    assert len(sampled(corners, 1e-9)) == 1
+    work = np.arange(104) % 7
+    some = corners[sampled(work, 0.25)]
+    assert len(some) == 26
+    np.testing.assert_array_equal(some, corners[sampled(work, 0.25)])
+    np.testing.assert_array_equal(sampled(work, 1.0), np.arange(104))
+    assert len(sampled(work, 1e-9)) == 1
     assert pixels_of(corners, camera).all()
     assert 0 < pixels_of(some, camera).mean() < 0.3
+
+
+@pytest.mark.parametrize("share", [0.05, 0.1, 0.3])
+def test_a_sample_has_the_work_of_the_whole_picture(share: float) -> None:
+    """The work of a picture lies in few blocks, and these beside each other."""
+    row, column = np.mgrid[0:50, 0:50]
+    work = np.where(np.hypot(row - 20, column - 30) < 12, 900 - (row * column) % 600, 0).ravel()
+    assert work[sampled(work, share)].mean() == pytest.approx(work.mean(), rel=0.02)
+
+
+def test_blocks_of_more_samples_are_expected_to_have_more(model: KiloNeRF, camera: Camera) -> None:
+    corners = block_corners(camera)
+    expected = expected_samples(model.march, camera, corners)
+    rays = pixel_rays(camera, 0, camera.width * camera.height)
+    ray = occupied_samples(model.march, camera.position, rays).ray
+    block = ray // camera.width // SIDE * -(-camera.width // SIDE) + ray % camera.width // SIDE
+    samples = np.bincount(block, minlength=len(corners))
+    np.testing.assert_allclose(4 * expected, samples, atol=0.25 * samples.max())
+    assert expected_samples(model.march, camera, corners[:0]).shape == (0,)

@@ -168,6 +168,18 @@ def test_lookahead_gives_the_same_picture_with_fewer_exps(
     np.testing.assert_array_equal(blocks.image, late.image)
 
 
+def test_a_screen_tile_with_nearly_all_splats_is_shared_out(device: Device) -> None:
+    """Of one list of 400 splats four tiles blend a row of blocks each."""
+    places = np.random.default_rng(5).uniform(-0.15, 0.15, (400, 2))
+    means = np.column_stack((places, np.linspace(-3, -1, 400))).tolist()
+    scene = gaussians(means, scales=np.full((400, 3), 0.02, np.float32))
+    camera = ahead(16, 14)
+    frame = render_splats(scene, camera, device=device)
+    assert len(frame.stages[-1].stats[0]["tiles"]) == 4
+    reference = render_reference(scene, camera)
+    assert psnr(frame.image, reference.image) > 80
+
+
 @pytest.mark.slow
 def test_margins_and_samples(device: Device, mic: Gaussians, mic_cameras: tuple) -> None:
     camera, mic = scaled_camera(mic_cameras[1], 64, 64), every_tenth(mic)

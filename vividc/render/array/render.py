@@ -20,13 +20,13 @@ from vividc.render.array.options import (
     ArrayOptions,
     RenderPrecision,
 )
-from vividc.render.array.sampling import sampled
+from vividc.render.array.sampling import expected_samples, sampled
 from vividc.render.array.splats import render_splats
 from vividc.render.arrays import Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
-from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
+from vividc.render.radiance import InstantNGP, KiloNeRF, March, TensoRF
 from vividc.render.scenes import Scene
 
 _NARROW: dict[type, tuple[RenderPrecision, ...]] = {
@@ -76,7 +76,7 @@ def render_array(
         device = open_device(options.fabric, options.engine, tell, options.mode)
         return render_splats(scene, camera, options, progress, device)
     device, field = open_field(scene, options, tell)
-    corners = sampled(block_corners(camera), options.sample)
+    corners = _sampled_corners(field.march, camera, options.sample)
     ledger = Ledger()
     image = render_blocks(
         device,
@@ -92,6 +92,13 @@ def render_array(
     stages = tuple(ledger.stages.values())
     simulated = None if options.sample == 1 else pixels_of(corners, camera)
     return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
+
+
+def _sampled_corners(march: March, camera: Camera, share: float) -> Int32Array:
+    corners = block_corners(camera)
+    if share == 1:
+        return corners
+    return corners[sampled(expected_samples(march, camera, corners), share)]
 
 
 def check_precision(precision: str, scene: Scene) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
@@ -32,6 +32,11 @@ _TILE_BYTES = WORD * 4 * TILE_PX * TILE_PX
 _PIXELS_AT = 2 * _PART_BYTES
 _COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
 _COUNTS = 4
+_RUN_ENTRIES = 32
+"""What a run costs beside its entries, as entries in a row of blocks: some 2,000 cycles."""
+_PARTS_OF_A_SHARE = (1, 2, 4, 8)
+"""Screen tiles are cut where they are more than such a part of what a tile has to do."""
+_WORTH_CUTTING = 0.8
 _CLEAR = frozen_float32(np.tile(np.array([0, 0, 0, 1]), TILE_PX * TILE_PX))
 """Black, and nothing in the way."""
 Culling: TypeAlias = Literal["none", "blocks", "pixels"]
@@ -50,18 +55,36 @@ between two powers of two, where its logarithm is 0.0711 too large.
 
 
 @dataclass(frozen=True, slots=True)
-class _Screen:
-    """A screen tile to blend: its place in pixels, rows of pixels in the image, and its list."""
+class _Band:
+    """Rows of blocks of a screen tile to blend: its place in pixels, rows of pixels in the image,
+    rows of blocks, and the tile's list."""
 
     x: int
     y: int
     height: int
+    block_rows: int
     first: int
     last: int
 
     @property
-    def length(self) -> int:
-        return self.last - self.first
+    def work(self) -> int:
+        """Entries of the list in each row of blocks, and what its runs cost beside them."""
+        length = self.last - self.first
+        return length * self.block_rows + _RUN_ENTRIES * -(-length // _LIST_PART)
+
+    def halves(self) -> tuple[_Band, _Band]:
+        """The upper and the lower half of its rows of blocks."""
+        upper = self.block_rows // 2
+        rows = upper * _SIDE
+        return (
+            replace(self, height=min(self.height, rows), block_rows=upper),
+            replace(
+                self,
+                y=self.y + rows,
+                height=self.height - rows,
+                block_rows=self.block_rows - upper,
+            ),
+        )
 
 
 @dataclass(slots=True, eq=False)
@@ -75,19 +98,19 @@ class _Blend:
     image: Float32Array
     counts: Int32Array
 
-    def tile(self, tile: int, share: Sequence[_Screen]) -> None:
+    def tile(self, tile: int, share: Sequence[_Band]) -> None:
         """Add the steps of one tile: the next part of a list is fetched while one is blended."""
         zeros = self.counts[tile]
         counted = self.job.move_in(tile, zeros, _COUNTS_AT)
         parts_freed: list[list[int]] = [[counted], [counted]]
         pixels_freed: list[list[int]] = [[], []]
         number, run = 0, counted
-        for screen, place in zip(share, _alternating(len(share)), strict=True):
-            starts = range(screen.first, screen.last, _LIST_PART)
+        for band, place in zip(share, _alternating(len(share)), strict=True):
+            starts = range(band.first, band.last, _LIST_PART)
             pixels_at = _PIXELS_AT + place * _TILE_BYTES
             clear = self.job.move_in(tile, _CLEAR, pixels_at, after=pixels_freed[place])
             for start in starts:
-                slots = self.lists.slots[start : min(start + _LIST_PART, screen.last)]
+                slots = self.lists.slots[start : min(start + _LIST_PART, band.last)]
                 at = number % 2 * _PART_BYTES
                 freed = parts_freed[number % 2]
                 rows = self.job.gather(tile, self.splats.rows, slots, at, after=freed)
@@ -98,15 +121,15 @@ class _Blend:
                     pixels=At(pixels_at, (_TILE_BYTES // WORD,)),
                     counts=At(_COUNTS_AT, (_COUNTS,)),
                     n=len(slots),
-                    x0=np.float32(screen.x),
-                    y0=np.float32(screen.y),
-                    height=screen.height,
+                    x0=np.float32(band.x),
+                    y0=np.float32(band.y),
+                    height=band.height,
                     last=int(start == starts[-1]),
                     after=[rows, clear, *freed],
                 )
                 parts_freed[number % 2] = [run]
                 number += 1
-            target = _blocks_of(self.image, screen)
+            target = _blocks_of(self.image, band)
             pixels_freed[place] = [self.job.move_out(tile, pixels_at, target, after=[run])]
         self.job.move_out(tile, _COUNTS_AT, zeros, after=[run])
 
@@ -135,7 +158,7 @@ def blend_splats(
     counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
     graph = _Blend(job, program, splats, lists, image, counts)
     screens = _screens(lists, camera, columns, chosen)
-    for tile, share in enumerate(_shares(screens, tiles)):
+    for tile, share in enumerate(_balanced(screens, tiles)):
         if share:
             graph.tile(tile, share)
     device.finish(ledger, _STAGE, job)
@@ -144,10 +167,10 @@ def blend_splats(
     return np.ascontiguousarray(whole[: camera.height, : camera.width, :3])
 
 
-def _blocks_of(image: Float32Array, screen: _Screen) -> Float32Array:
-    """Return a screen tile of the image [block rows, rows, block columns, columns, 4], by block."""
-    row, column, side = screen.y // _SIDE, screen.x // _SIDE, TILE_PX // _SIDE
-    return image[row : row + side, :, column : column + side].transpose(0, 2, 1, 3, 4)
+def _blocks_of(image: Float32Array, band: _Band) -> Float32Array:
+    """Return a band of the image [block rows, rows, block columns, columns, 4], by block."""
+    row, column, side = band.y // _SIDE, band.x // _SIDE, TILE_PX // _SIDE
+    return image[row : row + band.block_rows, :, column : column + side].transpose(0, 2, 1, 3, 4)
 
 
 def blend_program(
@@ -166,26 +189,56 @@ def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:
     ledger.count(evaluated=pairs, exponents=exponents, exponentials=exponentials)
 
 
-def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Screen]:
-    """Return those of the chosen screen tiles in which something may be seen."""
+def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Band]:
+    """Return those of the chosen screen tiles in which something may be seen, each whole."""
     found = []
     lengths = np.diff(lists.start)[chosen]
     for tile in chosen[lengths > 0].tolist():
         x, y = tile % columns * TILE_PX, tile // columns * TILE_PX
         height = min(TILE_PX, camera.height - y)
-        found.append(_Screen(x, y, height, int(lists.start[tile]), int(lists.start[tile + 1])))
+        first, last = int(lists.start[tile]), int(lists.start[tile + 1])
+        found.append(_Band(x, y, height, -(-height // _SIDE), first, last))
     return found
 
 
-def _shares(screens: Sequence[_Screen], tiles: int) -> list[list[_Screen]]:
-    """Give each tile screen tiles: the longest lists first, each to the tile with the least."""
-    shares: list[list[_Screen]] = [[] for _ in range(tiles)]
+def _balanced(screens: Sequence[_Band], tiles: int) -> list[list[_Band]]:
+    """Give each tile whole screen tiles, or bands of them where the last tile then ends earlier.
+
+    A band reads the list of its whole screen tile, and what an entry costs is known roughly only:
+    where pixels are done early it is less. So cutting has to promise a good deal.
+    """
+    whole = _shares(screens, tiles)
+    mean = sum(screen.work for screen in screens) / tiles
+    cut = [_shares(_cut(screens, mean / parts), tiles) for parts in _PARTS_OF_A_SHARE]
+    best = min(cut, key=_longest)
+    return best if _longest(best) < _WORTH_CUTTING * _longest(whole) else whole
+
+
+def _cut(screens: Sequence[_Band], most: float) -> list[_Band]:
+    """Halve what is more work than `most`, down to single rows of blocks."""
+    bands, todo = [], list(screens)
+    while todo:
+        band = todo.pop()
+        if band.work > most and band.block_rows > 1:
+            todo += band.halves()
+        else:
+            bands.append(band)
+    return bands
+
+
+def _shares(bands: Sequence[_Band], tiles: int) -> list[list[_Band]]:
+    """Give each tile bands: those of most work first, each to the tile with the least."""
+    shares: list[list[_Band]] = [[] for _ in range(tiles)]
     load = [0] * tiles
-    for screen in sorted(screens, key=lambda screen: -screen.length):
+    for band in sorted(bands, key=lambda band: (-band.work, band.y, band.x)):
         tile = load.index(min(load))
-        shares[tile].append(screen)
-        load[tile] += screen.length
+        shares[tile].append(band)
+        load[tile] += band.work
     return shares
+
+
+def _longest(shares: Sequence[Sequence[_Band]]) -> int:
+    return max(sum(band.work for band in share) for share in shares)
 
 
 def _alternating(count: int) -> list[int]:

@@ -72,10 +72,11 @@ def render_splats(
     margin += EXP_EXCESS[chosen.precision]
     splats = project_on_array(machine, ledger, arrays, camera, margin)
     tell(_PROJECTED)
-    screens = sampled(np.arange(columns * rows, dtype=np.int32), chosen.sample)
+    screens = np.arange(columns * rows, dtype=np.int32)
     image = _white(camera)
     if len(splats):
         lists = sort_on_array(machine, ledger, splats, columns, rows)
+        screens = sampled(np.diff(lists.start), chosen.sample)
         for stage in ledger.stages.values():
             stage.whole = True
         tell(_SORTED)

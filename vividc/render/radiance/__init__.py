@@ -3,7 +3,12 @@
 from vividc.render.radiance.instant_ngp import InstantNGP
 from vividc.render.radiance.kilonerf import KiloNeRF
 from vividc.render.radiance.layers import Layer, linear
-from vividc.render.radiance.occupancy import March, pixel_rays
+from vividc.render.radiance.occupancy import (
+    March,
+    directions_of,
+    occupied_samples,
+    pixel_rays,
+)
 from vividc.render.radiance.tensorf import TensoRF
 from vividc.render.radiance.volume import MarchCounts, RadianceField, render_field, render_rays
 
@@ -15,7 +20,9 @@ __all__ = [
     "MarchCounts",
     "RadianceField",
     "TensoRF",
+    "directions_of",
     "linear",
+    "occupied_samples",
     "pixel_rays",
     "render_field",
     "render_rays",

@@ -95,8 +95,12 @@ def pixel_rays(camera: Camera, first: int, count: int) -> Float32Array:
     A ray goes through the centre of its pixel.
     """
     pixel = np.arange(first, first + count)
-    column = (pixel % camera.width).astype(np.float32)
-    row = (pixel // camera.width).astype(np.float32)
+    return directions_of(camera, np.stack((pixel % camera.width, pixel // camera.width), axis=1))
+
+
+def directions_of(camera: Camera, pixels: npt.NDArray[np.integer]) -> Float32Array:
+    """Return the unit directions [n, 3] through the centres of pixels [n, 2]: column and row."""
+    column, row = pixels.astype(np.float32).T
     focal = np.float32(camera.focal)
     right = (column + _HALF - np.float32(camera.width / 2)) / focal
     up = -(row + _HALF - np.float32(camera.height / 2)) / focal
