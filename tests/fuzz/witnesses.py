@@ -89,7 +89,7 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
             assert isinstance(value, np.generic)
             word = int.from_bytes(value.tobytes(), "little")  # less than a word: zeros above
             inputs |= {param.name: word & 2**32 - 1, f"{param.name}.high": word >> 32}
-    for local in lowered.locals:
+    for local in (declared.at_launch(inputs) for declared in lowered.locals):
         inputs[f"&{local.name}"] = len(memory)
         words = local.contents or (0xA5A5A5A5,) * local.words
         memory += np.array(words, np.uint32).tobytes() + bytes(4 * (local.words - len(words)))

@@ -46,7 +46,7 @@ _FLAGS = frozenset(
     ]
 )
 _FLOAT_DIGITS = 8
-_SMALL = {"i8": 0xFF, "i16": 0xFFFF}
+_WORD = 32
 CASTS = frozenset(
     [
         "trunc",
@@ -139,8 +139,7 @@ class Cursor:
         if token in ("poison", "undef", "null", "zeroinitializer", "none"):
             return Int(0)
         if re.fullmatch(r"-?\d+", token):
-            # Types of less than a word are kept without sign.
-            return Int(int(token) & _SMALL[type_] if type_ in _SMALL else int(token))
+            return Int(_kept(int(token), type_))
         if token == "getelementptr":
             return self._constant_address()
         self._skip_constant_expression()
@@ -194,6 +193,14 @@ def bare(token: str) -> str:
         rb"\\([0-9A-Fa-f]{2})", lambda m: bytes.fromhex(m[1].decode()), name[1:-1].encode()
     )
     return raw.decode()
+
+
+def _kept(value: int, type_: str) -> int:
+    """A constant as it is kept: of an integer type of less than a word, whatever its width (LLVM
+    narrows switches to i2, i5, ...), without sign.
+    """
+    bits = int(type_[1:]) if type_[:1] == "i" and type_[1:].isdigit() else _WORD
+    return value & ((1 << bits) - 1) if bits < _WORD else value
 
 
 def _float(token: str) -> float:

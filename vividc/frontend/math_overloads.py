@@ -68,6 +68,12 @@ _VANISHED = _F(11)
 _ERF_FROM, _ERFC_FROM = _F(0.9), _F(0.5)
 _LEAST_NORMAL = _F(2.0**-126)
 _SCALE = _F(2.0**25)
+_LARGE = _F(2.0**100)
+_UP, _DOWN = _F(2.0**24), _F(2.0**-24)
+_ROOT_UP, _ROOT_DOWN = _F(2.0**8), _F(2.0**-8)
+_INVERSE_ROOT = 0x54A21D2A
+"""This less a third of a number's bits are those of its inverse cube root, within a twentieth."""
+_THIRD = _F(1 / 3)
 
 
 def _is_float32(x: Any) -> bool:
@@ -189,3 +195,63 @@ def _overload_frexp(x: Any) -> Any:
         return bitcast_f32(bits & 0x807FFFFF | 126 << 23), np.int32(exponent)
 
     return frexp if _is_float32(x) else None
+
+
+def cbrt(x: Any) -> Any:
+    """The cube root of a float32, within 0.6 ulp.
+
+    Newton's iteration of the inverse root takes no division; the last step is Newton's for the root
+    itself, with the cube in two words.
+    """
+    a = abs(x)
+    if a == 0 or not math.isfinite(a):
+        return x
+    factor, root_factor = _ONE, _ONE
+    if a < _LEAST_NORMAL:
+        factor, root_factor = _UP, _ROOT_DOWN
+    elif a > _LARGE:
+        factor, root_factor = _DOWN, _ROOT_UP
+    a *= factor
+    bits: Any = bitcast_i32(a)
+    r: Any = bitcast_f32(np.int32(_INVERSE_ROOT - np.uint32(bits) // np.uint32(3)))
+    for _ in range(3):
+        r = _fma(r * _THIRD, _ONE - a * r * (r * r), r)
+    square_inverse = r * r
+    root = a * square_inverse
+    square = root * root
+    cube = square * root
+    low = _fma(square, root, -cube) + _fma(root, root, -square) * root
+    root = _fma(-((cube - a) + low), square_inverse * _THIRD, root)
+    return math.copysign(root * root_factor, x)
+
+
+def _asinh(x: Any) -> Any:
+    return math.asinh(x)
+
+
+def _acosh(x: Any) -> Any:
+    return math.acosh(x)
+
+
+def _atanh(x: Any) -> Any:
+    return math.atanh(x)
+
+
+def _with(function: Callable[..., Any]) -> Callable[..., Any]:
+    def loop(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return context.compile_internal(builder, function, sig, args)
+
+    return loop
+
+
+_LOOPS: dict[Any, dict[str, Callable[..., Any]]] = {
+    np.cbrt: {"f->f": _with(cbrt)},
+    np.arcsinh: {"f->f": _with(_asinh)},
+    np.arccosh: {"f->f": _with(_acosh)},
+    np.arctanh: {"f->f": _with(_atanh)},
+}
+
+
+def float_loops(ufunc: Any) -> dict[str, Callable[..., Any]]:
+    """What stands in for numba's loops of a ufunc, by types: "f->f"."""
+    return _LOOPS.get(ufunc, {})

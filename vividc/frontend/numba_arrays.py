@@ -13,7 +13,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, Literal
 
 import numba
 import numpy as np
@@ -272,8 +272,13 @@ def _is_zero(builder: ir.IRBuilder, value: Any) -> Any:
 
 
 def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) -> Any:
-    """A constant array: one global of whole elements, the same in every module that reads it."""
-    flat = np.ascontiguousarray(array).reshape(-1)
+    """A constant array: one global of whole elements, the same in every module that reads it.
+
+    Elements of an array in Fortran order lie in that order, as numba's code for its type expects;
+    those of any other lie row by row.
+    """
+    order: Literal["C", "F"] = "F" if typ.layout == "F" else "C"
+    flat = np.asarray(array).flatten(order)
     element = context.get_data_type(typ.dtype)
     digest = hashlib.sha256(f"{flat.dtype} {flat.size} ".encode() + flat.tobytes()).hexdigest()
     symbol = f"{TABLE}{flat.dtype.str[1:]} {digest[:_DIGEST]}"
@@ -285,16 +290,12 @@ def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) ->
         data.global_constant = True
         data.initializer = ir.Constant(type_, [element(_plain(item)) for item in flat.tolist()])
     result = arrayobj.make_array(typ)(context, builder)
-    step = flat.itemsize
-    strides: list[int] = []
-    for size in reversed(array.shape):
-        strides.insert(0, step)
-        step *= size
+    packed = np.empty(array.shape, flat.dtype, order)
     arrayobj.populate_array(
         result,
         data=builder.bitcast(data, element.as_pointer()),
         shape=[context.get_constant(types.intp, size) for size in array.shape],
-        strides=[context.get_constant(types.intp, stride) for stride in strides],
+        strides=[context.get_constant(types.intp, stride) for stride in packed.strides],
         itemsize=context.get_constant(types.intp, flat.itemsize),
         meminfo=None,
     )

@@ -13,6 +13,7 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
 
@@ -28,6 +29,8 @@ _DIVISIONS: dict[Any, tuple[str, ...]] = {
     divmod: ("div", "rem"),
 }
 _POWER_BITS = 4
+_INTEGERS = "bBhHiIlLqQ"
+"""NumPy's letters."""
 
 Lowering = Callable[..., Any]
 
@@ -35,11 +38,26 @@ Lowering = Callable[..., Any]
 def integer_operator(context: Any, fn: Any, sig: Any, general: Lowering) -> Lowering:
     """Our lowering of an operator on integers; `general`, numba's, where we have none."""
     key = getattr(fn, "typing_key", None)
-    if key in _POWERS and isinstance(sig.args[1], types.Integer):
+    if key in _POWERS and _is_integer_power(sig.args):
         return functools.partial(_power, context, sig, general)
     if key in _DIVISIONS and all(isinstance(arg, types.Integer) for arg in sig.args):
         return functools.partial(_division, context, sig, _DIVISIONS[key])
     return general
+
+
+def integer_loops(ufunc: Any) -> dict[str, Any]:
+    """What stands in for numba's loops of a ufunc, by types ("ii->i"): powers of integers."""
+    return {f"{i}{i}->{i}": _power_loop for i in _INTEGERS} if ufunc is np.power else {}
+
+
+def _power_loop(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
+    return _power(context, sig, None, builder, args)
+
+
+def _is_integer_power(args: Any) -> bool:
+    """Of a number: numba takes powers of arrays element by element, through this operator."""
+    base, exponent = args
+    return isinstance(base, types.Number) and isinstance(exponent, types.Integer)
 
 
 def _division(
@@ -71,7 +89,7 @@ def _call(builder: ir.IRBuilder, kind: str, operands: list[Any]) -> Any:
 
 
 def _power(
-    context: Any, sig: Any, general: Lowering, builder: ir.IRBuilder, args: Any, *_: Any
+    context: Any, sig: Any, general: Lowering | None, builder: ir.IRBuilder, args: Any, *_: Any
 ) -> Any:
     """Numba's multiplications in numba's order, but as straight code for exponents below 16.
 
@@ -94,7 +112,7 @@ def _power(
                 base = multiply(base, base)
             builder.store(result, slot)
         with otherwise:
-            if is_float:
+            if general is not None and is_float:
                 large = general(builder, args)
             else:
                 large = context.compile_internal(builder, _power_function(sig), sig, args)

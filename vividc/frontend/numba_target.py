@@ -37,9 +37,9 @@ from numba.core.target_extension import (
 )
 from numba.np import arrayobj, npyimpl
 
-import vividc.frontend.math_overloads
 import vividc.frontend.numpy_linalg
 import vividc.frontend.numpy_where  # noqa: F401 - all register functions with numba
+from vividc.frontend.math_overloads import float_loops
 from vividc.frontend.numba_arrays import (
     NoRuntime,
     arrays_are_ours,
@@ -48,7 +48,7 @@ from vividc.frontend.numba_arrays import (
     pick,
     reshape,
 )
-from vividc.frontend.numba_integer import integer_operator
+from vividc.frontend.numba_integer import integer_loops, integer_operator
 from vividc.frontend.numba_real import real_division
 from vividc.frontend.numpy_sort import is_sort, sort
 from vividc.frontend.prange import parallel_range
@@ -270,6 +270,11 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
     def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
         """Constant arrays are typed globals; numba's are bytes."""
         return constant_array(self, builder, typ, ary)
+
+    def get_ufunc_info(self, ufunc_key: Any) -> Any:
+        """As numba's, but integer powers stay integers, and roots are those of the array."""
+        numbas = super().get_ufunc_info(ufunc_key)
+        return {**numbas, **integer_loops(ufunc_key), **float_loops(ufunc_key)}
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for ranges, tuples, integer operators and float remainders."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import replace
 
-from vividc.dfg.cfg import Block, Branch, Function, Instr, Phi, Ref, Value
+from vividc.dfg.cfg import Block, Function, Instr, Ref, Value
+from vividc.dfg.cfg_edit import substitute
 from vividc.dfg.opcodes import MEMORY, OPCODES
 
 
@@ -16,16 +17,11 @@ def merge_equal(function: Function) -> Function:
     an operation.
     """
     same: dict[int, Value] = {}
-    kept = [_kept(block, same) for block in function.blocks]
-    if not same:
-        return function
-    blocks = tuple(
-        _renamed(block, instrs, same) for block, instrs in zip(function.blocks, kept, strict=True)
-    )
-    return replace(function, blocks=blocks)
+    kept = tuple(replace(block, instrs=_kept(block, same)) for block in function.blocks)
+    return substitute(replace(function, blocks=kept), same) if same else function
 
 
-def _kept(block: Block, same: dict[int, Value]) -> list[Instr]:
+def _kept(block: Block, same: dict[int, Value]) -> tuple[Instr, ...]:
     """The block's first instructions of each kind; `same` gets what replaces the others."""
     first: dict[Hashable, Ref] = {}
     kept = []
@@ -40,7 +36,7 @@ def _kept(block: Block, same: dict[int, Value]) -> list[Instr]:
             kept.append(instr)
         else:
             same[instr.id] = known
-    return kept
+    return tuple(kept)
 
 
 def _ordered(instr: Instr, operands: tuple[Value, ...]) -> tuple[Value, ...]:
@@ -52,23 +48,3 @@ def _ordered(instr: Instr, operands: tuple[Value, ...]) -> tuple[Value, ...]:
 
 def _final(operands: tuple[Value, ...], same: dict[int, Value]) -> tuple[Value, ...]:
     return tuple(same.get(v.id, v) if isinstance(v, Ref) else v for v in operands)
-
-
-def _renamed(block: Block, instrs: list[Instr], same: dict[int, Value]) -> Block:
-    return replace(
-        block,
-        phis=tuple(_renamed_phi(phi, same) for phi in block.phis),
-        instrs=tuple(replace(i, operands=_final(i.operands, same)) for i in instrs),
-        branch=_renamed_branch(block.branch, same),
-    )
-
-
-def _renamed_phi(phi: Phi, same: dict[int, Value]) -> Phi:
-    incoming = tuple((pred, _final((value,), same)[0]) for pred, value in phi.incoming)
-    return replace(phi, incoming=incoming)
-
-
-def _renamed_branch(branch: Branch, same: dict[int, Value]) -> Branch:
-    cond = branch.cond if branch.cond is None else _final((branch.cond,), same)[0]
-    value = branch.value if branch.value is None else _final((branch.value,), same)[0]
-    return replace(branch, cond=cond, value=value)
