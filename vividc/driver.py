@@ -258,11 +258,22 @@ def _lowered(
 def _cut(
     kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
 ) -> tuple[Function, Parallel | None]:
-    """The function, with its loop over `prange` cut if it is to be spread over tiles."""
+    """The function, with its loop over `prange` cut if it is to be spread over tiles, and that is
+    proved to change nothing; else it runs on one tile, and a warning says why.
+    """
     lines = kernel.prange_lines if isinstance(kernel, KernelFunction) and spread else frozenset()
     if not lines or not isinstance(kernel, KernelFunction):
         return kernel.lower(strict_fp=strict_fp), None
-    return cut_parallel_loop(kernel.lower(strict_fp=strict_fp, spread=True), lines)
+    function = kernel.lower(strict_fp=strict_fp, spread=True)
+    try:
+        return cut_parallel_loop(function, lines)
+    except KernelError as error:
+        place = "" if error.loc is None else f"{error.loc}: "
+        text = f"{place}the loop over prange runs on one tile: {error.reason}; {error.hint}"
+        warnings.warn(text, VividcWarning, stacklevel=2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", VividcWarning)  # told by the first lowering
+        return kernel.lower(strict_fp=strict_fp), None
 
 
 def _compile_stages(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, replace
 
 from vividc.arch import Accelerator, Scratchpad
-from vividc.errors import ArgumentError, SourceLoc
+from vividc.errors import ArgumentError, SourceLoc, VividcWarning
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.coverage import written_whole
 from vividc.sim.footprint import Touch, loop_bounds, touched
@@ -101,12 +102,14 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
     length
         Iterations of a chunk; None: as many as fit, but at least two chunks for each tile if the
         slices are double-buffered, which they are not if a single iteration would not fit then.
+        Where chunks may touch what others write, all iterations are one chunk, if it fits a
+        scratchpad, and a warning says so.
 
     Raises
     ------
     ArgumentError
         Not even one iteration fits a scratchpad, `length` do not, or chunks touch what others
-        write.
+        write and all together do not fit.
     """
     parallel = cut.program.parallel
     first, last = (0, 1) if parallel is None else loop_bounds(parallel, cut.inputs)
@@ -123,8 +126,18 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
         if _need(cut, plan) > cut.scratchpad.size_bytes and plan.copies > 1:
             plan = _longest(replace(cut, double_buffer=False), first, last, most)
         _demand_fit(cut, plan, 1)
-    _refuse_conflicts(cut, plan)
-    return plan
+    conflict = _conflict_in(cut, plan)
+    if conflict is None:
+        return plan
+    alone = _plan(cut, first, last, max(count, 1))
+    if length is not None or _need(cut, alone) > cut.scratchpad.size_bytes:
+        raise conflict
+    warnings.warn(
+        f"{conflict.loc}: {conflict.reason}; it runs on one tile: {conflict.hint}",
+        VividcWarning,
+        stacklevel=2,
+    )
+    return alone
 
 
 def _longest(cut: Cut, first: int, last: int, most: int) -> Plan:
@@ -232,10 +245,10 @@ def _way_out(cut: Cut, plan: Plan) -> str:
     return "let an iteration do less: loop over rows, or over blocks of them"
 
 
-def _refuse_conflicts(cut: Cut, plan: Plan) -> None:
-    """No chunk may touch what another writes."""
+def _conflict_in(cut: Cut, plan: Plan) -> ArgumentError | None:
+    """What is wrong if a chunk may touch what another writes."""
     if len(plan.chunks) == 1:
-        return
+        return None
     for name in cut.sizes:
         uses = sorted(_uses(plan.chunks, name))
         open_: list[tuple[int, int, bool, SourceLoc | None]] = []
@@ -244,8 +257,9 @@ def _refuse_conflicts(cut: Cut, plan: Plan) -> None:
             for _, other, other_writes, other_loc in open_:
                 if other != number and (writes or other_writes):
                     both = writes and other_writes
-                    raise _conflict(cut, name, both, (loc if writes else other_loc))
+                    return _conflict(cut, name, both, (loc if writes else other_loc))
             open_.append((end, number, writes, loc))
+    return None
 
 
 def _uses(
@@ -265,8 +279,8 @@ def _conflict(cut: Cut, name: str, both_write: bool, loc: SourceLoc | None) -> A
         f"iterations on different tiles may {what} the same bytes of {name}, so the loop over "
         f"prange in line {_line(cut.program)} cannot be spread",
         loc=loc,
-        hint="index what is written by the loop's variable first, as in y[i, j]; read and write "
-        "different arrays; or run the program on one tile",
+        hint="index what is written by the loop's variable first, as in y[i, j], and read and "
+        "write different arrays",
     )
 
 
