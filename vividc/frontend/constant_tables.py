@@ -7,16 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vividc.errors import KernelError, SourceLoc
+from vividc.errors import InternalError, KernelError, SourceLoc
 from vividc.frontend.interval import S32, U32
-from vividc.frontend.llvm_tokens import Cursor, bare
+from vividc.frontend.llvm_tokens import Cursor, bare, unescaped
 from vividc.frontend.ssa import Float, Int
 
 _GLOBAL = re.compile(r'^(@(?:"(?:[^"\\]|\\.)*"|[-\w.$]+)) = .*?\bconstant (\[.*)$', re.MULTILINE)
 _ARRAY = re.compile(r"\[(\d+)x(.*)\]")
 _SCALARS = frozenset({"i8", "i16", "i32", "i64", "float", "double"})
 _UNDEFINED = frozenset({"zeroinitializer", "poison", "undef"})
-_ESCAPE = re.compile(r"\\([0-9A-Fa-f]{2})|([^\\])", re.DOTALL)
 _MASK = 0xFFFFFFFF
 
 PACKED_BYTES = {"i8": 1, "i16": 2}
@@ -106,14 +105,17 @@ def _values(cursor: Cursor, type_: str) -> list[Number]:
         cursor.take()
         return [0] * _length(type_)
     if cursor.peek.startswith('c"'):
-        return list(_bytes(cursor.take()[2:-1]))
+        return _checked(list(unescaped(cursor.take()[2:-1])), type_)
     values: list[Number] = []
     cursor.expect("[")
     while not cursor.accept("]"):
         values += _values(cursor, cursor.type())
         cursor.accept(",")
+    return _checked(values, type_)
+
+
+def _checked(values: list[Number], type_: str) -> list[Number]:
+    """A reader that lost its place must not give a table of other values."""
+    if len(values) != _length(type_):
+        raise InternalError(f"read {len(values)} constants of {type_}")
     return values
-
-
-def _bytes(string: str) -> bytes:
-    return bytes(int(m[1], 16) if m[1] else ord(m[2]) for m in _ESCAPE.finditer(string))

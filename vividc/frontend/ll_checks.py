@@ -11,6 +11,7 @@ from typing import Protocol
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.ll_source import Body, without_strings
+from vividc.frontend.llvm_tokens import bare
 
 
 class Locate(Protocol):
@@ -22,8 +23,8 @@ class Locate(Protocol):
 
 
 _NAMES = re.compile(r'[%@](?:"[^"]*"|[-\w$.]+)')
-_CALLEE = re.compile(r'([%@])(?:"([^"]*)"|([-\w$.]+))\(')
-_REFERENCE = re.compile(r'@(?:"([^"]*)"|([-\w$.]+))')
+_CALLEE = re.compile(r'([%@](?:"[^"]*"|[-\w$.]+))\(')
+_REFERENCE = re.compile(r'@(?:"[^"]*"|[-\w$.]+)')
 _WIDTH = re.compile(r"\bi(\d+)\b")
 _WIDTHS = frozenset({"1", "8", "16", "32", "64"})
 _WORDS = "use int32_t, uint32_t and float"
@@ -85,7 +86,7 @@ def reachable(body: Body, all_bodies: Mapping[str, Body]) -> tuple[Body, ...]:
 
 def _referenced(line: str) -> Iterator[str]:
     for match in _REFERENCE.finditer(without_strings(line)):
-        yield match[1] or match[2]
+        yield bare(match[0])
 
 
 def check_body(body: Body, locate: Locate) -> None:
@@ -138,12 +139,12 @@ def _odd_integer(width: int) -> tuple[str, str]:
 
 def _check_call(code: str, line: str, locate: Locate) -> None:
     callee = _CALLEE.search(code[code.index("call") :])
-    if callee is None or callee[1] == "%":
+    if callee is None or callee[1][0] == "%":
         hint = "call functions of the same file by their names"
         raise _refused("a call through a pointer", hint, line, locate)
     if "..." in code[: code.index(callee[0])]:
         hint = "a kernel stores its results into arrays"
-        name = callee[2] or callee[3]
+        name = bare(callee[1])
         raise _refused(f"a call of `{name}`, which takes variable arguments", hint, line, locate)
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from vividc.dfg.cfg import DType
 from vividc.errors import SourceLoc
-from vividc.frontend.llvm import ENTRY
-from vividc.frontend.numba_target import DATA_LAYOUT
+from vividc.frontend.llvm_passes import DATA_LAYOUT, ENTRY
+from vividc.frontend.llvm_tokens import quoted_global
 
 RETURNS = {"i1": "i1", "i8": "i32", "i16": "i32", "i32": "i32", "i64": "i64"}
 RETURNS |= {"float": "float", "double": "float", "void": "void"}
@@ -84,14 +84,15 @@ def entry_text(function: CFunction, counts: frozenset[str] = frozenset()) -> str
             name = f"%..{index}"
         arguments.append(f"{param.type} {name}")
     types = ", ".join(param.type for param in function.params)
+    symbol = quoted_global(function.symbol)
     result = RETURNS[function.returns]
-    call = f'call {function.returns} @"{function.symbol}"({", ".join(arguments)}), !dbg !5'
+    call = f"call {function.returns} {symbol}({', '.join(arguments)}), !dbg !5"
     body += [call, "ret void"] if result == "void" else [f"%..r = {call}", *_returned(function)]
     folder, line = function.loc.file.replace("\\", "\\5C").replace('"', "\\22"), function.loc.line
     lines = "\n  ".join(body)
     return f"""
 target datalayout = "{DATA_LAYOUT}"
-declare {function.returns} @"{function.symbol}"({types})
+declare {function.returns} {symbol}({types})
 define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
 ..entry:
   {lines}

@@ -15,7 +15,10 @@ from vividc.dfg.cfg import DType, Function, Param
 from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type
 from vividc.frontend.ll_host import HostFunction
 from vividc.frontend.ll_lower import CModule, declare, lower_c
-from vividc.frontend.ll_source import bodies, located_module, read_ll
+from vividc.frontend.ll_places import instruction_lines
+from vividc.frontend.ll_reference import reference_text
+from vividc.frontend.ll_source import bodies, located_module, printed, read_ll
+from vividc.frontend.llvm_text import Locations
 
 _ELEMENTS = ("float32", "bool", "int8", "uint8", "int16", "uint16", "int32", "uint32")
 _TYPES = {"ptr": _ELEMENTS, "i64": ("int64", "uint64"), "i32": ("int32", "uint32")}
@@ -88,14 +91,14 @@ class LLKernel:
 
     @functools.cached_property
     def _host(self) -> HostFunction:
-        function = self._module.function
+        module, function = self._module, self._module.function
         return HostFunction(
-            self._module.source,
-            self.name,
+            reference_text(module.text, self.name, Locations(module.text, function.loc.file)),
             [param.type for param in function.params],
             function.returns,
             unsigned=function.result in (DType.U32, DType.U64)
             or (function.returns in ("i8", "i16") and not function.signed),
+            loc=function.loc,
         )
 
 
@@ -132,13 +135,13 @@ def load_ll(
     demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     place = Path(path)
     source = read_ll(place)
-    name = function or _only(source, place)
-    text, file = located_module(source, place), os.path.abspath(place)
-    module = declare(source, text, file, name)
+    text = located_module(printed(source, place), place, instruction_lines(source))
+    name, file = function or _only(text, place), os.path.abspath(place)
+    module = declare(text, file, name)
     if not types:
         return LLKernel(module)
     _check_types(module, types)
-    return LLKernel(declare(source, text, file, name, types))
+    return LLKernel(declare(text, file, name, types))
 
 
 def _only(source: str, path: Path) -> str:

@@ -204,13 +204,15 @@ def with_rounding(text: str) -> tuple[str, str]:
 
 def with_intrinsics(text: str) -> str:
     """The module with LLVM's functions instead of those of C's `math.h`."""
-    defined = re.findall(r"^declare .*@(\w+)\(([^)]*)\)", text, re.MULTILINE)
-    for name, params in defined:
+    declared = re.findall(r"^declare (.*)@(\w+)\(([^)]*)\)", text, re.MULTILINE)
+    for returns, name, params in declared:
         single = name.endswith("f") and name.removesuffix("f") in _MATH
         intrinsic = _MATH.get(name.removesuffix("f") if single else name)
         if intrinsic is None:
             continue
         kind, suffix = ("float", "f32") if single else ("double", "f64")
+        if {returns.split()[-1], *(param.split()[0] for param in params.split(", "))} != {kind}:
+            continue  # a function of the user's own that has the name
         callee = f"llvm.{intrinsic}.{suffix}"
         types = ", ".join([kind] * (params.count(",") + 1))
         text = re.sub(rf"^declare .*@{name}\(.*$", "", text, flags=re.MULTILINE)

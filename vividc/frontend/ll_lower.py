@@ -20,23 +20,23 @@ from vividc.frontend.ll_library import (
     with_rounding,
 )
 from vividc.frontend.ll_source import Body, bodies
-from vividc.frontend.llvm import ENTRY, linked_ir, parse
+from vividc.frontend.llvm_child.client import Late, Lost, ask
 from vividc.frontend.llvm_layout import Structs, size_of, structs_of
-from vividc.frontend.llvm_text import Locations, read_function
+from vividc.frontend.llvm_passes import ENTRY
+from vividc.frontend.llvm_text import Locations, read_function, signature
 from vividc.frontend.local_arrays import RAW
 from vividc.frontend.lower import Prepared, counting_parameters, located, lower_words, prepared
 from vividc.frontend.numba_arrays import ALLOCATE
 from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 
-_PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
+_LINK_LIMIT_S = 60
 _HINTS = re.compile(
     r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|"
     r"prefetch)\b.*\n",
     re.MULTILINE,
 )
 """Calls that only tell LLVM something."""
-_DEBUG = re.compile(r"^.*(?:llvm\.dbg\.|#dbg_).*$|,? !dbg !\d+", re.MULTILINE)
 _PARAMETERS = frozenset(["ptr", "i1", "i8", "i16", "i32", "i64", "float", "double"])
 _TYPES_HINT = "a kernel takes and returns float, int32_t, uint32_t, int64_t, bool and pointers"
 _SMALL = {"i8": (DType.U8, DType.I8), "i16": (DType.U16, DType.I16)}
@@ -65,43 +65,40 @@ class CModule:
 
     Attributes
     ----------
-    source
-        The file's text.
+    text
+        The module as LLVM prints it, with a source line on every instruction.
     file
         Its absolute path.
     kernel
         The function with all that it calls, without pointers, before narrowing.
     """
 
-    source: str
+    text: str
     file: str
     function: CFunction
     params: tuple[Param, ...]
     kernel: Prepared
 
 
-def declare(
-    source: str, text: str, file: str, name: str, types: Mapping[str, str] | None = None
-) -> CModule:
+def declare(text: str, file: str, name: str, types: Mapping[str, str] | None = None) -> CModule:
     """Find a function in a module, check it and read it.
 
     Parameters
     ----------
-    source, text
-        The file's text, and the same with a source line on every instruction.
+    text
+        The module as LLVM prints it, with a source line on every instruction.
     types
         numpy's names of types by parameter, which go before what the text says.
 
     Raises
     ------
     KernelError
-        LLVM cannot read the text, or the function is missing or cannot run on the array.
+        The function is missing or cannot run on the array.
     """
     by_name = {body.name: body for body in bodies(text)}
     if name not in by_name:
         known = ", ".join(by_name) or "none"
         raise KernelError(f"has no function `{name}`", loc=file, hint=f"it defines: {known}")
-    _parsed(text, file)
     function = _typed(_function(text, by_name[name], file), types or {})
     locate = Locations(text, function.loc.file)
     used = reachable(by_name[name], by_name)
@@ -115,7 +112,7 @@ def declare(
         if counts:
             kernel = _read(text, function, counts)
             params = tuple(replace(p, words=1) if p.name in counts else p for p in params)
-    return CModule(source, file, function, params, kernel)
+    return CModule(text, file, function, params, kernel)
 
 
 def _typed(function: CFunction, types: Mapping[str, str]) -> CFunction:
@@ -167,25 +164,11 @@ def _c_words(advice: str) -> str:
     return advice
 
 
-def _parsed(text: str, file: str) -> None:
-    try:
-        # Of a broken module with debug information LLVM would end the process.
-        parse(_DEBUG.sub("", text.replace('"Debug Info Version"', '"version"'))).verify()
-    except RuntimeError as error:
-        match = _PARSE_PLACE.search(str(error))
-        loc = SourceLoc(file, int(match[1])) if match else file
-        what = match[2] if match else " ".join(str(error).split())
-        hint = "write it with `clang -O1 -g -emit-llvm -S file.c -o file.ll`"
-        raise KernelError(f"not LLVM IR that can be read: {what}", loc=loc, hint=hint) from error
-
-
 def _function(text: str, body: Body, file: str) -> CFunction:
     header = body.lines[0]
-    module = parse(text)
-    function = module.get_function(body.name)
+    types, returns = signature(header)
     known = declared(text, header)
-    types = [(argument.name, str(argument.type)) for argument in function.arguments]
-    names = [name or f"arg{index}" for index, (name, _) in enumerate(types)]
+    names = [f"arg{index}" if name.isdecimal() else name for index, (name, _) in enumerate(types)]
     dtypes = [""] * len(names)
     if known is not None and len(known.names) == len(names):
         names, dtypes = list(known.names), list(known.dtypes)
@@ -193,7 +176,6 @@ def _function(text: str, body: Body, file: str) -> CFunction:
         CParameter(name, type_, dtype)
         for name, (_, type_), dtype in zip(names, types, dtypes, strict=True)
     )
-    returns = str(function.global_value_type).partition(" ")[0]
     loc = Locations(text, file).definition(header) or SourceLoc(file, body.first)
     for param in params:
         if param.type not in _PARAMETERS:
@@ -211,7 +193,7 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     module, rounding = with_rounding(with_intrinsics(text))
     module, blocks_library = with_block_operations(module)
     parts = [part for part in (module, rounding, blocks_library) if part]
-    optimised = _HINTS.sub("", linked_ir(entry_text(function, counts), parts))
+    optimised = _HINTS.sub("", _linked(entry_text(function, counts), parts, function.loc))
     wide = read_function(optimised, ENTRY, function.loc.file)
     structs = structs_of(optimised)
     blocks = tuple(
@@ -220,6 +202,23 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     )
     kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
+
+
+def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:
+    """`linked_ir`, in a process of its own."""
+    request = {"do": "link", "entry": entry, "parts": parts}
+    try:
+        answer, _ = ask(request, limit_s=_LINK_LIMIT_S)
+    except Late as late:
+        reason = f"LLVM takes more than {_LINK_LIMIT_S} s to optimise the function"
+        raise KernelError(reason, loc=loc, hint="make the function smaller") from late
+    except Lost as lost:
+        reason = f"LLVM cannot optimise the function: it ends with {lost}"
+        raise KernelError(reason, loc=loc, hint="make the function smaller") from lost
+    if "text" not in answer:
+        what = " ".join(answer["error"].split())
+        raise KernelError(f"LLVM cannot optimise the function: {what}", loc=loc)
+    return str(answer["text"])
 
 
 def _recognised(op: Op, structs: Structs) -> Op:

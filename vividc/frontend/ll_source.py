@@ -8,15 +8,23 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.ll_places import nesting
+from vividc.frontend.llvm_child.client import Late, Lost, ask
+from vividc.frontend.llvm_tokens import bare, quoted_global
 
+MAX_BYTES = 16 << 20
+"""Of a `.ll` file."""
+MAX_DEPTH = 100
+"""Of brackets within brackets."""
+_READ_LIMIT_S = 60
 _FORM = "write it with `clang -O1 -g -emit-llvm -S file.c -o file.ll`"
 _BITCODE = (b"BC\xc0\xde", b"\xde\xc0\x17\x0b")
-_DEFINE = re.compile(r'^define\b.*?@(?:"(?P<quoted>[^"]*)"|(?P<name>[-\w.$]+))\(')
+_DEFINE = re.compile(r'^define\b.*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(')
 _IR = re.compile(
     r"^(?:(?:define|declare|target|source_filename|attributes)\b|[@%!]\S+ =)", re.MULTILINE
 )
@@ -27,14 +35,16 @@ _DIRECTORY = re.compile(r'(!DIFile\(filename: "[^"]*", directory: ")([^"]*)"')
 _TARGET = re.compile(r"^target (?:datalayout|triple)\b.*$", re.MULTILINE)
 _UNOPTIMISED = re.compile(r"\b(?:noinline|optnone)\b")
 _NUMBERED = re.compile(r"^!(\d+) =", re.MULTILINE)
-_LOCATED = re.compile(r"!dbg !\d+.*\{$")
+_LOCATED = re.compile(r"!dbg !\d+ (?:.* )?\{$")
+_PARSE_PLACE = re.compile(r"<string>:(\d+):\d+: error: (.*)")
+_DEBUG = re.compile(r"^.*(?:llvm\.dbg\.|#dbg_).*$|,? !dbg !\d+", re.MULTILINE)
 _QUOTED = re.compile(r'c?"(?:[^"\\]|\\.)*"')
 
 
 @dataclass(frozen=True, slots=True)
 class Body:
     """A function's definition: its name, and its lines from `define` to `}`, the first being line
-    `first` of the file.
+    `first` of the text.
     """
 
     name: str
@@ -48,13 +58,19 @@ def read_ll(path: Path) -> str:
     Raises
     ------
     KernelError
-        The file is missing, is bitcode or no LLVM IR, or has typed pointers.
+        The file is missing, is larger than `MAX_BYTES`, is bitcode or no text of LLVM IR, or nests
+        brackets deeper than `MAX_DEPTH`.
     """
     try:
-        data = path.read_bytes()
-    except OSError as error:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:
         hint = "the form is FILE.ll:FUNCTION"
-        raise KernelError(f"cannot be read: {error.strerror}", loc=str(path), hint=hint) from error
+        reason = f"cannot be read: {error.strerror if isinstance(error, OSError) else error}"
+        raise KernelError(reason, loc=str(path), hint=hint) from error
+    if len(data) > MAX_BYTES:
+        reason = f"is larger than {MAX_BYTES >> 20} MiB"
+        raise KernelError(reason, loc=str(path), hint="give a file of the kernel's own")
     if data.startswith(_BITCODE):
         raise KernelError("LLVM bitcode, not its text", loc=str(path), hint="give clang `-S` too")
     try:
@@ -63,19 +79,62 @@ def read_ll(path: Path) -> str:
         raise KernelError("not LLVM IR: no text", loc=str(path), hint=_FORM) from error
     if not _IR.search(text):
         raise KernelError("not LLVM IR", loc=str(path), hint=_FORM)
-    _refuse_typed_pointers(text, path)
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise KernelError("a NUL byte", loc=_at(path, line), hint=_FORM)
+    depth, line = nesting(text)
+    if depth > MAX_DEPTH:
+        reason = f"brackets nested {depth} deep, where {MAX_DEPTH} is the most"
+        raise KernelError(reason, loc=_at(path, line), hint="flatten the type or the constant")
     return text
 
 
+def _at(path: Path, line: int) -> SourceLoc:
+    return SourceLoc(os.path.abspath(path), line)
+
+
+def printed(text: str, path: Path) -> str:
+    """A file's text as LLVM prints it, one instruction a line.
+
+    Raises
+    ------
+    KernelError
+        LLVM cannot read it, for example because its pointers have types.
+    """
+    _refuse_typed_pointers(text, path)
+    text = _TARGET.sub("", text)
+    try:
+        return _read(text, path)
+    except Lost:
+        # Of broken debug information LLVM ends the process; of anything else it says why.
+        _read(_DEBUG.sub("", text.replace('"Debug Info Version"', '"version"')), path)
+    raise KernelError("its debug information cannot be read", loc=str(path), hint=_FORM)
+
+
+def _read(text: str, path: Path) -> str:
+    try:
+        answer, _ = ask({"do": "read", "text": text}, limit_s=_READ_LIMIT_S)
+    except Late as late:
+        reason = f"LLVM takes more than {_READ_LIMIT_S} s to read it"
+        raise KernelError(reason, loc=str(path), hint="give a smaller file") from late
+    if "text" in answer:
+        return str(answer["text"])
+    match = _PARSE_PLACE.search(answer["error"])
+    loc = _at(path, int(match[1])) if match else str(path)
+    what = match[2] if match else " ".join(answer["error"].split())
+    raise KernelError(f"not LLVM IR that can be read: {what}", loc=loc, hint=_FORM)
+
+
 def _refuse_typed_pointers(text: str, path: Path) -> None:
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.split("\n"), start=1):
         code = without_strings(line)
         if any(word in code for word in _TYPED_LINES) and _TYPED.search(code):
             ident = _IDENT.search(text)
             writer = f", written by {ident[1]}" if ident else ""
             raise KernelError(
                 f"pointers with element types{writer}",
-                loc=SourceLoc(os.path.abspath(path), number),
+                loc=_at(path, number),
                 hint="compile with clang 15 or newer, whose pointers are opaque (`ptr`)",
             )
 
@@ -94,18 +153,18 @@ def bodies(text: str) -> Iterator[Body]:
     for index, line in enumerate(lines):
         match = _DEFINE.match(line)
         if match is not None:
-            start, name = index, match["quoted"] or match["name"]
+            start, name = index, bare(match["name"])
         elif line == "}" and start >= 0:
             yield Body(name, start + 1, tuple(lines[start : index + 1]))
             start = -1
 
 
-def located_module(text: str, path: Path) -> str:
-    """The module with a source line on every instruction, for the machine instead of the host.
+def located_module(text: str, path: Path, places: Mapping[str, tuple[int, ...]]) -> str:
+    """A module as LLVM prints it with a source line on every instruction, for the machine instead
+    of the host; `places` as of `instruction_lines` of the file.
 
-    Lines keep their numbers. Functions that clang left unoptimised (`-O0`) may be optimised.
+    Functions that clang left unoptimised (`-O0`) may be optimised.
     """
-    text = _TARGET.sub("", text)
     folder = os.path.abspath(path.parent)
     text = _DIRECTORY.sub(lambda m: f'{m[1]}{_escaped(_absolute(m[2], folder))}"', text)
     lines = text.splitlines()
@@ -114,14 +173,16 @@ def located_module(text: str, path: Path) -> str:
     unit, file, kind = number, number + 1, number + 2
     added: list[str] = []
     for body in bodies(text):
-        if re.search(r"!dbg !\d+ .*\{$|!dbg !\d+ \{$", body.lines[0]):
+        if _LOCATED.search(body.lines[0]):
             continue
+        where = places.get(body.name) or (1,)
         scope = number + 4 + len(added)
+        name = quoted_global(body.name)[1:]
         added.append(
-            f'!{scope} = distinct !DISubprogram(name: "{body.name}", file: !{file}, '
-            f"line: {body.first}, type: !{kind}, unit: !{unit}, spFlags: DISPFlagDefinition)"
+            f"!{scope} = distinct !DISubprogram(name: {name}, file: !{file}, "
+            f"line: {where[0]}, type: !{kind}, unit: !{unit}, spFlags: DISPFlagDefinition)"
         )
-        for index, line in _with_places(body, scope, number + 4 + len(added), added):
+        for index, line in _with_places(body, scope, number + 4, added, where):
             lines[index] = line
     return "\n".join([*lines, *(_unit(text, path, number) if added else ()), *added, ""])
 
@@ -150,25 +211,29 @@ def _unit(text: str, path: Path, number: int) -> Iterator[str]:
     yield f"!{number + 2} = !DISubroutineType(types: !{{null}})"
 
 
-def _with_places(body: Body, scope: int, first: int, added: list[str]) -> Iterator[tuple[int, str]]:
-    """(line index, new line) of the definition and of each instruction; appends locations."""
+def _with_places(
+    body: Body, scope: int, first: int, added: list[str], where: tuple[int, ...]
+) -> Iterator[tuple[int, str]]:
+    """(line index, new line) of the definition and of each instruction; appends locations, the
+    node before `added` being `first`.
+    """
     start = body.first - 1
     yield start, f"{body.lines[0].removesuffix('{')}!dbg !{scope} {{"
-    open_at = 0
+    lines = iter(where[1:])
+    place, in_switch = where[0], False
     for offset, line in enumerate(body.lines[1:-1], start=1):
         code = without_strings(line).strip()
-        if code.endswith("["):  # a switch goes on until its closing bracket
-            open_at = offset
-            continue
-        if open_at and not code.startswith("]"):
-            continue
         if not code or code.endswith(":") or code.startswith("#"):
             continue
-        place = body.first + (open_at or offset)
-        yield start + offset, f"{_without_comment(line)}, !dbg !{first}"
-        added.append(f"!{first} = !DILocation(line: {place}, column: 1, scope: !{scope})")
-        first += 1
-        open_at = 0
+        if not in_switch:
+            place = next(lines, place)
+        in_switch = code.endswith("[") or (in_switch and not code.startswith("]"))
+        if in_switch:  # it goes on until its closing bracket
+            continue
+        yield start + offset, f"{_without_comment(line)}, !dbg !{first + len(added)}"
+        added.append(
+            f"!{first + len(added)} = !DILocation(line: {place}, column: 1, scope: !{scope})"
+        )
 
 
 def _without_comment(line: str) -> str:

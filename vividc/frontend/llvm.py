@@ -1,24 +1,16 @@
 """LLVM's part of the frontend: link numba's modules, inline everything into one function, clean it
 up.
 
-The only module that talks to llvmlite for reading IR. Numba's calling convention disappears by
-inlining the kernel into an entry function of our own, whose parameters are the words that the host
-supplies at launch.
+Numba's calling convention disappears by inlining the kernel into an entry function of our own,
+whose parameters are the words that the host supplies at launch.
 """
 
 from __future__ import annotations
 
-import functools
-import re
-from collections.abc import Iterable
-
-from llvmlite import binding
-
 from vividc.dfg.cfg import WIDE_DTYPES, DType, Param
 from vividc.errors import SourceLoc
-from vividc.frontend.numba_target import DATA_LAYOUT, NumbaModule
-
-ENTRY = "vividc.entry"
+from vividc.frontend.llvm_passes import DATA_LAYOUT, ENTRY, linked_ir
+from vividc.frontend.numba_target import NumbaModule
 
 _SCALAR = {
     DType.F32: "float",
@@ -37,7 +29,6 @@ _SCALAR = {
 _RETURN = {"float32": "float", "float64": "double", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _RETURN |= {"int64": "i64", "uint64": "i64"}
 _RETURN |= {"int16": "i16", "uint16": "i16", "int8": "i8", "uint8": "i8"}
-_DECLARE = re.compile(r"^.*llvm\.dbg\.(declare|value).*\n", re.MULTILINE)
 
 
 def optimised_ir(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> str:
@@ -58,70 +49,6 @@ def optimised_ir(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc)
         Text of a module whose function `ENTRY` holds the whole kernel.
     """
     return linked_ir(_entry_text(module, params, loc), module.texts)
-
-
-def linked_ir(entry: str, parts: Iterable[str]) -> str:
-    """Inline all functions of the modules `parts` into `ENTRY` of the module `entry`, and optimise.
-
-    Returns
-    -------
-    str
-        Text of a module.
-    """
-    linked = parse(entry)
-    for part in parts:
-        linked.link_in(parse(_DECLARE.sub("", part)))
-    for function in linked.functions:
-        if not function.is_declaration and function.name != ENTRY:
-            function.linkage = "internal"
-            function.add_function_attribute("alwaysinline")
-    _optimise(linked)
-    return str(linked)
-
-
-def parse(text: str) -> binding.ModuleRef:
-    """A module of the machine's data layout.
-
-    Raises
-    ------
-    RuntimeError
-        LLVM cannot read the text; it says why, with line and column.
-    """
-    _initialise()
-    module = binding.parse_assembly(text)
-    module.data_layout = DATA_LAYOUT
-    return module
-
-
-@functools.cache
-def _initialise() -> None:
-    binding.initialize_native_target()
-
-
-def _optimise(module: binding.ModuleRef) -> None:
-    """Loops keep their while form: no rotation, threading, unrolling or vectorising."""
-    target = binding.Target.from_default_triple()
-    machine = target.create_target_machine(cpu="", features="", opt=1)
-    options = binding.create_pipeline_tuning_options(speed_level=1)
-    builder = binding.create_pass_builder(machine, options)
-    passes = binding.create_new_module_pass_manager()
-    passes.add_always_inliner_pass()
-    passes.add_global_dead_code_eliminate_pass()
-    for _ in range(2):
-        passes.add_sroa_pass()
-        passes.add_simplify_cfg_pass()
-        passes.add_instruction_combine_pass()
-        passes.add_new_gvn_pass()
-        passes.add_sccp_pass()
-        passes.add_dead_store_elimination_pass()
-        passes.add_aggressive_dce_pass()
-    passes.add_simplify_cfg_pass()
-    passes.add_instruction_combine_pass()
-    passes.add_simplify_cfg_pass()
-    passes.add_lower_switch_pass()
-    passes.add_dead_code_elimination_pass()
-    passes.add_loop_simplify_pass()
-    passes.run(module, builder)
 
 
 def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) -> str:

@@ -25,8 +25,8 @@ from vividc.frontend.ssa import (
 )
 from vividc.frontend.subscripts import Subscripts
 
-_DEFINE = re.compile(r'^define .*?@(?:"(?P<quoted>[^"]*)"|(?P<name>[-\w.$]+))\(', re.MULTILINE)
-_LABEL = re.compile(r'^(?:"(?P<quoted>(?:[^"\\]|\\.)*)"|(?P<name>[-\w.$]+)):')
+_DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILINE)
+_LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
 _METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
 _FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
 
@@ -49,24 +49,36 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
         The text holds a construct that is not known here.
     """
     start, end = _function_span(text, name)
-    header, *lines = text[start:end].splitlines()
-    _, after_name = header.split(name, 1)
-    params = tuple(_params(Cursor(after_name[after_name.index("(") + 1 :])))
+    header, *lines = text[start:end].split("\n")
+    params, returns = signature(header)
     locations = Locations(text, file)
     blocks = tuple(_blocks(lines, locations, structs_of(text), Subscripts(text)))
-    returns = header.split("@")[0].replace("define", "").split()[-1]
     return WideFunction(params, blocks, returns)
 
 
 def _function_span(text: str, name: str) -> tuple[int, int]:
     for match in _DEFINE.finditer(text):
-        if (match["quoted"] or match["name"]) == name:
+        if bare(match["name"]) == name:
             return match.start(), text.index("\n}", match.start())
     raise InternalError(f"LLVM lost the function {name}")
 
 
+def signature(header: str) -> tuple[tuple[tuple[str, str], ...], str]:
+    """Names and types of the parameters of a `define` line, and the type that it returns."""
+    cursor, returns = Cursor(header), ""
+    while cursor.peek[:1] != "@":
+        returns = cursor.type()
+        if cursor.peek == "(":
+            cursor.skip_parentheses()
+    cursor.take()
+    cursor.expect("(")
+    return tuple(_params(cursor)), returns
+
+
 def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
     while not cursor.accept(")"):
+        if cursor.accept("..."):
+            continue
         type_ = cursor.type()
         while cursor.peek[:1] != "%":
             cursor.take()
@@ -126,10 +138,10 @@ def _blocks(
     name = ""
     phis: list[WidePhi] = []
     ops: list[Op] = []
-    for line in _joined(lines):
-        label = _LABEL.match(line)
-        if label is not None:
-            name = bare(f'%"{label["quoted"]}"') if label["quoted"] else label["name"]
+    for line in joined(lines):
+        label = label_of(line)
+        if label:
+            name = label
             continue
         stripped = line.strip()
         if not stripped or stripped.startswith((";", "#dbg")):
@@ -145,7 +157,13 @@ def _blocks(
             phis, ops = [], []
 
 
-def _joined(lines: list[str]) -> Iterator[str]:
+def label_of(line: str) -> str:
+    """The block that a line begins, else ""."""
+    label = _LABEL.match(line)
+    return bare("%" + label["name"]) if label is not None else ""
+
+
+def joined(lines: list[str]) -> Iterator[str]:
     """A switch is printed over several lines; all else on one."""
     pending = ""
     for line in lines:

@@ -45,6 +45,8 @@ _FLAGS = frozenset(
         "signext",
     ]
 )
+_SPECIAL = re.compile(rb'[^ -~]|["\\]')
+_ESCAPE = re.compile(rb"\\\\|\\[0-9A-Fa-f]{2}")
 _FLOAT_DIGITS = 8
 _WORD = 32
 CASTS = frozenset(
@@ -187,12 +189,23 @@ def _is_value(token: str) -> bool:
 def bare(token: str) -> str:
     """Name of a local or global without sigil, quotes and escapes."""
     name = token[1:]
-    if not name.startswith('"'):
-        return name
-    raw = re.sub(
-        rb"\\([0-9A-Fa-f]{2})", lambda m: bytes.fromhex(m[1].decode()), name[1:-1].encode()
+    return unescaped(name[1:-1]).decode(errors="surrogateescape") if name[:1] == '"' else name
+
+
+def quoted_global(name: str) -> str:
+    """The global of a bare name, as LLVM reads any."""
+    raw = name.encode(errors="surrogateescape")
+    plain = _SPECIAL.sub(lambda m: b"\\%02X" % m[0][0], raw)
+    return f'@"{plain.decode()}"'
+
+
+def unescaped(string: str) -> bytes:
+    """The bytes of what stands between a string's quotes: two hexadecimal digits after a backslash
+    are one byte, two backslashes are one.
+    """
+    return _ESCAPE.sub(
+        lambda m: b"\\" if m[0] == b"\\\\" else bytes.fromhex(m[0][1:].decode()), string.encode()
     )
-    return raw.decode()
 
 
 def _kept(value: int, type_: str) -> int:

@@ -27,7 +27,8 @@ from vividc.frontend.diagnose import construct_at, diagnose
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, sign_quotients
 from vividc.frontend.interval import Interval
-from vividc.frontend.llvm import ENTRY, optimised_ir
+from vividc.frontend.llvm import optimised_ir
+from vividc.frontend.llvm_passes import ENTRY
 from vividc.frontend.llvm_text import read_function
 from vividc.frontend.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
 from vividc.frontend.memory import resolve_memory

@@ -39,6 +39,7 @@ from numba.np import arrayobj, npyimpl
 
 import vividc.frontend.numpy_linalg
 import vividc.frontend.numpy_where  # noqa: F401 - all register functions with numba
+from vividc.frontend.llvm_passes import DATA_LAYOUT
 from vividc.frontend.math_overloads import float_loops
 from vividc.frontend.numba_arrays import (
     NoRuntime,
@@ -56,8 +57,6 @@ from vividc.frontend.subscripts import marked_subscripts
 
 TARGET_NAME = "vividc"
 RAISE_PREFIX = "vividc.raise "
-# Pointers of 32 bits: LLVM then truncates address arithmetic to the machine's words by itself.
-DATA_LAYOUT = "e-p:32:32-i64:64-n32"
 
 
 class Callee:
