@@ -5,7 +5,10 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-from vividc.printable import quoted
+from vividc.printable import printable, quoted
+
+_MOST = 200
+"""Characters of a source line in a message."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -131,7 +134,7 @@ def _source_line(loc: SourceLoc) -> str:
         with open(loc.file, encoding="utf-8") as source:
             for number, text in enumerate(source, start=1):
                 if number == loc.line:
-                    return text.strip()
+                    return printable(text.strip()[:_MOST])
     except (OSError, UnicodeDecodeError):
         pass
     return ""

@@ -15,6 +15,7 @@ from vividc.frontend.ssa import Float, Int
 _GLOBAL = re.compile(r'^(@(?:"(?:[^"\\]|\\.)*"|[-\w.$]+)) = .*?\bconstant (\[.*)$', re.MULTILINE)
 _ARRAY = re.compile(r"\[(\d+)x(.*)\]")
 _SCALARS = frozenset({"i8", "i16", "i32", "i64", "float", "double"})
+_MAX_LENGTH = 1 << 24
 _UNDEFINED = frozenset({"zeroinitializer", "poison", "undef"})
 _MASK = 0xFFFFFFFF
 
@@ -38,7 +39,10 @@ def tables_of(text: str) -> dict[str, Table]:
         cursor = Cursor(match[2])
         type_ = cursor.type()
         element = _scalar_of(type_)
-        if element in _SCALARS:
+        if _length(type_) > _MAX_LENGTH:
+            reason = f"a constant array of {_length(type_)} elements"
+            raise KernelError(reason, hint="pass it as a parameter")
+        if element in _SCALARS and cursor.peek not in ("", ","):  # else another file has it
             found[bare(match[1])] = Table(element, tuple(_values(cursor, type_)))
     return found
 

@@ -9,9 +9,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+import networkx as nx
+
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.ll_source import Body, without_strings
-from vividc.frontend.llvm_tokens import bare
+from vividc.frontend.llvm_layout import offsets
+from vividc.frontend.llvm_tokens import Cursor, Structs, bare
+from vividc.frontend.ssa import Int
 
 
 class Locate(Protocol):
@@ -28,6 +32,8 @@ _REFERENCE = re.compile(r'@(?:"[^"]*"|[-\w$.]+)')
 _WIDTH = re.compile(r"\bi(\d+)\b")
 _WIDTHS = frozenset({"1", "8", "16", "32", "64"})
 _WORDS = "use int32_t, uint32_t and float"
+_GLOBAL = re.compile(r'^(?:(?:define|declare) .*?)?(@(?:"[^"]*"|[-\w$.]+))(?:\(| =)', re.MULTILINE)
+_FAR = 1 << 31
 _BY_VALUE = re.compile(r"\b(?:byval|sret|inalloca)\b")
 
 
@@ -58,6 +64,7 @@ _RULES = (
         "a local array of variable size",
         "give it a constant size, or pass the array as a parameter",
     ),
+    _rule(r"\baddrspace\b", "a pointer to another address space", "use plain pointers"),
     _rule(r"\bva_arg\b", "variable arguments", "pass an array and its length"),
     _rule(r"\basm\b", "inline assembly", "write the operation in C"),
     _rule(
@@ -89,11 +96,13 @@ def _referenced(line: str) -> Iterator[str]:
         yield bare(match[0])
 
 
-def check_body(body: Body, locate: Locate) -> None:
+def check_body(body: Body, structs: Structs, locate: Locate) -> None:
     """Refuse what the array cannot run.
 
     Parameters
     ----------
+    structs
+        The module's.
     locate
         Source line of an instruction's text.
 
@@ -106,11 +115,36 @@ def check_body(body: Body, locate: Locate) -> None:
     place = locate.definition(header)
     if "..." in without_strings(header):
         raise KernelError("variable arguments", loc=place, hint="pass an array and its length")
+    if "addrspace" in _NAMES.sub("", without_strings(header)):
+        raise KernelError(
+            "a pointer to another address space", loc=place, hint="use plain pointers"
+        )
     if _BY_VALUE.search(_NAMES.sub("", without_strings(header))):
         hint = "pass a pointer to an array, or its members"
         raise KernelError("a structure passed or returned by value", loc=place, hint=hint)
     for line in lines:
         _check_line(line, locate)
+        if "getelementptr" in line and _is_far(line, structs):
+            hint = "an array lies in the machine's 32-bit memory"
+            raise _refused("an address 2 GiB or more away from its array", hint, line, locate)
+
+
+def _is_far(line: str, structs: Structs) -> bool:
+    """Whether a constant offset is cut where addresses have 32 bits."""
+    cursor = Cursor(without_strings(line), structs)
+    while cursor.peek:
+        if cursor.take() == "getelementptr":
+            cursor.skip_flags()
+            cursor.accept("(")
+            element, args = cursor.address()
+            indices, strides = offsets(element, args[1:], structs) or ((), ())
+            constants = [
+                index.value * stride if isinstance(index, Int) else stride
+                for index, stride in zip(indices, strides, strict=True)
+            ]
+            if any(abs(number) >= _FAR for number in (sum(constants), *constants)):
+                return True
+    return False
 
 
 def _check_line(line: str, locate: Locate) -> None:
@@ -156,13 +190,39 @@ def refuse_recursion(bodies: tuple[Body, ...], locate: Locate) -> None:
     KernelError
         With the line of a call that leads back to its function.
     """
-    by_name = {body.name: body for body in bodies}
-    for body in bodies:
-        for line in body.lines[1:]:
-            for callee in _referenced(line):
-                if callee in by_name and body in reachable(by_name[callee], by_name):
-                    hint = "write it as a loop, with a stack in an array if it needs one"
-                    raise _refused(f"recursion through `{callee}`", hint, line, locate)
+    known = {body.name for body in bodies}
+    calls = [
+        (body.name, callee, line)
+        for body in bodies
+        for line in body.lines[1:]
+        for callee in _referenced(line)
+        if callee in known
+    ]
+    graph = nx.DiGraph((caller, callee) for caller, callee, _ in calls)
+    cycle_of = {
+        name: number
+        for number, names in enumerate(nx.strongly_connected_components(graph))
+        for name in names
+    }
+    for caller, callee, line in calls:
+        if cycle_of[caller] == cycle_of[callee]:
+            hint = "write it as a loop, with a stack in an array if it needs one"
+            raise _refused(f"recursion through `{callee}`", hint, line, locate)
+
+
+def refuse_own_names(text: str, file: str) -> None:
+    """Refuse a module with names of the compiler's own.
+
+    Raises
+    ------
+    KernelError
+        A global's name begins with "vividc.".
+    """
+    for match in _GLOBAL.finditer(text):
+        name = bare(match[1])
+        if name.startswith("vividc."):
+            reason = f"the name `{name}`: names that begin with `vividc.` are the compiler's"
+            raise KernelError(reason, loc=file, hint="give it another name")
 
 
 def _refused(reason: str, hint: str, line: str, locate: Locate) -> KernelError:

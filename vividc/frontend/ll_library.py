@@ -49,7 +49,8 @@ define void @"{name}"({params}, i64 %bytes, i1 %volatile) {{
 """
 _HEAD = """
 define void @"{name}.{item}"({params}, i64 %many) {{
-  %count = trunc i64 %many to i32
+  %known = call i64 @llvm.umin.i64(i64 %many, i64 2147483647)
+  %count = trunc i64 %known to i32
   br label %start
 start:
 """
@@ -137,7 +138,11 @@ def with_block_operations(text: str) -> tuple[str, str]:
     text = _CALL.sub(ours, _DECLARE.sub("", text))
     if not used:
         return text, ""
-    library = [f'declare i1 @"{BELOW}"(ptr, ptr) memory(none) nounwind willreturn']
+    # No array has as many elements as a count that does not fit 31 bits: the block ends outside.
+    library = [
+        f'declare i1 @"{BELOW}"(ptr, ptr) memory(none) nounwind willreturn',
+        "declare i64 @llvm.umin.i64(i64, i64)",
+    ]
     declares = []
     for (kind, length, unit), name in used.items():
         types = ", ".join(param.partition(" ")[0] for param in _PARAMS[kind])
@@ -212,7 +217,9 @@ def with_intrinsics(text: str) -> str:
             continue
         kind, suffix = ("float", "f32") if single else ("double", "f64")
         if {returns.split()[-1], *(param.split()[0] for param in params.split(", "))} != {kind}:
-            continue  # a function of the user's own that has the name
+            # The user's own function that has the name is no function of math.h.
+            text = text.replace(f"@{name}(", f'@"{name} of another file"(')
+            continue
         callee = f"llvm.{intrinsic}.{suffix}"
         types = ", ".join([kind] * (params.count(",") + 1))
         text = re.sub(rf"^declare .*@{name}\(.*$", "", text, flags=re.MULTILINE)

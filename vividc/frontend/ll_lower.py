@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import WIDE_DTYPES, DType, Function, Param
 from vividc.errors import KernelError, SourceLoc, VividcWarning
-from vividc.frontend.ll_checks import check_body, reachable, refuse_recursion
+from vividc.frontend.ll_checks import check_body, reachable, refuse_own_names, refuse_recursion
 from vividc.frontend.ll_debug import declared
 from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
 from vividc.frontend.ll_library import (
@@ -21,16 +21,19 @@ from vividc.frontend.ll_library import (
 )
 from vividc.frontend.ll_source import Body, bodies
 from vividc.frontend.llvm_child.client import Late, Lost, ask
-from vividc.frontend.llvm_layout import Structs, size_of, structs_of
+from vividc.frontend.llvm_layout import size_of, structs_of
 from vividc.frontend.llvm_passes import ENTRY
 from vividc.frontend.llvm_text import Locations, read_function, signature
+from vividc.frontend.llvm_tokens import Structs
 from vividc.frontend.local_arrays import RAW
 from vividc.frontend.lower import Prepared, counting_parameters, located, lower_words, prepared
 from vividc.frontend.numba_arrays import ALLOCATE
 from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 
-_LINK_LIMIT_S = 60
+_LINK_LIMIT_S = 20
+MAX_INSTRUCTIONS = 8192
+"""Of a function with all that it calls: what 16 PEs of 512 contexts hold."""
 _HINTS = re.compile(
     r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|"
     r"prefetch)\b.*\n",
@@ -101,9 +104,11 @@ def declare(text: str, file: str, name: str, types: Mapping[str, str] | None = N
         raise KernelError(f"has no function `{name}`", loc=file, hint=f"it defines: {known}")
     function = _typed(_function(text, by_name[name], file), types or {})
     locate = Locations(text, function.loc.file)
+    refuse_own_names(text, file)
     used = reachable(by_name[name], by_name)
+    structs = structs_of(text)
     for body in used:
-        check_body(body, locate)
+        check_body(body, structs, locate)
     refuse_recursion(used, locate)
     with located(function.loc), _in_c_terms():
         kernel = _read(text, function, frozenset())
@@ -195,6 +200,11 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     parts = [part for part in (module, rounding, blocks_library) if part]
     optimised = _HINTS.sub("", _linked(entry_text(function, counts), parts, function.loc))
     wide = read_function(optimised, ENTRY, function.loc.file)
+    count = sum(len(block.items) for block in wide.blocks)
+    if count > MAX_INSTRUCTIONS:
+        reason = f"a function of {count} instructions, where {MAX_INSTRUCTIONS} are the most"
+        hint = "make several kernels of it, or loops of what repeats"
+        raise KernelError(reason, loc=function.loc, hint=hint)
     structs = structs_of(optimised)
     blocks = tuple(
         replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))

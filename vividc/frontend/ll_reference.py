@@ -17,8 +17,9 @@ from vividc.errors import InternalError, KernelError, SourceLoc
 from vividc.frontend.ll_checks import Locate, reachable
 from vividc.frontend.ll_source import Body, bodies, without_strings
 from vividc.frontend.llvm_child.work import ARRAYS, FAULT, HOST, MATH, REFERENCE
+from vividc.frontend.llvm_layout import size_of, structs_of
 from vividc.frontend.llvm_text import joined, label_of, signature
-from vividc.frontend.llvm_tokens import CASTS, Cursor, bare
+from vividc.frontend.llvm_tokens import CASTS, Cursor, Structs, bare
 
 _COMPUTES = CASTS | frozenset(
     [
@@ -72,6 +73,7 @@ _STRUCT = re.compile(r'^%(?:"[^"]*"|\S+) = type .*$', re.MULTILINE)
 _ODD_VARIABLE = {"alias": "an alias", "ifunc": "a function that is chosen at its first call"}
 _HINT = "call functions of the same file, and those of math.h"
 _UNKNOWN_HINT = "leave out --check, or write the operation in another way"
+_MAX_BYTES = 1 << 28
 _CHECK = f"""
 declare void @"{FAULT}"(i64)
 define internal void @check(ptr %p, i64 %size, i64 %place) {{
@@ -146,7 +148,7 @@ def reference_text(text: str, name: str, locate: Locate) -> ReferenceText:
     """
     by_name = {body.name: body for body in bodies(text)}
     used = reachable(by_name[name], by_name)
-    writer = _Writer(dict(_VARIABLE.findall(text)), locate)
+    writer = _Writer(dict(_VARIABLE.findall(text)), locate, structs_of(text))
     writer.functions = {body.name: f"@f{number}" for number, body in enumerate(used)}
     writer.functions[name] = f'@"{REFERENCE}"'
     written = [part for body in used for part in writer.function(body, exported=body.name == name)]
@@ -173,6 +175,7 @@ class _Writer:
 
     known: Mapping[str, str]
     locate: Locate
+    structs: Structs
     functions: dict[str, str] = field(default_factory=dict)
     variables: dict[str, str] = field(default_factory=dict)
     declarations: dict[str, str] = field(default_factory=dict)
@@ -260,6 +263,10 @@ class _Writer:
         return f"{result}getelementptr i8, ptr {name}, i64 0"
 
     def _allow(self, name: str, type_: str) -> None:
+        bytes_ = size_of(type_.replace(" ", ""), self.structs) or 0
+        if bytes_ > _MAX_BYTES:
+            hint = "pass it as a parameter"
+            raise KernelError(f"a variable of {bytes_} bytes", loc=self.place, hint=hint)
         size = f"ptrtoint (ptr getelementptr ({type_}, ptr null, i32 1) to i64)"
         self.ranges.append(f"[2 x i64] [i64 ptrtoint (ptr {name} to i64), i64 {size}]")
 

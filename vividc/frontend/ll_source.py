@@ -21,7 +21,7 @@ MAX_BYTES = 16 << 20
 """Of a `.ll` file."""
 MAX_DEPTH = 100
 """Of brackets within brackets."""
-_READ_LIMIT_S = 60
+_READ_LIMIT_S = 20
 _FORM = "write it with `clang -O1 -g -emit-llvm -S file.c -o file.ll`"
 _BITCODE = (b"BC\xc0\xde", b"\xde\xc0\x17\x0b")
 _DEFINE = re.compile(r'^define\b.*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(')

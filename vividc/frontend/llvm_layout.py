@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
+from vividc.errors import KernelError
+from vividc.frontend.llvm_tokens import Cursor, Structs
 from vividc.frontend.ssa import Int, Operand
 
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "ptr": 4, "i64": 8, "double": 8}
-_STRUCT = re.compile(r"^(%\S+) = type (\{.*\})$", re.MULTILINE)
+_STRUCT = re.compile(r'^(%(?:"[^"]*"|\S+)) = type (\{.*\})$', re.MULTILINE)
+_MAX_DEPTH = 100
 _ARRAY = re.compile(r"\[(\d+)x(.*)\]")
-Structs = Mapping[str, str]
-"""Members of each named structure, as text without blanks: "{float,[3xi32]}"."""
 
 
-def structs_of(text: str) -> dict[str, str]:
+def structs_of(text: str) -> Structs:
     """The named structures of a module's text."""
-    return {match[1]: match[2].replace(" ", "") for match in _STRUCT.finditer(text)}
+    return Structs({match[1]: Cursor(match[2]).type() for match in _STRUCT.finditer(text)})
 
 
 def offsets(
@@ -44,21 +45,37 @@ def offsets(
 
 
 def size_of(type_: str, structs: Structs) -> int | None:
-    """Bytes of a value; None if its type is not known."""
+    """Bytes of a value; None if its type is not known.
+
+    Raises
+    ------
+    KernelError
+        Types lie in types more than 100 deep.
+    """
     layout = _layout(type_, structs)
     return None if layout is None else layout[0]
 
 
-def _layout(type_: str, structs: Structs) -> tuple[int, int] | None:
+def _layout(type_: str, structs: Structs, depth: int = 0) -> tuple[int, int] | None:
     """Size and alignment in bytes."""
+    if depth > _MAX_DEPTH:
+        raise KernelError(
+            f"types nested more than {_MAX_DEPTH} deep", hint="flatten the structures"
+        )
+    if type_ not in structs.layouts:
+        structs.layouts[type_] = _computed_layout(type_, structs, depth)
+    return structs.layouts[type_]
+
+
+def _computed_layout(type_: str, structs: Structs, depth: int) -> tuple[int, int] | None:
     if type_ in _BYTES:
         return _BYTES[type_], _BYTES[type_]
     array = _ARRAY.fullmatch(type_)
     if array is not None:
-        inner = _layout(array[2], structs)
+        inner = _layout(array[2], structs, depth + 1)
         return None if inner is None else (int(array[1]) * inner[0], inner[1])
     members = list(_members(type_, structs))
-    layouts = [_layout(member, structs) for member in members]
+    layouts = [_layout(member, structs, depth + 1) for member in members]
     if not members or None in layouts:
         return None
     align = max(layout[1] for layout in layouts if layout is not None)

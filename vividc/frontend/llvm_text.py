@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from vividc.errors import InternalError, SourceLoc
-from vividc.frontend.llvm_layout import Structs, offsets, structs_of
-from vividc.frontend.llvm_tokens import CASTS, Cursor, bare
+from vividc.frontend.llvm_layout import offsets, structs_of
+from vividc.frontend.llvm_tokens import CASTS, Cursor, Structs, bare
 from vividc.frontend.ssa import (
     Exit,
     Op,
@@ -262,14 +262,9 @@ def _read_store(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -
 
 
 def _read_gep(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
-    element = cursor.type()
-    args: list[Operand] = []
-    while cursor.accept(","):
-        if cursor.peek[:1] == "!":
-            break
-        args.append(cursor.typed_operand()[1])
-    found = offsets(element, tuple(args[1:]), cursor.structs)
-    indices, strides = found or (tuple(args[1:]), ())
+    element, args = cursor.address()
+    found = offsets(element, args[1:], cursor.structs)
+    indices, strides = found or (args[1:], ())
     operands = (args[0], *indices)
     return Op(name, opcode, "ptr", operands, source=element, strides=strides, loc=loc)
 

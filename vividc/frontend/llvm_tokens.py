@@ -68,12 +68,23 @@ CASTS = frozenset(
 )
 
 
+class Structs(dict[str, str]):
+    """Members of each named structure, as text without blanks: "{float,[3xi32]}".
+
+    `layouts`: size and alignment of types, None if not known, as far as they were asked for.
+    """
+
+    def __init__(self, members: Mapping[str, str] | None = None) -> None:
+        super().__init__(members or {})
+        self.layouts: dict[str, tuple[int, int] | None] = {}
+
+
 @dataclass
 class Cursor:
     """Tokens of one line, read from left to right; `structs`: members of named structures."""
 
     text: str
-    structs: Mapping[str, str] = field(default_factory=dict)
+    structs: Structs = field(default_factory=Structs)
     tokens: list[str] = field(init=False)
     position: int = 0
 
@@ -166,6 +177,16 @@ class Cursor:
         while self.peek and self.peek != "(":
             self.take()
         self.skip_parentheses()
+
+    def address(self) -> tuple[str, tuple[Operand, ...]]:
+        """What follows a `getelementptr` and its flags: the element's type, pointer and indices."""
+        element = self.type()
+        args: list[Operand] = []
+        while self.accept(","):
+            if self.peek[:1] == "!":
+                break
+            args.append(self.typed_operand()[1])
+        return element, tuple(args)
 
     def typed_operand(self) -> tuple[str, Operand]:
         type_ = self.type()

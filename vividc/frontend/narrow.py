@@ -244,7 +244,7 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith("numba_") and not callee.startswith("numba_gil"):
         reason = f"a call of numba's `{callee.removeprefix('numba_')}`, which the array cannot run"
         return KernelError(reason, loc=op.loc, hint="write it with loops and arithmetic")
-    if callee.startswith(("NRT_", "numba_gil", "Py", "printf", "puts")):
+    if callee.startswith(("NRT_", "numba_gil", "Py")):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
     hint = "supported: abs, min, max, pow and the functions of docs/math.md"

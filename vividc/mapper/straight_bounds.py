@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.dfg.opcodes import Opcode
@@ -153,10 +155,13 @@ def _unions(groups: Iterable[frozenset[int]]) -> list[frozenset[int]]:
 def _shared_length(users: list[int], pes: int, heads: dict[int, int], tails: dict[int, int]) -> int:
     """Max over sets {head >= h, tail >= t} of h + t + cycles to issue all but the last of them."""
     length = 1
-    for least_tail in sorted({tails[node] for node in users}):
-        inside = [heads[node] for node in users if tails[node] >= least_tail]
-        for others, head in enumerate(sorted(inside, reverse=True)):
-            length = max(length, head + others // pes + least_tail)
+    latest_first = sorted(users, key=heads.__getitem__, reverse=True)
+    head = np.array([heads[node] for node in latest_first])
+    tail = np.array([tails[node] for node in latest_first])
+    for least_tail in sorted(set(tail.tolist())):
+        inside = head[tail >= least_tail]
+        issued = np.arange(len(inside)) // pes
+        length = max(length, int((inside + issued).max()) + least_tail)
     return length
 
 
