@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import vividc
+from tests.frontend.cfg_eval import run
 from vividc.errors import KernelError, SimulationError, TimeLimit, VividcError
 from vividc.frontend import ll_host
 from vividc.frontend.constant_tables import tables_of
@@ -330,3 +331,33 @@ def test_a_file_without_end(tmp_path: Path) -> None:
     (tmp_path / "zero.ll").symlink_to("/dev/zero")
     with pytest.raises(KernelError, match="larger than 16 MiB"):
         vividc.load_ll(tmp_path / "zero.ll", "f")
+
+
+PROGRAM = Path(__file__).parent / "c" / "program.ll"
+KERNELS = {
+    "atax": (2, 3, np.arange(6, dtype=np.float32), np.ones(3, np.float32), np.ones(3, np.float32)),
+    "levinson": (4, np.float32([0.5, 0.25, -0.5, 0.125]), *np.zeros((2, 4), np.float32)),
+    "substitute": (np.arange(16, dtype=np.uint8), np.zeros(16, np.uint8), 16),
+}
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_kernels_beside_a_main_program(name: str) -> None:
+    kernel = vividc.load_ll(PROGRAM, name)
+    by_array, by_host = (
+        [x.copy() if isinstance(x, np.ndarray) else x for x in KERNELS[name]] for _ in range(2)
+    )
+    run(kernel.lower(), *by_array)
+    kernel(*by_host)
+    for array, host in zip(by_array, by_host, strict=True):
+        np.testing.assert_allclose(array, host, rtol=1e-5)
+
+
+def test_a_main_program_is_no_kernel() -> None:
+    with pytest.raises(KernelError, match=r"program\.ll:\d+: a call of `fprintf`"):
+        vividc.load_ll(PROGRAM, "main")
+
+
+def test_attributes_of_unoptimised_code_may_be_a_group_of_their_own(tmp_path: Path) -> None:
+    text = body("  store i32 %n, ptr %x").replace(") {", ") #0 {")
+    assert_as_on_the_host(load(tmp_path, text + "attributes #0 = { noinline optnone }\n"), 3)

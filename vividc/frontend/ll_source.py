@@ -148,7 +148,7 @@ def without_strings(line: str) -> str:
 
 def bodies(text: str) -> Iterator[Body]:
     """Function definitions in the order of the file."""
-    lines = text.splitlines()
+    lines = text.split("\n")
     start, name = -1, ""
     for index, line in enumerate(lines):
         match = _DEFINE.match(line)
@@ -168,7 +168,9 @@ def located_module(text: str, path: Path, places: Mapping[str, tuple[int, ...]])
     folder = os.path.abspath(path.parent)
     text = _DIRECTORY.sub(lambda m: f'{m[1]}{_escaped(_absolute(m[2], folder))}"', text)
     lines = text.splitlines()
-    lines = [_UNOPTIMISED.sub("", x) if x.startswith("attributes #") else x for x in lines]
+    lines = [
+        _UNOPTIMISED.sub('"optimised"', x) if x.startswith("attributes #") else x for x in lines
+    ]
     number = max((int(match[1]) for match in _NUMBERED.finditer(text)), default=-1) + 1
     unit, file, kind = number, number + 1, number + 2
     added: list[str] = []
