@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import Any, Final, Protocol, TypeVar, cast
 
 import numba
@@ -18,7 +19,11 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler as NumbaCompiler
 from numba.core.compiler import DefaultPassBuilder
 from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.dispatcher import Dispatcher
 from numba.core.typed_passes import NativeLowering
+
+from vividc import kept_code, made_of
+from vividc.kept_code import KeptCode, KeyedCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 
@@ -39,20 +44,18 @@ class Compiler(Protocol):
 def compiler(module: str) -> Compiler:
     """Return the decorator of a folder's functions; `module` is the `__file__` of a module there.
 
-    A function is compiled at its first call and kept on disk where that is possible; where no
-    directory can be written it is compiled again in each process.
+    A function is compiled at its first call and kept in the user's cache; without one it is
+    compiled again in each process.
 
-    Code on disk holds the functions that it calls, too, whatever file they are in: it is good for
-    this state of the whole folder and of this file only, which numba by itself would not notice.
+    What is kept holds the functions that it calls, too, whatever file they are in: it is good for
+    this state of them, of the whole folder, and of the files that compile it.
     """
     stamp = _stamp(Path(module).parent)
 
     def compiled(function: _Function) -> _Function:
-        try:
-            made = numba.njit(cache=True, **_OPTIONS)(function)
-            made._cache._cache_file._source_stamp = stamp
-        except RuntimeError:  # numba found no place for its cache
-            made = numba.njit(**_OPTIONS)(function)
+        made = numba.njit(pipeline_class=KeyedCompiler, **_OPTIONS)(function)
+        if isinstance(made, Dispatcher):  # else numba's compiling is switched off
+            made._cache = KeptCode(cast(FunctionType, function), stamp)
         return cast(_Function, made)
 
     return compiled
@@ -78,7 +81,8 @@ def constant(number: int) -> int:
 
 def _stamp(folder: Path) -> str:
     text = hashlib.sha256()
-    for path in (Path(__file__), *sorted(folder.glob("*.py"))):
+    own = (Path(file) for file in (__file__, kept_code.__file__, made_of.__file__))
+    for path in (*own, *sorted(folder.glob("*.py"))):
         text.update(path.read_bytes())
     return text.hexdigest()
 

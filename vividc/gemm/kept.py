@@ -1,23 +1,20 @@
-"""Programs of products in the user's cache of machine code: building one takes ten times as long as
-reading it.
+"""Programs of products in the user's cache: building one takes ten times as long as reading it.
 
-What is kept is known by a hash of all that it is made from, this package's code included, and is
-read only where machine code would be (`sim.native.cache`).
+What is kept is known by a hash of all that it is made from, this package's code included.
 """
 
 from __future__ import annotations
 
-import tempfile
-import zlib
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from typing import Final
 
+from vividc import kept
 from vividc.arch.fabric import Fabric
-from vividc.errors import BundleError
-from vividc.program import Program, load
-from vividc.sim.native import cache as files
+from vividc.program import Program
 
+_KIND: Final = "product"
 _MADE_BY = ("arch", "dfg", "gemm", "mapper", "program")
 """Folders of the package whose code makes programs."""
 
@@ -29,28 +26,12 @@ def key_of(fabric: Fabric, *form: object) -> str:
 
 def read_program(key: str) -> Program | None:
     """The program of this key, if there is one to trust."""
-    kept = files.read(key)
-    if kept is None:
-        return None
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "product.vivid"
-        try:
-            path.write_bytes(zlib.decompress(kept))
-            return load(path)
-        except (BundleError, OSError, zlib.error):
-            return None
+    return kept.read_program(_KIND, key)
 
 
 def write_program(key: str, program: Program) -> None:
     """Keep a program; silently not, if that is not possible."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "product.vivid"
-        try:
-            program.save(path)
-            content = path.read_bytes()
-        except (BundleError, OSError):
-            return
-        files.write(key, zlib.compress(content, 1))
+    kept.write_program(_KIND, key, program)
 
 
 @cache

@@ -7,7 +7,7 @@ from vividc.program.encode import encode
 from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use, Write
 from vividc.program.layout import Field, WordLayout, word_layout
 from vividc.program.memory import WORD_BYTES, place_arrays, trapped
-from vividc.program.program import Program, load
+from vividc.program.program import Program, from_bytes, load
 from vividc.program.tables import (
     BoundReport,
     DebugRow,
@@ -51,6 +51,7 @@ __all__ = [
     "decode",
     "disassemble",
     "encode",
+    "from_bytes",
     "joined",
     "load",
     "pack",

@@ -99,16 +99,20 @@ def write_bundle(
     BundleError
         The file cannot be written.
     """
-    write_whole(path, _bytes(manifest, arrays), BundleError)
+    write_whole(path, bundle_bytes(manifest, arrays), BundleError)
 
 
 class BundleReader:
-    """An open `.vivid` file; damage in its `with` block becomes a `BundleError`."""
+    """An open `.vivid` file, or the bytes of one; damage in its `with` block is a `BundleError`."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, data: bytes | None = None) -> None:
         self.path = path
+        self._given = data
 
     def __enter__(self) -> BundleReader:
+        if self._given is not None:
+            self._data = self._given
+            return self
         try:
             if self.path.stat().st_size > MAX_FILE_BYTES:
                 reason = f"larger than {MAX_FILE_BYTES >> 20} MiB, so not a .vivid file"
@@ -173,7 +177,8 @@ def _members() -> tuple[str, ...]:
     return (_MANIFEST, *(f"{name}.npy" for name in _ARRAYS))
 
 
-def _bytes(manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]) -> bytes:
+def bundle_bytes(manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]) -> bytes:
+    """What the file holds; equal programs, equal bytes."""
     tree = _ADAPTER.dump_python(manifest, mode="json")
     for report in tree["regions"]:
         report["wall_s"] = None  # a measured time would make every file differ

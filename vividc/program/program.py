@@ -18,7 +18,7 @@ from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.dfg.parallel import Parallel, is_well_formed
 from vividc.dfg.product import Product
 from vividc.errors import BundleError, VividcError, demand_type
-from vividc.program.bundle import SCHEMA, BundleReader, Manifest, write_bundle
+from vividc.program.bundle import SCHEMA, BundleReader, Manifest, bundle_bytes, write_bundle
 from vividc.program.decode import decode
 from vividc.program.entry import Entry
 from vividc.program.layout import OPCODE_NUMBERS, word_layout
@@ -138,6 +138,10 @@ class Program:
             )
         write_bundle(Path(path), _manifest(self), _arrays(self))
 
+    def to_bytes(self) -> bytes:
+        """What `save` writes for a program whose fabric has YAML text."""
+        return bundle_bytes(_manifest(self), _arrays(self))
+
 
 def load(path: str | os.PathLike[str]) -> Program:
     """Read a `.vivid` file. Nothing in the file is executed.
@@ -148,7 +152,22 @@ def load(path: str | os.PathLike[str]) -> Program:
         The file is missing, damaged, of another version, or inconsistent; it names the path.
     """
     demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
-    with BundleReader(Path(path)) as reader:
+    return _read(BundleReader(Path(path)))
+
+
+def from_bytes(data: bytes) -> Program:
+    """Read what `Program.to_bytes` gave.
+
+    Raises
+    ------
+    BundleError
+        It is damaged, of another version, or inconsistent.
+    """
+    return _read(BundleReader(Path("kept program"), data))
+
+
+def _read(bundle: BundleReader) -> Program:
+    with bundle as reader:
         manifest = reader.manifest()
         program = _assemble(reader, manifest)
         for fault in _faults(program):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from dataclasses import replace
 from pathlib import Path
 from unittest.mock import Mock
@@ -9,9 +11,10 @@ from unittest.mock import Mock
 import pytest
 
 import vividc
-from vividc.errors import BundleError
+from vividc import store
+from vividc.errors import VividcWarning
 from vividc.render import SceneError
-from vividc.render.array.programs import Programs, cache_folder, compiler_digest, kernel_folder
+from vividc.render.array.programs import Programs, compiler_digest, kernel_folder
 
 FIR = "prefix_sum:prefix_sum"
 
@@ -25,16 +28,19 @@ def test_a_kernel_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     told: list[str] = []
     first = programs(told).get(FIR)
     assert told == ["compiling prefix_sum:prefix_sum (kept for the next time)"]
-    (bundle,) = (tmp_path / "programs").iterdir()
+    (bundle,) = (tmp_path / "entries").glob("stage-*")
     held = programs(told)
     again = held.get(FIR)
     assert again is held.get(FIR)
     assert len(told) == 1
     assert [r.ii for r in again.regions] == [r.ii for r in first.regions]
     bundle.write_bytes(bundle.read_bytes()[:100])
+    monkeypatch.setattr(store, "_warned", False)
+    with pytest.warns(VividcWarning, match="stage-.* is damaged"):
+        programs(told).get(FIR)
+    assert len(told) == 2
     programs(told).get(FIR)
     assert len(told) == 2
-    assert vividc.load(bundle).name == "prefix_sum"
 
 
 def test_a_program_whose_mapping_took_too_long_is_not_kept(
@@ -44,22 +50,22 @@ def test_a_program_whose_mapping_took_too_long_is_not_kept(
     told: list[str] = []
     late = "prefix_sum.py:9: the loop took too long and runs block by block"
     program = replace(programs(told).get(FIR), warnings=(late,))
-    (bundle,) = (tmp_path / "programs").iterdir()
+    (bundle,) = (tmp_path / "entries").glob("stage-*")
     bundle.unlink()
     monkeypatch.setattr(vividc, "compile", lambda *_, **__: program)
     assert programs(told).get(FIR) is program
     assert told[-1] == f"{late}; not kept: it is compiled again the next time"
-    assert not list((tmp_path / "programs").iterdir())
+    assert not list((tmp_path / "entries").glob("stage-*"))
 
 
 def test_a_program_that_cannot_be_kept_is_used(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
-    no_room = BundleError("cannot write: No space left on device")
-    monkeypatch.setattr(vividc.Program, "save", Mock(side_effect=no_room))
+    no_room = OSError(errno.ENOSPC, "No space left on device")
+    monkeypatch.setattr(os, "fsync", Mock(side_effect=no_room))
     assert programs([]).get(FIR).name == "prefix_sum"
-    assert not list((tmp_path / "programs").iterdir())
+    assert not list((tmp_path / "entries").glob("stage-*"))
 
 
 def test_options_and_places_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -67,12 +73,11 @@ def test_options_and_places_are_told_apart(tmp_path: Path, monkeypatch: pytest.M
     told: list[str] = []
     programs(told).get(FIR)
     programs(told).get(FIR, transform="none")
-    assert len(list((tmp_path / "programs").iterdir())) == len(told) == 2
+    assert len(list((tmp_path / "entries").glob("stage-*"))) == len(told) == 2
 
 
 def test_without_a_cache_nothing_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VIVIDC_CACHE_DIR", "")
-    assert cache_folder() is None
     assert programs([]).get(FIR).name == "prefix_sum"
 
 

@@ -12,8 +12,9 @@ import pytest
 
 from tests.program.hand_kernels import dot, fabric, saxpy
 from tests.sim.native.agreement import launch
+from vividc import cache
 from vividc.sim import NativeEngine
-from vividc.sim.native import cache, code
+from vividc.sim.native import code
 
 ROOT = Path(__file__).resolve().parents[3]
 

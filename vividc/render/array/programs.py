@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 import importlib.util
-import os
+import platform
 import sys
-import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 from typing import Final
 
 import vividc
-from vividc.errors import BundleError, VividcWarning
+from vividc import kept
+from vividc.errors import VividcWarning
 from vividc.render.errors import SceneError
 
-CACHE_VARIABLE: Final = "VIVIDC_CACHE_DIR"
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
 _COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
+_LIBRARIES: Final = ("llvmlite", "numba", "numpy", "ortools")
+"""Packages whose versions decide, too."""
+_KIND: Final = "stage"
 
 _LATE: Final = "took too long"
 """In the warning of a loop that found no schedule in time: on an idle machine it may."""
@@ -36,9 +38,8 @@ Options = Mapping[str, object]
 class Programs:
     """Compiled kernels by name, for the tiles of one accelerator.
 
-    A bundle is kept under a hash of the kernel's file, the tile, the options and the
-    compiler's own source: in `$VIVIDC_CACHE_DIR`, or `vividc` in `$XDG_CACHE_HOME`. A damaged one
-    is compiled again.
+    A program is kept in the user's cache under the kernel's file, the tile, the options and the
+    compiler's own source. A damaged one is compiled again.
 
     Attributes
     ----------
@@ -79,17 +80,17 @@ class Programs:
     def _load(self, kernel: str, options: Options) -> vividc.Program:
         path, _, function = kernel.partition(":")
         file = kernel_folder() / f"{path}.py"
-        bundle = self._bundle(file, function, options)
-        if bundle is not None and bundle.is_file():
-            with suppress(BundleError):
-                return vividc.load(bundle)
+        key = self._key(file, function, options)
+        found = kept.read_program(_KIND, key)
+        if found is not None:
+            return found
         self._say(f"compiling {kernel} (kept for the next time)")
         program = self._compile(file, function, options)
         late = [text for text in program.warnings if _LATE in text]
         if late:
             self._say(f"{late[0]}; not kept: it is compiled again the next time")
-        elif bundle is not None:
-            _save(program, bundle)
+        else:
+            kept.write_program(_KIND, key, program)
         return program
 
     def _say(self, line: str) -> None:
@@ -109,11 +110,8 @@ class Programs:
             )
         return compiled
 
-    def _bundle(self, file: Path, function: str, options: Options) -> Path | None:
-        """Return where the program is kept; None: nowhere."""
-        folder = cache_folder()
-        if folder is None:
-            return None
+    def _key(self, file: Path, function: str, options: Options) -> str:
+        """Return what the program is known by."""
         parts = (
             function,
             _text(self.machine.fabric),
@@ -122,7 +120,7 @@ class Programs:
         )
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
-        return folder / f"{function}-{digest.hexdigest()[:32]}.vivid"
+        return digest.hexdigest()
 
 
 def kernel_folder() -> Path:
@@ -141,21 +139,12 @@ def kernel_folder() -> Path:
     )
 
 
-def cache_folder() -> Path | None:
-    """Return the folder of compiled kernels; None: the user has no home, or wants no cache."""
-    chosen = os.environ.get(CACHE_VARIABLE)
-    if chosen is not None:
-        return Path(chosen) / "programs" if chosen else None
-    base = os.environ.get("XDG_CACHE_HOME", "")
-    if not os.path.isabs(base):
-        base = os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(base) / "vividc" / "programs" if os.path.isabs(base) else None
-
-
 @cache
 def compiler_digest() -> str:
-    """Return a hash of vividc's version and of the source that decides what a kernel becomes."""
-    digest = sha256(vividc.__version__.encode())
+    """Return a hash of the versions and of the source that decide what a kernel becomes."""
+    digest = sha256(f"{vividc.__version__} {platform.python_version()}".encode())
+    for library in _LIBRARIES:
+        digest.update(f"{library} {version(library)}".encode())
     for file in _compiler_files():
         digest.update(file.relative_to(_PACKAGE).as_posix().encode())
         digest.update(file.read_bytes())
@@ -200,17 +189,3 @@ def _source(file: Path) -> bytes:
         return file.read_bytes()
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", loc=str(file)) from error
-
-
-def _save(program: vividc.Program, bundle: Path) -> None:
-    """Write a bundle in one step; silently not, if that is not possible."""
-    with suppress(BundleError, OSError):
-        bundle.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(suffix=".vivid", dir=bundle.parent)
-        os.close(handle)
-        try:
-            program.save(name)
-            os.replace(name, bundle)
-        finally:
-            with suppress(FileNotFoundError):
-                os.unlink(name)

@@ -12,13 +12,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from vividc import cache
 from vividc.program import Program
-from vividc.sim.native import cache
 from vividc.sim.native.compiler import Native, host, loaded, object_code
 from vividc.sim.native.module import Plan, module_text, plan, spill_words
 from vividc.sim.native.state import image
 
 _KEPT: Final = 256
+_KIND: Final = "engine"
 _LOCK: Final = Lock()
 _known: OrderedDict[str, Native] = OrderedDict()
 _names = count()
@@ -57,10 +58,10 @@ def _native(key: str, text: str) -> Native:
         if key in _known:
             _known.move_to_end(key)
             return _known[key]
-    code = cache.read(key)
+    code = cache.read(_KIND, key)
     if code is None:
         code = object_code(text)
-        cache.write(key, code)
+        cache.write(_KIND, key, code)
     native = loaded(code, f"vividc.{next(_names)}")
     with _LOCK:
         _known[key] = native

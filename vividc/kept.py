@@ -1,0 +1,27 @@
+"""Compiled programs in the user's cache."""
+
+from __future__ import annotations
+
+import zlib
+
+from vividc import cache
+from vividc.errors import BundleError
+from vividc.program import Program, from_bytes
+
+
+def read_program(kind: str, key: str) -> Program | None:
+    """The program kept under this key, if there is one to trust."""
+    content = cache.read(kind, key)
+    if content is None:
+        return None
+    try:
+        return from_bytes(zlib.decompress(content))
+    except (BundleError, zlib.error) as fault:
+        cache.discard(kind, key, f"holds no program ({fault})")
+        return None
+
+
+def write_program(kind: str, key: str, program: Program) -> None:
+    """Keep a program; silently not, if that is not possible."""
+    if program.fabric.source:
+        cache.write(kind, key, zlib.compress(program.to_bytes(), 1))
