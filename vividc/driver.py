@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from vividc import arch
+from vividc import arch, compiled_files
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.delivery import deliver, residents, variable_homes, with_homes
@@ -168,6 +168,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
     warned = (*told, *program.warnings)
+    compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
     return replace(program, warnings=warned, parallel=parallel, product=product)
 
 

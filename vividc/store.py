@@ -264,4 +264,4 @@ def _warn(what: str) -> None:
     global _warned  # noqa: PLW0603 # a process says it once
     if not _warned:
         _warned = True
-        warnings.warn(f"vividc's cache: {what}", VividcWarning, stacklevel=2)
+        warnings.warn(what, VividcWarning, stacklevel=2)

@@ -147,11 +147,11 @@ def test_changed_source_is_not_run(own):
     result = run("simulate", own / "k.vivid", "--inputs", own / "in.npz", "--check")
     assert result.exit_code == 2
     assert "was changed since" in result.stderr
-    assert "hint: name the kernel: --kernel FILE.py:count" in result.stderr
+    assert "hint: name it: --source FILE.py:count" in result.stderr
     assert "was run" not in result.stderr
 
 
-def test_missing_source_is_found_beside_the_program(own, tmp_path):
+def test_a_source_beside_the_program_is_run_if_it_is_named(own, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     first = own / "k.py"
@@ -163,7 +163,13 @@ def test_missing_source_is_found_beside_the_program(own, tmp_path):
     assert result.exit_code == 2
     assert "was not found" in result.stderr
     (elsewhere / "k.py").write_text(text)
-    assert run(*args).exit_code == 0
+    result = run(*args)
+    assert result.exit_code == 2
+    assert "was not compiled there by you on this computer" in result.stderr
+    assert f"--source {elsewhere / 'k.py'}:count" in result.stderr
+    result = run(*args, "--source", f"{elsewhere / 'k.py'}:count")
+    assert result.exit_code == 0
+    assert result.stderr == f"vividc: --check runs {elsewhere / 'k.py'}\n"
 
 
 def test_kernel_with_other_parameters_is_refused(own):
@@ -219,7 +225,7 @@ def test_kernel_option_needs_check(folder):
     args = ("--inputs", folder / "in.npz", "--kernel", folder / "k.py")
     result = run("simulate", folder / "k.vivid", *args)
     assert result.exit_code == 2
-    assert "--kernel needs --check" in result.stderr
+    assert "--source needs --check" in result.stderr
 
 
 def test_narrowed_arithmetic_warns_and_strict_fp_refuses(own):

@@ -5,6 +5,7 @@ with what the machine gave.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,10 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from vividc.cli.arrays import Array, describe
-from vividc.cli.kernels import load_kernel
+from vividc.cli.kernels import kernel_file, load_kernel
+from vividc.cli.report import say
+from vividc.compiled_files import is_noted
 from vividc.dfg.cfg import Param
 from vividc.errors import ArgumentError
 from vividc.frontend import KernelFunction, LLKernel
+from vividc.printable import printable
 from vividc.program import Program
 
 AnyKernel = KernelFunction | LLKernel
@@ -48,16 +52,19 @@ class Mismatch:
 def find_kernel(program: Program, bundle: Path, spec: str | None) -> AnyKernel:
     """The kernel to compare with: `spec` if given, else the file that the bundle was compiled from.
 
-    Code in the bundle is never run; it only records the file's path and hash. The file counts if it
-    is where it was, or lies beside the bundle, and still has that hash.
+    It runs the file, and says so first. The bundle only records the file's path and hash, and may
+    be from anyone, with a file beside it: that counts if it still has that hash, and this user
+    compiled it at its place.
 
     Raises
     ------
     ArgumentError
-        The file is gone or was changed, or the kernel has other parameters than the program.
+        The file is gone, was changed, or was not compiled here, or the kernel has other parameters
+        than the program.
     """
     if spec is None:
-        spec = f"{_unchanged_file(program, bundle)}:{program.name}"
+        spec = f"{_own_file(program, bundle)}:{program.name}"
+    say(f"vividc: --check runs {os.path.abspath(kernel_file(spec))}", err=True)
     kernel = load_kernel(spec)
     if tuple(kernel.params) != tuple(program.params):
         expected = ", ".join(describe(param) for param in program.params)
@@ -111,16 +118,31 @@ def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) ->
     return Mismatch(name, index, found[index], expected[index], len(wrong))
 
 
-def _unchanged_file(program: Program, bundle: Path) -> Path:
+def _own_file(program: Program, bundle: Path) -> Path:
     recorded = program.provenance.kernel_file
     suffix = Path(recorded).suffix or ".py"
-    hint = f"name the kernel: --kernel FILE{suffix}:{program.name}"
     if not recorded:
-        raise ArgumentError(f"{bundle} records no kernel file", loc="--check", hint=hint)
-    places = (Path(recorded), bundle.parent / recorded, bundle.parent / Path(recorded).name)
-    existing = [place for place in dict.fromkeys(places) if place.is_file()]
-    for place in existing:
-        if hashlib.sha256(place.read_bytes()).hexdigest() == program.provenance.kernel_sha256:
+        hint = f"name it: --source FILE{suffix}:{program.name}"
+        raise ArgumentError(f"{bundle} records no source", loc="--check", hint=hint)
+    named = (Path(recorded), bundle.parent / recorded, bundle.parent / Path(recorded).name)
+    places = [place for place in dict.fromkeys(named) if place.is_file()]
+    digest = program.provenance.kernel_sha256
+    unchanged = [place for place in places if _sha256(place) == digest]
+    for place in unchanged:
+        if is_noted(place, digest):
             return place
-    fate = f"{existing[0]} was changed since" if existing else f"{recorded} was not found"
-    raise ArgumentError(f"the kernel's source: {fate}", loc="--check", hint=hint)
+    if unchanged:
+        reason = f"{printable(str(unchanged[0]))} was not compiled there by you on this computer"
+        hint = f"it would be run: if you trust it, --source {unchanged[0]}:{program.name}"
+        raise ArgumentError(f"the kernel's source: {reason}", loc="--check", hint=hint)
+    fate = f"{places[0]} was changed since" if places else f"{recorded} was not found"
+    hint = f"name it: --source FILE{suffix}:{program.name}"
+    raise ArgumentError(f"the kernel's source: {printable(fate)}", loc="--check", hint=hint)
+
+
+def _sha256(file: Path) -> str | None:
+    try:
+        with file.open("rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except OSError:
+        return None

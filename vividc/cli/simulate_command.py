@@ -49,12 +49,16 @@ MISMATCH: Final = 5
     help="Write the arrays after the run, and the returned value as `return`.",
 )
 @click.option(
-    "--check", is_flag=True, help="Run the kernel on the host (numba, or LLVM for C), and compare."
+    "--check",
+    is_flag=True,
+    help="Run the kernel's source on this computer (numba, or LLVM for C), and compare.",
 )
 @click.option(
+    "--source",
     "--kernel",
+    "source",
     metavar="FILE[:KERNEL]",
-    help="Kernel to compare with, if the file it was compiled from is gone or was changed.",
+    help="The file that --check runs, where it is not the one that you compiled.",
 )
 @click.option(
     "--rtol", type=float, callback=options.finite, default=1e-5, show_default=True, metavar="R"
@@ -90,7 +94,7 @@ def command(
     inputs: Path,
     outputs: Path | None,
     check: bool,
-    kernel: str | None,
+    source: str | None,
     rtol: float,
     atol: float,
     cycle_limit: int,
@@ -101,14 +105,16 @@ def command(
 ) -> None:
     """Run a program on the machine, cycle by cycle.
 
-    With --check, floats may differ by ATOL + RTOL * |reference| and integers not at all; a mismatch
-    gives exit code 5.
+    Nothing in P.vivid is executed on this computer. With --check, the kernel's source is: the file
+    that P.vivid names, if you compiled it here and it has not changed since, or the one that
+    --source names; which one is said first. Floats may differ by ATOL + RTOL * |reference| and
+    integers not at all; a mismatch gives exit code 5.
     """
-    _refuse_nonsense(kernel, check, fabric, views)
+    _refuse_nonsense(source, check, fabric, views)
     _check_outputs(outputs, views, (program, inputs))
     loaded = vividc.load(program)
     arguments = read_arguments(inputs, loaded.params)
-    host = find_kernel(loaded, program, kernel) if check else None
+    host = find_kernel(loaded, program, source) if check else None
     # The run changes the arguments in place, and the host needs them as they were.
     given = {name: array.copy() for name, array in arguments.items()}
     job = None if fabric is None else _simulate_job(loaded, arguments, cycle_limit, engine, fabric)
@@ -131,9 +137,9 @@ def command(
         raise click.exceptions.Exit(MISMATCH)
 
 
-def _refuse_nonsense(kernel: str | None, check: bool, fabric: str | None, views: Views) -> None:
-    if kernel is not None and not check:
-        raise click.UsageError("--kernel needs --check")
+def _refuse_nonsense(source: str | None, check: bool, fabric: str | None, views: Views) -> None:
+    if source is not None and not check:
+        raise click.UsageError("--source needs --check")
     if fabric is not None and {"vcd", "plot"} & views.files.keys():
         raise click.UsageError("--vcd and --plot show the cycles of one tile, not --fabric's")
 
