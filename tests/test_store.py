@@ -13,6 +13,7 @@ import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -115,7 +116,7 @@ def as_hole(file: Path) -> None:
 STRANGE: dict[str, Callable[[Path], None]] = {
     "no regular file": as_fifo,
     "is no regular file": as_folder,
-    "Too many levels of symbolic links": as_link,
+    "no regular": as_link,
     "too large": as_hole,
     "can be written by others": lambda file: file.chmod(0o620),
     "others": lambda file: file.chmod(0o602),
@@ -132,6 +133,35 @@ def test_what_is_no_file_of_ours_is_neither_opened_nor_read(kept: Store, reason:
         assert kept.read("a", "key") is None
     assert kept.write("a", "key", b"new")
     assert kept.read("a", "key") == b"new"
+
+
+@pytest.mark.parametrize("late", [as_fifo, as_folder, as_link, lambda file: file.chmod(0o622)])
+def test_what_takes_an_entrys_place_before_it_is_opened_is_not_read(
+    kept: Store, monkeypatch: pytest.MonkeyPatch, late: Callable[[Path], None]
+) -> None:
+    kept.write("a", "key", b"content")
+    file, opened = the_file(kept), os.open
+
+    def slow(path: Any, *more: Any, **at: Any) -> int:
+        if path == file.name:
+            late(file)
+        return opened(path, *more, **at)
+
+    monkeypatch.setattr(os, "open", slow)
+    with pytest.warns(VividcWarning, match="thrown away"):
+        assert kept.read("a", "key") is None
+
+
+def test_a_fifo_is_not_opened(kept: Store) -> None:
+    """A writer that waits at it would go on, and be killed."""
+    kept.write("a", "key", b"content")
+    as_fifo(the_file(kept))
+    opened = os.open(the_file(kept), os.O_RDWR | os.O_NONBLOCK)
+    os.write(opened, b"waiting")
+    with pytest.warns(VividcWarning, match="is no regular file"):
+        assert kept.read("a", "key") is None
+    assert os.read(opened, 20) == b"waiting"
+    os.close(opened)
 
 
 def test_what_belongs_to_another_user_is_not_read(

@@ -1,15 +1,18 @@
 """The one cache: machine code and compiled programs, in `$VIVIDC_CACHE_DIR` or the user's cache
 home (`docs/security.md`).
 
-What is kept is known by all that it was made from: a key is that, in full or as a hash, and equal
-keys cannot mean different content. Without a folder that can be used, everything is made anew.
+What is kept is known by all that it was made from: a key is that, in full or as a hash (versions
+are added here), and equal keys cannot mean different content. Without a folder that can be used,
+everything is made anew.
 """
 
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final
 
@@ -20,6 +23,7 @@ VARIABLE: Final = "VIVIDC_CACHE_DIR"
 SIZE_VARIABLE: Final = "VIVIDC_CACHE_MB"
 DEFAULT_MB: Final = 256
 _ENTRIES: Final = "entries"
+_PACKAGES: Final = ("vividc", "llvmlite", "numba", "numpy", "ortools")
 
 
 def folder() -> Path | None:
@@ -38,20 +42,37 @@ def folder() -> Path | None:
 def read(kind: str, key: str) -> bytes | None:
     """What was kept of this kind under this key, if there is something to trust."""
     store = _store()
-    return None if store is None else store.read(kind, key)
+    return None if store is None else store.read(kind, _full(key))
 
 
 def write(kind: str, key: str, content: bytes) -> bool:
     """Keep something; whether that was possible. It never fails: a full disk keeps nothing."""
     store = _store()
-    return store is not None and store.write(kind, key, content)
+    return store is not None and store.write(kind, _full(key), content)
 
 
 def discard(kind: str, key: str, reason: str) -> None:
     """Throw away what was kept, as it is of no use; a warning says so, once a process."""
     store = _store()
     if store is not None:
-        store.discard(kind, key, reason)
+        store.discard(kind, _full(key), reason)
+
+
+def _full(key: str) -> str:
+    return f"{_versions()}\n{key}"
+
+
+@cache
+def _versions() -> str:
+    """What any entry depends on."""
+    return " ".join(["Python", sys.version, *(f"{of} {_version(of)}" for of in _PACKAGES)])
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
 
 
 def user_folder(variable: str, default: str) -> Path | None:

@@ -8,8 +8,6 @@ the arguments' types at hand. Relies on numba's internals.
 from __future__ import annotations
 
 import json
-import os
-import platform
 import sys
 from collections import Counter
 from collections.abc import Callable
@@ -18,10 +16,9 @@ from types import FunctionType
 from typing import Any, Final
 from weakref import WeakKeyDictionary
 
-import llvmlite
 import numba
 from llvmlite import binding
-from numba.core import sigutils, types
+from numba.core import config, sigutils, types
 from numba.core.caching import NullCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler as NumbaCompiler
@@ -39,7 +36,8 @@ _RESULTS: Final = {
     for kind in (types.none, types.boolean, types.int64, types.uint64, types.float32, types.float64)
 }
 """Types of results by name; a function that returns another is compiled in each process."""
-_OF_NO_EFFECT: Final = ("NUMBA_CACHE", "NUMBA_NUM_THREADS")
+_OF_NO_EFFECT: Final = ("CACHE", "CUDA", "NUM_THREADS")
+"""Parts of the names of numba's settings that do not change the code."""
 _code_of: WeakKeyDictionary[Callable[..., object], KeptCode] = WeakKeyDictionary()
 _made: Counter[str] = Counter()
 """How often code of a key got names in this process."""
@@ -73,18 +71,10 @@ class KeptCode(NullCache):  # type: ignore[misc]
     def key(self, sig: Any, codegen: Any) -> str:
         """All that the code depends on."""
         args, result = sigutils.normalize_signature(sig)
-        settings = sorted(
-            f"{name}={value}"
-            for name, value in os.environ.items()
-            if name.startswith("NUMBA_") and not name.startswith(_OF_NO_EFFECT)
-        )
         return "\n".join(
             (
-                f"Python {sys.version} {platform.python_implementation()}, numba "
-                f"{numba.__version__}, llvmlite {llvmlite.__version__}, LLVM "
-                f"{binding.llvm_version_info}",
-                repr(codegen.magic_tuple()),
-                repr(settings),
+                repr((binding.llvm_version_info, codegen.magic_tuple(), sys.byteorder)),
+                _settings(),
                 self._stamp,
                 made_of(self._function),
                 *map(_type_text, args),
@@ -127,6 +117,19 @@ class _KeptLibrary(JITCodeLibrary):  # type: ignore[misc]
         if self._shared_module is None:
             self._shared_module = binding.parse_bitcode(self._bitcode)
         return self._shared_module
+
+
+def _settings() -> str:
+    """Numba's settings, which are the environment's and those of a file in the current folder."""
+    return repr(
+        {
+            name: str(value)
+            for name, value in sorted(vars(config).items())
+            if name.isupper()
+            and isinstance(value, bool | int | float | str | None)
+            and not any(part in name for part in _OF_NO_EFFECT)
+        }
+    )
 
 
 def _type_text(kind: Any) -> str:

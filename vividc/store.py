@@ -63,21 +63,14 @@ class Store:
         name = _name(kind, key)
         with suppress(OSError), self._opened() as place:
             try:
-                entry = os.open(place.path(name), os.O_RDONLY | _OPEN, dir_fd=place.descriptor)
+                payload, fault = place.read(name)
             except FileNotFoundError:
                 return None
-            except OSError as error:  # a link, a socket, a file without permission
-                self._throw_away(place, name, error.strerror or "cannot be opened")
-                return None
-            try:
-                payload, fault = _checked(name, entry)
-                if payload is None:
-                    self._throw_away(place, name, fault)
-                with suppress(OSError):
-                    os.utime(entry if os.utime in os.supports_fd else place.path(name))
-                return payload
-            finally:
-                os.close(entry)
+            except OSError as error:  # a link in its place just now, a file without permission
+                payload, fault = None, error.strerror or "cannot be opened"
+            if payload is None:
+                self._throw_away(place, name, fault)
+            return payload
         return None
 
     def write(self, kind: str, key: str, payload: bytes) -> bool:
@@ -181,6 +174,29 @@ class _Place:
             except (IsADirectoryError, PermissionError):
                 os.rmdir(self.path(name), dir_fd=self.descriptor)
 
+    def read(self, name: str) -> tuple[bytes | None, str]:
+        """What an entry holds, or None and why it is none, as what follows its name.
+
+        What is no file of ours is not opened: opening alone wakes who waits at a FIFO.
+
+        Raises
+        ------
+        OSError
+            It is not there, or cannot be opened.
+        """
+        path = self.path(name)
+        fault = _fault_of(os.stat(path, dir_fd=self.descriptor, follow_symlinks=False))
+        if fault is not None:
+            return None, fault
+        entry = os.open(path, os.O_RDONLY | _OPEN, dir_fd=self.descriptor)
+        with os.fdopen(entry, "rb") as file:
+            fault = _fault_of(os.fstat(entry))  # of what was opened, whatever was there before
+            payload = None if fault is not None else _payload(name, file.read(_LARGEST))
+            if payload is not None:
+                with suppress(OSError):
+                    os.utime(entry if os.utime in os.supports_fd else path)
+            return payload, fault or "is damaged"
+
     def replace(self, name: str, content: bytes) -> None:
         """Give a name new content in one step: a reader sees all of it or what was there before.
 
@@ -219,15 +235,6 @@ def _digest(name: str, payload: bytes) -> bytes:
     made = sha256(_MAGIC + name.encode() + b"\n")
     made.update(payload)
     return made.digest()
-
-
-def _checked(name: str, entry: int) -> tuple[bytes | None, str]:
-    """What an opened entry holds, or None and why it is none, as what follows its name."""
-    fault = _fault_of(os.fstat(entry))
-    if fault is not None:
-        return None, fault
-    with os.fdopen(entry, "rb", closefd=False) as file:
-        return _payload(name, file.read(_LARGEST)), "is damaged"
 
 
 def _payload(name: str, content: bytes) -> bytes | None:

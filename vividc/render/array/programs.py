@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
-import platform
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 from typing import Final
@@ -23,8 +21,6 @@ from vividc.render.errors import SceneError
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
 _COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
-_LIBRARIES: Final = ("llvmlite", "numba", "numpy", "ortools")
-"""Packages whose versions decide, too."""
 _KIND: Final = "stage"
 
 _LATE: Final = "took too long"
@@ -141,10 +137,8 @@ def kernel_folder() -> Path:
 
 @cache
 def compiler_digest() -> str:
-    """Return a hash of the versions and of the source that decide what a kernel becomes."""
-    digest = sha256(f"{vividc.__version__} {platform.python_version()}".encode())
-    for library in _LIBRARIES:
-        digest.update(f"{library} {version(library)}".encode())
+    """Return a hash of vividc's version and of the source that decides what a kernel becomes."""
+    digest = sha256(vividc.__version__.encode())
     for file in _compiler_files():
         digest.update(file.relative_to(_PACKAGE).as_posix().encode())
         digest.update(file.read_bytes())

@@ -9,6 +9,8 @@ import ctypes
 import functools
 import sys
 from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
 from threading import Lock
 from typing import Final
 
@@ -27,8 +29,9 @@ thousands of operations grows faster than the loop.
 """
 
 
+@functools.cache
 def host() -> str:
-    """What machine code depends on: LLVM, processor, features, byte order."""
+    """What machine code depends on: LLVM, processor, features, byte order, and this file."""
     version = ".".join(map(str, binding.llvm_version_info))
     features = binding.get_host_cpu_features().flatten()
     return "|".join(
@@ -38,6 +41,7 @@ def host() -> str:
             binding.get_host_cpu_name(),
             features,
             sys.byteorder,
+            sha256(Path(__file__).read_bytes()).hexdigest(),
         )
     )
 
