@@ -5,12 +5,14 @@ from __future__ import annotations
 import os
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+import vividc
 from vividc import compiled_files, store
 from vividc.cli import main
 
@@ -110,6 +112,30 @@ def test_a_copy_elsewhere_is_not_what_was_compiled(folder: Path, tmp_path: Path)
     finally:
         if (folder / "away.py").exists():
             (folder / "away.py").rename(folder / "k.py")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "a" * 5000 + ".py",
+        "x\0y.py",
+        "a\n\x1b[2J.py",
+        "/etc/passwd/k.py",
+        "/dev/zero",
+        "/",
+    ],
+)
+def test_whatever_a_program_names_is_a_message(folder: Path, tmp_path: Path, name: str) -> None:
+    program = vividc.load(folder / "k.vivid")
+    named = replace(program, provenance=replace(program.provenance, kernel_file=name))
+    named.save(tmp_path / "k.vivid")
+    inputs = ("--inputs", folder / "in.npz")
+    result = run("simulate", tmp_path / "k.vivid", *inputs, "--check")
+    assert result.exit_code == 2
+    assert "was not found" in result.stderr
+    assert "\x1b" not in result.stderr
+    assert len(result.stderr) < 500
+    assert run("simulate", tmp_path / "k.vivid", *inputs).exit_code == 0
 
 
 def test_records_of_another_user_are_not_believed(

@@ -9,6 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -19,8 +20,11 @@ from vividc.compiled_files import is_noted
 from vividc.dfg.cfg import Param
 from vividc.errors import ArgumentError
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.printable import printable
+from vividc.printable import printable, quoted
 from vividc.program import Program
+
+_LONGEST: Final = 200
+"""Characters of a file's name in a message."""
 
 AnyKernel = KernelFunction | LLKernel
 
@@ -120,24 +124,28 @@ def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) ->
 
 def _own_file(program: Program, bundle: Path) -> Path:
     recorded = program.provenance.kernel_file
-    suffix = Path(recorded).suffix or ".py"
+    suffix = ".ll" if recorded.endswith(".ll") else ".py"
+    named = printable(f"FILE{suffix}:{program.name}")
     if not recorded:
-        hint = f"name it: --source FILE{suffix}:{program.name}"
+        hint = f"name it: --source {named}"
         raise ArgumentError(f"{bundle} records no source", loc="--check", hint=hint)
-    named = (Path(recorded), bundle.parent / recorded, bundle.parent / Path(recorded).name)
-    places = [place for place in dict.fromkeys(named) if place.is_file()]
     digest = program.provenance.kernel_sha256
+    likely = (Path(recorded), bundle.parent / recorded, bundle.parent / Path(recorded).name)
+    # `Path.is_file` raises for names that are too long, and folders that cannot be entered.
+    places = [place for place in dict.fromkeys(likely) if os.path.isfile(place)]
     unchanged = [place for place in places if _sha256(place) == digest]
     for place in unchanged:
         if is_noted(place, digest):
             return place
     if unchanged:
-        reason = f"{printable(str(unchanged[0]))} was not compiled there by you on this computer"
-        hint = f"it would be run: if you trust it, --source {unchanged[0]}:{program.name}"
-        raise ArgumentError(f"the kernel's source: {reason}", loc="--check", hint=hint)
-    fate = f"{places[0]} was changed since" if places else f"{recorded} was not found"
-    hint = f"name it: --source FILE{suffix}:{program.name}"
-    raise ArgumentError(f"the kernel's source: {printable(fate)}", loc="--check", hint=hint)
+        found = printable(str(unchanged[0]))
+        fate = f"{found} was not compiled there by you on this computer"
+        hint = f"it would be run: if you trust it, --source {found}:{printable(program.name)}"
+    else:
+        fate = f"{quoted(recorded, _LONGEST)[1:-1]} was not found"
+        fate = f"{printable(str(places[0]))} was changed since" if places else fate
+        hint = f"name it: --source {named}"
+    raise ArgumentError(f"the kernel's source: {fate}", loc="--check", hint=hint)
 
 
 def _sha256(file: Path) -> str | None:
