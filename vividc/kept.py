@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import zlib
+from functools import cache as once
+from hashlib import sha256
+from pathlib import Path
 
 from vividc import cache
 from vividc.errors import BundleError
@@ -25,3 +28,19 @@ def write_program(kind: str, key: str, program: Program) -> None:
     """Keep a program; silently not, if that is not possible."""
     if program.fabric.source:
         cache.write(kind, key, zlib.compress(program.to_bytes(), 1))
+
+
+@once
+def source_digest(*rooms: str) -> str:
+    """A hash of the source in these folders of the package, and of the modules above them: part of
+    the key of what they make.
+    """
+    package = Path(__file__).resolve().parent
+    files = [*package.glob("*.py")]
+    for room in rooms:
+        files += (package / room).rglob("*.py")
+    digest = sha256()
+    for file in sorted(files):
+        digest.update(file.relative_to(package).as_posix().encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()

@@ -5,9 +5,7 @@ What is kept is known by a hash of all that it is made from, this package's code
 
 from __future__ import annotations
 
-from functools import cache
 from hashlib import sha256
-from pathlib import Path
 from typing import Final
 
 from vividc import kept
@@ -21,7 +19,9 @@ _MADE_BY = ("arch", "dfg", "gemm", "mapper", "program")
 
 def key_of(fabric: Fabric, *form: object) -> str:
     """What a program of this form on a fabric is known by."""
-    return sha256(f"product|{_code()}|{fabric.source}|{form!r}".encode()).hexdigest()
+    return sha256(
+        f"product|{kept.source_digest(*_MADE_BY)}|{fabric.source}|{form!r}".encode()
+    ).hexdigest()
 
 
 def read_program(key: str) -> Program | None:
@@ -32,15 +32,3 @@ def read_program(key: str) -> Program | None:
 def write_program(key: str, program: Program) -> None:
     """Keep a program; silently not, if that is not possible."""
     kept.write_program(_KIND, key, program)
-
-
-@cache
-def _code() -> str:
-    """A hash of the code that makes programs."""
-    package = Path(__file__).resolve().parents[1]
-    digest = sha256()
-    for room in _MADE_BY:
-        for file in sorted((package / room).rglob("*.py")):
-            digest.update(str(file.relative_to(package)).encode())
-            digest.update(file.read_bytes())
-    return digest.hexdigest()

@@ -14,7 +14,7 @@ import vividc
 from vividc import store
 from vividc.errors import VividcWarning
 from vividc.render import SceneError
-from vividc.render.array.programs import Programs, compiler_digest, kernel_folder
+from vividc.render.array.programs import Programs, kernel_folder
 
 FIR = "prefix_sum:prefix_sum"
 
@@ -96,6 +96,5 @@ def test_mistakes_are_messages() -> None:
         programs([]).get("absent:kernel")
 
 
-def test_the_digest_and_the_folder() -> None:
-    assert compiler_digest() == compiler_digest()
+def test_the_kernels_are_found() -> None:
     assert (kernel_folder() / "render" / "marching.py").is_file()

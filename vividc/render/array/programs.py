@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from hashlib import sha256
@@ -19,7 +19,7 @@ from vividc.errors import VividcWarning
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
-_COMPILER: Final = ("arch", "dfg", "frontend", "mapper", "planning", "program")
+_COMPILER: Final = ("arch", "dfg", "frontend", "gemm", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
 _KIND: Final = "stage"
 
@@ -112,7 +112,7 @@ class Programs:
             function,
             _text(self.machine.fabric),
             repr(sorted(options.items())),
-            compiler_digest(),
+            kept.source_digest(*_COMPILER),
         )
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
@@ -133,22 +133,6 @@ def kernel_folder() -> Path:
     raise SceneError(
         "the rendering kernels are not installed", loc=str(_PACKAGE), hint="install vividc again"
     )
-
-
-@cache
-def compiler_digest() -> str:
-    """Return a hash of vividc's version and of the source that decides what a kernel becomes."""
-    digest = sha256(vividc.__version__.encode())
-    for file in _compiler_files():
-        digest.update(file.relative_to(_PACKAGE).as_posix().encode())
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
-
-
-def _compiler_files() -> Iterator[Path]:
-    yield from sorted(_PACKAGE.glob("*.py"))
-    for room in _COMPILER:
-        yield from sorted((_PACKAGE / room).rglob("*.py"))
 
 
 @cache
