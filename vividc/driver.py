@@ -33,6 +33,7 @@ from vividc.errors import (
     InternalError,
     KernelError,
     MappingFailed,
+    SourceLoc,
     TimeLimit,
     VividcWarning,
     demand_type,
@@ -163,6 +164,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         warnings.warn(text, VividcWarning, stacklevel=2)
         told = (*told, text)
     lines = _parallel_lines(kernel, wanted)
+    if isinstance(loaded, Accelerator) and parallel is None and wanted.threads is None:
+        lines = frozenset()  # iterations that are not proved independent keep their order
     product = _product(kernel, loaded, options, mode)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
@@ -259,8 +262,8 @@ def _lowered(
 def _cut(
     kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
 ) -> tuple[Function, Parallel | None]:
-    """The function, with its loop over `prange` cut if it is to be spread over tiles, and that is
-    proved to change nothing; else it runs on one tile, and a warning says why.
+    """The function, with its loop over `prange` cut if it is to be spread over tiles, and is proved
+    to be the same in parts; if it is not, a warning says why.
     """
     lines = kernel.prange_lines if isinstance(kernel, KernelFunction) and spread else frozenset()
     if not lines or not isinstance(kernel, KernelFunction):
@@ -268,13 +271,11 @@ def _cut(
     function = kernel.lower(strict_fp=strict_fp, spread=True)
     try:
         return cut_parallel_loop(function, lines)
-    except KernelError as error:
-        place = "" if error.loc is None else f"{error.loc}: "
-        text = f"{place}the loop over prange runs on one tile: {error.reason}; {error.hint}"
+    except KernelError as refusal:
+        loc = refusal.loc or SourceLoc(function.file, min(lines))
+        text = f"{loc}: {kernel.name} runs on one tile only: {refusal.reason}; {refusal.hint}"
         warnings.warn(text, VividcWarning, stacklevel=2)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", VividcWarning)  # told by the first lowering
-        return kernel.lower(strict_fp=strict_fp), None
+        return function, None
 
 
 def _compile_stages(

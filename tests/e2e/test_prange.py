@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,8 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc.errors import ArgumentError, VividcWarning
+from vividc.dfg.parallel_loop import cut_parallel_loop
+from vividc.errors import ArgumentError, KernelError, VividcWarning
 from vividc.launch import SpreadOptions, spread
 
 
@@ -314,27 +314,25 @@ def running(x):
     ],
     ids=lambda item: getattr(item, "name", ""),
 )
-def test_chunks_that_meet_run_on_one_tile(kernel: Any, make: Any, programs: Any) -> None:
+def test_chunks_that_meet_run_on_one_tile_with_a_warning(
+    kernel: Any, make: Any, programs: Any
+) -> None:
     args = make()
     expected = copies(args)
     kernel(*expected)
-    chunks = copies(args)
-    with pytest.raises(ArgumentError, match="the same bytes") as error:
-        spread(programs(kernel), chunks, {}, "vivid", SpreadOptions(chunk=2))
-    assert "test_prange.py:" in str(error.value)
-    assert all((a == b).all() for a, b in zip(args, chunks, strict=True))
-    with pytest.warns(VividcWarning, match="the same bytes .* it runs on one tile"):
+    with pytest.warns(VividcWarning, match="one tile only.*the same bytes") as told:
         result = vividc.simulate(programs(kernel), *args, fabric="vivid")
+    assert "test_prange.py:" in str(told[0].message)
     assert len(result.stats["tiles"]) == 1
     assert all((a == b).all() for a, b in zip(args, expected, strict=True))
 
 
-def test_chunks_that_meet_and_fit_no_scratchpad_are_refused(programs: Any) -> None:
-    numbers = np.arange(10_000, dtype=np.int32)
-    args = (numbers.copy(),)
-    with pytest.raises(ArgumentError, match="the same bytes"):
-        vividc.simulate(programs(running), *args, fabric="vivid")
-    np.testing.assert_array_equal(args[0], numbers)
+def test_chunks_that_meet_and_do_not_fit_one_tile_are_refused(programs: Any) -> None:
+    args = (ints(10, 20_000), np.zeros(10, np.int32))
+    with pytest.raises(ArgumentError, match="the same bytes") as error:
+        vividc.simulate(programs(histogram), *args, fabric="vivid")
+    assert "test_prange.py:" in str(error.value)
+    assert not args[1].any()
 
 
 def test_a_table_that_does_not_fit_is_refused_with_its_size(programs: Any) -> None:
@@ -428,13 +426,12 @@ def unknown_bound(x, y):
     ],
     ids=lambda item: getattr(item, "name", ""),
 )
-def test_what_cannot_be_spread_runs_on_one_tile_and_says_why(kernel: Any, says: str) -> None:
-    with pytest.warns(VividcWarning, match=says) as told:
-        program = vividc.compile(kernel, fabric="vivid")
-    text = next(str(item.message) for item in told if says in str(item.message))
-    assert re.match(r".*test_prange.py:\d+: the loop over prange runs on one tile: .+; .+", text)
-    assert text in program.warnings
-    assert program.parallel is None
+def test_what_cannot_be_spread_is_told_with_its_line(kernel: Any, says: str) -> None:
+    function, parallel = kernel.lower(spread=True), kernel.prange_lines
+    with pytest.raises(KernelError, match=says) as error:
+        cut_parallel_loop(function, parallel)
+    assert "test_prange.py:" in str(error.value)
+    assert error.value.hint
 
 
 @pytest.mark.slow

@@ -104,21 +104,23 @@ class LocalArray:
     `contents`: the words of a constant table, which is there before the kernel starts and is never
     written. None: an array the kernel allocates; what it holds at first is undefined. Its address
     is the input "&" + `name`. `size`: the formula of its words where the launch decides them;
-    `words` is 0 then. An array whose name starts with `TRAP` has no words: an access to it stands
-    for an exception.
+    `words` is 0 then. `loops`: where the loops around its allocation begin: each of their
+    iterations has an array of its own, at the same place. An array whose name starts with `TRAP`
+    has no words: an access to it stands for an exception.
     """
 
     name: str
     words: int
     contents: tuple[int, ...] | None = None
     size: tuple[str | int, ...] = ()
+    loops: tuple[SourceLoc, ...] = field(default=(), compare=False)
 
     def at_launch(self, inputs: Mapping[str, int]) -> LocalArray:
         """The array with the words it has for these inputs."""
         if not self.size:
             return self
         words = max(evaluate_formula(self.size, inputs), 0)
-        return LocalArray(self.name, words, self.contents)
+        return LocalArray(self.name, words, self.contents, loops=self.loops)
 
 
 Formula = tuple[str | int, ...]

@@ -35,6 +35,8 @@ _ARITHMETIC = frozenset(
         Opcode.MUL,
         Opcode.MULHU,
         Opcode.AND,
+        Opcode.OR,
+        Opcode.XOR,
         Opcode.SHL,
         Opcode.LSHR,
         Opcode.ASHR,

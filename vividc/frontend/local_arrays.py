@@ -124,6 +124,7 @@ def _hold_allocations(function: WideFunction) -> tuple[WideFunction, list[Held]]
     held: list[Held] = []
     known: dict[str, Operand] = {}
     sizes: LaunchSizes | None = None
+    loops = flow_of(function).loops if _allocates(function) else {}
     for block in function.blocks:
         for op in block.ops:
             if _is_allocation(op):
@@ -132,7 +133,10 @@ def _hold_allocations(function: WideFunction) -> tuple[WideFunction, list[Held]]
                 if not isinstance(op.args[0], Int):
                     sizes = sizes or LaunchSizes(function)
                     formula = sizes.bound(op.args[0], block.name)
-                held.append(_allocated(function, op, formula, len(held)))
+                made = _allocated(function, op, formula, len(held))
+                heads = (function.by_name[h] for h, body in loops.items() if block.name in body)
+                around = tuple(h.exit.loc for h in heads if h.exit.loc is not None)
+                held.append(replace(made, array=replace(made.array, loops=around)))
                 known[op.name] = Local(f"&{held[-1].array.name}")
     if not held:
         return function, held
@@ -141,6 +145,10 @@ def _hold_allocations(function: WideFunction) -> tuple[WideFunction, list[Held]]
         for block in function.blocks
     )
     return substitute(replace(function, blocks=blocks), known), held
+
+
+def _allocates(function: WideFunction) -> bool:
+    return any(_is_allocation(op) for block in function.blocks for op in block.ops)
 
 
 def _is_allocation(op: Op) -> bool:

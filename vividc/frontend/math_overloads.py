@@ -213,8 +213,7 @@ def cbrt(x: Any) -> Any:
         factor, root_factor = _DOWN, _ROOT_UP
     a *= factor
     bits: Any = bitcast_i32(a)
-    guess: Any = np.int32(_INVERSE_ROOT - np.uint32(bits) // np.uint32(3))
-    r: Any = bitcast_f32(guess)
+    r: Any = bitcast_f32(np.int32(_INVERSE_ROOT - np.uint32(bits) // np.uint32(3)))
     for _ in range(3):
         r = _fma(r * _THIRD, _ONE - a * r * (r * r), r)
     square_inverse = r * r

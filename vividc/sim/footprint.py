@@ -66,7 +66,10 @@ def loop_bounds(parallel: Parallel, inputs: Mapping[str, int]) -> tuple[int, int
         They are unsigned and larger than a signed word.
     """
     known = _intervals(parallel.terms, inputs, None)
-    first, last = _exact(known[parallel.first]), _exact(known[parallel.last])
+    ends = (known[parallel.first], known[parallel.last])
+    if any(end is None or end[0] != end[1] for end in ends):
+        return 0, 0  # a division by zero: a kernel that comes to the loop is undefined
+    first, last = map(_exact, ends)
     if parallel.is_unsigned and min(first, last) < 0:
         raise ArgumentError(
             "the loop over prange runs beyond iteration 2**31",
@@ -225,7 +228,8 @@ def _of_intervals(op: str, args: list[Interval]) -> Interval | None:
         return _word(_counter(*args))
     if op == STEPS:
         return _steps(*args)
-    if op not in _DIVISIONS and all(low == high for low, high in args):
+    by_zero = op in _DIVISIONS and args[1] == (0, 0)
+    if not by_zero and all(low == high for low, high in args):
         word = signed(evaluate(Opcode(op), [low & WORD_MASK for low, _ in args]))
         return (word, word)
     rule = _RULES.get(op)

@@ -342,9 +342,10 @@ class _Threads:
 
 
 def private_arrays(function: Function, level: Level) -> tuple[str, ...]:
-    """The kernel's own arrays that an iteration of the loop makes for itself: written in it, and
-    not touched anywhere else.
+    """The kernel's own arrays that an iteration of the loop makes for itself: made and written in
+    it, and not touched anywhere else.
     """
+    start = level.header.branch.loc
     inside = [i for block in level.blocks.values() for i in block.instrs if i.op in MEMORY]
     written = {instr.array for instr in inside if instr.op is Opcode.STORE}
     outside = {
@@ -353,7 +354,7 @@ def private_arrays(function: Function, level: Level) -> tuple[str, ...]:
         if block.name not in level.loop.blocks
         for instr in block.instrs
     }
-    own = (a.name for a in function.locals if a.contents is None and not a.name.startswith(TRAP))
+    own = (a.name for a in function.locals if start in a.loops and not a.name.startswith(TRAP))
     return tuple(name for name in own if name in written - outside)
 
 

@@ -102,14 +102,14 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
     length
         Iterations of a chunk; None: as many as fit, but at least two chunks for each tile if the
         slices are double-buffered, which they are not if a single iteration would not fit then.
-        Where chunks may touch what others write, all iterations are one chunk, if it fits a
-        scratchpad, and a warning says so.
+
+    Chunks that may touch what others write are one, with a warning.
 
     Raises
     ------
     ArgumentError
-        Not even one iteration fits a scratchpad, `length` do not, or chunks touch what others
-        write and all together do not fit.
+        Not even one iteration fits a scratchpad, `length` do not, or all do not where no chunks
+        may be made.
     """
     parallel = cut.program.parallel
     first, last = (0, 1) if parallel is None else loop_bounds(parallel, cut.inputs)
@@ -126,18 +126,19 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
         if _need(cut, plan) > cut.scratchpad.size_bytes and plan.copies > 1:
             plan = _longest(replace(cut, double_buffer=False), first, last, most)
         _demand_fit(cut, plan, 1)
-    conflict = _conflict_in(cut, plan)
-    if conflict is None:
-        return plan
-    alone = _plan(cut, first, last, max(count, 1))
-    if length is not None or _need(cut, alone) > cut.scratchpad.size_bytes:
+    conflict = _conflict_of(cut, plan)
+    return plan if conflict is None else _on_one_tile(cut, (first, last), conflict)
+
+
+def _on_one_tile(cut: Cut, loop: Interval, conflict: ArgumentError) -> Plan:
+    """All iterations as one chunk, whose order is that of the loop."""
+    plan = _plan(replace(cut, double_buffer=False), *loop, max(1, loop[1] - loop[0]))
+    if _need(cut, plan) > cut.scratchpad.size_bytes:
         raise conflict
-    warnings.warn(
-        f"{conflict.loc}: {conflict.reason}; it runs on one tile: {conflict.hint}",
-        VividcWarning,
-        stacklevel=2,
-    )
-    return alone
+    where = "" if conflict.loc is None else f"{conflict.loc}: "
+    text = f"{where}{cut.program.name} runs on one tile only: {conflict.reason}"
+    warnings.warn(text, VividcWarning, stacklevel=2)
+    return plan
 
 
 def _longest(cut: Cut, first: int, last: int, most: int) -> Plan:
@@ -234,7 +235,10 @@ def _demand_fit(cut: Cut, plan: Plan, length: int) -> None:
 
 def _way_out(cut: Cut, plan: Plan) -> str:
     if cut.program.parallel is None:
-        return "mark the kernel's outer loop with numba.prange, so that it can be cut"
+        return (
+            "mark the kernel's outer loop with numba.prange, so that it can be cut; a warning of "
+            "the compiler says why one that is marked cannot"
+        )
     whole = [name for name, size in plan.sliced.items() if size >= cut.sizes[name]]
     whole += list(plan.resident)
     if whole:
@@ -245,12 +249,12 @@ def _way_out(cut: Cut, plan: Plan) -> str:
     return "let an iteration do less: loop over rows, or over blocks of them"
 
 
-def _conflict_in(cut: Cut, plan: Plan) -> ArgumentError | None:
-    """What is wrong if a chunk may touch what another writes."""
+def _conflict_of(cut: Cut, plan: Plan) -> ArgumentError | None:
+    """Why the chunks may not be made: one may touch what another writes. None: they may."""
     if len(plan.chunks) == 1:
         return None
     for name in cut.sizes:
-        uses = sorted(_uses(plan.chunks, name))
+        uses = sorted(_uses(plan.chunks, name), key=lambda use: use[:4])
         open_: list[tuple[int, int, bool, SourceLoc | None]] = []
         for start, number, end, writes, loc in uses:
             open_ = [use for use in open_ if use[0] > start]
@@ -279,8 +283,8 @@ def _conflict(cut: Cut, name: str, both_write: bool, loc: SourceLoc | None) -> A
         f"iterations on different tiles may {what} the same bytes of {name}, so the loop over "
         f"prange in line {_line(cut.program)} cannot be spread",
         loc=loc,
-        hint="index what is written by the loop's variable first, as in y[i, j], and read and "
-        "write different arrays",
+        hint="index what is written by the loop's variable first, as in y[i, j]; read and write "
+        "different arrays; or pass arrays that fit one tile",
     )
 
 

@@ -1,0 +1,207 @@
+"""A loop over `prange` is spread where that is proved to be what one tile computes, and runs on one
+tile with a warning where it is not.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import prange
+
+import vividc
+from vividc.errors import VividcWarning
+
+
+@vividc.kernel("float32(float32[::1])")
+def read_after(y):
+    t = np.zeros(len(y), np.float32)
+    for i in prange(len(y)):
+        t[i] = y[i]
+    return t[0] + t[len(y) - 1]
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def counts(x, y):
+    t = np.zeros(8, np.int32)
+    for i in prange(len(x)):
+        y[i] = t[x[i] & 7]
+        t[x[i] & 7] += 1
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32)")
+def entered_again(x, y, n):
+    t = np.zeros(40, np.int32)
+    for s in range(n):
+        for i in prange(len(x)):
+            y[i] += t[len(x) - 1 - i]
+            t[i] = x[i] + s
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def kept_by_an_empty_array(x, y):
+    t = np.empty(1, np.int32)
+    for i in prange(len(x)):
+        if i == 0:
+            t[0] = x[0]
+        y[i] = t[0]
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def own_element(x, y):
+    t = np.zeros(len(x), np.int32)
+    for i in prange(len(x)):
+        t[i] = 3 * x[i]
+        y[i] = t[i] + 1
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def table_before(x, y):
+    t = np.zeros(8, np.int32)
+    for k in range(8):
+        t[k] = k * x[0]
+    for i in prange(len(x)):
+        y[i] = t[x[i] & 7]
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def made_inside(x, y):
+    for i in prange(len(x)):
+        t = np.zeros(4, np.int32)
+        t[x[i] & 3] += x[i]
+        y[i] = t[i & 3]
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def in_an_if(y, n, m):
+    if m > 3:
+        for i in prange(n):
+            y[i] = 1
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def after_a_return(y, n, m):
+    if m <= 3:
+        return
+    for i in prange(n):
+        y[i] = 1
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def in_a_loop(y, n, m):
+    for _k in range(m - 3):
+        for i in prange(n):
+            y[i] = 1
+
+
+@vividc.kernel("int32(int32[::1], int32, int32)")
+def sum_in_an_if(x, n, m):
+    s = 3
+    if m > 3:
+        for i in prange(n):
+            s += x[i]
+    return s
+
+
+@vividc.kernel("int32(int32[::1], int32, int32)")
+def sum_after_a_return(x, n, m):
+    if m <= 3:
+        return 7
+    s = 3
+    for i in prange(n):
+        s += x[i]
+    return s
+
+
+@vividc.kernel("int32(int32[::1], int32, int32)")
+def sum_of_sums(x, n, m):
+    s = 3
+    for _k in range(m):
+        for i in prange(n):
+            s += x[i]
+    return s
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def bound_of_a_counter(y, n, m):
+    for k in range(m):
+        for i in prange(k):
+            y[i] += n
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def bound_of_a_quotient(y, n, m):
+    for i in prange(n // 3):
+        y[i] += m
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def bound_of_a_quotient_of_two(y, n, m):
+    if m > 0:
+        for i in prange(n // m):
+            y[i] += m
+
+
+@vividc.kernel("void(int32[::1], int32, int32)")
+def in_a_while(y, n, m):
+    while m > 0:
+        for i in prange(n):
+            y[i] += 1
+        m -= 1
+
+
+@vividc.kernel("int32(int32[::1], int32, int32)")
+def store_outside(y, n, m):
+    y[0] = m
+    for i in prange(1, n):
+        y[i] += 1
+    return y[n - 1]
+
+
+X = np.arange(3, 43, dtype=np.int32)
+PAIR = (X, np.full(40, 9, np.int32))
+TWO = ((X, 40, 2), (X, 40, 5))
+CASES: list[tuple[Any, bool, tuple[tuple[Any, ...], ...]]] = [
+    (read_after, False, ((np.arange(1, 33, dtype=np.float32),),)),
+    (counts, False, (PAIR,)),
+    (entered_again, False, ((*PAIR, 3),)),
+    (kept_by_an_empty_array, False, (PAIR,)),
+    (own_element, True, (PAIR,)),
+    (table_before, True, (PAIR,)),
+    (made_inside, True, (PAIR,)),
+    (in_an_if, True, TWO),
+    (after_a_return, True, TWO),
+    (in_a_loop, True, TWO),
+    (sum_in_an_if, False, TWO),
+    (sum_after_a_return, False, TWO),
+    (sum_of_sums, False, TWO),
+    (bound_of_a_counter, False, TWO),
+    (bound_of_a_quotient, True, TWO),
+    (bound_of_a_quotient_of_two, True, ((X, 40, 0), (X, 40, 2))),
+    (in_a_while, True, TWO),
+    (store_outside, False, TWO),
+]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "is_spread", "launches"), CASES, ids=lambda x: getattr(x, "name", "")
+)
+def test_all_tiles_do_what_numba_does(kernel: Any, is_spread: bool, launches: Any) -> None:
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        program = vividc.compile(kernel, fabric="vivid", transform="none", time_limit_s=6)
+        for args in launches:
+            expected, got = (
+                [a.copy() if isinstance(a, np.ndarray) else a for a in args] for _ in range(2)
+            )
+            value = kernel(*expected)
+            result = vividc.simulate(program, *got, fabric="vivid")
+            assert result.value == value
+            for one, other in zip(expected, got, strict=True):
+                np.testing.assert_array_equal(other, one)
+            assert (len(result.stats["tiles"]) > 1) is (is_spread and result.stats["runs"] > 1)
+    lines = [str(w.message) for w in told if issubclass(w.category, VividcWarning)]
+    assert any("runs on one tile only" in text for text in lines) is not is_spread
+    assert all("test_prange_proof.py:" in text for text in lines)
