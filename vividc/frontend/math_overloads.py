@@ -23,6 +23,7 @@ _overload: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = f
 _helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
 _fma: Callable[..., Any] = fma
 _F: Any = np.float32
+_int32: Any = np.int32
 _ONE, _TWO, _HALF = _F(1), _F(2), _F(0.5)
 _LOG_2 = _F(math.log(2))
 _NAN = _F(np.nan)
@@ -213,7 +214,7 @@ def cbrt(x: Any) -> Any:
         factor, root_factor = _DOWN, _ROOT_UP
     a *= factor
     bits: Any = bitcast_i32(a)
-    r: Any = bitcast_f32(np.int32(_INVERSE_ROOT - np.uint32(bits) // np.uint32(3)))
+    r: Any = bitcast_f32(_int32(_INVERSE_ROOT - np.uint32(bits) // np.uint32(3)))
     for _ in range(3):
         r = _fma(r * _THIRD, _ONE - a * r * (r * r), r)
     square_inverse = r * r
