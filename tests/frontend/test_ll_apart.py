@@ -108,7 +108,7 @@ FAULTS = {
     "a division by zero": (
         "  %v = load i32, ptr %x\n  %d = sub i32 %n, 16\n  %q = sdiv i32 %v, %d\n"
         "  store i32 %q, ptr %x",
-        "the reference ends with SIGFPE on this computer",
+        r"the reference dies \(SIGFPE\) on this computer",
     ),
     "code that C leaves undefined": (
         "  %c = icmp eq i32 %n, 0\n  br i1 %c, label %a, label %b\nb:\n  unreachable\na:",
@@ -310,6 +310,32 @@ REFUSED = {
         "declare i32 @sinf(i32)\n" + body("  %r = call i32 @sinf(i32 1)\n  store i32 %r, ptr %x"),
         ":3: a call of `sinf of another file`",
     ),
+    "a function of LLVM that writes": (
+        "declare void @llvm.experimental.memset.pattern.p0.i32.i64(ptr, i32, i64, i1)\n"
+        + body(
+            "  call void @llvm.experimental.memset.pattern.p0.i32.i64("
+            "ptr %x, i32 7, i64 4, i1 false)"
+        ),
+        ":3: a call of `experimental.memset.pattern",
+    ),
+    "a table of addresses as numbers": (
+        "@t = constant [2 x i32] [i32 ptrtoint (ptr @t to i32), i32 2]\n"
+        + body(
+            "  %p = getelementptr i32, ptr @t, i32 %n\n  %v = load i32, ptr %p\n"
+            "  store i32 %v, ptr %x"
+        ),
+        "an access to a global array",
+    ),
+    "too many blocks": (
+        HEAD
+        + "".join(
+            f"  %c{i} = icmp eq i32 %n, {i}\n  br i1 %c{i}, label %y{i}, label %n{i}\n"
+            f"y{i}:\n  store volatile i32 {i}, ptr %x\n  br label %n{i}\nn{i}:\n"
+            for i in range(600)
+        )
+        + "  ret void\n}\n",
+        "instructions, where 8192 are the most|blocks, where 1024",
+    ),
     "too many instructions": (
         "define float @f(float %v0, float %a) {\n"
         + "".join(f"  %v{i + 1} = fadd float %v{i}, %a\n" for i in range(9000))
@@ -361,3 +387,8 @@ def test_a_main_program_is_no_kernel() -> None:
 def test_attributes_of_unoptimised_code_may_be_a_group_of_their_own(tmp_path: Path) -> None:
     text = body("  store i32 %n, ptr %x").replace(") {", ") #0 {")
     assert_as_on_the_host(load(tmp_path, text + "attributes #0 = { noinline optnone }\n"), 3)
+
+
+def test_addresses_of_functions_are_not_null(tmp_path: Path) -> None:
+    text = "  %t = icmp eq ptr @other, null\n  %u = zext i1 %t to i32\n  store i32 %u, ptr %x"
+    assert_as_on_the_host(load(tmp_path, "declare void @other()\n" + body(text)), 1)

@@ -24,7 +24,7 @@ from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import LLKernel, ll_host
 
 _CYCLES = 200_000
-_LIMIT_S = 3.0
+_LIMIT_S = 30.0
 
 
 def judge(seed: int, folder: Path) -> Verdict:

@@ -18,7 +18,7 @@ def check(seed: int, folder: Path) -> None:
 
 @pytest.fixture(autouse=True)
 def _short_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ll_host, "LIMIT_S", 3.0)
+    monkeypatch.setattr(ll_host, "LIMIT_S", 60.0)
 
 
 @pytest.mark.filterwarnings("ignore::vividc.errors.VividcWarning")

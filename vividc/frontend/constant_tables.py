@@ -43,7 +43,9 @@ def tables_of(text: str) -> dict[str, Table]:
             reason = f"a constant array of {_length(type_)} elements"
             raise KernelError(reason, hint="pass it as a parameter")
         if element in _SCALARS and cursor.peek not in ("", ","):  # else another file has it
-            found[bare(match[1])] = Table(element, tuple(_values(cursor, type_)))
+            values = _values(cursor, type_)
+            if None not in values:
+                found[bare(match[1])] = Table(element, tuple(v for v in values if v is not None))
     return found
 
 
@@ -99,18 +101,18 @@ def _length(type_: str) -> int:
     return 1 if match is None else int(match[1]) * _length(match[2])
 
 
-def _values(cursor: Cursor, type_: str) -> list[Number]:
+def _values(cursor: Cursor, type_: str) -> list[Number | None]:
+    """The numbers of a constant; None for an address."""
     match = _ARRAY.fullmatch(type_)
     if match is None:
         operand = cursor.operand(type_)
-        assert isinstance(operand, Int | Float)
-        return [operand.value]
+        return [operand.value if isinstance(operand, Int | Float) else None]
     if cursor.peek in _UNDEFINED:
         cursor.take()
         return [0] * _length(type_)
     if cursor.peek.startswith('c"'):
         return _checked(list(unescaped(cursor.take()[2:-1])), type_)
-    values: list[Number] = []
+    values: list[Number | None] = []
     cursor.expect("[")
     while not cursor.accept("]"):
         values += _values(cursor, cursor.type())
@@ -118,7 +120,7 @@ def _values(cursor: Cursor, type_: str) -> list[Number]:
     return _checked(values, type_)
 
 
-def _checked(values: list[Number], type_: str) -> list[Number]:
+def _checked(values: list[Number | None], type_: str) -> list[Number | None]:
     """A reader that lost its place must not give a table of other values."""
     if len(values) != _length(type_):
         raise InternalError(f"read {len(values)} constants of {type_}")

@@ -72,7 +72,7 @@ class HostFunction:
             reason = f"the reference takes more than {LIMIT_S:.0f} s on this computer"
             raise TimeLimit(reason, loc=self._loc, hint="try smaller arrays") from late
         except Lost as lost:
-            reason = f"the reference ends with {lost} on this computer"
+            reason = f"the reference dies ({str(lost) or 'LLVM gives up'}) on this computer"
             raise KernelError(reason, loc=self._loc, hint=_DIED_HINT) from lost
         if "error" in answer:
             raise self._failure(answer)

@@ -34,6 +34,7 @@ from vividc.frontend.unrotate import unrotate
 _LINK_LIMIT_S = 20
 MAX_INSTRUCTIONS = 8192
 """Of a function with all that it calls: what 16 PEs of 512 contexts hold."""
+MAX_BLOCKS = 1024
 _HINTS = re.compile(
     r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|"
     r"prefetch)\b.*\n",
@@ -200,11 +201,7 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     parts = [part for part in (module, rounding, blocks_library) if part]
     optimised = _HINTS.sub("", _linked(entry_text(function, counts), parts, function.loc))
     wide = read_function(optimised, ENTRY, function.loc.file)
-    count = sum(len(block.items) for block in wide.blocks)
-    if count > MAX_INSTRUCTIONS:
-        reason = f"a function of {count} instructions, where {MAX_INSTRUCTIONS} are the most"
-        hint = "make several kernels of it, or loops of what repeats"
-        raise KernelError(reason, loc=function.loc, hint=hint)
+    _refuse_long(wide, function.loc)
     structs = structs_of(optimised)
     blocks = tuple(
         replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))
@@ -212,6 +209,17 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     )
     kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
+
+
+def _refuse_long(wide: WideFunction, loc: SourceLoc) -> None:
+    for count, most, what in (
+        (sum(len(block.items) for block in wide.blocks), MAX_INSTRUCTIONS, "instructions"),
+        (len(wide.blocks), MAX_BLOCKS, "blocks"),
+    ):
+        if count > most:
+            reason = f"a function of {count} {what}, where {most} are the most"
+            hint = "make several kernels of it, or loops of what repeats"
+            raise KernelError(reason, loc=loc, hint=hint)
 
 
 def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:
@@ -223,7 +231,7 @@ def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:
         reason = f"LLVM takes more than {_LINK_LIMIT_S} s to optimise the function"
         raise KernelError(reason, loc=loc, hint="make the function smaller") from late
     except Lost as lost:
-        reason = f"LLVM cannot optimise the function: it ends with {lost}"
+        reason = f"LLVM cannot optimise the function: it dies ({str(lost) or 'an error'})"
         raise KernelError(reason, loc=loc, hint="make the function smaller") from lost
     if "text" not in answer:
         what = " ".join(answer["error"].split())

@@ -74,6 +74,7 @@ _ODD_VARIABLE = {"alias": "an alias", "ifunc": "a function that is chosen at its
 _HINT = "call functions of the same file, and those of math.h"
 _UNKNOWN_HINT = "leave out --check, or write the operation in another way"
 _MAX_BYTES = 1 << 28
+_ODD_ADDRESS = 4097
 _CHECK = f"""
 declare void @"{FAULT}"(i64)
 define internal void @check(ptr %p, i64 %size, i64 %place) {{
@@ -367,7 +368,8 @@ class _Writer:
         if name not in self.names:
             found = [text for key, text in self.known.items() if bare(key) == name]
             if not found:  # a function that nothing calls: only its address is taken
-                return "null"
+                self.names[name] = f"inttoptr (i64 {_ODD_ADDRESS + len(self.names)} to ptr)"
+                return self.names[name]
             cursor = Cursor(found[0])
             _demand_all_read(cursor)
             while cursor.peek not in ("global", "constant"):

@@ -294,8 +294,15 @@ def remove_dead(function: WideFunction) -> WideFunction:
 
 def has_effect(op: Op) -> bool:
     """Whether the instruction must stay even if nothing reads its result."""
-    pure = op.pred.startswith("llvm.") and not op.pred.startswith("llvm.mem")
+    pure = op.pred.startswith(_HINTS) or (op.pred.startswith("llvm.") and op.type != "void")
     return op.op == "store" or (op.op == "call" and not pure)
+
+
+_HINTS = tuple(
+    f"llvm.{name}"
+    for name in ("assume", "dbg.", "lifetime.", "donothing", "prefetch", "experimental.noalias.")
+)
+"""Functions of LLVM that return nothing and do nothing."""
 
 
 @dataclass(frozen=True)
