@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from vividc.dfg.regions import RETURN_VARIABLE, Region
 from vividc.errors import ArgumentError
 from vividc.program import DType, Param, Program
 from vividc.sim import simulate
-from vividc.sim.bind import bind
+from vividc.sim.bind import arguments, bind
 
 
 def echo(dtype: DType) -> Program:
@@ -101,7 +103,7 @@ def test_keywords_and_their_errors() -> None:
         ([1.0], "got list"),
         (np.ones(4), "got float64"),
         (np.ones(4, ">f4"), "got >f4"),
-        (np.ones((2, 2), np.float32), "float32 with 2"),
+        (np.ones((2, 2), np.float32), r"float32 with 2 dimension\(s\)"),
         (np.ones(8, np.float32)[::2], "strides"),
     ],
 )
@@ -120,9 +122,41 @@ def test_read_only_arrays_may_be_read_but_not_written() -> None:
         simulate(saxpy(fabric()), x, y, 4)
 
 
-def test_overlapping_arrays_are_refused() -> None:
+def test_the_way_out_of_a_wrong_number_of_dimensions_works() -> None:
+    y = np.ones((2, 4), np.float32)
+    with pytest.raises(ArgumentError) as caught:
+        simulate(saxpy(fabric()), np.ones(8, np.float32), y, 8)
+    assert caught.value.hint is not None
+    assert "y.reshape(-1)" in caught.value.hint
+    simulate(saxpy(fabric()), np.ones(8, np.float32), y.reshape(-1), 8)
+
+
+def test_a_structured_array_is_told_as_one() -> None:
+    x = np.ones(4, [("a", np.float32), ("b", np.int32)])
+    with pytest.raises(ArgumentError, match="got structured with 1") as caught:
+        simulate(saxpy(fabric()), x, np.ones(4, np.float32), 4)
+    assert caught.value.hint is not None
+    assert "np.ascontiguousarray(x['a'], np.float32)" in caught.value.hint
+    x0 = np.ascontiguousarray(x["a"], np.float32)
+    simulate(saxpy(fabric()), x0, np.ones(4, np.float32), 4)
+
+
+def test_arrays_that_are_only_read_may_overlap() -> None:
+    params = tuple(Param(name, DType.F32, 1) for name in "aby")
+    base, y = np.arange(8, dtype=np.float32), np.zeros(8, np.float32)
+    program = replace(saxpy(fabric()), params=params)
+    assert program.stored_arrays == {"y"}
+    for a, b in ((base, base), (base[:5], base[2:]), (base[2:], base[:5])):
+        bound, _ = arguments(program, (a, b, y), {})
+        assert bound["a"] is a
+        assert bound["b"] is b
+    with pytest.raises(ArgumentError, match="arrays a and y overlap, and the kernel writes y"):
+        arguments(program, (base, y.copy(), base), {})
+
+
+def test_overlapping_arrays_are_refused_where_one_is_written() -> None:
     base = np.ones(8, np.float32)
-    with pytest.raises(ArgumentError, match="arrays x and y overlap"):
+    with pytest.raises(ArgumentError, match="arrays x and y overlap, and the kernel writes y"):
         simulate(saxpy(fabric()), base, base, 4)
     with pytest.raises(ArgumentError, match="overlap"):
         simulate(saxpy(fabric()), base[:5], base[4:], 4)

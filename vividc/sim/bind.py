@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from struct import Struct
@@ -91,8 +91,8 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
     ------
     ArgumentError
         Missing or surplus arguments, a wrong dtype or number of dimensions, an array that is not
-        C-contiguous, that overlaps another, or is read-only but written; a scalar out of range;
-        arrays that do not fit the scratchpad.
+        C-contiguous, that overlaps one that is written, or is read-only but written; a scalar out
+        of range; arrays that do not fit the scratchpad.
     """
     arrays, inputs = arguments(program, args, kwargs)
     sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
@@ -130,7 +130,7 @@ def arguments(
                 inputs.update({f"{param.name}.shape{k}": n for k, n in enumerate(array.shape)})
         else:
             inputs.update(_scalar_words(param, values[param.name]))
-    _refuse_overlap(arrays)
+    _refuse_overlap(arrays, program.stored_arrays)
     if program.parallel is not None:
         inputs |= whole_loop(program.parallel, inputs)
     return arrays, inputs
@@ -214,9 +214,7 @@ def _array(program: Program, param: Param, value: object) -> Array:
         raise ArgumentError(f"expected {expected}, got {type(value).__name__}", loc=where)
     if value.dtype != np.dtype(param.dtype.value) or not _has_axes(value, param):
         raise ArgumentError(
-            f"expected {expected}, got {value.dtype} with {value.ndim}",
-            loc=where,
-            hint=f"convert it: np.ascontiguousarray({param.name}, np.{param.dtype.value})",
+            f"expected {expected}, got {_told(value)}", loc=where, hint=_way_in(param, value)
         )
     if not value.flags.c_contiguous:
         raise ArgumentError(
@@ -238,18 +236,47 @@ def _array(program: Program, param: Param, value: object) -> Array:
     return value
 
 
+def _told(value: Array) -> str:
+    kind = "structured" if value.dtype.names else str(value.dtype)
+    return f"{kind} with {value.ndim} dimension(s)"
+
+
+def _way_in(param: Param, value: Array) -> str:
+    """What makes of an array of another type or number of dimensions one that fits."""
+    name, wanted = param.name, f"np.{param.dtype.value}"
+    if value.dtype.names:
+        return (
+            f"pass one field: np.ascontiguousarray({name}[{value.dtype.names[0]!r}], {wanted}); "
+            "a copy, whose results go back by hand"
+        )
+    if _has_axes(value, param):
+        return f"convert it: np.ascontiguousarray({name}, {wanted})"
+    if param.ndim == 1:
+        return f"pass a view with one dimension: {name}.reshape(-1)"
+    shape = ", ".join(["rows", "columns", "depth"][: param.ndim])
+    if value.ndim < param.ndim:
+        shape = ", ".join([*["1"] * (param.ndim - 1), "-1"])
+    return (
+        f"pass a view with {param.ndim} dimensions: {name}.reshape({shape}), "
+        f"or declare {name} with {value.ndim} in the signature"
+    )
+
+
 def _has_axes(array: Array, param: Param) -> bool:
     return array.ndim == param.ndim or (param.flat and array.ndim > 0)
 
 
-def _refuse_overlap(arrays: Mapping[str, Array]) -> None:
+def _refuse_overlap(arrays: Mapping[str, Array], stored: Container[str]) -> None:
+    """Arrays that are only read may overlap: each has a copy of its own."""
     for (one, a), (other, b) in combinations(arrays.items(), 2):
+        written = next((name for name in (one, other) if name in stored), None)
         # Exact for contiguous arrays, whose bytes fill their bounds.
-        if np.may_share_memory(a, b):
+        if written is not None and np.may_share_memory(a, b):
+            read = other if written == one else one
             raise ArgumentError(
-                f"arrays {one} and {other} overlap; each has its own copy in the scratchpad, so a "
-                "write to one would not show in the other",
-                hint=f"pass {other}.copy()",
+                f"arrays {one} and {other} overlap, and the kernel writes {written}; each has its "
+                "own copy in the scratchpad, so a write to one would not show in the other",
+                hint=f"pass {read}.copy()",
             )
 
 
