@@ -82,3 +82,15 @@ def test_accesses_of_different_threads_have_no_order_in_their_loops(loop: str, k
     first, second = (access.node.node for access in accesses)
     assert ((first, second) in between) is kept
     assert {(first, first), (second, second)} <= between
+
+
+def test_an_edge_tells_whether_its_distance_is_proved() -> None:
+    _, stepping = ordered((False, 0, 4, 4), (True, 4, 4, 4))
+    assert stepping
+    assert not any(edge.assumed for edge in stepping)
+    _, reversed_ = ordered((False, 0, 4, 4), (True, 0, 4, -4))
+    assert any(edge.distance for edge in reversed_)
+    assert all(edge.assumed for edge in reversed_)
+    _, same_place = ordered((False, 0, 4, 0), (True, 0, 4, 0))
+    assert any(edge.distance for edge in same_place)
+    assert not any(edge.assumed for edge in same_place)

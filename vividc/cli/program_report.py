@@ -8,11 +8,17 @@ from collections.abc import Iterator
 
 from vividc.cli.report import percent, print_table
 from vividc.program import Program
+from vividc.program.tables import RegionReport
 
 _PROOF = {
     "optimal": "II proved minimal",
     "feasible": "smaller II not refuted",
 }
+
+
+def _proof(region: RegionReport) -> str:
+    proof = _PROOF.get(region.status, region.status)
+    return f"{proof}, memory order assumed" if region.rests_on_assumed else proof
 
 
 def print_regions(program: Program) -> None:
@@ -26,7 +32,7 @@ def print_regions(program: Program) -> None:
             region.operations,
             region.ii,
             region.lower_bound,
-            _PROOF.get(region.status, region.status),
+            _proof(region),
             percent(region.utilization),
             None if region.wall_s is None else f"{region.wall_s:.1f}",
         )

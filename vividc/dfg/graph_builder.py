@@ -123,9 +123,13 @@ class GraphBuilder:
         self._nodes[target.node] = replace(node, control=control)
         return target
 
-    def order(self, before: Operand, after: Operand, distance: int) -> None:
-        """Two memory operations that must keep their order."""
-        self._edges.append(Edge(before.node, after.node, ORDER, distance, kind=EdgeKind.ORDER))
+    def order(
+        self, before: Operand, after: Operand, distance: int, *, assumed: bool = False
+    ) -> None:
+        """Two memory operations that must keep their order; `assumed` as of `Edge`."""
+        self._edges.append(
+            Edge(before.node, after.node, ORDER, distance, kind=EdgeKind.ORDER, assumed=assumed)
+        )
 
     def control(self, exit_node: Operand, effect: Operand, distance: int) -> None:
         """An effect that must wait for the exit decision."""

@@ -122,6 +122,9 @@ class Edge:
     = 1 is executable). ORDER and CONTROL edges have port `ORDER` and carry no value: start[dst] +
     II * distance >= start[src] + separation, where the separation is 1 cycle for ORDER and
     latency(src) + the fabric's control latency for CONTROL.
+
+    `assumed`: an ORDER edge between accesses that could not be proved apart, so that its distance
+    is the least possible one. Like a location it tells where the edge is from, and makes no other.
     """
 
     src: int
@@ -130,6 +133,7 @@ class Edge:
     distance: int = 0
     init: int | None = None
     kind: EdgeKind = EdgeKind.DATA
+    assumed: bool = field(default=False, compare=False)
 
     @property
     def is_data(self) -> bool:

@@ -64,8 +64,14 @@ def order_accesses(
             if first.lane is not None and first.lane.independent_of(second.lane, loop):
                 continue
             apart = first is not second and exclusive(first.block, second.block)
+            assumed = not _is_known(first, second)
             for before, after, distance in _dependences(first, second, bool(loop), apart):
-                builder.order(before.node, after.node, distance)
+                builder.order(before.node, after.node, distance, assumed=assumed)
+
+
+def _is_known(first: Access, second: Access) -> bool:
+    """Whether it is proved in which iterations the accesses meet."""
+    return _step_alike(first, second) or _never_comes_back(first, second)
 
 
 def _dependences(

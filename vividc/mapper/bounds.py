@@ -25,6 +25,7 @@ from vividc.mapper.mapping import Bound
 from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 from vividc.mapper.reach_bounds import island_bounds, operand_bounds, unreachable_bounds
+from vividc.mapper.refutations import ASSUMED
 from vividc.printable import printable
 
 _MAX_HALL_SETS = 256
@@ -145,7 +146,16 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     Binary search on the II; a cycle with a positive weight at II - 1 is one of ratio above II - 1.
     """
     edges = _on_cycles(dependences(problem.dfg, problem.fabric))
-    nodes = tuple(dict.fromkeys(edge.src for edge in edges))
+    found = _recurrence(problem, edges)
+    if found is None:
+        return ()
+    proved = [edge for edge in edges if not problem.dfg.edges[edge.index].assumed]
+    sure = _recurrence(problem, proved) if len(proved) < len(edges) else None
+    return (sure if sure is not None and sure.ii == found.ii else found,)
+
+
+def _recurrence(problem: MapProblem, edges: Sequence[Dependence]) -> Bound | None:
+    nodes = tuple(dict.fromkeys(end for edge in edges for end in (edge.src, edge.dst)))
     impossible = sum(max(edge.separation, 0) for edge in edges) + 1
     low, high = 0, impossible
     while low < high:
@@ -155,15 +165,34 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         else:
             high = middle
     if low == 0:
-        return ()
+        return None
     cycle = positive_cycle(nodes, edges, low - 1)
+    assumed = _assumed_text(problem, cycle)
     if low == impossible:
-        reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}"
-        return (_recurrence_bound(no_ii(problem), reason, cycle),)
+        reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}{assumed}"
+        return _recurrence_bound(no_ii(problem), reason, cycle)
     latency = sum(edge.separation for edge in cycle)
     distance = sum(edge.distance for edge in cycle)
-    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}"
-    return (_recurrence_bound(low, reason, cycle),)
+    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}{assumed}"
+    return _recurrence_bound(low, reason, cycle)
+
+
+def _assumed_text(problem: MapProblem, cycle: Sequence[Dependence]) -> str:
+    """The pairs of accesses on the cycle that nothing proves apart."""
+    by_id = problem.dfg.by_id
+    pairs = [
+        sorted(_place(by_id[end]) for end in (edge.src, edge.dst))
+        for edge in cycle
+        if problem.dfg.edges[edge.index].assumed
+    ]
+    if not pairs:
+        return ""
+    texts = dict.fromkeys(f"{one} and {other}" for one, other in pairs)
+    return f"; {ASSUMED}accesses at {', '.join(texts)} may meet"
+
+
+def _place(node: Node) -> str:
+    return printable(str(node.loc)) if node.loc is not None else _name(node)
 
 
 def issue_bounds(problem: MapProblem) -> tuple[Bound, ...]:

@@ -10,7 +10,14 @@ from typing import Final, TypeVar
 
 from vividc.mapper.fu_slots import fu_slots_by_pe
 from vividc.mapper.mapping import Mapping, MapResult, Refutation, Subject
-from vividc.mapper.refutations import BY_BOUND, BY_CONTEXTS, BY_SCHEDULE, WITHIN_ADDED
+from vividc.mapper.refutations import (
+    BY_BOUND,
+    BY_CONTEXTS,
+    BY_SCHEDULE,
+    IF_THEY_MEET,
+    WITHIN_ADDED,
+    rests_on_assumed,
+)
 
 K = TypeVar("K")
 
@@ -49,6 +56,8 @@ def _headline(result: MapResult) -> str:
     )
     if result.status == "timeout":
         what += f", proved lower bound {result.lower_bound}"
+    if rests_on_assumed(result.bounds, result.lower_bound):
+        what += IF_THEY_MEET
     return f"{result.claim}: {what}"
 
 

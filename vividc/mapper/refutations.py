@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Iterable
+from typing import Final, Protocol
 
 BY_BOUND: Final = "the lower bound"
 BY_CONTEXTS: Final = "the configuration memory"
@@ -11,6 +12,26 @@ BY_FOLDING: Final = "the cyclic relaxation of time, place and route"
 BY_MODEL: Final = "the complete model of time, place and route"
 WITHIN_ADDED: Final = " with the added constraints"
 """After `BY_MODEL`."""
+
+ASSUMED: Final = "assumed: "
+"""In the reason of a recurrence through accesses that could not be proved apart."""
+
+
+IF_THEY_MEET: Final = " if accesses that could not be proved apart meet"
+"""After a claim whose bound is such a recurrence."""
+
+
+class _Bound(Protocol):
+    @property
+    def ii(self) -> int: ...
+    @property
+    def reason(self) -> str: ...
+
+
+def rests_on_assumed(bounds: Iterable[_Bound], lower: int) -> bool:
+    """Whether each bound that gives the lower one is a recurrence that was not proved."""
+    sharpest = [bound for bound in bounds if bound.ii >= lower > 1]
+    return bool(sharpest) and all(ASSUMED in bound.reason for bound in sharpest)
 
 
 def by_bound(lower: int) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vividc.errors import SourceLoc
+from vividc.mapper.refutations import IF_THEY_MEET, rests_on_assumed
 
 RegionKind = Literal["loop", "straight"]
 
@@ -136,10 +137,16 @@ class RegionReport:
     loc: SourceLoc | None = None
     wall_s: float | None = field(default=None, compare=False)
 
+    @property
+    def rests_on_assumed(self) -> bool:
+        """The lower bound is that of a recurrence through accesses not proved apart."""
+        return rests_on_assumed(self.bounds, self.lower_bound)
+
     def explain(self) -> str:
         """What was proved and what binds, in a few lines for a person."""
         what = "II" if self.kind == "loop" else "length"
         head = f"{self.name}: {self.status}, {what} {self.ii}, lower bound {self.lower_bound}"
+        head += IF_THEY_MEET if self.rests_on_assumed else ""
         lines = [head if self.loc is None else f"{head} ({self.loc})"]
         lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in self.bounds]
         lines += [f"  {what} {item.ii} refuted by {item.by}" for item in self.refuted]

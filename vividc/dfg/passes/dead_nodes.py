@@ -45,14 +45,16 @@ def _bridge_order(rewrite: Rewrite, node_id: int) -> None:
     after = [edge for edge in rewrite.out_edges(node_id) if edge.kind is EdgeKind.ORDER]
     for first in before:
         for second in after:
-            _order(rewrite, first.src, second.dst, first.distance + second.distance)
+            distance, assumed = first.distance + second.distance, first.assumed or second.assumed
+            _order(rewrite, first.src, second.dst, distance, assumed=assumed)
 
 
-def _order(rewrite: Rewrite, src: int, dst: int, distance: int) -> None:
+def _order(rewrite: Rewrite, src: int, dst: int, distance: int, *, assumed: bool) -> None:
     loads = [rewrite.nodes[end].op is Opcode.LOAD for end in (src, dst)]
     known = any(
         edge.dst == dst and edge.kind is EdgeKind.ORDER and edge.distance <= distance
         for edge in rewrite.out_edges(src)
     )
     if not all(loads) and not known:
-        rewrite.add_edge(Edge(src, dst, ORDER, distance, kind=EdgeKind.ORDER))
+        edge = Edge(src, dst, ORDER, distance, kind=EdgeKind.ORDER, assumed=assumed)
+        rewrite.add_edge(edge)
