@@ -107,6 +107,61 @@ def test_a_function_keeps_its_bound(kernel: Callable[..., None]) -> None:
     assert errors.max() <= LIMITS[name], (name, errors.max(), x[finite][errors.argmax()])
 
 
+def numpys(x, y):
+    y[0] = np.arcsinh(x[0])
+    y[1] = np.arccosh(x[1])
+    y[2] = np.arctanh(x[2])
+    y[3:6] = np.arcsinh(x)
+
+
+def pythons(x, y):
+    y[0] = math.asinh(x[0])
+    y[1] = math.acosh(x[1])
+    y[2] = math.atanh(x[2])
+    for i in range(3):
+        y[3 + i] = math.asinh(x[i])
+
+
+def test_numpys_spellings_are_the_same_functions() -> None:
+    x = np.array([-3, 2.5, 0.25], np.float32)
+    results = []
+    for kernel in (numpys, pythons):
+        results.append(np.zeros(6, np.float32))
+        interpreted(Construct(KernelFunction(kernel, SIGNATURE, None), (), False), (x, results[-1]))
+    np.testing.assert_array_equal(*results)
+
+
+def negative_powers(x, y):
+    for i in range(len(x)):
+        y[i] = np.float32(2) ** -i
+        y[len(x) + i] = x[i] ** (3 - 4 * i)
+
+
+@pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
+def test_a_float_to_a_negative_integer_raises_nothing() -> None:
+    x = np.array([1.5, 0.5, -2, 3], np.float32)
+    function = KernelFunction(negative_powers, SIGNATURE, None)
+    ours, theirs = np.zeros(8, np.float32), np.zeros(8, np.float32)
+    interpreted(Construct(function, (), False), (x, ours))
+    function(x, theirs)
+    np.testing.assert_allclose(ours, theirs, rtol=3e-7)
+
+
+def shapes(x, y):
+    column = x.reshape((len(x), 1))
+    steps = np.diff(x)
+    for i in range(len(x)):
+        y[i] = column[i, 0] + 1
+    for i in range(len(steps)):
+        y[len(x) + i] = steps[i]
+
+
+def test_reshapes_and_differences_need_no_heap() -> None:
+    x, y = np.array([1, 4, 9, 25], np.float32), np.zeros(7, np.float32)
+    interpreted(Construct(KernelFunction(shapes, SIGNATURE, None), (), False), (x, y))
+    np.testing.assert_array_equal(y, [2, 5, 10, 26, 3, 5, 16])
+
+
 def test_frexp_is_exact() -> None:
     x = points()
     signature = "void(float32[::1], float32[::1], int32[::1])"

@@ -15,6 +15,7 @@ from itertools import chain
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.lang_formats import MISUSE
+from vividc.frontend.numpy_refused import refused_calls
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
@@ -67,6 +68,8 @@ _CALLS = {
     "input": _Rule("`input`", "pass the values as parameters"),
     "open": _Rule("`open`", "read the file on the host, and pass an array"),
     "reversed": _Rule("`reversed`", "count down: range(n - 1, -1, -1)"),
+    "map": _Rule("`map`", "write a loop"),
+    "filter": _Rule("`filter`", "write a loop with an if"),
     "sorted": _Rule("`sorted`", "write a sort, or sort on the host"),
     "isinstance": _Rule("`isinstance`", "the signature fixes all types"),
     "dict": _Rule("a dict", "use an array, with the keys as indices"),
@@ -75,6 +78,8 @@ _CALLS = {
     "str": _Rule("a string", "strings are for the host: use integers"),
     "complex": _Rule("a complex number", "use two floats"),
 }
+_ENDLESS = (_CALLS["map"], _CALLS["filter"], _NODES[ast.Yield], _NODES[ast.GeneratorExp])
+"""What numba makes loops of that seem to have no end."""
 _LINEAR_ALGEBRA = _Rule("numba's linear algebra", "write the loops over rows and columns")
 _COMPLEX = _Rule("a complex number", "use two floats")
 _STRING = _Rule("a string", "strings are for the host: use integers")
@@ -147,6 +152,31 @@ def construct_at(loc: SourceLoc, name: str, line: int | None = None) -> KernelEr
     """
     findings = [f for f in _findings(loc, name, []) if line is None or f.line == line]
     return _refusal(loc.file, min(findings, key=lambda f: f.line)) if findings else None
+
+
+def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
+    """The construct that led to an error about what numba made of it; None: the error says it.
+
+    Parameters
+    ----------
+    error
+        What was found in numba's code: a call of its runtime, an exception, an allocation.
+    loc, name
+        As for `diagnose`.
+    """
+    if "never ends" in error.reason:
+        found = (f for f in _findings(loc, name, []) if f.rule in _ENDLESS)
+        return next((_refusal(loc.file, finding) for finding in found), None)
+    if not isinstance(error.loc, SourceLoc) or error.loc.file != loc.file:
+        return None
+    line = error.loc.line
+    findings = [f for f in _findings(loc, name, [line]) if f.line == line]
+    if "call" not in error.reason:
+        tree = _parsed(loc.file)
+        called = {} if tree is None else {w: h for at, w, h in refused_calls(tree) if at == line}
+        hidden = any(text in error.reason for text in ("can raise", "not known at launch"))
+        findings = [f for f in findings if hidden and f.rule.what in called]
+    return _refusal(loc.file, findings[0]) if findings else None
 
 
 def _refusal(file: str, finding: _Finding) -> KernelError:
@@ -241,6 +271,8 @@ def _in_function(function: _AnyFunction) -> Iterator[_Finding]:
         rule = _NODES.get(type(node)) or _of_expression(node, function.name)
         if rule is not None:
             yield _Finding(getattr(node, "lineno", function.lineno), rule)
+    for line, what, hint in refused_calls(function):
+        yield _Finding(line, _Rule(what, hint))
 
 
 def _of_expression(node: ast.AST, function: str) -> _Rule | None:
@@ -306,8 +338,8 @@ _WORDS: tuple[tuple[str, Callable[[str], str], str], ...] = (
     ),
     (
         "NRT required",
-        lambda _: "a list, a string, or a copy of a slice",
-        "use an array of constant size, np.zeros(16, np.float32), and loops over its elements",
+        lambda _: "memory that numba would take from the host's heap",
+        "use an array of the kernel's own, np.zeros(16, np.float32), and loops over its elements",
     ),
     (
         r"no attribute 'Literal\[int\]",
@@ -335,6 +367,16 @@ _WORDS: tuple[tuple[str, Callable[[str], str], str], ...] = (
         "write lang.fp16(x) for a number; an array of the kernel's own can be float32",
     ),
     (
+        r"CPUDispatcher\(.*getitem|getitem.*type\(CPUDispatcher",
+        lambda text: f"numba has no `{_call(text)}`",
+        "call the functions by name, chosen by if and elif",
+    ),
+    (
+        r"_dynfunc|_Closure object",
+        lambda _: "a function taken from a tuple",
+        "call the functions by name, chosen by if and elif",
+    ),
+    (
         "No implementation of function",
         lambda text: f"numba has no `{_call(text)}`",
         "write it with loops and arithmetic",
@@ -348,9 +390,34 @@ def _in_numbas_words(text: str, kind: str, place: SourceLoc) -> KernelError:
             return KernelError(reason(text), loc=place, hint=hint)
     lines = [line.strip() for line in text.splitlines()]
     kept = [line for line in lines if line and not line.startswith(_NOISE)]
-    words = kept[0] if kept else kind
+    words = _plain(kept[0]) if kept else kind
+    for pattern, told in _PLAIN_REASONS:
+        match = re.search(pattern, words)
+        if match is not None:
+            hint = "write it with loops and arithmetic"
+            return KernelError(told.format(*match.groups()), loc=place, hint=hint)
     hint = "numba types and compiles kernels: what numba.njit refuses, the array cannot run"
     return KernelError(f"numba: {words}", loc=place, hint=hint)
+
+
+_PLAIN_REASONS = (
+    (r"unsupported NumPy function 'numpy\.([\w.]+)'", "numba has no `np.{}`"),
+    (r"Unknown attribute '(\w+)' of type Module\(<?module '?(\w+)", "numba has no `{1}.{0}`"),
+    (r"module '(\w+)' has no attribute '(\w+)'", "`{}` has no `{}`"),
+    (r"Unknown attribute '(\w+)' of type (.+)", "numba has no `.{}` of {}"),
+    (r"Variable '(\w+)' is not defined", "`{}` is read before anything is assigned to it"),
+    (r"getitem>?\(.*\.\.\.\)|, \.\.\.\)", "a subscript with `...`"),
+    (r"'NoneType' object has no attribute", "a construct that numba fails on"),
+    (r"Resolution failure for literal arguments", "these arguments of a method or function"),
+)
+"""What numba says of its own, and what the user is told."""
+
+
+def _plain(words: str) -> str:
+    """Without addresses, paths of modules, and mangled names."""
+    words = _ADDRESS.sub("", words)
+    words = re.sub(r"(<module '\w+') from '[^']*'>", r"\1>", words)
+    return re.sub(r"type\(CPUDispatcher\(<function (\w+)>\)\)", r"the function \1", words)
 
 
 _NOISE = ("Failed in", "File ", "During:", ">>>", "<source", "def ")
@@ -359,4 +426,4 @@ _NOISE = ("Failed in", "File ", "During:", ">>>", "<source", "def ")
 def _call(text: str) -> str:
     """The innermost call that numba could not type, without addresses."""
     calls = [match["call"] for match in _UNKNOWN.finditer(text)]
-    return _ADDRESS.sub("", calls[0]).strip() if calls else "function for these types"
+    return _plain(calls[0]).strip() if calls else "function for these types"

@@ -23,7 +23,7 @@ from vividc.dfg.cfg_check import check_function
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
-from vividc.frontend.diagnose import construct_at, diagnose
+from vividc.frontend.diagnose import behind, construct_at, diagnose
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, sign_quotients
 from vividc.frontend.interval import Interval
@@ -163,9 +163,7 @@ def _in_python(loc: SourceLoc, name: str) -> Iterator[None]:
     try:
         yield
     except KernelError as error:
-        better = None
-        if isinstance(error.loc, SourceLoc) and "call" in error.reason:
-            better = construct_at(loc, name, error.loc.line)
+        better = behind(error, loc, name)
         if better is None:
             raise
         raise better from error

@@ -9,6 +9,7 @@ module that relies on numba's internals.
 from __future__ import annotations
 
 import functools
+import math
 import operator
 from collections.abc import Callable
 from typing import Any
@@ -29,6 +30,7 @@ _DIVISIONS: dict[Any, tuple[str, ...]] = {
     divmod: ("div", "rem"),
 }
 _POWER_BITS = 4
+_LARGEST_COUNTED = 0x10000
 _INTEGERS = "bBhHiIlLqQ"
 """NumPy's letters."""
 
@@ -112,12 +114,36 @@ def _power(
                 base = multiply(base, base)
             builder.store(result, slot)
         with otherwise:
-            if general is not None and is_float:
+            if is_float and sig.args[1].signed:
+                large = context.compile_internal(builder, _float_power(sig), sig, args)
+            elif general is not None and is_float:
                 large = general(builder, args)
             else:
                 large = context.compile_internal(builder, _power_function(sig), sig, args)
             builder.store(large, slot)
     return builder.load(slot)
+
+
+def _float_power(sig: Any) -> Callable[[Any, Any], Any]:
+    """Numba's powers of a float to an integer, but for its exceptions: 0 to a negative power is an
+    infinity.
+    """
+    type_ = sig.return_type
+
+    def power(base: Any, exponent: Any) -> Any:
+        result = type_(1)
+        factor = type_(base)
+        left = -exponent if exponent < 0 else exponent
+        if left < 0 or left > _LARGEST_COUNTED:
+            return math.pow(factor, type_(exponent))
+        while left != 0:
+            if left & 1:
+                result *= factor
+            left >>= 1
+            factor *= factor
+        return np.divide(type_(1), result) if exponent < 0 else result
+
+    return power
 
 
 def _power_function(sig: Any) -> Callable[[int, int], int]:

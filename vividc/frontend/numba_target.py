@@ -289,7 +289,7 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
             return functools.partial(parallel_range, sig, general)
         rule = _our_rule(fn, operation, sig)
         if rule is not None:
-            return functools.partial(_ours, rule, self, sig)
+            return functools.partial(_ours, rule, self, sig if rule is sort else sig.as_function())
         general = super().get_function(fn, sig, _firstcall)
         return integer_operator(self, fn, sig, general)
 
@@ -298,7 +298,7 @@ def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
     """What stands in for numba's lowering of a call on tuples and arrays; None: nothing."""
     if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
         return pick
-    if fn == "array.reshape" and isinstance(sig.args[1], types.BaseTuple):
+    if "array.reshape" in (fn, operation) and isinstance(sig.args[-1], types.BaseTuple):
         return reshape
     return sort if is_sort(operation, sig) else None
 
@@ -488,6 +488,7 @@ def numba_module(
     with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
+        warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
         with _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func):
             result = _compile(py_func, args, return_type)
     return NumbaModule(

@@ -1,0 +1,101 @@
+"""Kernels that numba compiles by means a user wrote nothing of; `# here` marks the line."""
+
+import numba
+import numpy as np
+
+from tests.frontend.mistake_registry import mistake
+
+
+@numba.njit
+def even(n):
+    return 1 if n == 0 else odd(n - 1)
+
+
+@numba.njit
+def odd(n):
+    return 0 if n == 0 else even(n - 1)
+
+
+@numba.njit
+def square(v):
+    return v * v
+
+
+@numba.njit
+def cube(v):
+    return v * v * v
+
+
+FUNCTIONS = (square, cube)
+
+
+@mistake(r"`np\.argsort` cannot run", "insert")
+def argsort(x, n):
+    order = np.argsort(x)  # here
+    x[0] = order[n]
+
+
+@mistake(r"`x\.argsort` cannot run", "insert")
+def argsort_as_a_method(x, n):
+    order = x.argsort()  # here
+    x[0] = order[n]
+
+
+@mistake(r"`np\.unique` cannot run", "allocate as many")
+def unique(x, n):
+    found = np.unique(x)  # here
+    x[0] = found[n]
+
+
+@mistake(r"`np\.swapaxes` cannot run", "exchanged")
+def swapaxes(x, n):
+    y = x.reshape((2, 4))
+    x[0] = np.swapaxes(y, 0, 1)[n, 0]  # here
+
+
+@mistake(r"`np\.median` cannot run", "np.sort")
+def median(x, n):
+    x[n] = np.median(x)  # here
+
+
+@mistake(r"`np\.nonzero` cannot run", "allocate as many")
+def nonzero(x, n):
+    found = np.nonzero(x)  # here
+    x[0] = found[0][n]
+
+
+@mistake(r"`np\.isin` cannot run", "loop")
+def isin(x, n):
+    x[n] = np.isin(x, x)[0]  # here
+
+
+@mistake(r"numba has no `np\.tile`", "loops")
+def tile(x, n):
+    x[n] = np.tile(x, 2)[0]  # here
+
+
+@mistake(r"`map` cannot run", "loop")
+def maps(x, n):
+    for v in map(abs, x):  # here
+        x[n] += v
+
+
+@mistake("recursive call", "stack")
+def mutual_recursion(x, n):  # here: any
+    x[0] = even(n)
+
+
+@mistake("function", "if and elif")
+def function_of_a_tuple(x, n):  # here: any
+    x[0] = FUNCTIONS[0](x[n])
+
+
+@mistake("the function square", "if and elif")
+def function_picked(x, n):
+    for i in range(n):
+        x[i] = FUNCTIONS[i](x[i])  # here
+
+
+@mistake(r"`\.tolist`", "loops")
+def tolist(x, n):
+    x[0] = x.tolist()[n]  # here
