@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 import vividc
@@ -75,3 +76,34 @@ def test_a_foreign_operation_has_the_latency_of_its_name() -> None:
     fabric = vividc.arch.load("vivid-tile")
     latencies = [fabric.latency(Node(0, Opcode.GENERIC, name=n)) for n in ("FMUL", "add", "cmerge")]
     assert latencies == [4, 1, 1]
+
+
+ODD = (None, "5", [1], {}, object(), b"x", 0.5, float("nan"), -1, 0, 1 << 80)
+
+
+@pytest.fixture(scope="module")
+def doubled() -> vividc.Program:
+    return vividc.compile(KERNEL, transform="none")
+
+
+@pytest.mark.parametrize("odd", ODD, ids=repr)
+@pytest.mark.parametrize("name", ["cycle_limit", "engine", "observer", "progress", "fabric"])
+def test_an_odd_option_of_a_run_is_named(doubled: vividc.Program, name: str, odd: object) -> None:
+    if odd is None and name not in {"cycle_limit", "engine"}:
+        return
+    with pytest.raises(vividc.VividcError):
+        vividc.simulate(doubled, **{name: odd})  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize("odd", ODD, ids=repr)
+def test_odd_places_in_a_job_are_named(odd: object) -> None:
+    job = vividc.launch.Job("vivid")
+    array = np.zeros(4, np.int32)
+    for call in (
+        lambda: job.move_in("a" if odd in ([1], 0) else odd, array, 0),  # type: ignore[arg-type]
+        lambda: job.move_in(0, array, "a" if odd == 0 else odd),  # type: ignore[arg-type]
+        lambda: job.move_out(0, 0, odd),  # type: ignore[arg-type]
+        lambda: job.move_in(0, array, 0, after="a" if odd in ({}, []) else [odd, "x"]),  # type: ignore[list-item]
+    ):
+        with pytest.raises(vividc.VividcError):
+            call()

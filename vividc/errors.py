@@ -10,6 +10,8 @@ from vividc.printable import printable, quoted
 _MOST = 200
 """Characters of a source line in a message."""
 
+_MOST_SOURCE_BYTES = 16 << 20
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class SourceLoc:
@@ -131,6 +133,8 @@ def demand_type(value: object, expected: type | tuple[type, ...], what: str, hin
 
 def _source_line(loc: SourceLoc) -> str:
     try:
+        if not os.path.isfile(loc.file) or os.path.getsize(loc.file) > _MOST_SOURCE_BYTES:
+            return ""  # a file may name any other, such as a device
         with open(loc.file, encoding="utf-8") as source:
             for number, text in enumerate(source, start=1):
                 if number == loc.line:

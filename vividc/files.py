@@ -45,7 +45,7 @@ def is_written_through(path: Path) -> bool:
 
 
 def _replace(target: Path, found: os.stat_result | None, data: bytes) -> None:
-    descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:64]}.", dir=target.parent)
+    descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:16]}.", dir=target.parent)
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)

@@ -77,7 +77,7 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "text"),
     [
-        (("absent.ply",), "absent.ply: cannot read the scene: No such file"),
+        (("absent.ply",), "absent.ply: cannot be read: No such file"),
         ((MIC / "ref_gs.npz",), "no scene: it holds c2w, focal, images"),
         ((MIC / "mic_kilonerf.npz", "--method", "3dgs"), "a scene of kilonerf, not 3dgs"),
         ((MIC / "mic_kilonerf.npz", "--view", "1"), "--view: there are no views"),
@@ -131,7 +131,7 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
         ((MIC / "mic_kilonerf.npz", "--exponent-margin", "nan"), "not a finite number"),
         ((MIC / "mic_kilonerf.npz", "-o", "a.jpg"), "-o: `a.jpg` does not end in .png"),
         ((MIC / "mic_kilonerf.npz", "-o", "absent/a.png"), "the folder `absent` does not exist"),
-        ((MIC / "mic_kilonerf.npz", "--views", "absent.json"), "cannot read the file"),
+        ((MIC / "mic_kilonerf.npz", "--views", "absent.json"), "cannot be read"),
     ],
 )
 def test_mistakes_are_messages(args: tuple[object, ...], text: str) -> None:

@@ -188,10 +188,10 @@ def test_a_wrong_file_is_named(tmp_path: Path, name: str, text: str, problem: st
 
 
 def test_a_missing_or_binary_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(DFGError, match=r"none\.json: cannot read the file: No such file"):
+    with pytest.raises(DFGError, match=r"none\.json: cannot be read: No such file"):
         load(tmp_path / "none.json")
     (tmp_path / "bits.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(DFGError, match=r"bits\.json: the file is not UTF-8"):
+    with pytest.raises(DFGError, match=r"bits\.json: not a text file in UTF-8"):
         load(tmp_path / "bits.json")
 
 

@@ -115,7 +115,7 @@ def test_garbage_is_refused_in_every_form(data: bytes, name: str, tmp_path: Path
 
 
 def test_a_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(VividcError, match="cannot read the file"):
+    with pytest.raises(VividcError, match="cannot be read"):
         load(tmp_path)
 
 

@@ -355,7 +355,7 @@ def test_refused(tmp_path: Path, what: str) -> None:
 
 def test_a_file_without_end(tmp_path: Path) -> None:
     (tmp_path / "zero.ll").symlink_to("/dev/zero")
-    with pytest.raises(KernelError, match="larger than 16 MiB"):
+    with pytest.raises(KernelError, match="the limit is 16 MiB"):
         vividc.load_ll(tmp_path / "zero.ll", "f")
 
 

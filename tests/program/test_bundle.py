@@ -166,7 +166,7 @@ def test_foreign_and_hostile_files(saved: tuple[Program, bytes], tmp_path: Path)
 
 
 def test_missing_file_and_missing_folder(saved: tuple[Program, bytes], tmp_path: Path) -> None:
-    with pytest.raises(BundleError, match="cannot read: No such file"):
+    with pytest.raises(BundleError, match="cannot be read: No such file"):
         load(tmp_path / "none.vivid")
     with pytest.raises(BundleError, match="cannot be written: No such file"):
         saved[0].save(tmp_path / "none" / "a.vivid")

@@ -76,7 +76,7 @@ def test_pose_must_be_a_finite_matrix() -> None:
 
 
 def test_missing_file_of_views(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match="cannot read the views"):
+    with pytest.raises(SceneError, match="cannot be read"):
         load_cameras(tmp_path / "absent.npz")
 
 

@@ -87,7 +87,7 @@ def test_broken_transforms(tmp_path: Path, changes: dict[str, object], text: str
 
 
 def test_files_that_are_no_json_or_no_picture(tmp_path: Path) -> None:
-    with pytest.raises(SceneError, match="cannot read the file: No such file"):
+    with pytest.raises(SceneError, match="cannot be read: No such file"):
         read_views(tmp_path / "absent.json")
     broken = tmp_path / "broken.json"
     broken.write_text("{")

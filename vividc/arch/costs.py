@@ -16,6 +16,7 @@ from vividc.arch.layers import is_path
 from vividc.arch.problems import did_you_mean, raise_all, schema_problems
 from vividc.arch.yaml_tree import parse
 from vividc.errors import ArchError, demand_type
+from vividc.inputs import YAML_BYTES, read_text
 
 DEFAULT_TABLE: Final = "vivid-45nm"
 
@@ -146,12 +147,7 @@ def load_costs(name_or_path: str | os.PathLike[str] = DEFAULT_TABLE) -> CostTabl
     if isinstance(name_or_path, str) and not is_path(name_or_path):
         return _shipped(name_or_path)
     path = Path(name_or_path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise ArchError("not a text file in UTF-8", loc=str(path)) from error
-    except OSError as error:
-        raise ArchError(f"cannot be read: {error.strerror}", loc=str(path), hint=hint) from error
+    text = read_text(path, YAML_BYTES, ArchError, hint)
     return costs_from_text(text, str(path))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from importlib import resources
 from pathlib import Path
@@ -14,6 +15,7 @@ from vividc.arch.schema import LATENCY_GROUPS, MAX_SIDE, Layer
 from vividc.arch.yaml_tree import Path as TreePath
 from vividc.arch.yaml_tree import Plain, Tree, parse
 from vividc.errors import ArchError
+from vividc.inputs import YAML_BYTES, read_text
 
 _SUFFIXES = (".yaml", ".yml")
 _FAMILIES: Final = {
@@ -120,18 +122,9 @@ def _base_tree(name: str, layer: Tree, file: str, opened: tuple[Path, ...]) -> T
 
 
 def _text_of(path: Path) -> str:
-    if path.is_dir():
+    if os.path.isdir(path):
         raise a_folder(str(path))
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise ArchError("not a text file in UTF-8", loc=str(path)) from error
-    except OSError as error:
-        raise ArchError(
-            f"cannot be read: {error.strerror}",
-            loc=str(path),
-            hint=f"a file's path, or one of {_known()}",
-        ) from error
+    return read_text(path, YAML_BYTES, ArchError, f"a file's path, or one of {_known()}")
 
 
 def a_folder(name: str) -> ArchError:

@@ -19,6 +19,7 @@ from vividc.arch.problems import Problem, raise_all, schema_problems
 from vividc.arch.reflect import reflected
 from vividc.arch.yaml_tree import Tree, parse
 from vividc.errors import ArchError, demand_type
+from vividc.inputs import YAML_BYTES, read_text
 
 
 def accelerator_names() -> tuple[str, ...]:
@@ -88,10 +89,9 @@ def _accelerator_tree(path: Path, opened: tuple[Path, ...]) -> Tree | None:
     if path.resolve() in opened:
         chain = " -> ".join(item.name for item in (*opened, path.resolve()))
         raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
-    try:
-        tree = parse(path.read_text(encoding="utf-8"), str(path))
-    except (OSError, UnicodeDecodeError):
-        return None
+    if not os.path.exists(path) or os.path.isdir(path):
+        return None  # whoever reads it as a tile says so
+    tree = parse(read_text(path, YAML_BYTES, ArchError), str(path))
     base = tree.data.get("extends")
     extends = isinstance(base, str) and _extends_accelerator(base, path, (*opened, path.resolve()))
     if "tiles" not in tree.data and not extends:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import io
 import zipfile
-import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +14,14 @@ from numpy.typing import NDArray
 from vividc.dfg.cfg import DType, Param
 from vividc.errors import ArgumentError
 from vividc.files import write_whole
+from vividc.inputs import ARGUMENT_BYTES
+from vividc.npz import Header, opened_npz
+from vividc.printable import printable, quoted
 
 Array = NDArray[Any]
 RETURN_KEY = "return"
 
-_ZIP_MAGIC = b"PK"
-_DAMAGED = (ValueError, EOFError, KeyError, NotImplementedError, zipfile.BadZipFile, zlib.error)
+_HINT: Final = "write it with numpy.savez(path, x=x, ...)"
 
 
 def read_arguments(path: Path, params: Sequence[Param]) -> dict[str, Array]:
@@ -31,12 +32,10 @@ def read_arguments(path: Path, params: Sequence[Param]) -> dict[str, Array]:
     ArgumentError
         Not an `.npz` file, or names, types or dimensions that do not fit; says what is expected.
     """
-    arrays = _read(path)
-    problems = _problems(arrays, params)
-    if problems:
-        expected = ", ".join(describe(param) for param in params)
-        hint = f"expected: {expected or 'no arguments'}"
-        raise ArgumentError("; ".join(problems), loc=str(path), hint=hint)
+    with opened_npz(path, ARGUMENT_BYTES, ArgumentError, _HINT) as npz:
+        _demand(path, params, _problems(npz.headers, params))  # before any data is unpacked
+        arrays = npz.arrays()
+    _demand(path, params, _wrong_scalars(arrays, params))
     return {param.name: _in_c_order(arrays[param.name]) for param in params}
 
 
@@ -54,21 +53,11 @@ def describe(param: Param) -> str:
     return f"{param.name}: {param.dtype.value}" + (f"[{axes}]" if param.ndim else "")
 
 
-def _read(path: Path) -> dict[str, Array]:
-    hint = "write it with numpy.savez(path, x=x, ...)"
-    try:
-        with path.open("rb") as file:
-            # numpy would take any other file for a pickle, and its message would speak of that.
-            if file.read(len(_ZIP_MAGIC)) != _ZIP_MAGIC:
-                raise ArgumentError("not an .npz file", loc=str(path), hint=hint)
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as archive:
-                return {name: archive[name] for name in archive.files}
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise ArgumentError(f"cannot be read: {reason}", loc=str(path), hint=hint) from error
-    except _DAMAGED as error:
-        raise ArgumentError(f"not an .npz file: {error}", loc=str(path), hint=hint) from error
+def _demand(path: Path, params: Sequence[Param], problems: Sequence[str]) -> None:
+    if problems:
+        expected = ", ".join(describe(param) for param in params)
+        hint = f"expected: {expected or 'no arguments'}"
+        raise ArgumentError("; ".join(problems), loc=str(path), hint=hint)
 
 
 def _npz(arrays: Mapping[str, Array]) -> bytes:
@@ -81,24 +70,31 @@ def _npz(arrays: Mapping[str, Array]) -> bytes:
     return data.getvalue()
 
 
-def _problems(arrays: Mapping[str, Array], params: Sequence[Param]) -> list[str]:
+def _problems(headers: Mapping[str, Header], params: Sequence[Param]) -> list[str]:
     known = {param.name for param in params}
-    problems = [f"`{param.name}` is missing" for param in params if param.name not in arrays]
-    problems += [f"`{name}` is not a parameter" for name in arrays if name not in known]
+    problems = [f"`{param.name}` is missing" for param in params if param.name not in headers]
+    problems += [f"`{printable(name)}` is not a parameter" for name in headers if name not in known]
     for param in params:
-        if param.name in arrays:
-            problems += _misfit(arrays[param.name], param)
+        if param.name in headers:
+            problems += _misfit(headers[param.name], param)
     return problems
 
 
-def _misfit(array: Array, param: Param) -> list[str]:
+def _misfit(array: Header, param: Param) -> list[str]:
     found = f"{array.dtype}[{','.join(map(str, array.shape))}]" if array.ndim else str(array.dtype)
     axes_fit = array.ndim == param.ndim or (param.flat and array.ndim > 0)
     if not axes_fit or (param.ndim and array.dtype != np.dtype(param.dtype.value)):
         return [f"`{param.name}` is {found}, not {describe(param).partition(': ')[2]}"]
-    if not param.ndim and not _scalar_fits(array, param.dtype):
-        return [f"`{param.name}` = {array[()]!r} is not a {param.dtype.value}"]
     return []
+
+
+def _wrong_scalars(arrays: Mapping[str, Array], params: Sequence[Param]) -> list[str]:
+    scalars = [(param, arrays[param.name]) for param in params if not param.ndim]
+    return [
+        f"`{param.name}` = {quoted(array[()])} is not a {param.dtype.value}"
+        for param, array in scalars
+        if not _scalar_fits(array, param.dtype)
+    ]
 
 
 def _scalar_fits(array: Array, dtype: DType) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from vividc.errors import VividcError
 from vividc.files import is_written_through
+from vividc.printable import printable
 
 
 def check_output(path: Path, option: str) -> None:
@@ -19,6 +20,13 @@ def check_output(path: Path, option: str) -> None:
         The folder is missing or not writable, or the path is a folder, or a device and the like
         that is not writable.
     """
+    try:
+        os.stat(path)
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        reason = f"`{printable(str(path))}` cannot be written: {error.strerror}"
+        raise VividcError(reason, loc=option) from error
     if path.is_dir():
         raise VividcError(f"`{path}` is a folder", loc=option, hint="name a file in it")
     if is_written_through(path):

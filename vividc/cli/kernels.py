@@ -13,6 +13,7 @@ from typing import Final
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcError
 from vividc.frontend import KernelFunction, LLKernel, load_ll
+from vividc.inputs import SOURCE_BYTES, read_bytes
 
 _SUFFIX: Final = ".py"
 _LL: Final = ".ll"
@@ -67,11 +68,8 @@ def _run(file: Path) -> ModuleType:
 
 def _compiled(file: Path) -> CodeType:
     """From the text and never from a .pyc, which may be older than an edit of the same second."""
-    try:
-        source = file.read_bytes()
-    except OSError as error:
-        hint = "the form is FILE.py or FILE.py:KERNEL"
-        raise KernelError(f"cannot be read: {error.strerror}", loc=str(file), hint=hint) from error
+    hint = "the form is FILE.py or FILE.py:KERNEL"
+    source = read_bytes(file, SOURCE_BYTES, KernelError, hint)
     try:
         # Absolute, as an import would have it: the program records it, for runs from other folders.
         return compile(source, os.path.abspath(file), "exec", dont_inherit=True)
@@ -81,6 +79,8 @@ def _compiled(file: Path) -> CodeType:
         ) from error
     except ValueError as error:
         raise KernelError(f"not Python: {error}", loc=str(file)) from error
+    except (RecursionError, MemoryError) as error:
+        raise KernelError("nested too deeply to be compiled", loc=str(file)) from error
 
 
 @contextmanager

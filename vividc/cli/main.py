@@ -6,13 +6,14 @@ Exit codes: 0 done, 1 internal error, 2 wrong usage or input, 3 proved infeasibl
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import traceback
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any, Final, TextIO
+from contextlib import contextmanager, suppress
+from typing import Any, Final, NoReturn, TextIO
 
 import click
 
@@ -38,7 +39,12 @@ class _Commands(click.Group):
 
     def main(self, *args: Any, **extra: Any) -> Any:
         _open_closed_streams()
-        return super().main(*args, **extra)
+        try:
+            return super().main(*args, **extra)
+        except OSError as error:  # a page of help, or what was still to be flushed
+            if error.errno != errno.ENOSPC:
+                raise
+            _give_up_stdout(error)
 
     def invoke(self, ctx: click.Context) -> Any:
         with warnings.catch_warnings():
@@ -49,7 +55,9 @@ class _Commands(click.Group):
 
     def _guarded(self, ctx: click.Context, interrupts: list[BaseException]) -> Any:
         try:
-            return super().invoke(ctx)
+            result = super().invoke(ctx)
+            sys.stdout.flush()  # a full device is told of here, and not by the interpreter's end
+            return result
         except (click.ClickException, click.exceptions.Exit):
             raise
         except (click.Abort, KeyboardInterrupt):
@@ -59,12 +67,35 @@ class _Commands(click.Group):
             _fail(ctx, str(error), error.exit_code)
         except BrokenPipeError:
             raise
-        except Exception as error:  # the outermost frame: whatever arrives here is a bug
-            if interrupts:
-                _fail(ctx, "interrupted", INTERRUPTED)
+        except MemoryError as error:
             _print_traceback(error)
-            internal = InternalError(f"{type(error).__name__}: {error} ({_origin(error)})")
-            _fail(ctx, str(internal), internal.exit_code)
+            _fail(ctx, _no_memory(error), VividcError.exit_code)
+        except OSError as error:
+            if error.errno != errno.ENOSPC:
+                self._bug(ctx, error, interrupts)
+            _give_up_stdout(error)
+        except Exception as error:  # the outermost frame: whatever arrives here is a bug
+            self._bug(ctx, error, interrupts)
+
+    def _bug(self, ctx: click.Context, error: Exception, interrupts: list[BaseException]) -> None:
+        if interrupts:
+            _fail(ctx, "interrupted", INTERRUPTED)
+        _print_traceback(error)
+        internal = InternalError(f"{type(error).__name__}: {error} ({_origin(error)})")
+        _fail(ctx, str(internal), internal.exit_code)
+
+
+def _no_memory(error: MemoryError) -> str:
+    what = f": {error}" if str(error) else ""
+    return f"not enough memory{what}\nhint: the input is too large for this computer, or damaged"
+
+
+def _give_up_stdout(error: OSError) -> NoReturn:
+    """Say that output was lost; what is still in the buffer must not be tried again at the end."""
+    say(f"vividc: standard output: {error.strerror}", err=True)
+    with suppress(OSError):
+        sys.stderr.flush()
+    os._exit(VividcError.exit_code)
 
 
 def _open_closed_streams() -> None:

@@ -13,6 +13,7 @@ from vividc import arch, dfg
 from vividc.cli import options
 from vividc.cli.report import print_json, say
 from vividc.errors import VividcError
+from vividc.inputs import GRAPH_BYTES, read_text
 from vividc.mapper import (
     Finding,
     MapResult,
@@ -79,13 +80,11 @@ def _of(subject: Subject | None) -> Subject:
 
 
 def _json_of(path: Path) -> object:
+    text = read_text(path, GRAPH_BYTES)
     try:
-        text = path.read_text(encoding="utf-8")
         return json.loads(text, object_pairs_hook=lambda pairs: _once(path, pairs))
     except json.JSONDecodeError as error:
         raise VividcError(f"not JSON: {error.msg}", loc=f"{path}:{error.lineno}") from error
-    except OSError as error:
-        raise VividcError(f"cannot read the file: {error.strerror}", loc=str(path)) from error
     except (ValueError, RecursionError) as error:
         hint = "name a file that `vividc map -o` wrote"
         raise VividcError("not a mapping file", loc=str(path), hint=hint) from error

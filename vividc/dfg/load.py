@@ -20,6 +20,7 @@ from vividc.dfg.json_lines import element_lines, too_long_number
 from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.text import parse
 from vividc.errors import DFGError, VividcWarning, demand_type
+from vividc.inputs import GRAPH_BYTES, read_text
 from vividc.printable import printable, quoted
 
 UnknownOps = Literal["generic", "refuse"]
@@ -55,7 +56,7 @@ def load(path: str | Path, *, unknown_ops: UnknownOps = "generic") -> DFG:
         choices = " and ".join(get_args(UnknownOps))
         raise DFGError(f"{unknown_ops!r} is none of {choices}", loc="unknown_ops")
     file = Path(path)
-    text = _text_of(file)
+    text = read_text(file, GRAPH_BYTES, DFGError, "a DFG file is text: is it this one?")
     dfg = _reader_of(text, file)(text, str(path))
     if not dfg.nodes:
         raise DFGError(
@@ -95,18 +96,6 @@ def _judge_unknown(dfg: DFG, file: str, unknown_ops: UnknownOps) -> None:
 
 def _label(dfg: DFG, node: int) -> str:
     return printable(dfg.by_id[node].label) or str(node)
-
-
-def _text_of(file: Path) -> str:
-    try:
-        return file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DFGError(
-            "the file is not UTF-8 text", loc=str(file), hint="a DFG file is text: is it this one?"
-        ) from error
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise DFGError(f"cannot read the file: {reason}", loc=str(file)) from error
 
 
 def _reader_of(text: str, file: Path) -> Callable[[str, str], DFG]:

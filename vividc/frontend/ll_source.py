@@ -16,9 +16,8 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.ll_places import nesting
 from vividc.frontend.llvm_child.client import Late, Lost, ask
 from vividc.frontend.llvm_tokens import bare, quoted_global
+from vividc.inputs import SOURCE_BYTES, read_bytes
 
-MAX_BYTES = 16 << 20
-"""Of a `.ll` file."""
 MAX_DEPTH = 100
 """Of brackets within brackets."""
 _READ_LIMIT_S = 20
@@ -58,19 +57,10 @@ def read_ll(path: Path) -> str:
     Raises
     ------
     KernelError
-        The file is missing, is larger than `MAX_BYTES`, is bitcode or no text of LLVM IR, or nests
+        The file is missing, is larger than `SOURCE_BYTES`, is bitcode or no text of LLVM IR, or nests
         brackets deeper than `MAX_DEPTH`.
     """
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as error:
-        hint = "the form is FILE.ll:FUNCTION"
-        reason = f"cannot be read: {error.strerror if isinstance(error, OSError) else error}"
-        raise KernelError(reason, loc=str(path), hint=hint) from error
-    if len(data) > MAX_BYTES:
-        reason = f"is larger than {MAX_BYTES >> 20} MiB"
-        raise KernelError(reason, loc=str(path), hint="give a file of the kernel's own")
+    data = read_bytes(path, SOURCE_BYTES, KernelError, "the form is FILE.ll:FUNCTION")
     if data.startswith(_BITCODE):
         raise KernelError("LLVM bitcode, not its text", loc=str(path), hint="give clang `-S` too")
     try:

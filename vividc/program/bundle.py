@@ -26,6 +26,7 @@ from vividc.dfg.parallel import Parallel
 from vividc.dfg.product import Product
 from vividc.errors import BundleError
 from vividc.files import write_whole
+from vividc.inputs import BUNDLE_BYTES, read_bytes
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -39,7 +40,6 @@ from vividc.program.tables import (
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 SCHEMA: Final = "vividc.program/2"
-MAX_FILE_BYTES: Final = 256 << 20
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -113,17 +113,8 @@ class BundleReader:
         if self._given is not None:
             self._data = self._given
             return self
-        try:
-            if self.path.stat().st_size > MAX_FILE_BYTES:
-                reason = f"larger than {MAX_FILE_BYTES >> 20} MiB, so not a .vivid file"
-                raise BundleError(reason, loc=str(self.path))
-            self._data = self.path.read_bytes()
-        except OSError as error:
-            raise BundleError(
-                f"cannot read: {error.strerror}",
-                loc=str(self.path),
-                hint="`vividc compile FILE.py -o OUT.vivid` writes such a file",
-            ) from error
+        hint = "`vividc compile FILE.py -o OUT.vivid` writes such a file"
+        self._data = read_bytes(self.path, BUNDLE_BYTES, BundleError, hint)
         return self
 
     def __exit__(

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
-from numpy.lib.npyio import NpzFile
 
+from vividc.inputs import SCENE_BYTES
+from vividc.npz import read_npz
 from vividc.render.arrays import Float32Array, Int64Array, frozen_float32
 from vividc.render.errors import SceneError
 
@@ -20,6 +19,8 @@ Shape = tuple[int | None, ...]
 """Expected shape; None stands for any length."""
 _NUMBERS = "fiu"
 _INTEGERS = "iub"
+_PIECE = 1 << 20
+_LARGEST = float(np.finfo(np.float32).max)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,13 +43,12 @@ class Archive:
             The array is missing, of another shape, not of numbers, or holds nan or infinity.
         """
         array = self._checked(name, shape, _NUMBERS)
-        values = np.asarray(array, dtype=np.float64)
-        wrong = np.flatnonzero(~np.isfinite(values) | (np.abs(values) > np.finfo(np.float32).max))
-        if wrong.size:
-            place = np.unravel_index(int(wrong[0]), values.shape)
+        wrong, count = _not_finite(array)
+        if count:
+            place = tuple(map(int, np.unravel_index(wrong, array.shape)))
             raise self.error(
-                f"{name}{list(map(int, place))} is {values[place]}, not a finite float32 "
-                f"({wrong.size} such values)",
+                f"{name}{list(place)} is {array[place]}, not a finite float32 "
+                f"({count} such values)",
                 "the training diverged, or the file is damaged",
             )
         return frozen_float32(array)
@@ -94,28 +94,26 @@ class Archive:
         return array
 
 
+def _not_finite(array: npt.NDArray[Any]) -> tuple[int, int]:
+    """First index, in C order, of what is no finite float32, and how many there are."""
+    flat = np.ascontiguousarray(array).reshape(-1)
+    first, count = 0, 0
+    for at in range(0, flat.size, _PIECE):  # piece by piece: a scene is large
+        values = flat[at : at + _PIECE].astype(np.float64)
+        wrong = np.flatnonzero(~(np.abs(values) <= _LARGEST))
+        if wrong.size:
+            first = first if count else at + int(wrong[0])
+            count += wrong.size
+    return first, count
+
+
 def read_archive(path: Path | str, layout: str) -> Archive:
     """Read all arrays of an npz file; nothing in it is unpickled.
 
     Raises
     ------
     SceneError
-        The file is missing, damaged, or no npz archive of plain arrays.
+        The file is missing, damaged, too large, or no npz archive of plain arrays.
     """
     path = Path(path)
-    try:
-        with path.open("rb") as stream:
-            archive = np.load(stream, allow_pickle=False)
-            if isinstance(archive, NpzFile):
-                return Archive(path, {name: archive[name] for name in archive}, layout)
-    except OSError as error:
-        raise SceneError(
-            f"cannot read the file: {error.strerror or error}", loc=str(path), hint="check the path"
-        ) from error
-    except (ValueError, EOFError, BadZipFile, zlib.error) as error:
-        raise SceneError(
-            "not a usable npz file: truncated, or not made by numpy.savez of plain arrays",
-            loc=str(path),
-            hint=layout,
-        ) from error
-    raise SceneError("an npy file, not an npz", loc=str(path), hint=layout)
+    return Archive(path, read_npz(path, SCENE_BYTES, SceneError, layout), layout)

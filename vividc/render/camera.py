@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from numpy.lib.npyio import NpzFile
 
+from vividc.inputs import SCENE_BYTES
+from vividc.npz import read_npz
+from vividc.printable import quoted
 from vividc.render.arrays import Float32Array, frozen_float32
 from vividc.render.errors import SceneError
 
+LARGEST_PX: Final = 8192
+"""A picture of this side takes 805 MB in float32."""
 _VIEWS_HINT = "expected an npz with c2w [V,4,4], focal, size and images [V,size,size,3]"
 
 
@@ -41,10 +46,12 @@ class Camera:
                 f"a camera pose must be a finite 4x4 matrix, got shape {self.c2w.shape}",
                 hint="c2w maps camera to world, OpenGL axes",
             )
-        if self.width < 1 or self.height < 1 or not self.focal > 0:
+        sides = (self.width, self.height)
+        if not all(1 <= side <= LARGEST_PX for side in sides) or not 0 < self.focal < math.inf:
+            size = "x".join(quoted(side, 20) for side in sides)
             raise SceneError(
-                f"impossible camera: {self.width}x{self.height} pixels, focal {self.focal}",
-                hint="size and focal length are in pixels and positive",
+                f"impossible camera: {size} pixels, focal {quoted(self.focal, 20)}",
+                hint=f"size and focal length are in pixels; sides are 1 to {LARGEST_PX}",
             )
 
     @property
@@ -81,7 +88,11 @@ def load_cameras(path: Path | str) -> tuple[Camera, ...]:
             loc=str(path),
             hint=_VIEWS_HINT,
         )
-    pixels = int(size.item())
+    number = float(size.item())
+    if not 1 <= number <= LARGEST_PX:
+        reason = f"the size is {number:g} pixels, not 1 to {LARGEST_PX}"
+        raise SceneError(reason, loc=str(path), hint=_VIEWS_HINT)
+    pixels = int(number)
     return tuple(
         Camera(frozen_float32(pose), float(focal.item()), pixels, pixels) for pose in poses
     )
@@ -94,21 +105,13 @@ def load_reference_images(path: Path | str) -> Float32Array:
 
 
 def _load_arrays(path: Path, names: tuple[str, ...]) -> dict[str, npt.NDArray[np.generic]]:
-    try:
-        with path.open("rb") as stream:
-            archive = np.load(stream, allow_pickle=False)
-            if isinstance(archive, NpzFile):
-                return {name: archive[name] for name in names}
-    except OSError as error:
+    arrays = read_npz(path, SCENE_BYTES, SceneError, _VIEWS_HINT)
+    lacking = [name for name in names if name not in arrays]
+    if lacking:
         raise SceneError(
-            f"cannot read the views: {error.strerror or error}",
-            loc=str(path),
-            hint="check the path",
-        ) from error
-    except KeyError as error:
-        raise SceneError(
-            f"the file of views lacks an array: {error.args[0]}", loc=str(path), hint=_VIEWS_HINT
-        ) from error
-    except (ValueError, EOFError, BadZipFile) as error:
-        raise SceneError("not a usable npz file", loc=str(path), hint=_VIEWS_HINT) from error
-    raise SceneError("an npy file, not an npz", loc=str(path), hint=_VIEWS_HINT)
+            f"the file of views lacks an array: {lacking[0]}", loc=str(path), hint=_VIEWS_HINT
+        )
+    odd = [name for name in names if arrays[name].dtype.kind not in "fiu"]
+    if odd:
+        raise SceneError(f"the array `{odd[0]}` holds no numbers", loc=str(path), hint=_VIEWS_HINT)
+    return arrays

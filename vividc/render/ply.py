@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from vividc.inputs import SCENE_BYTES, read_bytes
 from vividc.render.arrays import Float32Array, frozen_float32
 from vividc.render.errors import SceneError
 
@@ -82,12 +83,7 @@ def read_gaussians(path: Path | str) -> Gaussians:
         The file is missing, truncated, not a PLY, or lacks a property; names the file.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise SceneError(
-            f"cannot read the scene: {error.strerror}", loc=str(path), hint="check the path"
-        ) from error
+    data = read_bytes(path, SCENE_BYTES, SceneError, "check the path")
     header = _parse_header(path, data)
     return _activate(header, _vertices(header, data))
 

@@ -105,7 +105,7 @@ def _is_ply(path: Path) -> bool:
             return stream.read(3) == b"ply"
     except OSError as error:
         raise SceneError(
-            f"cannot read the scene: {error.strerror}", loc=str(path), hint="check the path"
+            f"cannot be read: {error.strerror}", loc=str(path), hint="check the path"
         ) from error
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
+import os
+import struct
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +17,10 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
+from vividc.inputs import GRAPH_BYTES, PICTURE_BYTES, read_bytes, read_text
 from vividc.render.archive import read_archive
 from vividc.render.arrays import Float32Array, frozen_float32
-from vividc.render.camera import Camera, scaled_camera
+from vividc.render.camera import LARGEST_PX, Camera, scaled_camera
 from vividc.render.errors import SceneError
 
 _NPZ_LAYOUT = (
@@ -28,6 +33,13 @@ _JSON_LAYOUT = (
 )
 _DEFAULT_PX = 800
 """Side of the pictures of NeRF-Synthetic, where neither `w` nor a picture says another."""
+_FORMATS = ("PNG", "JPEG", "WEBP", "BMP")
+"""Others run programs, or unpack without a bound."""
+_DAMAGE = (
+    *(OSError, ValueError, SyntaxError, TypeError, IndexError, KeyError, OverflowError),
+    *(struct.error, zlib.error, Image.DecompressionBombError, Image.DecompressionBombWarning),
+)
+"""What Pillow's readers raise."""
 _BYTE_MAX = 255
 _RGBA = 4
 _IMAGE_AXES = 3
@@ -144,13 +156,10 @@ def _json_views(path: Path) -> tuple[View, ...]:
 
 
 def _read_json(path: Path) -> Mapping[str, Any]:
+    text = read_text(path, GRAPH_BYTES, SceneError, "check the path")
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise SceneError(
-            f"cannot read the file: {error.strerror or error}", loc=str(path), hint="check the path"
-        ) from error
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
         raise SceneError(f"not JSON: {error}", loc=str(path), hint=_JSON_LAYOUT) from error
     if not isinstance(document, dict):
         raise SceneError("the JSON is not an object", loc=str(path), hint=_JSON_LAYOUT)
@@ -184,8 +193,8 @@ def _picture_path(path: Path, frame: Mapping[str, Any]) -> Path | None:
     if not isinstance(name, str) or not name:
         return None
     file = path.parent / name
-    file = file if file.suffix else file.with_name(f"{file.name}.png")
-    return file if file.is_file() else None
+    file = file if file.suffix else Path(f"{file}.png")
+    return file if os.path.isfile(file) else None
 
 
 def _size(document: Mapping[str, Any], path: Path, pictures: list[Path | None]) -> tuple[int, int]:
@@ -217,12 +226,18 @@ def _number(document: Mapping[str, Any], path: Path, name: str) -> float:
 
 
 def _read_picture(path: Path) -> npt.NDArray[np.uint8]:
+    data = read_bytes(path, PICTURE_BYTES, SceneError)
     try:
-        with Image.open(path) as picture:
+        with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:
+            if max(picture.size) > LARGEST_PX:
+                what = "x".join(map(str, picture.size))
+                reason = f"a picture of {what} pixels: sides are at most {LARGEST_PX}"
+                raise SceneError(reason, loc=str(path))
             return np.asarray(picture.convert("RGBA"), dtype=np.uint8)
     except UnidentifiedImageError as error:
-        raise SceneError("not a picture", loc=str(path), hint="a PNG is expected") from error
-    except (OSError, ValueError) as error:
+        hint = f"expected: {', '.join(_FORMATS)}"
+        raise SceneError("not a picture", loc=str(path), hint=hint) from error
+    except _DAMAGE as error:
         raise SceneError(f"cannot read the picture: {error}", loc=str(path)) from error
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.errors import demand_type
+import numpy as np
+
+from vividc.errors import ArgumentError, demand_type
+from vividc.printable import quoted
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import Launch, Observer, Progress
@@ -32,6 +35,24 @@ class Result:
     cycles: int
     value: int | float | bool | None
     stats: Stats
+
+
+def check_run(cycle_limit: int, progress: object = None, observer: object = None) -> None:
+    """Refuse what is no limit, and what cannot be called.
+
+    Raises
+    ------
+    ArgumentError
+        `cycle_limit` is no whole number from 1 on, or `progress` or `observer` no function.
+    """
+    hint = "give a whole number of cycles from 1 on"
+    demand_type(cycle_limit, (int, np.integer), "cycle_limit", hint)
+    if cycle_limit < 1:
+        raise ArgumentError(f"cycle_limit cannot be {quoted(cycle_limit)}", hint=hint)
+    for name, function in (("progress", progress), ("observer", observer)):
+        if function is not None and not callable(function):
+            hint = "give a function, or None"
+            raise ArgumentError(f"{name} cannot be {quoted(function)}", hint=hint)
 
 
 def simulate(
@@ -68,6 +89,7 @@ def simulate(
         The program broke a rule of the machine, or ran past `cycle_limit`.
     """
     demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
+    check_run(cycle_limit, progress, observer)
     tile = Tile(program, engine)
     bound = bind(program, args, kwargs)
     launch = Launch(bound.memory, bound.inputs, cycle_limit, bound.extents, progress, observer)

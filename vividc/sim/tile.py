@@ -7,6 +7,7 @@ from threading import Lock
 from typing import Final
 
 from vividc.errors import ArgumentError
+from vividc.printable import quoted
 from vividc.program import Program
 from vividc.sim.auto import AutoEngine
 from vividc.sim.engine import Engine, EngineFactory, Launch, Run
@@ -24,6 +25,19 @@ ENGINES: Final[dict[str, EngineFactory]] = {
     "reference": ReferenceEngine,
 }
 """Engines by name; all give the same `Run` for the same launch, but for the name of the engine."""
+
+
+def check_engine(engine: object) -> None:
+    """Refuse what is no engine's name.
+
+    Raises
+    ------
+    ArgumentError
+        The engine is unknown.
+    """
+    if not isinstance(engine, str) or engine not in ENGINES:
+        hint = f"engines: {', '.join(sorted(ENGINES))}"
+        raise ArgumentError(f"unknown engine {quoted(engine)}", hint=hint)
 
 
 class Tile:
@@ -45,9 +59,7 @@ class Tile:
     """
 
     def __init__(self, program: Program, engine: str = AUTO) -> None:
-        if engine not in ENGINES:
-            names = ", ".join(sorted(ENGINES))
-            raise ArgumentError(f"unknown engine {engine!r}", hint=f"engines: {names}")
+        check_engine(engine)
         self.program = program
         self._engine: Engine = ENGINES[engine](program)
 

@@ -24,8 +24,8 @@ from vividc.sim.accelerator.result import JobResult
 from vividc.sim.accelerator.simulate import simulate_steps
 from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer
 from vividc.sim.bind import scalar_inputs
-from vividc.sim.run import CYCLE_LIMIT
-from vividc.sim.tile import AUTO
+from vividc.sim.run import CYCLE_LIMIT, check_run
+from vividc.sim.tile import AUTO, check_engine
 
 _IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
 """Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
@@ -241,12 +241,18 @@ class Job:
         SimulationError
             A program broke a rule of the machine, or ran past `cycle_limit`.
         """
+        check_run(cycle_limit)
+        check_engine(engine)
+        if threads is not None:
+            demand_type(threads, int, "threads", "give a whole number, or None")
         return simulate_steps(
             self.accelerator, self.steps, self._buffers, engine, cycle_limit, threads
         )
 
     def _transfer(self, step: Transfer) -> int:
         """A move in or out."""
+        demand_type(step.pitch, (int, np.integer), "the pitch", "give a whole number of bytes")
+        demand_type(step.address, (int, np.integer), "the address", "give a whole number of bytes")
         apart = step.pitch != WORD_BYTES
         if step.pitch < WORD_BYTES or step.pitch % WORD_BYTES:
             raise ArgumentError(f"a pitch of {step.pitch} bytes: it is a multiple of {WORD_BYTES}")
@@ -261,13 +267,20 @@ class Job:
         return len(self._steps) - 1
 
     def _after(self, after: Sequence[int]) -> tuple[int, ...]:
+        hint = "give a sequence of the numbers of steps"
+        demand_type(after, (tuple, list, range, set, frozenset, np.ndarray), "after", hint)
         for number in after:
+            demand_type(number, (int, np.integer), "a step in after", hint)
             if not 0 <= number < len(self._steps):
                 raise ArgumentError(f"there is no step {number} to come after")
         return tuple(sorted(set(after)))
 
     def _tiles(self, tiles: int | Sequence[int]) -> tuple[int, ...]:
-        chosen = (tiles,) if isinstance(tiles, int) else tuple(tiles)
+        hint = "give a tile's number, or a sequence of them"
+        demand_type(tiles, (int, np.integer, tuple, list, range, np.ndarray), "tiles", hint)
+        chosen = (tiles,) if isinstance(tiles, int | np.integer) else tuple(tiles)
+        for tile in chosen:
+            demand_type(tile, (int, np.integer), "a tile", hint)
         count = len(self.accelerator.units)
         if not chosen or len(set(chosen)) < len(chosen):
             raise ArgumentError("a step names its tiles once each")
@@ -281,6 +294,7 @@ class Job:
     def _fits(
         self, address: int, size: int, tiles: tuple[int, ...], what: str = "the array"
     ) -> None:
+        demand_type(address, (int, np.integer), "the address", "give a whole number of bytes")
         room = min(self.accelerator.units[tile].scratchpad.size_bytes for tile in tiles)
         if address < 0 or address + size > room:
             raise ArgumentError(
@@ -340,7 +354,7 @@ def _bound(
         if not param.ndim:
             continue
         place = arguments.get(param.name)
-        if not isinstance(place, At) or len(place.shape) != param.ndim:
+        if not isinstance(place, At) or not _is_place(place, param.ndim):
             raise ArgumentError(
                 f"array {param.name} of {program.name} is given as At(address, shape) with "
                 f"{param.ndim} dimension(s)"
@@ -353,6 +367,14 @@ def _bound(
         extents[name] = (start, start + size)
         inputs[f"&{name}"] = start
     return inputs, extents
+
+
+def _is_place(place: At, ndim: int) -> bool:
+    """Whether address and shape are whole numbers, and as many as there are axes."""
+    if not isinstance(place.shape, tuple | list) or len(place.shape) != ndim:
+        return False
+    whole = (isinstance(n, int | np.integer) and n >= 0 for n in (place.address, *place.shape))
+    return all(whole)
 
 
 def _array_words(name: str, place: At) -> dict[str, int]:

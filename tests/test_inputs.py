@@ -1,0 +1,120 @@
+"""What a file promises is checked before its data is read; the messages name limit and way out."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from vividc import arch, dfg, program
+from vividc.errors import VividcError
+from vividc.inputs import ARGUMENT_BYTES, VARIABLE, limit, read_bytes
+from vividc.npz import read_npz
+from vividc.render import read_scene, read_views
+
+
+def npy(shape: str, data: bytes = b"", descr: str = "<f4") -> bytes:
+    """An npy file whose header says what it likes."""
+    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
+    return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + data
+
+
+def archive(path: Path, member: bytes, method: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(path, "w", method) as file:
+        file.writestr("x.npy", member)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("member", "reason"),
+    [
+        (npy("(4398046511104,)"), "promises 16 TiB, and there are 0 bytes"),
+        (npy("(2,)", bytes(4)), "promises 8 bytes, and there are 4 bytes"),
+        (npy("(-1,)"), "no usable shape"),
+        (npy("(True,)", bytes(4)), "no usable shape"),
+        (npy("(1,)", bytes(8), "|O"), "not plain numbers"),
+        (npy("(1,)", b"", "<U0"), "not plain numbers"),
+        (npy("((" * 200), "malformed"),
+        (npy("(1,)", bytes(4), "<q9"), "no usable dtype"),
+        (b"\x93NUMPY\x09\x00", "does not begin as an npy file"),
+        (b"", "ends early"),
+    ],
+)
+def test_a_header_that_lies_is_refused(tmp_path: Path, member: bytes, reason: str) -> None:
+    path = archive(tmp_path / "in.npz", member)
+    with pytest.raises(VividcError, match=f"not a usable npz file: .*{reason}"):
+        read_npz(path, ARGUMENT_BYTES, VividcError)
+
+
+def test_what_unpacks_to_more_than_the_limit_is_refused_unread(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = archive(tmp_path / "bomb.npz", npy("(1048576,)", bytes(4 << 20)))
+    assert path.stat().st_size < 10_000
+    with pytest.raises(VividcError, match=rf"4 MiB unpacked: the limit is 1 MiB\n.*{VARIABLE}"):
+        read_npz(path, 1 << 20, VividcError)
+    monkeypatch.setenv(VARIABLE, "8MiB")
+    assert read_npz(path, 1 << 20, VividcError)["x"].shape == (1048576,)
+
+
+def test_a_method_without_a_bound_is_refused(tmp_path: Path) -> None:
+    path = archive(tmp_path / "in.npz", npy("(1,)", bytes(4)), zipfile.ZIP_LZMA)
+    with pytest.raises(VividcError, match="packed in a way"):
+        read_npz(path, ARGUMENT_BYTES, VividcError)
+
+
+def test_arrays_come_back_as_they_were(tmp_path: Path) -> None:
+    given = {
+        "f": np.asfortranarray(np.arange(6.0).reshape(2, 3)),
+        "s": np.float32(2.5),
+        "e": np.zeros((0, 3), np.int32),
+        "b": np.array([[[True]]]),
+    }
+    np.savez_compressed(tmp_path / "in.npz", **given)
+    found = read_npz(tmp_path / "in.npz", ARGUMENT_BYTES, VividcError)
+    assert found.keys() == given.keys()
+    for name, array in given.items():
+        assert found[name].dtype == array.dtype
+        np.testing.assert_array_equal(found[name], array)
+
+
+def test_each_flipped_bit_is_read_or_refused(tmp_path: Path) -> None:
+    data = io.BytesIO()
+    np.savez(data, x=np.arange(3))
+    whole, path = data.getvalue(), tmp_path / "in.npz"
+    for at in range(len(whole)):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ (1 << at % 8)]) + whole[at + 1 :])
+        with suppress(VividcError):  # and nothing else
+            read_npz(path, ARGUMENT_BYTES, VividcError)
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        program.load,
+        dfg.load,
+        arch.load,
+        read_scene,
+        read_views,
+        lambda path: read_npz(path, ARGUMENT_BYTES, VividcError),
+    ],
+)
+def test_an_endless_device_is_no_input(read: object) -> None:
+    assert callable(read)
+    with pytest.raises(VividcError, match="/dev/zero: "):
+        read(Path("/dev/zero"))
+
+
+def test_a_limit_that_is_no_size_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "lots")
+    with pytest.raises(VividcError, match=f"{VARIABLE}: `lots` is not a size"):
+        limit(1)
+
+
+def test_a_path_with_a_nul_cannot_be_read() -> None:
+    with pytest.raises(VividcError, match="cannot be read: embedded null byte"):
+        read_bytes(Path("a\0b"), 1)

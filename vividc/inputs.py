@@ -1,0 +1,126 @@
+"""How a user's file is read: its size before its data, and no more of it than its kind may have.
+
+Every limit is one of those below; `VIVIDC_INPUT_LIMIT` raises them all (docs/security.md).
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import stat
+from pathlib import Path
+from typing import Final
+
+from vividc.errors import VividcError
+
+SOURCE_BYTES: Final = 16 << 20
+"""A kernel's file, in Python or LLVM IR."""
+GRAPH_BYTES: Final = 32 << 20
+"""A DFG, a mapping, or the JSON of views."""
+YAML_BYTES: Final = 4 << 20
+BUNDLE_BYTES: Final = 256 << 20
+SCENE_BYTES: Final = 2 << 30
+"""A scene or views: the file, and all its arrays unpacked."""
+ARGUMENT_BYTES: Final = 1 << 30
+"""Arguments of a launch: the file, and all its arrays unpacked."""
+PICTURE_BYTES: Final = 256 << 20
+STREAM_BYTES: Final = 64 << 20
+"""Of what has no size of its own, such as a pipe or a device, whatever its kind."""
+
+VARIABLE: Final = "VIVIDC_INPUT_LIMIT"
+_SIZE: Final = re.compile(r"([0-9]{1,12}) ?(KiB|MiB|GiB|TiB)?")
+_UNITS: Final = {None: 0, "KiB": 10, "MiB": 20, "GiB": 30, "TiB": 40}
+_PIECE: Final = 1 << 20
+
+
+def limit(most: int) -> int:
+    """Return a limit in bytes, as the environment raises it.
+
+    Raises
+    ------
+    VividcError
+        `VIVIDC_INPUT_LIMIT` is no size.
+    """
+    text = os.environ.get(VARIABLE, "")
+    if not text:
+        return most
+    found = _SIZE.fullmatch(text)
+    if found is None:
+        hint = "give bytes, or a number with KiB, MiB, GiB or TiB, as in 8GiB"
+        raise VividcError(f"`{text}` is not a size", loc=VARIABLE, hint=hint)
+    return max(most, int(found[1]) << _UNITS[found[2]])
+
+
+def size_text(size: int) -> str:
+    """Return a size as people write it."""
+    for unit in ("TiB", "GiB", "MiB", "KiB"):
+        if size >= 1 << _UNITS[unit]:
+            return f"{size / (1 << _UNITS[unit]):.4g} {unit}"
+    return f"{size} bytes"
+
+
+def too_large(
+    path: Path | str, what: str, most: int, error: type[VividcError] = VividcError
+) -> VividcError:
+    """Return the error that says that `what` of a file is over the limit, and what raises it."""
+    reason = f"{what}: the limit is {size_text(most)}"
+    hint = f"if the file is what it should be, set {VARIABLE}, as in {VARIABLE}=8GiB"
+    return error(reason, loc=str(path), hint=hint)
+
+
+def read_bytes(
+    path: Path, most: int, error: type[VividcError] = VividcError, hint: str | None = None
+) -> bytes:
+    """Read a file of at most `most` bytes; of a pipe or a device at most `STREAM_BYTES`.
+
+    Parameters
+    ----------
+    most
+        One of the limits of this module.
+    error, hint
+        The class of errors, and the way out for a file that cannot be read.
+
+    Raises
+    ------
+    VividcError
+        The file cannot be read or is larger; `error` says of which class.
+    """
+    try:
+        with open(path, "rb", buffering=0) as file:
+            found = os.fstat(file.fileno())
+            regular = stat.S_ISREG(found.st_mode)
+            allowed = limit(most if regular else min(most, STREAM_BYTES))
+            if regular and found.st_size > allowed:
+                what = f"a file of {size_text(found.st_size)}"
+                raise too_large(path, what, allowed, error)
+            pieces = [file.read(found.st_size) or b""] if regular else []
+            size = sum(map(len, pieces))
+            while piece := file.read(min(_PIECE, allowed + 1 - size)):
+                pieces.append(piece)
+                size += len(piece)
+                if size > allowed:
+                    raise too_large(path, "more data than expected", allowed, error)
+    except OSError as fault:
+        reason = f"cannot be read: {fault.strerror or fault}"
+        raise error(reason, loc=str(path), hint=hint) from fault
+    except ValueError as fault:  # a NUL in the path
+        raise error(f"cannot be read: {fault}", loc=repr(str(path)), hint=hint) from fault
+    return pieces[0] if len(pieces) == 1 else b"".join(pieces)
+
+
+def read_text(
+    path: Path, most: int, error: type[VividcError] = VividcError, hint: str | None = None
+) -> str:
+    """Read a file of text in UTF-8, with line ends as `\\n` and without a byte order mark.
+
+    Raises
+    ------
+    VividcError
+        As for `read_bytes`, or the file is no such text.
+    """
+    data = read_bytes(path, most, error, hint)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        raise error("not a text file in UTF-8", loc=str(path), hint=hint) from fault
+    return text.replace("\r\n", "\n").replace("\r", "\n")
