@@ -25,6 +25,7 @@ from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.scenes import Scene
 
+_LIFELINE: Final = "vividc.lifeline"
 _HELPER: Final = "vividc.render.array.helper"
 _BATCHES_EACH: Final = 2
 """Least batches of a process: a helper takes some seconds to load its programs."""
@@ -67,16 +68,18 @@ class _Helper:
     def __init__(self, work: Work, board: _Board) -> None:
         self._work, self._board = work, board
         self._pipe, theirs = Pipe()
+        watched, self._lifeline = os.pipe()
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", _HELPER, str(theirs.fileno())],
+            [sys.executable, "-P", "-m", _LIFELINE, str(watched), _HELPER, str(theirs.fileno())],
             env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-            pass_fds=[theirs.fileno()],
+            pass_fds=[watched, theirs.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # Ctrl-C is for the process that waits for it
         )
         theirs.close()
+        os.close(watched)
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
 
@@ -100,6 +103,7 @@ class _Helper:
         """End the process, whatever it does."""
         self._process.kill()
         self._process.wait()
+        os.close(self._lifeline)
         self._thread.join()
         self._pipe.close()
 
