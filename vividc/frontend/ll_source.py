@@ -57,8 +57,8 @@ def read_ll(path: Path) -> str:
     Raises
     ------
     KernelError
-        The file is missing, is larger than `SOURCE_BYTES`, is bitcode or no text of LLVM IR, or nests
-        brackets deeper than `MAX_DEPTH`.
+        The file is missing, is larger than `SOURCE_BYTES`, is bitcode or no text of LLVM IR, or
+        nests brackets deeper than `MAX_DEPTH`.
     """
     data = read_bytes(path, SOURCE_BYTES, KernelError, "the form is FILE.ll:FUNCTION")
     if data.startswith(_BITCODE):
