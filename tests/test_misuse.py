@@ -78,7 +78,7 @@ def test_a_foreign_operation_has_the_latency_of_its_name() -> None:
     assert latencies == [4, 1, 1]
 
 
-ODD = (None, "5", [1], {}, object(), b"x", 0.5, float("nan"), -1, 0, 1 << 80)
+ODD = (None, "5", [1], {}, set(), b"x", 0.5, float("nan"), -1, 0, 1 << 80)
 
 
 @pytest.fixture(scope="module")
