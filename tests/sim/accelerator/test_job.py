@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import prange
 
+import vividc
 from tests.sim.accelerator.kernels import double, program, saxpy, total
 from vividc import arch
 from vividc.arch import Accelerator, TileGroup
@@ -203,3 +205,80 @@ def test_a_read_only_target_is_refused() -> None:
 def test_a_job_needs_an_accelerator() -> None:
     with pytest.raises(ArchError, match="single tile"):
         Job("vivid-tile")
+
+
+@vividc.kernel("int32(int32[::1], int32[::1], int32)")
+def spreads(x, y, n):
+    s = np.int32(3)
+    for i in prange(n // 2):
+        y[i] = 3 * x[i]
+        s += x[i]
+    return s
+
+
+def test_a_run_by_hand_takes_all_iterations_of_a_parallel_loop() -> None:
+    x, y = np.arange(40, dtype=np.int32), np.zeros(40, np.int32)
+    job = Job("vivid")
+    moves = [job.move_in(6, x, 0), job.move_in(6, y, 160)]
+    run = job.run(6, program(spreads), x=At(0, (40,)), y=At(160, (40,)), n=41, after=moves)
+    job.move_out(6, 160, y, after=[run])
+    result = job.simulate()
+    expected = np.zeros(40, np.int32)
+    assert result.values[run] == spreads(x, expected, 41)
+    assert (y == expected).all()
+
+
+@pytest.mark.parametrize("start", [0, 64, 156])
+def test_arrays_of_a_run_that_overlap_are_refused(start: int) -> None:
+    job = Job("vivid")
+    with pytest.raises(ArgumentError, match="x and y of spreads overlap") as error:
+        job.run(0, program(spreads), x=At(0, (40,)), y=At(start, (40,)), n=40)
+    assert error.value.hint
+
+
+def test_arrays_over_one_buffer_are_one_memory() -> None:
+    held = bytearray(4 * 8)
+    whole, part = np.frombuffer(held, np.int32), np.frombuffer(held, np.int32, 4, 16)
+    whole[:] = np.arange(8)
+    job = Job("vivid")
+    first = job.run(0, program(double), x=At(0, (8,)), n=8, after=[job.move_in(0, whole, 0)])
+    out = job.move_out(0, 0, whole, after=[first])
+    job.move_in(1, part, 0)
+    with pytest.raises(ArgumentError, match="same bytes of one array"):
+        job.simulate()
+    job = Job("vivid")
+    first = job.run(0, program(double), x=At(0, (8,)), n=8, after=[job.move_in(0, whole, 0)])
+    out = job.move_out(0, 0, whole, after=[first])
+    second = job.run(
+        1, program(double), x=At(0, (4,)), n=4, after=[job.move_in(1, part, 0, after=[out])]
+    )
+    job.move_out(1, 0, part, after=[second])
+    job.simulate()
+    assert whole.tolist() == [0, 2, 4, 6, 16, 20, 24, 28]
+
+
+def test_arrays_that_share_a_part_of_a_buffer_are_refused() -> None:
+    held = bytearray(4 * 8)
+    job = Job("vivid")
+    job.move_in(0, np.frombuffer(held, np.int32, 6, 0), 0)
+    with pytest.raises(ArgumentError, match="share memory") as error:
+        job.move_in(0, np.frombuffer(held, np.int32, 6, 8), 64)
+    assert error.value.hint
+
+
+@vividc.kernel("int32(int32[::1])")
+def turned(x):
+    t = np.zeros(8, np.int32)
+    for i in range(len(x)):
+        t[i] = x[len(x) - 1 - i]
+    return t[0] - t[7]
+
+
+def test_an_array_that_a_kernel_makes_takes_its_place_in_the_scratchpad() -> None:
+    x, behind = np.arange(8, dtype=np.int32), np.full(8, 77, np.int32)
+    job = Job("vivid")
+    moves = [job.move_in(0, x, 0), job.move_in(0, behind, 32)]
+    run = job.run(0, program(turned), x=At(0, (8,)), after=moves)
+    job.move_out(0, 32, behind, after=[run])
+    assert job.simulate().values[run] == 7
+    assert behind.tolist() == x[::-1].tolist()

@@ -166,7 +166,7 @@ class _State:
         return Launch(memory.copy(), step.inputs, cycle_limit, step.extents)
 
     def finish(self, number: int, step: Step, run: Run) -> None:
-        """Keep what the run stored, which is where it was said to be."""
+        """Keep what the run stored, which is where it was said to be, or in arrays of its own."""
         assert isinstance(step, Execute)
         self.outcome.runs[number] = run
         pad, after = self._pads[step.tile].view(np.uint8), run.memory.view(np.uint8)
@@ -174,7 +174,9 @@ class _State:
             pad[start:end] = after[start:end]
         own = {local.name for local in step.program.locals}
         for name, (start, end) in step.extents.items():
-            if name not in own and not np.array_equal(pad[start:end], after[start:end]):
+            if name in own:
+                pad[start:end] = after[start:end]
+            elif not np.array_equal(pad[start:end], after[start:end]):
                 raise InternalError(
                     f"a chunk of {step.program.name} wrote beyond its part of {name}"
                 )

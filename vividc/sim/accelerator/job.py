@@ -24,6 +24,7 @@ from vividc.sim.accelerator.result import JobResult
 from vividc.sim.accelerator.simulate import simulate_steps
 from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer
 from vividc.sim.bind import scalar_inputs
+from vividc.sim.footprint import whole_loop
 from vividc.sim.run import CYCLE_LIMIT, check_run
 from vividc.sim.tile import AUTO, check_engine
 
@@ -182,16 +183,19 @@ class Job:
         Parameters
         ----------
         arguments
-            The kernel's arguments by name: scalars, and `At` for arrays.
+            The kernel's arguments by name: scalars, and `At` for arrays. Arrays that the kernel
+            makes lie behind the last of them, and what was there is lost.
 
         Raises
         ------
         ArgumentError
-            Arguments are missing, of the wrong kind, or outside the scratchpad.
+            Arguments are missing, of the wrong kind, or outside the scratchpad, or an array that
+            the kernel writes overlaps another.
         """
         demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
         where = self._tiles(tile)
         inputs, extents = _bound(program, arguments)
+        _refuse_overlap(program, extents)
         for name, (start, end) in extents.items():
             if start % WORD_BYTES:
                 raise ArgumentError(f"array {name} starts at {start}, not at a multiple of 4")
@@ -363,6 +367,8 @@ def _bound(
         extents[param.name] = (place.address, place.address + size)
         inputs |= _array_words(param.name, place)
         end = max(end, -(-(place.address + size) // WORD_BYTES) * WORD_BYTES)
+    if program.parallel is not None:
+        inputs |= whole_loop(program.parallel, inputs)
     for name, start, size in _locals(program, inputs, end):
         extents[name] = (start, start + size)
         inputs[f"&{name}"] = start
@@ -375,6 +381,19 @@ def _is_place(place: At, ndim: int) -> bool:
         return False
     whole = (isinstance(n, int | np.integer) and n >= 0 for n in (place.address, *place.shape))
     return all(whole)
+
+
+def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -> None:
+    """A kernel's arrays are apart, as for the compiler, which orders accesses of each only."""
+    places = sorted((start, end, name) for name, (start, end) in extents.items() if end > start)
+    for number, (_, end, name) in enumerate(places):
+        for start, _, other in places[number + 1 :]:
+            if start < end and program.stored_arrays & {name, other}:
+                raise ArgumentError(
+                    f"arrays {name} and {other} of {program.name} overlap in the scratchpad, and "
+                    "it writes one of them",
+                    hint="give them places of their own",
+                )
 
 
 def _array_words(name: str, place: At) -> dict[str, int]:

@@ -4,10 +4,13 @@ written.
 
 from __future__ import annotations
 
+from bisect import bisect
+
 import numpy as np
 from numpy.lib.array_utils import byte_bounds
 from numpy.typing import NDArray
 
+from vividc.errors import ArgumentError
 from vividc.sim.accelerator.steps import Array, Pieces
 
 
@@ -19,14 +22,42 @@ class Buffers:
     def __init__(self) -> None:
         self._roots: list[Array] = []
         self._numbers: dict[int, int] = {}
+        self._kept: list[Array] = []
+        self._bounds: list[tuple[int, int, int]] = []  # first byte, end, number; in order
 
     def number(self, view: Array) -> int:
-        """Number of the array that `view` is of."""
+        """Number of the array that `view` is of.
+
+        Raises
+        ------
+        ArgumentError
+            It shares memory with an array of the job, and is neither a view of it nor inside it.
+        """
         root = _root(view)
         if id(root) not in self._numbers:
-            self._numbers[id(root)] = len(self._roots)
-            self._roots.append(root)
+            self._numbers[id(root)] = self._number_of(root)
+            self._kept.append(root)  # keeps the id from being used again
         return self._numbers[id(root)]
+
+    def _number_of(self, root: Array) -> int:
+        """Arrays over one buffer of another kind (`np.frombuffer`) have no array in common, and
+        are one memory all the same.
+        """
+        low, high = byte_bounds(root)
+        at = bisect(self._bounds, (low, high))
+        for start, end, number in self._bounds[max(at - 1, 0) : at + 1]:
+            if root.size and start <= low and high <= end:
+                return number
+            if root.size and start < high and low < end:
+                raise ArgumentError(
+                    "two arrays of a job share memory, and neither is a view of the other",
+                    hint="make both views of one numpy array, or pass a copy",
+                )
+        number = len(self._roots)
+        self._roots.append(root)
+        if root.size:
+            self._bounds.insert(at, (low, high, number))
+        return number
 
     def root(self, number: int) -> Array:
         """The array of a number."""
