@@ -18,6 +18,7 @@ from rich.progress import Progress
 
 from tests.fuzz.generator import random_source
 from tests.fuzz.shrink import shrink
+from tests.fuzz.spreads import judge_spread, random_spread_source
 from tests.fuzz.witnesses import Simulated, Verdict, judge, stays_inside
 
 console = Console()
@@ -27,7 +28,11 @@ _COLLECT = 100
 
 
 def _small(source: str, seed: int, verdict: Verdict, folder: Path, simulate: Simulated) -> str:
-    """The source shrunk; a smaller kernel must fail in the same way."""
+    """The source shrunk; a smaller kernel must fail in the same way. Those for all tiles are short,
+    and are shown as they are.
+    """
+    if simulate == "tiles":
+        return source
     if verdict.text.startswith("interpreter"):
         simulate = ""
 
@@ -64,7 +69,8 @@ class _Tally:
     started: float = field(default_factory=monotonic)
 
     def add(self, seed: int, verdict: Verdict, simulate: Simulated) -> None:
-        self.counts.update([verdict.kind, *([simulate] if simulate else [])])
+        how = verdict.text if simulate == "tiles" and verdict.kind == "agrees" else simulate
+        self.counts.update([verdict.kind, *([how] if how else [])])
         self.since = 0 if verdict.is_find else self.since + 1
         if verdict.kind == "refused":
             self.reasons.update([verdict.text])
@@ -79,7 +85,7 @@ class _Tally:
             console.print(text, markup=False, soft_wrap=True)
 
 
-def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Path) -> _Tally:
+def _fuzz(seeds: range, shares: tuple[float, float, float], seconds: float, folder: Path) -> _Tally:
     tally = _Tally()
     deadline = monotonic() + seconds
     gc.disable()  # numba's garbage is collected faster in bulk
@@ -90,8 +96,12 @@ def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Pat
                 if monotonic() > deadline:
                     break
                 simulate = _simulated(seed, shares)
-                source = random_source(seed)
-                verdict = judge(source, seed, folder, simulate=simulate)
+                if simulate == "tiles":
+                    source = random_spread_source(seed)
+                    verdict = judge_spread(source, seed, folder)
+                else:
+                    source = random_source(seed)
+                    verdict = judge(source, seed, folder, simulate=simulate)
                 tally.add(seed, verdict, simulate)
                 if verdict.is_find:
                     small = _small(source, seed, verdict, folder, simulate)
@@ -107,11 +117,14 @@ def _fuzz(seeds: range, shares: tuple[float, float], seconds: float, folder: Pat
     return tally
 
 
-def _simulated(seed: int, shares: tuple[float, float]) -> Simulated:
+def _simulated(seed: int, shares: tuple[float, float, float]) -> Simulated:
+    """`shares`: mapped, in blocks, and with a loop over `prange` on all tiles."""
     drawn = Random(seed).random()
     if drawn < shares[0]:
         return "mapped"
-    return "blocks" if drawn < sum(shares) else ""
+    if drawn < sum(shares[:2]):
+        return "blocks"
+    return "tiles" if drawn < sum(shares) else ""
 
 
 @click.command()
@@ -119,12 +132,16 @@ def _simulated(seed: int, shares: tuple[float, float]) -> Simulated:
 @click.option("--seed", default=1, show_default=True, help="Seed of the first program.")
 @click.option("--mapped", default=0.03, show_default=True, help="Share mapped and simulated.")
 @click.option("--blocks", default=0.1, show_default=True, help="Share simulated without schedules.")
+@click.option("--tiles", default=0.0, show_default=True, help="Share of loops over prange.")
 @click.option("--minutes", default=1e6, help="Stop after so many minutes.")
-def main(count: int, seed: int, mapped: float, blocks: float, minutes: float) -> None:
+def main(
+    count: int, seed: int, mapped: float, blocks: float, tiles: float, minutes: float
+) -> None:
     """Run random kernels through numba, interpreter and simulator; exit code 1 on a find."""
     with tempfile.TemporaryDirectory() as folder:
         seeds = range(seed, seed + count)
-        counts = _fuzz(seeds, (mapped, blocks), 60 * minutes, Path(folder)).counts
+        shares = (mapped, blocks, tiles)
+        counts = _fuzz(seeds, shares, 60 * minutes, Path(folder)).counts
     sys.exit(1 if counts["differs"] or counts["crashes"] else 0)
 
 

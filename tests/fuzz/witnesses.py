@@ -37,8 +37,10 @@ MAPPING_S = 4.0
 ROUGH = frozenset("g")
 """Arrays of results that depend on the last bits of elementary functions."""
 
-Simulated = Literal["", "blocks", "mapped"]
-"""Whether the simulator is a witness, and whether loops are scheduled for it or run in blocks."""
+Simulated = Literal["", "blocks", "mapped", "tiles"]
+"""Whether the simulator is a witness, and whether loops are scheduled for it or run in blocks, or
+are spread over tiles (`spreads`).
+"""
 
 _NUMBERS = count()
 
