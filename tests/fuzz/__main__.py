@@ -134,9 +134,7 @@ def _simulated(seed: int, shares: tuple[float, float, float]) -> Simulated:
 @click.option("--blocks", default=0.1, show_default=True, help="Share simulated without schedules.")
 @click.option("--tiles", default=0.0, show_default=True, help="Share of loops over prange.")
 @click.option("--minutes", default=1e6, help="Stop after so many minutes.")
-def main(
-    count: int, seed: int, mapped: float, blocks: float, tiles: float, minutes: float
-) -> None:
+def main(count: int, seed: int, mapped: float, blocks: float, tiles: float, minutes: float) -> None:
     """Run random kernels through numba, interpreter and simulator; exit code 1 on a find."""
     with tempfile.TemporaryDirectory() as folder:
         seeds = range(seed, seed + count)

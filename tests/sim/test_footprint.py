@@ -5,9 +5,12 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numba import prange
 
+import vividc
 from vividc.dfg.opcodes import OPCODES, Opcode
 from vividc.dfg.parallel import Access, Parallel, Term, is_well_formed
+from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.semantics import SEMANTICS, evaluate
 from vividc.dfg.words import WORD_MASK, signed
 from vividc.sim.footprint import Touch, chunk_inputs, loop_bounds, touched
@@ -15,7 +18,8 @@ from vividc.sim.footprint import Touch, chunk_inputs, loop_bounds, touched
 OPS = [
     op
     for op in SEMANTICS
-    if op.value in ("add", "sub", "mul", "mulhu", "and", "shl", "lshr", "ashr", "smin", "smax")
+    if op.value
+    in ("add", "sub", "mul", "mulhu", "and", "shl", "lshr", "ashr", "smin", "smax", "xor", "or")
     or op.value.startswith("icmp")
 ]
 EDGES = [0, 1, -1, 5, 31, 32, 1000, 2**31 - 1, -(2**31), 2**16]
@@ -104,3 +108,17 @@ def test_a_table_out_of_order_is_noticed() -> None:
     assert not is_well_formed((Term("index"), Term("add", (0,))))
     assert not is_well_formed((Term("index"), Term("run", (0,))))
     assert OPCODES[Opcode.ADD].arity == 2
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32)")
+def backwards(x, y, n):
+    for i in prange(n):
+        y[n - 1 - i] = x[len(x) - 1 - i]
+
+
+def test_reversed_arrays_are_cut() -> None:
+    _, parallel = cut_parallel_loop(backwards.lower(spread=True), backwards.prange_lines)
+    inputs = {"n": 100, "x.shape0": 300, "y.shape0": 200}
+    found = touched(parallel, inputs, {"x": 1200, "y": 800}, 10, 20)
+    assert found["y"].stores == (4 * 80, 4 * 90)
+    assert found["x"].loads == (4 * 280, 4 * 290)

@@ -294,6 +294,12 @@ def _and(a: Interval, b: Interval) -> Interval:
     return (0, min(tops)) if tops else ANYTHING
 
 
+def _xor(a: Interval, b: Interval) -> Interval:
+    """Of -1, as LLVM writes -1 - a."""
+    a, b = (b, a) if a == (-1, -1) else (a, b)
+    return (-1 - a[1], -1 - a[0]) if b == (-1, -1) else ANYTHING
+
+
 def _shl(a: Interval, b: Interval) -> Interval:
     return _mul(a, (1 << b[0], 1 << b[0])) if _is_shift(b) else ANYTHING
 
@@ -361,6 +367,7 @@ _RULES: Final[dict[str, Rule]] = {
     Opcode.MUL.value: _mul,
     Opcode.MULHU.value: _mulhu,
     Opcode.AND.value: _and,
+    Opcode.XOR.value: _xor,
     Opcode.SHL.value: _shl,
     Opcode.LSHR.value: _lshr,
     Opcode.ASHR.value: _ashr,
