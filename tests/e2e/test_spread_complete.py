@@ -136,7 +136,7 @@ def bound_of_an_outer_loop(y, t):
             y[i] += k
 
 
-@case("void(int32[::1], int32)", np.zeros(40, I), I(33), tiles=1)
+@case("void(int32[::1], int32)", np.zeros(40, I), I(33), tiles=11)
 def bound_of_a_quotient(y, n):
     for i in prange(n // 3):
         y[i] = i

@@ -215,7 +215,8 @@ def _array(program: Program, param: Param, value: object) -> Array:
     if isinstance(value, np.ma.MaskedArray):
         hint = f"fill it, {param.name}.filled(0), and pass the mask as an array of its own"
         raise ArgumentError(f"expected {expected}, got one with a mask", loc=where, hint=hint)
-    value = value.view(np.ndarray)  # of a subclass the elements count, not its __setitem__
+    if type(value) is not np.ndarray:
+        value = value.view(np.ndarray)  # of a subclass the elements count, not its __setitem__
     if value.dtype != np.dtype(param.dtype.value) or not _has_axes(value, param):
         raise ArgumentError(
             f"expected {expected}, got {_told(value)}", loc=where, hint=_way_in(param, value)
