@@ -1,4 +1,7 @@
-"""Puts `kernels/` into the package: where it is installed, the renderers compile them."""
+"""Puts `kernels/` into the package: where it is installed, the renderers compile them.
+
+The script's module is added by name: it must be importable without the package.
+"""
 
 from setuptools import find_namespace_packages, setup
 
@@ -7,4 +10,5 @@ KERNELS = ("vividc.kernels", "vividc.kernels.render")
 setup(
     packages=[*find_namespace_packages(include=["vividc*"]), *KERNELS],
     package_dir={"vividc.kernels": "kernels"},
+    py_modules=["vividc_main"],
 )

@@ -1,0 +1,29 @@
+"""The script `vividc`: an interrupt while the modules load is one line and exit code 130.
+
+Outside the package, because importing anything in it runs `vividc/__init__`, which loads
+compilers and solvers for a second or more.
+"""
+
+import os
+import signal
+from types import FrameType
+
+_INTERRUPTED = 130
+
+
+def _leave(_signal: int, _frame: FrameType | None) -> None:
+    """End at once: an exception could be swallowed or dressed up by a module that is loading."""
+    os.write(2, b"vividc: interrupted\n")
+    os._exit(_INTERRUPTED)
+
+
+def main() -> None:
+    """Run the command line."""
+    loading = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else: ignored
+    if loading:
+        signal.signal(signal.SIGINT, _leave)
+    from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
+
+    if loading:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    command(prog_name="vividc")
