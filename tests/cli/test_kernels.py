@@ -1,5 +1,6 @@
 """A user's Python file gives its kernel, or a message that names the file and line."""
 
+import os
 import sys
 
 import pytest
@@ -127,6 +128,16 @@ def test_null_bytes(tmp_path):
     path = tmp_path / "k.py"
     path.write_bytes(b"x = 1\0\n")
     assert "not Python" in message(path)
+
+
+@pytest.mark.parametrize("name", [b"k\xff.py", b"d\xff/k.py", b"k\xff.ll"])
+def test_a_path_that_is_not_utf_8_is_refused(name, tmp_path):
+    path = tmp_path / os.fsdecode(name)
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(ONE)
+    text = message(f"{path}:double")
+    assert "must be UTF-8" in text
+    assert "hint: rename it" in text
 
 
 def test_an_edit_is_seen_at_once(write):

@@ -27,16 +27,29 @@ def load_kernel(spec: str) -> KernelFunction | LLKernel:
     Raises
     ------
     KernelError
-        The file cannot be read or fails when it runs (with its line); it has no such kernel, or
-        several and none is named.
+        The path is not UTF-8; the file cannot be read or fails when it runs (with its line); it
+        has no such kernel, or several and none is named.
     """
     file, name = _split(spec)
+    _check_path(file)
     if file.suffix == _LL:
         return load_ll(file, name)
     kernels = _kernels(_run(file))
     if name is not None:
         return _named(kernels, name, file)
     return _only(_unique(kernels, file), file)
+
+
+def _check_path(file: Path) -> None:
+    """numba, LLVM and the program that records the source take text, not the bytes of a name."""
+    path = os.path.abspath(file)
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        raise KernelError(
+            f"{path}: the name of a kernel's file, and of the folders above it, must be UTF-8",
+            hint="rename it, or copy the kernel to a file with another name",
+        ) from None
 
 
 def kernel_file(spec: str) -> Path:
