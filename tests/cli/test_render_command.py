@@ -152,6 +152,9 @@ def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyP
     ]
     body = whole["frame"]
     assert (body["fabric"], body["sampled"]) == ("vivid", 0.5)
+    assert body["stopped_by_clock"] == [
+        "saxpy.py:9: the loop took too long and runs block by block"
+    ]
     assert body["avoided"] == {"colour_path": 0.75}
     (stage,) = body["stages"]
     assert (stage["name"], stage["mode"], stage["jobs"]) == ("colour network", "gpu", 1)
@@ -178,4 +181,5 @@ def drawn(scene: Scene, camera: Camera, options: ArrayOptions, *tell: object) ->
     seen = np.zeros((camera.height, camera.width), np.bool_)
     seen[:8] = True
     stages = tuple(ledger.stages.values())
-    return ArrayFrame(image, stages, ledger.counts, 1.0, options.sample, seen)
+    late = ("saxpy.py:9: the loop took too long and runs block by block",)
+    return ArrayFrame(image, stages, ledger.counts, 1.0, options.sample, seen, late)

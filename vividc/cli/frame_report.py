@@ -42,6 +42,7 @@ def frame_body(
         "cycles": frame.cycles,
         "frames_per_second": frame.frames_a_second,
         "clock_ghz": frame.clock_ghz,
+        "stopped_by_clock": list(frame.late),
         "counts": frame.counts,
         "avoided": avoided(frame.counts),
         "energy_pj": dict(parts),
@@ -107,6 +108,8 @@ def print_frame(body: Mapping[str, Any]) -> None:
         f"cycles: {body['cycles']:,}; {body['frames_per_second']:.2f} frames a second at "
         f"{body['clock_ghz']:g} GHz"
     )
+    for text in body["stopped_by_clock"]:
+        click.echo(f"stopped by the clock, so with more cycles than on an idle machine: {text}")
     parts = body["energy_pj"]
     whole = sum(parts.values())
     shares = ", ".join(f"{name} {percent(pj / whole)}" for name, pj in parts.items()) or "-"

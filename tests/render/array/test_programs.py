@@ -53,7 +53,10 @@ def test_a_program_whose_mapping_took_too_long_is_not_kept(
     (bundle,) = (tmp_path / "entries").glob("stage-*")
     bundle.unlink()
     monkeypatch.setattr(vividc, "compile", lambda *_, **__: program)
-    assert programs(told).get(FIR) is program
+    held = programs(told)
+    assert held.late == ()
+    assert held.get(FIR) is program
+    assert held.late == (late,)
     assert told[-1] == f"{late}; not kept: it is compiled again the next time"
     assert not list((tmp_path / "entries").glob("stage-*"))
 

@@ -106,6 +106,9 @@ class ArrayFrame:
         are of the simulated blocks only.
     simulated
         [height, width] bool: pixels of those blocks; None: all.
+    late
+        Loops whose mapping was given up by the clock (`Programs.late`): the cycles of these stages
+        may be fewer on an idle machine.
     """
 
     image: Float32Array
@@ -114,6 +117,7 @@ class ArrayFrame:
     clock_ghz: float
     sampled: float = 1.0
     simulated: npt.NDArray[np.bool_] | None = None
+    late: tuple[str, ...] = ()
 
     @property
     def cycles(self) -> int:

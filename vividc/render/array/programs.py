@@ -73,6 +73,13 @@ class Programs:
             self._loaded[name] = self._load(kernel, options)
         return self._loaded[name]
 
+    @property
+    def late(self) -> tuple[str, ...]:
+        """What the clock cost: a line for each loop of a loaded program that runs block by block
+        because no schedule was found in time. On a machine with less to do there may be one.
+        """
+        return tuple(text for program in self._loaded.values() for text in _late(program))
+
     def _load(self, kernel: str, options: Options) -> vividc.Program:
         path, _, function = kernel.partition(":")
         file = kernel_folder() / f"{path}.py"
@@ -82,7 +89,7 @@ class Programs:
             return found
         self._say(f"compiling {kernel} (kept for the next time)")
         program = self._compile(file, function, options)
-        late = [text for text in program.warnings if _LATE in text]
+        late = _late(program)
         if late:
             self._say(f"{late[0]}; not kept: it is compiled again the next time")
         else:
@@ -167,3 +174,7 @@ def _source(file: Path) -> bytes:
         return file.read_bytes()
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", loc=str(file)) from error
+
+
+def _late(program: vividc.Program) -> list[str]:
+    return [text for text in program.warnings if _LATE in text]

@@ -91,7 +91,8 @@ def render_array(
     share = len(corners) / len(block_corners(camera))
     stages = tuple(ledger.stages.values())
     simulated = None if options.sample == 1 else pixels_of(corners, camera)
-    return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated)
+    late = device.programs.late
+    return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated, late)
 
 
 def _sampled_corners(march: March, camera: Camera, share: float) -> Int32Array:

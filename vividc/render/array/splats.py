@@ -93,6 +93,7 @@ def render_splats(
         machine.clock_ghz,
         len(screens) / (columns * rows),
         None if chosen.sample == 1 else _pixels_of(screens, camera, columns),
+        machine.programs.late,
     )
 
 
