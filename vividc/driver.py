@@ -36,6 +36,7 @@ from vividc.errors import (
     SourceLoc,
     TimeLimit,
     VividcWarning,
+    demand_callable,
     demand_type,
 )
 from vividc.frontend import KernelFunction, LLKernel
@@ -151,6 +152,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
     loaded = _checked(kernel, fabric, time_limit_s)
+    demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
+    demand_callable(progress, "progress")
     check_kernel_mode(mode)
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     wanted = transform_options(transform, unroll, jam, flatten, threads)

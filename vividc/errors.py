@@ -131,6 +131,18 @@ def demand_type(value: object, expected: type | tuple[type, ...], what: str, hin
         raise ArgumentError(f"{what} cannot be {quoted(value)}", hint=hint)
 
 
+def demand_callable(value: object, what: str) -> None:
+    """Refuse what is neither None nor can be called.
+
+    Raises
+    ------
+    ArgumentError
+        It is something else.
+    """
+    if value is not None and not callable(value):
+        raise ArgumentError(f"{what} cannot be {quoted(value)}", hint="give a function, or None")
+
+
 def _source_line(loc: SourceLoc) -> str:
     try:
         if not os.path.isfile(loc.file) or os.path.getsize(loc.file) > _MOST_SOURCE_BYTES:

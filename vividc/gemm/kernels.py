@@ -19,6 +19,7 @@ from vividc.gemm.layer import Layer, Matrix
 from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
 from vividc.gemm.passes import lay_out, with_arrays
 from vividc.mapper.systolic import SystolicError
+from vividc.printable import quoted
 from vividc.program import Program
 from vividc.sim.accelerator import JobResult, spread
 from vividc.sim.bind import arguments
@@ -65,8 +66,8 @@ def check_kernel_mode(mode: str) -> None:
         There is no such mode.
     """
     known = (AUTO, GPU, *MODES)
-    if mode not in known:
-        raise ArgumentError(f"unknown mode {mode!r}", hint=f"modes: {', '.join(known)}")
+    if not isinstance(mode, str) or mode not in known:
+        raise ArgumentError(f"unknown mode {quoted(mode)}", hint=f"modes: {', '.join(known)}")
 
 
 def choose_for(

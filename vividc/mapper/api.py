@@ -11,7 +11,7 @@ from typing import get_args
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.errors import InternalError, VividcError, demand_type
+from vividc.errors import InternalError, VividcError, demand_callable, demand_type
 from vividc.mapper.certificate import check_certificate
 from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.deadline import Deadline
@@ -73,6 +73,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         An interrupt (a KeyboardInterrupt, Ctrl-C) came when there was a mapping: `result` has it.
     """
     _check(dfg, fabric, ii, time_limit_s, workers)
+    demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
+    demand_callable(progress, "progress")
     run = find_mapper(mapper)
     _check_door(mapper, extend, objective)
     allowed, resident = {} if allowed is None else allowed, {} if resident is None else resident

@@ -65,7 +65,7 @@ def transform_options(
         choice that is neither True nor False, or threads that are not 1 to 8.
     """
     hint = 'give transform="auto" or transform="none"'
-    if transform not in _MODES:
+    if not isinstance(transform, str) or transform not in _MODES:
         raise ArgumentError(f"transform cannot be {quoted(transform)}", hint=hint)
     mode: Mode = "auto" if transform == "auto" else "none"
     choices = _choices("flatten", flatten)

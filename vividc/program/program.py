@@ -130,6 +130,8 @@ class Program:
         BundleError
             The file cannot be written, or the fabric has no YAML text to store.
         """
+        hint = "give a path, as in program.save('saxpy.vivid')"
+        demand_type(path, (str, os.PathLike), "the file", hint)
         if not self.fabric.source:
             raise BundleError(
                 f"the fabric {self.fabric.name} has no YAML text to store",

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from vividc.errors import ArgumentError, demand_type
+from vividc.errors import ArgumentError, demand_callable, demand_type
 from vividc.printable import quoted
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
@@ -49,10 +49,8 @@ def check_run(cycle_limit: int, progress: object = None, observer: object = None
     demand_type(cycle_limit, (int, np.integer), "cycle_limit", hint)
     if cycle_limit < 1:
         raise ArgumentError(f"cycle_limit cannot be {quoted(cycle_limit)}", hint=hint)
-    for name, function in (("progress", progress), ("observer", observer)):
-        if function is not None and not callable(function):
-            hint = "give a function, or None"
-            raise ArgumentError(f"{name} cannot be {quoted(function)}", hint=hint)
+    demand_callable(progress, "progress")
+    demand_callable(observer, "observer")
 
 
 def simulate(

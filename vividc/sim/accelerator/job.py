@@ -193,6 +193,7 @@ class Job:
             the kernel writes overlaps another.
         """
         demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
+        demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
         where = self._tiles(tile)
         inputs, extents = _bound(program, arguments)
         _refuse_overlap(program, extents)
@@ -248,7 +249,10 @@ class Job:
         check_run(cycle_limit)
         check_engine(engine)
         if threads is not None:
-            demand_type(threads, int, "threads", "give a whole number, or None")
+            hint = "give a whole number from 1 on, or None"
+            demand_type(threads, int, "threads", hint)
+            if threads < 1:
+                raise ArgumentError(f"threads cannot be {threads}", hint=hint)
         return simulate_steps(
             self.accelerator, self.steps, self._buffers, engine, cycle_limit, threads
         )
@@ -307,6 +311,7 @@ class Job:
             )
 
     def _image(self, program: Program, tile: int) -> Program:
+        demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
         grouped = tile >= len(self.accelerator.tiles)
         home = self.accelerator.units[tile] if grouped else self.accelerator.fabric
         corner = self.accelerator.orientation(tile)
