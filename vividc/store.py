@@ -83,9 +83,7 @@ class Store:
             with suppress(FileExistsError):
                 os.mkdir(self.folder, 0o700)
             with self._opened() as place:
-                place.replace(
-                    name, _MAGIC + _digest(name, payload) + name.encode() + b"\n" + payload
-                )
+                place.replace(name, _entry(name, payload))
                 self._trim(place, len(payload))
                 return True
         return False

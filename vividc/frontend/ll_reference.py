@@ -18,43 +18,12 @@ from vividc.frontend.ll_checks import Locate, reachable
 from vividc.frontend.ll_source import Body, bodies, without_strings
 from vividc.frontend.llvm_child.work import ARRAYS, FAULT, HOST, MATH, REFERENCE
 from vividc.frontend.llvm_layout import size_of, structs_of
-from vividc.frontend.llvm_text import joined, label_of, signature
+from vividc.frontend.llvm_text import ARITHMETIC, joined, label_of, signature
 from vividc.frontend.llvm_tokens import CASTS, Cursor, Structs, bare
 
-_COMPUTES = CASTS | frozenset(
-    [
-        "add",
-        "sub",
-        "mul",
-        "sdiv",
-        "udiv",
-        "srem",
-        "urem",
-        "shl",
-        "lshr",
-        "ashr",
-        "and",
-        "or",
-        "xor",
-        "fadd",
-        "fsub",
-        "fmul",
-        "fdiv",
-        "frem",
-        "fneg",
-        "freeze",
-        "icmp",
-        "fcmp",
-        "select",
-        "phi",
-        "br",
-        "switch",
-        "ret",
-        "getelementptr",
-        "extractvalue",
-        "insertvalue",
-    ]
-)
+_OTHERS = ("icmp", "fcmp", "select", "phi", "br", "switch", "ret")
+_ADDRESSES = ("getelementptr", "extractvalue", "insertvalue")
+_COMPUTES = CASTS | ARITHMETIC | {*_OTHERS, *_ADDRESSES}
 _INTRINSIC = re.compile(
     r"llvm\.(?:sqrt|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|pow|powi|exp2?|exp10|log|log2|log10|"
     r"ldexp|fma|fmuladd|fabs|copysign|min(?:num|imum|imumnum)|max(?:num|imum|imumnum)|canonicalize|"

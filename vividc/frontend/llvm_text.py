@@ -289,14 +289,14 @@ def _read_other(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -
     """
     type_ = cursor.type()
     args: list[Operand] = []
-    if opcode in _ARITHMETIC:
+    if opcode in ARITHMETIC:
         args.append(cursor.operand(type_))
         while cursor.accept(",") and cursor.peek[:1] != "!":
             args.append(cursor.operand(type_))
     return Op(name, opcode, type_, tuple(args), loc=loc)
 
 
-_ARITHMETIC = frozenset(
+ARITHMETIC = frozenset(
     [
         "add",
         "sub",
