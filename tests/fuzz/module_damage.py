@@ -68,6 +68,8 @@ def _number(random: Random, text: str) -> str:
 
 def _type(random: Random, text: str) -> str:
     places = list(re.finditer(r"\b(?:i32|i64|i8|i16|i1|float|double|ptr)\b", text))
+    if not places:
+        return text
     place = random.choice(places)
     new = random.choice(
         (
@@ -93,6 +95,8 @@ def _type(random: Random, text: str) -> str:
 
 def _word(random: Random, text: str) -> str:
     places = list(re.finditer(r"[%@!]?[\w.]+", text))
+    if not places:
+        return text
     first, second = random.choice(places), random.choice(places)
     return text[: first.start()] + second[0] + text[first.end() :]
 
@@ -117,7 +121,7 @@ def _lines(random: Random, text: str) -> str:
 
 
 def _byte(random: Random, text: str) -> str:
-    at = random.randrange(len(text))
+    at = random.randrange(len(text) + 1)
     new = random.choice(
         (
             "",
@@ -149,7 +153,7 @@ def _byte(random: Random, text: str) -> str:
 def _deep(random: Random, text: str) -> str:
     depth = random.choice((10, 90, 101, 5000))
     opened = random.choice(("[", "{", "(", "<", "<{", "[2 x "))
-    at = random.randrange(len(text))
+    at = random.randrange(len(text) + 1)
     return text[:at] + opened * depth + text[at:]
 
 
