@@ -66,6 +66,15 @@ def _number(random: Random, text: str) -> str:
     return text[: place.start()] + str(random.choice((*WIDE, 2**64, 10**30))) + text[place.end() :]
 
 
+def _node(random: Random, text: str) -> str:
+    """A node of metadata, that of lines above all, instead of another."""
+    places = list(re.finditer(r"!\d+", text))
+    if not places:
+        return text
+    first, second = random.choice(places), random.choice(places)
+    return text[: first.start()] + second[0] + text[first.end() :]
+
+
 def _type(random: Random, text: str) -> str:
     places = list(re.finditer(r"\b(?:i32|i64|i8|i16|i1|float|double|ptr)\b", text))
     if not places:
@@ -167,4 +176,17 @@ def _quoted(random: Random, text: str) -> str:
     return re.sub(rf"@{name}\b", lambda _: f'@"{letters}"', text)
 
 
-_MUTATIONS = (_number, _number, _type, _word, _word, _lines, _lines, _byte, _deep, _quoted)
+_MUTATIONS = (
+    _number,
+    _number,
+    _node,
+    _node,
+    _type,
+    _word,
+    _word,
+    _lines,
+    _lines,
+    _byte,
+    _deep,
+    _quoted,
+)

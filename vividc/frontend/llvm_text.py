@@ -29,6 +29,7 @@ _DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILI
 _LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
 _METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
 _FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
+_LINE = re.compile(r"[1-9][0-9]{0,9}")
 
 
 def read_function(text: str, name: str, file: str) -> WideFunction:
@@ -88,7 +89,9 @@ def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
 
 
 class Locations:
-    """Source lines of `!dbg` attachments."""
+    """Source lines of `!dbg` attachments. LLVM does not check where nodes point: one that leads
+    nowhere, or in a circle, gives no line.
+    """
 
     def __init__(self, text: str, file: str) -> None:
         self._file = file
@@ -110,23 +113,37 @@ class Locations:
         match = re.search(r"!dbg (!\d+)", header)
         if match is None:
             return None
-        _, fields = self._nodes[match[1]]
-        return SourceLoc(self._file_of(match[1]), int(fields["line"]))
+        return self._place(match[1], self._fields(match[1]))
 
     def _chain(self, node: str) -> Iterator[SourceLoc]:
-        while node in self._nodes:
-            _, fields = self._nodes[node]
-            # Line 0 is LLVM's mark of merged code.
-            if int(fields.get("line", 0)) > 0:
-                yield SourceLoc(self._file_of(fields["scope"]), int(fields["line"]))
-            node = fields.get("inlinedAt", "")
+        for fields in self._path(node, "inlinedAt"):
+            found = self._place(fields.get("scope", ""), fields)
+            if found is not None:
+                yield found
 
-    def _file_of(self, scope: str) -> str:
-        _, fields = self._nodes[scope]
-        if "file" not in fields:
-            return self._file_of(fields["scope"])
-        _, file = self._nodes[fields["file"]]
-        name = re.sub(r"\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), file.get("filename", ""))
+    def _place(self, scope: str, fields: dict[str, str]) -> SourceLoc | None:
+        line, file = fields.get("line", ""), self._file_of(scope)
+        if file is None or not _LINE.fullmatch(line):  # line 0 is LLVM's mark of merged code
+            return None
+        return SourceLoc(file, int(line))
+
+    def _path(self, node: str, way: str) -> Iterator[dict[str, str]]:
+        """The fields of a node, and of those that it leads to by the field `way`."""
+        seen: set[str] = set()
+        while node in self._nodes and node not in seen:
+            seen.add(node)
+            yield self._fields(node)
+            node = self._fields(node).get(way, "")
+
+    def _fields(self, node: str) -> dict[str, str]:
+        return self._nodes[node][1] if node in self._nodes else {}
+
+    def _file_of(self, scope: str) -> str | None:
+        file_nodes = (fields["file"] for fields in self._path(scope, "scope") if "file" in fields)
+        file = self._fields(next(file_nodes, ""))
+        if "filename" not in file:
+            return None
+        name = re.sub(r"\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), file["filename"])
         directory = file.get("directory", "")
         inside = not directory or name.startswith(("/", directory))
         return os.path.abspath(name if inside else f"{directory}/{name}")
