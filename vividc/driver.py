@@ -6,6 +6,7 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Final
 
 from vividc import arch, compiled_files
 from vividc.arch import Accelerator
@@ -43,7 +44,8 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
-from vividc.mapper.deadline import Deadline
+from vividc.mapper.deadline import Deadline, limited
+from vividc.mapper.deadline import patient as patient
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.straight_bounds import straight_lower_bound
@@ -59,6 +61,11 @@ from vividc.program import Program, encode
 from vividc.program.programmable import demand_programmable
 
 Progress = Callable[[str], None]
+
+STOPPED_BY_CLOCK: Final = (
+    "the search was stopped by the clock, not by its effort: another run may give other words"
+)
+"""Among a program's warnings."""
 
 _LEAST_S = 1.0
 """Mapping the kernel as written is given so long in any case."""
@@ -172,6 +179,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     product = _product(kernel, loaded, options, mode)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
+        if text == STOPPED_BY_CLOCK:
+            continue  # a busy machine is no reason to fail where warnings are errors
         warnings.warn(text, VividcWarning, stacklevel=2)
     warned = (*told, *program.warnings)
     compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
@@ -292,7 +301,6 @@ def _compile_stages(
         function = in_format(function, narrow)
     passes = PassOptions(False, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
-    budget = Budget.of(options.time_limit_s)
     plan = choose(function, estimator, options.transform, parallel)
     known: dict[DFG, MapResult] = {}
 
@@ -300,11 +308,15 @@ def _compile_stages(
         deadline = budget.share(last_resort)
         return _map_stage(stage, estimator, options, known, deadline, last_resort)
 
-    settled = settle(plan, attempt)
+    with limited(options.time_limit_s) as whole:
+        budget = Budget.of(whole.remaining_s)
+        settled = settle(plan, attempt)
     notes = [
         f"{_place(settled.outcome, header)}: the loop {why} and runs block by block"
         for header, why in settled.outcome.sequential.items()
     ]
+    if whole.meter.hurried:
+        notes.append(STOPPED_BY_CLOCK)
     loops = loop_reports(plan, settled)
     return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
 
@@ -420,14 +432,14 @@ def _map_loops(
     kernel: Kernel, fabric: Fabric, options: CompileOptions, known: dict[DFG, MapResult]
 ) -> dict[int, MapResult]:
     loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
-    deadline = time.monotonic() + options.time_limit_s
+    deadline = Deadline.after(options.time_limit_s)
     results: dict[int, MapResult] = {}
     done: list[tuple[DFG, Mapping]] = []
     for number, (index, region) in enumerate(loops):
         resident = residents(fabric, done)
         result = known.get(region.dfg)
         if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
-            share = (deadline - time.monotonic()) / (len(loops) - number)
+            share = deadline.remaining_s / (len(loops) - number)
             result = map_dfg(
                 region.dfg,
                 fabric,

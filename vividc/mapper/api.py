@@ -14,7 +14,7 @@ from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError, demand_callable, demand_type
 from vividc.mapper.certificate import check_certificate
 from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
-from vividc.mapper.deadline import Deadline
+from vividc.mapper.deadline import limited
 from vividc.mapper.mapping import MapInterrupted, MapResult, Status, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
@@ -80,15 +80,19 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     allowed, resident = {} if allowed is None else allowed, {} if resident is None else resident
     _check_places(dfg, fabric, allowed, resident)
     problem = MapProblem(dfg, fabric, allowed, resident)
-    deadline = Deadline.after(time_limit_s)
-    request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
     try:
-        result = _mapped(problem, run, request, objective)
+        with limited(time_limit_s) as deadline:
+            request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
+            began, spent = time.monotonic(), deadline.meter.spent_s
+            result = _mapped(problem, run, request, objective)
+            if mapper not in BUILT_IN:  # what a guest does is known by the clock only
+                counted_s = deadline.meter.spent_s - spent
+                deadline.charge(max(0.0, time.monotonic() - began - counted_s))
     except MapInterrupted as stop:
         _confirm(problem, stop.result, mapper)
         raise MapInterrupted(_about(stop.result, problem)) from stop
     _confirm(problem, result, mapper)
-    return _about(result, problem)
+    return _about(replace(result, hurried=deadline.meter.hurried), problem)
 
 
 def _mapped(

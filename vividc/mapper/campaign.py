@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Final
 
 from vividc.mapper.attempt import Attempt
 from vividc.mapper.deadline import Deadline
@@ -13,6 +14,9 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.refutations import by_bound, by_contexts
 from vividc.mapper.request import MapRequest
 
+_TRY_S: Final = 0.001
+"""Effort of a try that ends at once: repeated, it takes time, too."""
+
 Strategy = Callable[[MapProblem, int, MapRequest, Deadline, int], Attempt]
 """(problem, II, request, deadline of this try, number of earlier tries of this II)."""
 
@@ -20,7 +24,7 @@ Strategy = Callable[[MapProblem, int, MapRequest, Deadline, int], Attempt]
 @dataclass
 class Campaign:
     """State of one search over IIs; `began`, `improved`: when it began and when the best was found,
-    in seconds of the monotonic clock.
+    in seconds of effort; `began_s`, `improved_s`: in those of the monotonic clock.
     """
 
     problem: MapProblem
@@ -30,13 +34,19 @@ class Campaign:
     best: Mapping | None = None
     refuted: dict[int, str] = field(default_factory=dict)
     tries: dict[int, int] = field(default_factory=dict)
-    began: float = field(default_factory=time.monotonic)
-    improved: float = field(default_factory=time.monotonic)
+    began: float = field(init=False)
+    improved: float = field(init=False)
+    began_s: float = field(default_factory=time.monotonic)
+    improved_s: float = field(default_factory=time.monotonic)
+
+    def __post_init__(self) -> None:
+        self.began = self.improved = self.request.deadline.meter.spent_s
 
     def try_ii(self, ii: int, deadline: Deadline) -> Attempt:
         """One more try of `ii`; keeps what it found."""
         count = self.tries.get(ii, 0)
         self.tries[ii] = count + 1
+        deadline.charge(_TRY_S)
         attempt = self.strategy(self.problem, ii, self.request, deadline, count)
         self.note(ii, attempt)
         return attempt
@@ -49,7 +59,8 @@ class Campaign:
             self.request.tell(f"II {ii}: refuted by {attempt.refuted_by}")
         if attempt.mapping is not None and (self.best is None or ii < self.best.ii):
             self.best = attempt.mapping
-            self.improved = time.monotonic()
+            self.improved = self.request.deadline.meter.spent_s
+            self.improved_s = time.monotonic()
             self.request.tell(f"II {ii}: mapped")
 
     def is_ruled_out(self, ii: int) -> bool:

@@ -54,9 +54,10 @@ _PATIENCE_LEAST_S, _PATIENCE_FACTOR = 4.0, 3.0
 
 
 def prepared(request: MapRequest) -> MapRequest:
-    """The request with the annealer compiled, and a deadline later by the time that took."""
+    """The request with the annealer compiled: that takes no effort, and the guard waits for it."""
     spent_s = prepare(request.tell)
-    return replace(request, deadline=Deadline(request.deadline.at + spent_s))
+    request.deadline.meter.pause(spent_s)
+    return request
 
 
 def start_large(campaign: Campaign, limit: int) -> None:
@@ -224,4 +225,4 @@ def limit_of(campaign: Campaign) -> Deadline:
         return request.deadline
     reached_s = campaign.improved - campaign.began
     patience_s = max(_PATIENCE_LEAST_S, _PATIENCE_FACTOR * reached_s)
-    return Deadline(min(request.deadline.at, campaign.improved + patience_s))
+    return replace(request.deadline, at=min(request.deadline.at, campaign.improved + patience_s))

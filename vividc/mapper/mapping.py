@@ -193,6 +193,9 @@ class MapResult:
         those of the problem without them, and so hold as well.
     objective
         What was minimised at the II, if anything.
+    hurried
+        The clock stopped the search before its effort was spent: another run may find another
+        mapping.
     """
 
     status: Status
@@ -207,6 +210,7 @@ class MapResult:
     subject: Subject | None = field(default=None, compare=False, repr=False)
     constrained: bool = False
     objective: Objective | None = None
+    hurried: bool = False
 
     @property
     def claim(self) -> str:

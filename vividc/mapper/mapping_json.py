@@ -54,6 +54,7 @@ def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, An
         "refuted": [{"ii": item.ii, "by": item.by} for item in result.refuted],
         "stats": dict(result.stats),
         "constrained": result.constrained,
+        "hurried": result.hurried,
         "objective": None if result.objective is None else asdict(result.objective),
         "allowed": [
             {"node": node, "pes": sorted(pes)} for node, pes in sorted(subject.allowed.items())
@@ -101,6 +102,7 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
         stats=_stats(top),
         subject=subject,
         constrained="constrained" in top and _flag(top, "constrained"),
+        hurried="hurried" in top and _flag(top, "hurried"),
         objective=_objective(top),
     )
 

@@ -340,7 +340,7 @@ def result_of(
         refuted=tuple(item for item in refuted if best is None or item.ii < best.ii),
         stats={
             "tries": float(sum(campaign.tries.values())),
-            "found_s": campaign.improved - campaign.began,
+            "found_s": campaign.improved_s - campaign.began_s,
         },
         constrained=campaign.request.extend is not None,
     )

@@ -23,9 +23,9 @@ class Budget:
 
     @staticmethod
     def of(time_limit_s: float) -> Budget:
-        """The budget of a compilation that starts now."""
-        transformed = Deadline.after(time_limit_s * (1.0 - _AS_WRITTEN))
-        return Budget(Deadline.after(time_limit_s), transformed)
+        """The budget of a compilation that starts now, of so many seconds of effort."""
+        whole = Deadline.after(time_limit_s)
+        return Budget(whole, whole.within(time_limit_s * (1.0 - _AS_WRITTEN)))
 
     def share(self, as_written: bool) -> Deadline:
         """When mapping the next stage must end.
@@ -40,4 +40,4 @@ class Budget:
         if self.transformed.passed:
             raise TimeLimit("no time was left for it", hint="give a longer --time-limit")
         limit_s = min(self.whole.remaining_s / 2, _STAGE_S, self.transformed.remaining_s)
-        return Deadline.after(limit_s)
+        return self.whole.within(limit_s)

@@ -6,6 +6,7 @@ import heapq
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Step
@@ -17,6 +18,8 @@ Cell = tuple[int, int]
 Way = tuple[Cell, ...]
 
 _WAIT, _MOVE = 1, 2
+_CELL_S: Final = 1e-5
+"""Effort of a cell that a search comes to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +147,7 @@ class Words:
         stays: dict[Cell, int] = {}
         while heap and not self.deadline.passed:
             cost, cell, sender = heapq.heappop(heap)
+            self.deadline.charge(_CELL_S)
             if cell in origin:
                 continue
             origin[cell] = None if sender == cell else sender

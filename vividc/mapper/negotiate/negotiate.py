@@ -62,6 +62,13 @@ and a move with routes takes a twentieth of the time that it takes over links: s
 moves, of graphs up to so many nodes.
 """
 _SLICE: Final = 10_000
+_BEGIN_S: Final = 0.005
+_MOVE_S, _SHOWN_MOVE_S = 3e-7, 7e-7
+_REPAIR_S, _OUTPUT_REPAIR_S = 1e-4, 1e-5
+_ROUTED_S: Final = 2e-6
+"""Effort of an attempt's arrays, of a move without and with moves of words claimed, of a move with
+routes (where words go through output registers), and of routing the words of a node.
+"""
 _REPAIR_SLICE: Final = 64
 _SEED_STEP: Final = 1000
 """Between the seeds of attempts that run side by side."""
@@ -129,6 +136,7 @@ def negotiate(
     seed and so many workers while the deadline is not reached.
     """
     effort = effort or Effort()
+    deadline.charge(_BEGIN_S)
     nodes = tuple(node.id for node in problem.dfg.placed)
     start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
     if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
@@ -143,7 +151,7 @@ def negotiate(
     if not attempts[0].fits:
         return None
     share = replace(effort, trials=-(-effort.trials // workers))
-    mapping = first_result([attempt.run(share, deadline) for attempt in attempts])
+    mapping = first_result([attempt.run(share, deadline) for attempt in attempts], deadline.charge)
     return None if mapping is None else _checked(mapping, problem)
 
 
@@ -185,7 +193,7 @@ def _compile_all() -> None:
     problem = MapProblem(DFG("one", (node,), ()), fabric)
     attempt = Negotiation(problem, 1, {0: 0}, 0, 1)
     never = Deadline.after(3600.0)
-    first_result([attempt.run(Effort(1, 1, 1, 1), never)])
+    first_result([attempt.run(Effort(1, 1, 1, 1), never)], never.charge)
     raise_prices(attempt.traffic, 1, _HISTORY, _GROWTH, _MOST_PRESSURE)
     attempt.traffic.totals[OVER] = 1
     repair(attempt.router, new_undo(attempt.task, attempt.traffic), new_heat(1.0, 1.0, 1), 1)
@@ -256,9 +264,10 @@ class Negotiation:
         heat, end = new_heat(part * self.cooling.hot, self.cooling.cold, moves), moves
         done, quenched = 0, not self.task.array.moves
         while done < end and not deadline.passed:
-            anneal(self.task, state, heat, min(_SLICE, end - done))
+            moves_now = min(_SLICE, end - done)
+            anneal(self.task, state, heat, moves_now)
             done += _SLICE
-            yield
+            yield moves_now * (_SHOWN_MOVE_S if self.task.array.moves else _MOVE_S)
             if not quenched and broken(self.task, self.places) == 0:
                 quenched, end = True, min(end, done + int(_QUENCH * moves))
                 hot = min(float(heat.value[0]), _QUENCH_HOT)
@@ -304,7 +313,7 @@ class Negotiation:
             if traffic.totals[OVER] == 0:
                 return True
             raise_prices(traffic, self.ii, _HISTORY, _GROWTH, _MOST_PRESSURE)
-            yield
+            yield _ROUTED_S * len(self.ids)
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
@@ -328,8 +337,9 @@ class Negotiation:
         for done in range(0, moves, _REPAIR_SLICE):
             if deadline.passed or self.traffic.totals[OVER] == 0:
                 break
-            repair(self.router, undo, heat, min(_REPAIR_SLICE, moves - done))
-            yield
+            moves_now = min(_REPAIR_SLICE, moves - done)
+            repair(self.router, undo, heat, moves_now)
+            yield moves_now * (_OUTPUT_REPAIR_S if self.task.array.outputs else _REPAIR_S)
         return bool(self.traffic.totals[OVER] == 0)
 
     def _shrink(self, pe: int) -> bool:

@@ -15,6 +15,7 @@ from typing import Final
 
 import vividc
 from vividc import kept
+from vividc.driver import STOPPED_BY_CLOCK, patient
 from vividc.errors import VividcWarning
 from vividc.render.errors import SceneError
 
@@ -23,8 +24,8 @@ _COMPILER: Final = ("arch", "dfg", "frontend", "gemm", "mapper", "planning", "pr
 """Rooms whose code decides what a kernel becomes."""
 _KIND: Final = "stage"
 
-_LATE: Final = "took too long"
-"""In the warning of a loop that found no schedule in time: on an idle machine it may."""
+_PATIENCE: Final = 10.0
+"""Times the limit that the clock allows: on a busy machine the words are to be the same."""
 
 Options = Mapping[str, object]
 """Keywords of `vividc.compile`."""
@@ -75,8 +76,8 @@ class Programs:
 
     @property
     def late(self) -> tuple[str, ...]:
-        """What the clock cost: a line for each loop of a loaded program that runs block by block
-        because no schedule was found in time. On a machine with less to do there may be one.
+        """What the clock cost: a line for each loaded program whose mapping it ended before the
+        effort was spent. On a machine with less to do the program may be another.
         """
         return tuple(text for program in self._loaded.values() for text in _late(program))
 
@@ -106,11 +107,12 @@ class Programs:
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
-            compiled: vividc.Program = vividc.compile(
-                found,
-                self.machine,
-                **options,  # type: ignore[arg-type]
-            )
+            with patient(_PATIENCE):
+                compiled: vividc.Program = vividc.compile(
+                    found,
+                    self.machine,
+                    **options,  # type: ignore[arg-type]
+                )
         return compiled
 
     def _key(self, file: Path, function: str, options: Options) -> str:
@@ -177,4 +179,4 @@ def _source(file: Path) -> bytes:
 
 
 def _late(program: vividc.Program) -> list[str]:
-    return [text for text in program.warnings if _LATE in text]
+    return [text for text in program.warnings if text == STOPPED_BY_CLOCK]
