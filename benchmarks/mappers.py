@@ -75,7 +75,8 @@ class Row:
     """One graph with one mapper on one fabric; what is None was not found, or not measured.
 
     `found_s`: seconds after which the final II was found; `seconds`: of the whole run; `most_mb`:
-    peak of resident memory; `load`: of the machine when the row began.
+    peak of resident memory; `load`: of the machine when the row began; `hurried`: the clock ended
+    it.
     """
 
     fabric: str
@@ -90,6 +91,7 @@ class Row:
     seconds: float | None = None
     most_mb: float | None = None
     load: float | None = None
+    hurried: bool = False
 
     @property
     def gap(self) -> int | None:
@@ -104,7 +106,7 @@ class Row:
             f"{self.time_limit_s:g}",
             _shown(self.ii),
             str(self.bound),
-            self.status,
+            f"{self.status}, stopped by the clock" if self.hurried else self.status,
             _shown(self.found_s, ".1f"),
             _shown(self.seconds, ".1f"),
             _shown(self.most_mb, ".0f"),
@@ -199,6 +201,7 @@ def _row_of(about: Row, result: MapResult) -> Row:
         status=result.status,
         found_s=None if result.ii is None else round(found_s, 2),
         seconds=round(result.wall_s, 2),
+        hurried=result.hurried,
     )
 
 

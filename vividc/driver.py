@@ -44,8 +44,7 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
-from vividc.mapper.deadline import Deadline, limited
-from vividc.mapper.deadline import patient as patient
+from vividc.mapper.deadline import Deadline, limited, patient
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.straight_bounds import straight_lower_bound
@@ -66,6 +65,16 @@ STOPPED_BY_CLOCK: Final = (
     "the search was stopped by the clock, not by its effort: another run may give other words"
 )
 """Among a program's warnings."""
+
+__all__ = [
+    "STOPPED_BY_CLOCK",
+    "CompileOptions",
+    "compile",
+    "lower",
+    "map_kernel",
+    "patient",
+    "why_no_product",
+]
 
 _LEAST_S = 1.0
 """Mapping the kernel as written is given so long in any case."""

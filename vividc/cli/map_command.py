@@ -26,6 +26,7 @@ from vividc.mapper import (
     mapping_to_json,
     utilization,
 )
+from vividc.mapper.deadline import EFFORT_SHARE
 from vividc.mapper.explain import binding, fullest
 from vividc.plot import check_picture_path, encode
 from vividc.printable import printable
@@ -151,6 +152,7 @@ def _as_object(
         "objective": None if result.objective is None else asdict(result.objective),
         "utilization": _utilization(result, graph, fabric),
         "wall_s": result.wall_s,
+        "hurried": result.hurried,
         "mapping": document["mapping"],
         "output": None if result.mapping is None or output is None else str(output),
     }
@@ -189,7 +191,9 @@ def _raise_unless_mapped(
 def _nothing_found(result: MapResult, graph: DFG, wanted: str, time_limit_s: float) -> TimeLimit:
     """In time, or before: many mappers have no more to try at some point."""
     loc, known = printable(graph.name), f"the II is at least {result.lower_bound}"
-    if result.wall_s < _MOST_OF_THE_TIME * time_limit_s:
+    effort_s = result.stats.get("effort_s", result.wall_s)
+    enough_s = _MOST_OF_THE_TIME * EFFORT_SHARE * time_limit_s
+    if not result.hurried and effort_s < enough_s:
         hint = "try another mapper (--mapper auto), or a fabric with more room (--fabric)"
         reason = f"mapper {result.mapper!r} gave up after {result.wall_s:.1f} s without a mapping"
         return TimeLimit(f"{reason}{wanted}; {known}", loc=loc, hint=hint)

@@ -55,8 +55,9 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     mapper, ii
         A name of the registry, and the only II to try; None: the least.
     time_limit_s
-        Wall-clock limit in seconds; `thrifty` may stop a large graph's search within 1 of the bound
-        earlier. With one worker and no limit reached a run can be repeated exactly.
+        Limit in seconds: it buys an effort (`mapper/deadline.py`) that takes less on a typical
+        machine, and is what the clock allows at most (`MapResult.hurried`); `thrifty` may stop a
+        large graph's search within 1 of the bound earlier. Unhurried, a run can be repeated exactly.
     allowed, resident
         By node id the PEs that it may lie on; by PE the constants that other regions hold there.
     extend, objective
@@ -92,7 +93,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         _confirm(problem, stop.result, mapper)
         raise MapInterrupted(_about(stop.result, problem)) from stop
     _confirm(problem, result, mapper)
-    return _about(replace(result, hurried=deadline.meter.hurried), problem)
+    stats = {**result.stats, "effort_s": deadline.meter.spent_s - spent}
+    return _about(replace(result, hurried=deadline.meter.hurried, stats=stats), problem)
 
 
 def _mapped(

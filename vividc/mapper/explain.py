@@ -42,6 +42,8 @@ _WITHIN: Final = " within the added constraints"
 def explain(result: MapResult) -> str:
     """A few lines for a person: the outcome, what binds it, all bounds, and what was refuted."""
     lines = [_headline(result), *(f"  {line}" for line in _binding_lines(result))]
+    if result.hurried:
+        lines.append("  stopped by the clock, not by effort: another run may differ")
     if result.objective is not None:
         lines.append(f"  minimised: {result.objective}")
     lines += [f"  {bound.name} {bound.ii}: {bound.reason}" for bound in result.bounds]
