@@ -57,7 +57,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     time_limit_s
         Limit in seconds: it buys an effort (`mapper/deadline.py`) that takes less on a typical
         machine, and is what the clock allows at most (`MapResult.hurried`); `thrifty` may stop a
-        large graph's search within 1 of the bound earlier. Unhurried, a run can be repeated exactly.
+        large graph's search within 1 of the bound earlier. Unhurried, a run repeats exactly.
     allowed, resident
         By node id the PEs that it may lie on; by PE the constants that other regions hold there.
     extend, objective
