@@ -26,7 +26,7 @@ EFFORT = Effort(moves=1500, rounds=20, repairs=60, trials=2)
 def attempt(steps: int, value: str | None, pause_s: float = 0.0) -> Steps[str | None]:
     for _ in range(steps):
         time.sleep(pause_s)
-        yield
+        yield 1.0
     return value
 
 
@@ -46,7 +46,7 @@ def test_attempts_that_fail_leave_the_others_going() -> None:
 
 def test_what_goes_wrong_in_an_attempt_is_raised() -> None:
     def broken() -> Steps[str | None]:
-        yield
+        yield 1.0
         raise ValueError("of an attempt")
 
     with pytest.raises(ValueError, match="of an attempt"):
@@ -95,3 +95,14 @@ def entry_points() -> Iterator[Any]:
         for one in vars(sys.modules[name]).values():
             if hasattr(one, "signatures"):
                 yield one
+
+
+def test_the_longest_step_of_a_round_is_charged() -> None:
+    def costs(first: float, second: float) -> Steps[str | None]:
+        yield first
+        yield second
+        return None
+
+    charged: list[float] = []
+    first_result([costs(1.0, 2.0), costs(3.0, 1.0)], charged.append)
+    assert charged == [3.0, 2.0, 0.0]
