@@ -54,10 +54,10 @@ def test_what_goes_wrong_in_an_attempt_is_raised() -> None:
 
 
 @pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3"])
-def test_two_workers_find_the_same_mapping_each_time(name: str) -> None:
+def test_two_sides_find_the_same_mapping_each_time(name: str) -> None:
     problem = problem_on(name)
     ii = mii(all_bounds(problem)) + 3
-    found = [mapped(problem, ii, workers=2) for _ in range(3)]
+    found = [mapped(problem, ii, sides=2, threads=threads) for threads in (2, 1, 2)]
     assert found[0] is not None
     assert verify(problem.dfg, problem.fabric, found[0]) == []
     assert found[0] == found[1] == found[2]
@@ -71,7 +71,7 @@ def test_nothing_is_compiled_within_a_time_limit(name: str) -> None:
     problem = problem_on(name)
     bound = mii(all_bounds(problem))
     for ii in range(bound, bound + 3):
-        mapped(problem, ii, workers=1)
+        mapped(problem, ii)
     assert specialisations() == before
 
 
@@ -81,8 +81,8 @@ def problem_on(name: str) -> MapProblem:
     return MapProblem(random_loop(4, 26, (8, 2, 0)), fabric)
 
 
-def mapped(problem: MapProblem, ii: int, workers: int) -> Mapping | None:
-    return negotiate(problem, ii, 1, Deadline.after(120), EFFORT, workers)
+def mapped(problem: MapProblem, ii: int, sides: int = 1, threads: int = 1) -> Mapping | None:
+    return negotiate(problem, ii, 1, Deadline.after(120), EFFORT, sides, threads)
 
 
 def specialisations() -> dict[str, int]:

@@ -39,6 +39,8 @@ _ROUTE_S_PER_NODE = 0.1
 _WIDEN_AFTER = 4
 _MOST_DOUBLINGS = 16
 _LARGE = 40
+_SIDES = 2
+"""Annealings with seeds of their own that go on in step."""
 _KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
 """(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
 
@@ -95,7 +97,7 @@ def map_decoupled(
         budget_s = _ROUTE_S + len(task.dfg.placed) * _ROUTE_S_PER_NODE
         turn = min(seed // len(_KINDS), _MOST_DOUBLINGS)
         share = deadline.within(budget_s * 2**turn)
-        search = Search(share, 1, seed, light=True)
+        search = Search(share, 1, seed, light=True, jumps=False)
         attempt = _joint(fixed(task, ii, start, slack), search, request.extend)
         if attempt.mapping is not None:
             return attempt
@@ -113,7 +115,7 @@ def map_negotiated(
     """Annealed places and negotiated routes, without a solver: for large graphs."""
     request.tell(f"II {ii}: annealing places, negotiating routes")
     core = replace(task, fabric=unrotated(task.fabric))
-    mapping = negotiate(core, ii, seed, deadline, effort, request.workers)
+    mapping = negotiate(core, ii, seed, deadline, effort, _SIDES, request.workers)
     return OPEN if mapping is None else Attempt(mapping=named_anew(task, mapping))
 
 

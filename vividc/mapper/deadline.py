@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import Final
 
-EFFORT_SHARE: Final = 0.6
+EFFORT_SHARE: Final = 0.8
 """Seconds of effort that a second of the user's limit buys; the rest is for slower machines."""
 
 

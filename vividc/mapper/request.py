@@ -24,7 +24,8 @@ class MapRequest:
     deadline
         When to stop, found or not.
     workers
-        Threads the solver may use.
+        Threads that may be used, of which more than two find no work; their number changes no
+        result.
     progress
         Called with one line at each step; None: silent.
     thrifty

@@ -15,16 +15,18 @@ Steps: TypeAlias = Generator[float, None, _Value]
 def first_result(
     attempts: Sequence[Steps[_Value | None]],
     charge: Callable[[float], None] = lambda _: None,
+    threads: int | None = None,
 ) -> _Value | None:
     """Take a step of each attempt in turn until one returns a value; None: none does.
 
     Of several that return one after the same number of steps the first counts, so that the result
-    does not depend on the speed of threads. The longest step is charged after each round.
+    does not depend on the number of `threads` (None: one each) or their speed. The longest step is
+    charged after each round.
     """
     if len(attempts) == 1:
         return _alone(attempts[0], charge)
     going = list(attempts)
-    with ThreadPoolExecutor(len(attempts)) as pool:
+    with ThreadPoolExecutor(threads or len(attempts)) as pool:
         while going:
             steps = [pool.submit(_step, attempt) for attempt in going]
             ended = [step.result() for step in steps]

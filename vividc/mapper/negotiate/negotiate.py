@@ -128,12 +128,13 @@ def negotiate(
     seed: int,
     deadline: Deadline,
     effort: Effort | None = None,
-    workers: int = 1,
+    sides: int = 1,
+    threads: int = 1,
 ) -> Mapping | None:
     """A mapping at `ii`, or None, which refutes nothing.
 
-    Trials are shared out among `workers` threads, each with a seed of its own. Deterministic for a
-    seed and so many workers while the deadline is not reached.
+    Trials are shared out among so many `sides`, each with a seed of its own, that go on in step.
+    Deterministic for a seed and so many sides; threads only make it faster.
     """
     effort = effort or Effort()
     deadline.charge(_BEGIN_S)
@@ -146,12 +147,13 @@ def negotiate(
     if any(time > latest for time in start.values()):
         return None
     begin = _with_room(problem, start, latest)
-    seeds = range(seed, seed + _SEED_STEP * workers, _SEED_STEP)
+    seeds = range(seed, seed + _SEED_STEP * sides, _SEED_STEP)
     attempts = [Negotiation(problem, ii, begin, latest, one) for one in seeds]
     if not attempts[0].fits:
         return None
-    share = replace(effort, trials=-(-effort.trials // workers))
-    mapping = first_result([attempt.run(share, deadline) for attempt in attempts], deadline.charge)
+    share = replace(effort, trials=-(-effort.trials // sides))
+    going = [attempt.run(share, deadline) for attempt in attempts]
+    mapping = first_result(going, deadline.charge, threads)
     return None if mapping is None else _checked(mapping, problem)
 
 
