@@ -5,6 +5,7 @@ from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
 from vividc.gemm.kernels import simulate
+from vividc.mapper.deadline import patient
 from vividc.program import Program, load
 from vividc.sim import Result
 
@@ -27,6 +28,7 @@ __all__ = [
     "load",
     "load_ll",
     "mapper",
+    "patient",
     "program",
     "simulate",
 ]

@@ -6,7 +6,6 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Final
 
 from vividc import arch, compiled_files
 from vividc.arch import Accelerator
@@ -44,7 +43,7 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
 from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
-from vividc.mapper.deadline import Deadline, limited, patient
+from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.straight_bounds import straight_lower_bound
@@ -56,25 +55,10 @@ from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.planning.products import priced, recognise
-from vividc.program import Program, encode
+from vividc.program import STOPPED_BY_CLOCK, Program, encode
 from vividc.program.programmable import demand_programmable
 
 Progress = Callable[[str], None]
-
-STOPPED_BY_CLOCK: Final = (
-    "the search was stopped by the clock, not by its effort: another run may give other words"
-)
-"""Among a program's warnings."""
-
-__all__ = [
-    "STOPPED_BY_CLOCK",
-    "CompileOptions",
-    "compile",
-    "lower",
-    "map_kernel",
-    "patient",
-    "why_no_product",
-]
 
 _LEAST_S = 1.0
 """Mapping the kernel as written is given so long in any case."""
@@ -188,9 +172,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     product = _product(kernel, loaded, options, mode)
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
-        if text == STOPPED_BY_CLOCK:
-            continue  # a busy machine is no reason to fail where warnings are errors
-        warnings.warn(text, VividcWarning, stacklevel=2)
+        if text != STOPPED_BY_CLOCK:  # a busy machine is no reason to fail tests
+            warnings.warn(text, VividcWarning, stacklevel=2)
     warned = (*told, *program.warnings)
     compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
     return replace(program, warnings=warned, parallel=parallel, product=product)

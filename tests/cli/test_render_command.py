@@ -152,9 +152,7 @@ def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyP
     ]
     body = whole["frame"]
     assert (body["fabric"], body["sampled"]) == ("vivid", 0.5)
-    assert body["stopped_by_clock"] == [
-        "saxpy.py:9: the loop took too long and runs block by block"
-    ]
+    assert body["stopped_by_clock"] == ["saxpy: the search was stopped by the clock"]
     assert body["avoided"] == {"colour_path": 0.75}
     (stage,) = body["stages"]
     assert (stage["name"], stage["mode"], stage["jobs"]) == ("colour network", "gpu", 1)
@@ -163,7 +161,8 @@ def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyP
     assert body["energy_pj"] == stage["energy_pj"]
     assert set(body["energy_pj"]) == {"pe_array", "sram", "control", "dram"}
     done = run(*args)
-    for text in ("50.0 % of the blocks", "colour network", "avoided of colour path: 75.0 %", "uJ"):
+    told = ("50.0 % of the blocks", "colour network", "avoided of colour path: 75.0 %", "uJ")
+    for text in (*told, "by the clock"):
         assert text in done.stdout
 
 
@@ -181,5 +180,5 @@ def drawn(scene: Scene, camera: Camera, options: ArrayOptions, *tell: object) ->
     seen = np.zeros((camera.height, camera.width), np.bool_)
     seen[:8] = True
     stages = tuple(ledger.stages.values())
-    late = ("saxpy.py:9: the loop took too long and runs block by block",)
+    late = ("saxpy: the search was stopped by the clock",)
     return ArrayFrame(image, stages, ledger.counts, 1.0, options.sample, seen, late)

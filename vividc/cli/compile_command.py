@@ -180,6 +180,7 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
             for loop in program.loops
         ],
         "product": None if program.product is None else asdict(program.product),
+        "stopped_by_clock": program.hurried,
         "warnings": [str(warning) for warning in program.warnings],
     }
 

@@ -109,7 +109,7 @@ def print_frame(body: Mapping[str, Any]) -> None:
         f"{body['clock_ghz']:g} GHz"
     )
     for text in body["stopped_by_clock"]:
-        click.echo(f"stopped by the clock, so with more cycles than on an idle machine: {text}")
+        click.echo(f"cycles may be others on an idle machine: {text}")
     parts = body["energy_pj"]
     whole = sum(parts.values())
     shares = ", ".join(f"{name} {percent(pj / whole)}" for name, pj in parts.items()) or "-"

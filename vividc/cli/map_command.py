@@ -152,7 +152,7 @@ def _as_object(
         "objective": None if result.objective is None else asdict(result.objective),
         "utilization": _utilization(result, graph, fabric),
         "wall_s": result.wall_s,
-        "hurried": result.hurried,
+        "stopped_by_clock": result.hurried,
         "mapping": document["mapping"],
         "output": None if result.mapping is None or output is None else str(output),
     }

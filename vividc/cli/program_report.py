@@ -6,8 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import click
+
 from vividc.cli.report import percent, print_table
-from vividc.program import Program
+from vividc.program import STOPPED_BY_CLOCK, Program
 from vividc.program.tables import RegionReport
 
 _PROOF = {
@@ -48,6 +50,8 @@ def print_regions(program: Program) -> None:
         _bounds(program),
         numeric=("II",),
     )
+    if program.hurried:
+        click.echo(STOPPED_BY_CLOCK)
 
 
 def _bounds(program: Program) -> Iterator[tuple[object, ...]]:

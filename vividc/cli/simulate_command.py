@@ -25,7 +25,7 @@ from vividc.cli.reference import (
 from vividc.cli.report import percent, print_json, print_table, progress
 from vividc.cli.views import Views, view_options
 from vividc.launch import JobResult
-from vividc.program import Program
+from vividc.program import STOPPED_BY_CLOCK, Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
 from vividc.sim.run import simulate
 
@@ -164,6 +164,8 @@ def _print(program: Program, result: Result | JobResult, fabric: str | None, vie
         print_job(program, str(fabric), result)
     else:
         _print_regions(program, result)
+    if program.hurried:
+        click.echo(f"compiling: {STOPPED_BY_CLOCK}")
     views.print(program, result, fabric)
 
 
@@ -219,6 +221,7 @@ def _as_object(
     return {
         "kernel": program.name,
         "fabric": program.fabric_name,
+        "stopped_by_clock": program.hurried,
         "cycles": result.cycles,
         "value": result.value,
         "stats": result.stats,

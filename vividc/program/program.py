@@ -8,6 +8,7 @@ from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,11 @@ from vividc.program.tables import (
     RegionReport,
     RegionRow,
 )
+
+STOPPED_BY_CLOCK: Final = (
+    "the search was stopped by the clock, not by its effort: another run may give other words"
+)
+"""Among a program's warnings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +100,13 @@ class Program:
     def fabric_name(self) -> str:
         """Name of the fabric the program is for."""
         return self.fabric.name
+
+    @property
+    def hurried(self) -> bool:
+        """The clock ended the search for a mapping: on another machine, or beside other work, the
+        words may be others.
+        """
+        return STOPPED_BY_CLOCK in self.warnings
 
     @cached_property
     def entries(self) -> list[list[Entry]]:

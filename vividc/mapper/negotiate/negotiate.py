@@ -63,7 +63,7 @@ moves, of graphs up to so many nodes.
 """
 _SLICE: Final = 10_000
 _BEGIN_S: Final = 0.005
-_MOVE_S, _SHOWN_MOVE_S = 3e-7, 7e-7
+_MOVE_S, _SHOWN_MOVE_S = 3e-7, 5e-7
 _REPAIR_S, _OUTPUT_REPAIR_S = 1e-4, 1e-5
 _ROUTED_S: Final = 2e-6
 """Effort of an attempt's arrays, of a move without and with moves of words claimed, of a move with

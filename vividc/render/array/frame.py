@@ -107,8 +107,8 @@ class ArrayFrame:
     simulated
         [height, width] bool: pixels of those blocks; None: all.
     late
-        Loops whose mapping was given up by the clock (`Programs.late`): the cycles of these stages
-        may be fewer on an idle machine.
+        Programs whose mapping the clock ended (`Programs.late`): an idle machine may give other
+        words, and other cycles.
     """
 
     image: Float32Array

@@ -15,7 +15,6 @@ from typing import Final
 
 import vividc
 from vividc import kept
-from vividc.driver import STOPPED_BY_CLOCK, patient
 from vividc.errors import VividcWarning
 from vividc.render.errors import SceneError
 
@@ -24,6 +23,7 @@ _COMPILER: Final = ("arch", "dfg", "frontend", "gemm", "mapper", "planning", "pr
 """Rooms whose code decides what a kernel becomes."""
 _KIND: Final = "stage"
 
+_LATE: Final = "the clock ended the search for a mapping"
 _PATIENCE: Final = 10.0
 """Times the limit that the clock allows: on a busy machine the words are to be the same."""
 
@@ -79,7 +79,8 @@ class Programs:
         """What the clock cost: a line for each loaded program whose mapping it ended before the
         effort was spent. On a machine with less to do the program may be another.
         """
-        return tuple(text for program in self._loaded.values() for text in _late(program))
+        programs = self._loaded.values()
+        return tuple(f"{one.name}: {_LATE}" for one in programs if one.hurried)
 
     def _load(self, kernel: str, options: Options) -> vividc.Program:
         path, _, function = kernel.partition(":")
@@ -90,9 +91,8 @@ class Programs:
             return found
         self._say(f"compiling {kernel} (kept for the next time)")
         program = self._compile(file, function, options)
-        late = _late(program)
-        if late:
-            self._say(f"{late[0]}; not kept: it is compiled again the next time")
+        if program.hurried:
+            self._say(f"{kernel}: {_LATE}; not kept: it is compiled again")
         else:
             kept.write_program(_KIND, key, program)
         return program
@@ -107,7 +107,7 @@ class Programs:
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
-            with patient(_PATIENCE):
+            with vividc.patient(_PATIENCE):
                 compiled: vividc.Program = vividc.compile(
                     found,
                     self.machine,
@@ -176,7 +176,3 @@ def _source(file: Path) -> bytes:
         return file.read_bytes()
     except OSError as error:
         raise SceneError(f"cannot be read: {error.strerror}", loc=str(file)) from error
-
-
-def _late(program: vividc.Program) -> list[str]:
-    return [text for text in program.warnings if text == STOPPED_BY_CLOCK]
