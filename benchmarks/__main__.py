@@ -18,6 +18,7 @@ import click
 
 import vividc
 from benchmarks import (
+    PATIENCE,
     c_kernels,
     engines,
     formats,
@@ -64,10 +65,11 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
     loop = loop or (loops or program.regions)[-1]
     bounds = {bound.name: bound.ii for bound in loop.bounds}
     res = max(ii for name, ii in bounds.items() if name != "RecMII")
+    status = f"{loop.status}, by the clock" if program.hurried else loop.status
     lengths = "+".join(str(region.ii) for region in program.regions)
     return (
         f"| {workload.name} | {loop.operations} | {res} | {bounds.get('RecMII', 1)} | {loop.ii} "
-        f"| {loop.status} | {loop.utilization:.0%} | {lengths} | {compile_s:.1f} "
+        f"| {status} | {loop.utilization:.0%} | {lengths} | {compile_s:.1f} "
         f"| {result.cycles:,} | {written:,} | {written / result.cycles:.2f} | {done or '-'} "
         f"| {result.cycles / simulate_s:,.0f} |"
     )
@@ -179,6 +181,19 @@ def main(
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
+    with vividc.patient(PATIENCE):
+        _print_all(tables, fabrics, chosen, methods, sizes, time_limit, output)
+
+
+def _print_all(
+    tables: tuple[str, ...],
+    fabrics: tuple[str, ...],
+    chosen: tuple[str, ...],
+    methods: tuple[str, ...],
+    sizes: tuple[int, ...],
+    time_limit: float,
+    output: Path | None,
+) -> None:
     for table in tables:
         if table == GEMM:
             _print_own(GEMM, gemm.TITLE, [*gemm.NOTES, "", *gemm.rows()], output)

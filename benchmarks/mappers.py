@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Final
 
 import vividc
+from benchmarks import PATIENCE
 from vividc.arch import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError
@@ -167,7 +168,7 @@ def measured(graph: DFG, name: str, fabric: str, mapper: str, time_limit_s: floa
     child.start()
     theirs.close()
     row = about
-    if ours.poll(time_limit_s + _GRACE_S):
+    if ours.poll(PATIENCE * time_limit_s + _GRACE_S):
         try:
             row = ours.recv()
         except EOFError:
@@ -182,7 +183,8 @@ def measured(graph: DFG, name: str, fabric: str, mapper: str, time_limit_s: floa
 def _measure(pipe: Connection, about: Row, graph: DFG) -> None:
     fabric = vividc.arch.load(about.fabric)
     try:
-        result = map_dfg(graph, fabric, about.mapper, time_limit_s=about.time_limit_s)
+        with vividc.patient(PATIENCE):
+            result = map_dfg(graph, fabric, about.mapper, time_limit_s=about.time_limit_s)
         row = _row_of(about, result)
     except VividcError as error:
         bound = mii(all_bounds(MapProblem(graph, fabric)))

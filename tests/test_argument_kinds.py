@@ -57,6 +57,7 @@ CALLS: dict[str, Callable[[vividc.Program, Any], object]] = {
     "simulate observer": lambda p, v: vividc.simulate(p, numbers(), observer=v),
     "kernel": lambda p, v: vividc.kernel(v),
     "load": lambda p, v: vividc.load(v),
+    "patient": lambda p, v: vividc.patient(v).__enter__(),
     "save": lambda p, v: p.save(v),
     "arch.load": lambda p, v: vividc.arch.load(v),
     "dfg.load": lambda p, v: vividc.dfg.load(v),

@@ -106,6 +106,8 @@ def test_limits_inside_a_limit_share_its_effort(late: SimpleNamespace) -> None:
             part.charge(1.5)
         assert Deadline.after(1.0).at == pytest.approx(2.5)
         assert whole.remaining_s == pytest.approx(10.0 * deadline.EFFORT_SHARE - 1.5)
+        with limited(1000.0) as longer:
+            assert longer.remaining_s == whole.remaining_s
 
 
 def test_a_result_that_the_clock_stopped_says_so(

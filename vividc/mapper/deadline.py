@@ -12,8 +12,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
+
+from vividc.errors import VividcError, demand_type
 
 EFFORT_SHARE: Final = 0.8
 """Seconds of effort that a second of the user's limit buys; the rest is for slower machines."""
@@ -23,11 +25,12 @@ EFFORT_SHARE: Final = 0.8
 class Meter:
     """The effort that one compilation or search has spent, in seconds of a typical machine.
 
-    `guard_at`: when the clock ends it, in seconds of the monotonic clock; `hurried`: it has.
-    Charged on one thread only.
+    `guard_at`: when the clock ends it, in seconds of the monotonic clock; `hurried`: it has;
+    `most_s`: the effort that it may spend. Charged on one thread only.
     """
 
     guard_at: float
+    most_s: float
     spent_s: float = 0.0
     hurried: bool = False
 
@@ -38,6 +41,10 @@ class Meter:
     def pause(self, seconds: float) -> None:
         """Set the guard later, by time that is not the search's."""
         self.guard_at += seconds
+
+    def within(self, seconds: float) -> Deadline:
+        """The deadline `seconds` of effort from now, or at the end of what may be spent."""
+        return Deadline(min(self.most_s, self.spent_s + seconds), self)
 
     @property
     def guard_s(self) -> float:
@@ -67,8 +74,8 @@ class Deadline:
         meter = _current.get()
         if meter is None:
             guard_s = seconds / EFFORT_SHARE * _patience.get()
-            meter = Meter(time.monotonic() + guard_s)
-        return Deadline(meter.spent_s + seconds, meter)
+            meter = Meter(time.monotonic() + guard_s, seconds)
+        return meter.within(seconds)
 
     @property
     def remaining_s(self) -> float:
@@ -83,7 +90,7 @@ class Deadline:
 
     def within(self, seconds: float) -> Deadline:
         """The earlier of this deadline and `seconds` of effort from now."""
-        return Deadline(min(self.at, self.meter.spent_s + seconds), self.meter)
+        return replace(self, at=min(self.at, self.meter.spent_s + seconds))
 
     def charge(self, seconds: float) -> None:
         """Count effort that was spent."""
@@ -97,19 +104,32 @@ def limited(time_limit_s: float) -> Iterator[Deadline]:
     """
     meter = _current.get()
     if meter is not None:
-        yield Deadline(meter.spent_s + time_limit_s, meter)
+        yield meter.within(time_limit_s)
         return
-    meter = Meter(time.monotonic() + time_limit_s * _patience.get())
+    effort_s = time_limit_s * EFFORT_SHARE
+    meter = Meter(time.monotonic() + time_limit_s * _patience.get(), effort_s)
     token = _current.set(meter)
     try:
-        yield Deadline(time_limit_s * EFFORT_SHARE, meter)
+        yield meter.within(effort_s)
     finally:
         _current.reset(token)
 
 
 @contextmanager
 def patient(times: float) -> Iterator[None]:
-    """Have the clock allow so many times the limit inside; the effort stays the same."""
+    """Have the clock allow so many times the time limit of what is compiled or mapped inside.
+
+    The effort that a limit buys stays the same, and so does what it finds where the clock does not
+    end it: a benchmark in it gives the same figures beside other work (`docs/mappers.md`).
+
+    Raises
+    ------
+    VividcError
+        `times` is no positive number.
+    """
+    demand_type(times, (int, float), "the patience", "give how many times the limit it may take")
+    if not times > 0:
+        raise VividcError(f"the patience must be positive, not {times}", loc="times")
     token = _patience.set(times)
     try:
         yield
