@@ -12,8 +12,7 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc.dfg.parallel_loop import cut_parallel_loop
-from vividc.errors import ArgumentError, KernelError, VividcWarning
+from vividc.errors import ArgumentError, VividcWarning
 from vividc.launch import SpreadOptions, spread
 
 
@@ -345,93 +344,6 @@ def test_a_table_that_does_not_fit_is_refused_with_its_size(programs: Any) -> No
 def test_a_row_that_does_not_fit_is_refused(programs: Any) -> None:
     with pytest.raises(ArgumentError, match="1 iteration of the loop over prange need"):
         vividc.simulate(programs(laplace), floats(10, 9000), floats(10, 9000), fabric="vivid")
-
-
-@vividc.kernel("void(int32[::1], int32[::1])")
-def scan(x, y):
-    total = np.int32(0)
-    for i in prange(len(x)):
-        total += x[i]
-        y[i] = total
-
-
-@vividc.kernel("int32(int32[::1])")
-def reset(x):
-    total = np.int32(0)
-    for i in prange(len(x)):
-        total += x[i]
-        if x[i] == 0:
-            total = np.int32(0)
-    return total
-
-
-@vividc.kernel("int64(int32[::1])")
-def doubling(x):
-    total = 1
-    for i in prange(len(x)):
-        total += total + x[i]
-    return total
-
-
-@vividc.kernel("int64(int32[::1])")
-def wide_scan(x):
-    total = 0
-    for i in prange(len(x)):
-        total += x[i]
-        x[i] = total
-    return total
-
-
-@vividc.kernel("float32(float32[::1])")
-def mean(x):
-    total = np.float32(0)
-    for i in prange(len(x)):
-        total += x[i]
-    return total / np.float32(len(x))
-
-
-@vividc.kernel("void(int32[::1], int32[::1])")
-def early(x, y):
-    for i in prange(len(x)):
-        if x[i] < 0:
-            break
-        y[i] = x[i]
-
-
-@vividc.kernel("void(int32[::1], int32[::1])")
-def two_loops(x, y):
-    for i in prange(len(x)):
-        y[i] = x[i]
-    for i in prange(len(x)):
-        y[i] += 1
-
-
-@vividc.kernel("void(int32[::1], int32[::1])")
-def unknown_bound(x, y):
-    for i in prange(x[0]):
-        y[i] = 1
-
-
-@pytest.mark.parametrize(
-    ("kernel", "says"),
-    [
-        (scan, "what an earlier one computed"),
-        (reset, "what an earlier one computed"),
-        (doubling, "what an earlier one computed"),
-        (wide_scan, "what an earlier one computed"),
-        (mean, "used after it"),
-        (early, "left early"),
-        (two_loops, "a second loop over prange"),
-        (unknown_bound, "computed from the kernel's arguments"),
-    ],
-    ids=lambda item: getattr(item, "name", ""),
-)
-def test_what_cannot_be_spread_is_told_with_its_line(kernel: Any, says: str) -> None:
-    function, parallel = kernel.lower(spread=True), kernel.prange_lines
-    with pytest.raises(KernelError, match=says) as error:
-        cut_parallel_loop(function, parallel)
-    assert "test_prange.py:" in str(error.value)
-    assert error.value.hint
 
 
 @pytest.mark.slow

@@ -12,7 +12,8 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc.errors import VividcWarning
+from vividc.dfg.parallel_loop import cut_parallel_loop
+from vividc.errors import KernelError, VividcWarning
 
 
 @vividc.kernel("float32(float32[::1])")
@@ -160,9 +161,86 @@ def store_outside(y, n, m):
     return y[n - 1]
 
 
+@vividc.kernel("void(int32[::1], int32[::1])")
+def histogram_of_its_own(x, y):
+    h = np.zeros(8, np.int32)
+    for i in prange(len(x)):
+        h[x[i] & 7] += 1
+    for j in range(8):
+        y[j] = h[j]
+
+
+@vividc.kernel("boolean(int32[::1])")
+def flag(x):
+    seen = np.zeros(1, np.bool_)
+    for i in prange(len(x)):
+        if x[i] == 33:
+            seen[0] = True
+    return seen[0]
+
+
+@vividc.kernel("int32(int32[::1])")
+def last_value(x):
+    s = np.int32(0)
+    for i in prange(len(x)):
+        s = x[i]
+    return s
+
+
+@vividc.kernel("int32(int32[::1])")
+def last_index(x):
+    i = np.int32(0)
+    for j in prange(len(x)):
+        x[j] += 1
+        i = np.int32(j)
+    return i
+
+
+@vividc.kernel("void(int8[::1], int8[::1])")
+def bytes_at_borders(x, y):
+    for i in prange(1, len(x) - 1):
+        if x[i] % 3:
+            y[i] = x[i]
+
+
+@vividc.kernel("void(boolean[::1], int32[::1])")
+def flags_at_borders(y, x):
+    for i in prange(len(x)):
+        y[i] = x[i] % 5 == 0
+
+
+@vividc.kernel("void(uint8[::1], int32[::1])")
+def bytes_backwards(y, x):
+    for i in prange(len(x)):
+        y[300 - i] = x[i] & 255
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[::1])")
+def gather(p, x, y):
+    for i in prange(len(p)):
+        y[i] = x[p[i]]
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[::1])")
+def scatter(p, x, y):
+    for i in prange(len(p)):
+        y[p[i]] = x[i]
+
+
+@vividc.kernel("void(int16[:, ::1], int16[:, ::1])")
+def rows_of_halves(x, y):
+    for i in prange(64):
+        for j in range(9):
+            y[i, j] = x[63 - i, j + 1]
+
+
 X = np.arange(3, 43, dtype=np.int32)
 PAIR = (X, np.full(40, 9, np.int32))
 TWO = ((X, 40, 2), (X, 40, 5))
+PLACES = np.arange(40, dtype=np.int32)[::-1].copy()
+BYTES = np.arange(101, dtype=np.int8)
+LONG = np.arange(300, dtype=np.int32)
+HALVES = np.arange(640, dtype=np.int16).reshape(64, 10)
 CASES: list[tuple[Any, bool, tuple[tuple[Any, ...], ...]]] = [
     (read_after, False, ((np.arange(1, 33, dtype=np.float32),),)),
     (counts, False, (PAIR,)),
@@ -182,6 +260,16 @@ CASES: list[tuple[Any, bool, tuple[tuple[Any, ...], ...]]] = [
     (bound_of_a_quotient_of_two, True, ((X, 40, 0), (X, 40, 2))),
     (in_a_while, True, TWO),
     (store_outside, False, TWO),
+    (histogram_of_its_own, False, (PAIR,)),
+    (flag, False, ((X,), (X + 40,))),
+    (last_value, False, ((X,),)),
+    (last_index, False, ((X,),)),
+    (bytes_at_borders, True, ((BYTES, np.ones(101, np.int8)),)),
+    (flags_at_borders, True, ((np.ones(101, np.bool_), LONG[:101]),)),
+    (bytes_backwards, True, ((np.full(301, 5, np.uint8), LONG),)),
+    (gather, True, ((PLACES, X, np.zeros(40, np.int32)),)),
+    (scatter, False, ((PLACES, X, np.zeros(40, np.int32)),)),
+    (rows_of_halves, True, ((HALVES, np.zeros((64, 10), np.int16)),)),
 ]
 
 
@@ -205,3 +293,90 @@ def test_all_tiles_do_what_numba_does(kernel: Any, is_spread: bool, launches: An
     lines = [str(w.message) for w in told if issubclass(w.category, VividcWarning)]
     assert any("runs on one tile only" in text for text in lines) is not is_spread
     assert all("test_prange_proof.py:" in text for text in lines)
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def scan(x, y):
+    total = np.int32(0)
+    for i in prange(len(x)):
+        total += x[i]
+        y[i] = total
+
+
+@vividc.kernel("int32(int32[::1])")
+def reset(x):
+    total = np.int32(0)
+    for i in prange(len(x)):
+        total += x[i]
+        if x[i] == 0:
+            total = np.int32(0)
+    return total
+
+
+@vividc.kernel("int64(int32[::1])")
+def doubling(x):
+    total = 1
+    for i in prange(len(x)):
+        total += total + x[i]
+    return total
+
+
+@vividc.kernel("int64(int32[::1])")
+def wide_scan(x):
+    total = 0
+    for i in prange(len(x)):
+        total += x[i]
+        x[i] = total
+    return total
+
+
+@vividc.kernel("float32(float32[::1])")
+def mean(x):
+    total = np.float32(0)
+    for i in prange(len(x)):
+        total += x[i]
+    return total / np.float32(len(x))
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def early(x, y):
+    for i in prange(len(x)):
+        if x[i] < 0:
+            break
+        y[i] = x[i]
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def two_loops(x, y):
+    for i in prange(len(x)):
+        y[i] = x[i]
+    for i in prange(len(x)):
+        y[i] += 1
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def unknown_bound(x, y):
+    for i in prange(x[0]):
+        y[i] = 1
+
+
+@pytest.mark.parametrize(
+    ("kernel", "says"),
+    [
+        (scan, "what an earlier one computed"),
+        (reset, "what an earlier one computed"),
+        (doubling, "what an earlier one computed"),
+        (wide_scan, "what an earlier one computed"),
+        (mean, "used after it"),
+        (early, "left early"),
+        (two_loops, "a second loop over prange"),
+        (unknown_bound, "computed from the kernel's arguments"),
+    ],
+    ids=lambda item: getattr(item, "name", ""),
+)
+def test_what_cannot_be_spread_is_told_with_its_line(kernel: Any, says: str) -> None:
+    function, parallel = kernel.lower(spread=True), kernel.prange_lines
+    with pytest.raises(KernelError, match=says) as error:
+        cut_parallel_loop(function, parallel)
+    assert "test_prange_proof.py:" in str(error.value)
+    assert error.value.hint

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.extending import register_jitable
 
 FLOOR_PREFIX = "vividc.floor "
 """Callees that divide as Python does: with "sdiv", "srem", "udiv" or "urem" of i64; by zero 0."""
@@ -35,6 +36,7 @@ _INTEGERS = "bBhHiIlLqQ"
 """NumPy's letters."""
 
 Lowering = Callable[..., Any]
+_helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
 
 
 def integer_operator(context: Any, fn: Any, sig: Any, general: Lowering) -> Lowering:
@@ -136,11 +138,7 @@ def _float_power(sig: Any) -> Callable[[Any, Any], Any]:
         left = -exponent if exponent < 0 else exponent
         if left < 0 or left > _LARGEST_COUNTED:
             return math.pow(factor, type_(exponent))
-        while left != 0:
-            if left & 1:
-                result *= factor
-            left >>= 1
-            factor *= factor
+        result = _times_power(result, factor, left)
         return np.divide(type_(1), result) if exponent < 0 else result
 
     return power
@@ -164,11 +162,17 @@ def _power_function(sig: Any) -> Callable[[int, int], int]:
             if factor == 1:
                 return result
             return type_(1 - 2 * (exponent & 1)) if factor == -1 else type_(0)
-        while exponent != 0:
-            if exponent & 1:
-                result *= factor
-            exponent >>= 1
-            factor *= factor
-        return result
+        return _times_power(result, factor, exponent)
 
     return power
+
+
+@_helper
+def _times_power(result: Any, factor: Any, exponent: Any) -> Any:
+    """`result` times a power of `factor` whose exponent is not negative."""
+    while exponent != 0:
+        if exponent & 1:
+            result *= factor
+        exponent >>= 1
+        factor *= factor
+    return result
