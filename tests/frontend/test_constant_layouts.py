@@ -1,4 +1,4 @@
-"""Constant arrays of any layout, powers of integers, and arrays of tuples: what numba gets."""
+"""Constant arrays of any layout, and powers of integers: what numba gets."""
 
 from __future__ import annotations
 
@@ -140,49 +140,6 @@ def test_operators_in_place() -> None:
     program(*expected)
     interpreted(Construct(program, (), False), found)
     np.testing.assert_array_equal(found[0], expected[0])
-
-
-@pytest.mark.parametrize(
-    "items", ["a,a,b", "0,0,a", "a,a,b,c", "a,b,a", "a,b,b,c,c", "c,c,c,c,c,a,a"]
-)
-def test_an_array_of_a_tuple_has_its_elements(items: str) -> None:
-    """LLVM makes a switch over the index of an integer of few bits."""
-    names = items.replace("0", "np.float32(0)")
-    scope: dict[str, object] = {"np": np}
-    exec(  # the tuple is part of the program
-        f"def program(a, b, c, o):\n"
-        f" t = np.array(({names}))\n"
-        f" for i in range(len(t)):\n"
-        f"  o[i] = t[i]",
-        scope,
-    )
-    signature = "void(float32, float32, float32, float32[::1])"
-    kernel = KernelFunction(scope["program"], signature, None)  # type: ignore[arg-type]
-    numbers = np.float32(1), np.float32(2), np.float32(3)
-    expected, found = np.zeros(8, np.float32), np.zeros(8, np.float32)
-    kernel(*numbers, expected)
-    interpreted(Construct(kernel, (), False), (*numbers, found))
-    np.testing.assert_array_equal(found, expected)
-
-
-def from_elements(x, o):
-    o[:] = np.array((x[0], x[1], x[2], x[3]), np.float32)
-
-
-def nested(x, o):
-    t = np.array(((1.0, 0.0), (0.0, x[1])))
-    for i in range(4):
-        o[i] = np.float32(t[i >> 1, i & 1])
-
-
-@pytest.mark.parametrize("kernel", [from_elements, nested])
-def test_an_array_of_loaded_elements(kernel: Callable[..., None]) -> None:
-    program = KernelFunction(kernel, "void(float32[::1], float32[::1])", None)
-    x = np.arange(1, 5, dtype=np.float32)
-    expected, found = np.zeros(4, np.float32), np.zeros(4, np.float32)
-    program(x, expected)
-    interpreted(Construct(program, (), False), (x, found))
-    np.testing.assert_array_equal(found, expected)
 
 
 def returned_after_its_high_bits(i, j, out):

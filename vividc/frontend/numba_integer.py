@@ -41,7 +41,7 @@ _helper: Callable[[Callable[..., Any]], Callable[..., Any]] = register_jitable
 
 def integer_operator(context: Any, fn: Any, sig: Any, general: Lowering) -> Lowering:
     """Our lowering of an operator on integers; `general`, numba's, where we have none."""
-    key = getattr(fn, "typing_key", None)
+    key = getattr(fn, "typing_key", fn)
     if key in _POWERS and _is_integer_power(sig.args):
         return functools.partial(_power, context, sig, general)
     if key in _DIVISIONS and all(isinstance(arg, types.Integer) for arg in sig.args):

@@ -280,7 +280,7 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
         iteration = _RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
         if iteration is not None:
             return functools.partial(iteration, self, sig)
-        operation = getattr(fn, "typing_key", None)
+        operation = getattr(fn, "typing_key", fn)  # numba's own lowering asks for operators
         division = real_division(operation, sig.args)
         if division is not None:
             return functools.partial(division, self, sig)
