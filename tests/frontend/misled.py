@@ -8,7 +8,7 @@ from tests.frontend.mistake_registry import mistake
 
 @numba.njit
 def even(n):
-    return 1 if n == 0 else odd(n - 1)
+    return 1 if n == 0 else odd(n - 1)  # here: recursion
 
 
 @numba.njit
@@ -41,7 +41,7 @@ def argsort_as_a_method(x, n):
     x[0] = order[n]
 
 
-@mistake(r"`np\.unique` cannot run", "allocate as many")
+@mistake(r"`np\.unique` cannot run", "np.sort")
 def unique(x, n):
     found = np.unique(x)  # here
     x[0] = found[n]
@@ -58,7 +58,7 @@ def median(x, n):
     x[n] = np.median(x)  # here
 
 
-@mistake(r"`np\.nonzero` cannot run", "allocate as many")
+@mistake(r"`np\.nonzero` cannot run", "np.zeros")
 def nonzero(x, n):
     found = np.nonzero(x)  # here
     x[0] = found[0][n]
@@ -69,7 +69,7 @@ def isin(x, n):
     x[n] = np.isin(x, x)[0]  # here
 
 
-@mistake(r"numba has no `np\.tile`", "loops")
+@mistake(r"numba has no `np\.tile`", "fill it in a loop")
 def tile(x, n):
     x[n] = np.tile(x, 2)[0]  # here
 
@@ -81,16 +81,16 @@ def maps(x, n):
 
 
 @mistake("recursive call", "stack")
-def mutual_recursion(x, n):  # here: any
+def mutual_recursion(x, n):  # see: recursion
     x[0] = even(n)
 
 
 @mistake("function", "if and elif")
-def function_of_a_tuple(x, n):  # here: any
-    x[0] = FUNCTIONS[0](x[n])
+def function_of_a_tuple(x, n):
+    x[0] = FUNCTIONS[0](x[n])  # here
 
 
-@mistake("the function square", "if and elif")
+@mistake("the functions square and cube", "if and elif")
 def function_picked(x, n):
     for i in range(n):
         x[i] = FUNCTIONS[i](x[i])  # here

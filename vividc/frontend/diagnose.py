@@ -9,22 +9,25 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.kernel_source import AnyFunction, KernelSource, source_of
 from vividc.frontend.lang_formats import MISUSE
-from vividc.frontend.numpy_refused import refused_calls
+from vividc.frontend.numba_words import lines_passed
+from vividc.frontend.numpy_refused import refused_calls, refused_on
+from vividc.frontend.refusals import Refusal, in_words
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;]*m")
 _PLACE = re.compile(r'File "(?P<file>[^"]+)", line (?P<line>\d+)')
+_AT = re.compile(r" at (?P<file>/\S+) \((?P<line>\d+)\)")
 _UNTYPED = re.compile(r"Untyped global name '(?P<name>\w+)'.*?(?:<class '(?P<kind>[\w.]+)'>|$)")
 _UNDEFINED = re.compile(r"name '(?P<name>\w+)' is not defined")
-_FROZEN = re.compile(r"assigned to variable '(?P<name>\w+)' in globals")
-_UNKNOWN = re.compile(r">>> (?P<call>.+)")
+_TRY = re.compile("exception_match|`try` cannot run")
+_TYPED = re.compile(r">>> (?P<name>[\w.]+)\(")
 _MISUSE = re.compile(rf"\b{MISUSE}(?P<what>.+)")
-_ADDRESS = re.compile(r" at 0x[0-9a-f]+")
 
 _FLAG = "the array has no exceptions: return or store a flag instead"
 _ARRAY = "use an array, np.zeros(16, np.float32), or a tuple of constants"
@@ -47,6 +50,7 @@ _NODES: dict[type[ast.AST], _Rule] = {
     ),
     ast.GeneratorExp: _Rule("a generator expression", "write a loop"),
     ast.JoinedStr: _Rule("a string", "strings are for the host: use integers"),
+    ast.Assert: _Rule("`assert`", "test the condition on the host, or return a flag"),
     ast.Try: _Rule("`try`", "the array has no exceptions: test the condition beforehand"),
     ast.Raise: _Rule("`raise`", _FLAG),
     ast.With: _Rule("`with`", "resources are for the host: open and close them around the kernel"),
@@ -75,8 +79,29 @@ _CALLS = {
     "dict": _Rule("a dict", "use an array, with the keys as indices"),
     "set": _Rule("a set", "use an array of flags, np.zeros(64, np.bool_)"),
     "list": _Rule("a list", _ARRAY),
-    "str": _Rule("a string", "strings are for the host: use integers"),
+    **dict.fromkeys(
+        ("str", "chr", "ord", "repr", "format"),
+        _Rule("a string", "strings are for the host: use integers"),
+    ),
     "complex": _Rule("a complex number", "use two floats"),
+    **{
+        name: _Rule(f"`{name}`", "names and code are for the host: write what it would compute")
+        for name in ("eval", "exec", "globals", "locals", "vars", "super", "compile")
+    },
+    **{
+        name: _Rule(f"`{name}`", "the signature fixes all types")
+        for name in ("type", "callable", "issubclass")
+    },
+    **{
+        name: _Rule(f"`{name}`", "objects are for the host: pass numbers and arrays")
+        for name in ("id", "object", "memoryview", "iter", "next")
+    },
+    **dict.fromkeys(
+        ("frozenset",), _Rule("a set", "use an array of flags, np.zeros(64, np.bool_)")
+    ),
+    "bytearray": _Rule("`bytearray`", "use an array: np.zeros(16, np.uint8)"),
+    "any": _Rule("`any` of Python", "of an array, (x > 0).any(); else write the loop"),
+    "all": _Rule("`all` of Python", "of an array, (x > 0).all(); else write the loop"),
 }
 _ENDLESS = (_CALLS["map"], _CALLS["filter"], _NODES[ast.Yield], _NODES[ast.GeneratorExp])
 """What numba makes loops of that seem to have no end."""
@@ -94,6 +119,10 @@ _RAISES = (
     ("total size of new array", "index with i * columns + j instead"),
     ("axis", "name an axis that the array has"),
     ("division", "test the divisor before"),
+    ("truth value", "ask for one element, x[0] > 0, or for some, (x > 0).any()"),
+    ("None", "give the variable a number on every way"),
+    ("tuple index", "index by constants, or choose by if and elif"),
+    ("item()", "take an element: x[0]"),
     ("AssertionError", "test the condition on the host, or return a flag"),
 )
 
@@ -122,8 +151,27 @@ def diagnose(error: Exception, loc: SourceLoc, name: str) -> KernelError:
         Name of the kernel's Python function.
     """
     text = _ESCAPE.sub("", str(error))
-    lines = _lines_named(text, loc)
+    source = source_of(loc, name)
+    lines = _lines_named(error, text, loc, source)
     place = SourceLoc(loc.file, lines[-1]) if lines else loc
+    told = _named(text, place, loc, source)
+    if told is not None:
+        return told
+    findings = [f for f in _findings(source, lines) if not _is_beside(f, text, source)]
+    findings.sort(key=lambda f: (f.line not in lines, f.line))
+    precise = bool(lines) and source is not None and source.is_statement(lines[-1])
+    if findings and (findings[0].line in lines or not precise):
+        return _refusal(loc.file, findings[0])
+    global_ = _UNTYPED.search(text)
+    if global_ is not None:
+        return _of_global(global_["name"], global_["kind"] or "", place)
+    return in_words(Refusal(text, type(error).__name__, place.line, source), place)
+
+
+def _named(
+    text: str, place: SourceLoc, loc: SourceLoc, source: KernelSource | None
+) -> KernelError | None:
+    """The error where numba's words name what it is about."""
     global_ = _UNTYPED.search(text)
     if global_ is not None and not hasattr(builtins, global_["name"]):
         return _of_global(global_["name"], global_["kind"] or "", place)
@@ -133,13 +181,11 @@ def diagnose(error: Exception, loc: SourceLoc, name: str) -> KernelError:
         return KernelError(reason, loc=place, hint=hint or None)
     unknown = _UNDEFINED.search(text)
     if unknown is not None:
-        return _of_undefined(unknown["name"], loc, name)
-    findings = sorted(_findings(loc, name, lines), key=lambda f: (f.line not in lines, f.line))
-    if findings and (findings[0].line in lines or not _is_precise(loc, lines)):
-        return _refusal(loc.file, findings[0])
-    if global_ is not None:
-        return _of_global(global_["name"], global_["kind"] or "", place)
-    return _in_numbas_words(text, type(error).__name__, place)
+        return _of_undefined(unknown["name"], loc, source)
+    trying = None if source is None or not _TRY.search(text) else source.trying(place.line)
+    if trying is not None:
+        return _refusal(loc.file, _Finding(trying.lineno, _NODES[ast.Try]))
+    return None
 
 
 def construct_at(loc: SourceLoc, name: str, line: int | None = None) -> KernelError | None:
@@ -150,8 +196,17 @@ def construct_at(loc: SourceLoc, name: str, line: int | None = None) -> KernelEr
     loc, name
         As for `diagnose`.
     """
-    findings = [f for f in _findings(loc, name, []) if line is None or f.line == line]
+    found = _findings(source_of(loc, name), [])
+    findings = [f for f in found if line is None or f.line == line]
     return _refusal(loc.file, min(findings, key=lambda f: f.line)) if findings else None
+
+
+def returned_at(loc: SourceLoc, name: str) -> SourceLoc:
+    """Where the kernel returns a value first; its own place if nowhere."""
+    source = source_of(loc, name)
+    nodes = () if source is None or source.kernel is None else ast.walk(source.kernel)
+    lines = [n.lineno for n in nodes if isinstance(n, ast.Return) and n.value is not None]
+    return SourceLoc(loc.file, min(lines)) if lines else loc
 
 
 def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
@@ -164,19 +219,55 @@ def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
     loc, name
         As for `diagnose`.
     """
+    source = source_of(loc, name)
     if "never ends" in error.reason:
-        found = (f for f in _findings(loc, name, []) if f.rule in _ENDLESS)
+        found = (f for f in _findings(source, []) if f.rule in _ENDLESS)
         return next((_refusal(loc.file, finding) for finding in found), None)
-    if not isinstance(error.loc, SourceLoc) or error.loc.file != loc.file:
+    if source is None or not isinstance(error.loc, SourceLoc) or error.loc.file != loc.file:
         return None
     line = error.loc.line
-    findings = [f for f in _findings(loc, name, [line]) if f.line == line]
-    if "call" not in error.reason:
-        tree = _parsed(loc.file)
-        called = {} if tree is None else {w: h for at, w, h in refused_calls(tree) if at == line}
-        hidden = any(text in error.reason for text in ("can raise", "not known at launch"))
-        findings = [f for f in findings if hidden and f.rule.what in called]
-    return _refusal(loc.file, findings[0]) if findings else None
+    findings = [f for f in _findings(source, [line]) if f.line == line]
+    calls = source.calls_on(line)
+    if "call" in error.reason:
+        return _refusal(loc.file, findings[0]) if findings else _of_call(error, calls)
+    if not any(text in error.reason for text in _HIDDEN):
+        return None
+    called = {what for at, what, _ in refused_calls(source.tree) if at == line}
+    findings = [f for f in findings if f.rule.what in called]
+    findings += [_Finding(line, _Rule(what, hint)) for what, hint in refused_on(calls)]
+    if findings:
+        return _refusal(loc.file, findings[0])
+    return _of_unpacking(error, source, line)
+
+
+_HIDDEN = ("can raise", "not known at launch", "kept for the next", "local array or tuple")
+"""What is said of numba's code where a user wrote a call."""
+
+
+def _of_call(error: KernelError, calls: list[ast.Call]) -> KernelError | None:
+    """A call of numba's, by the name of the only call on its line that leads to one."""
+    names = [
+        ast.unparse(call.func)
+        for call in calls
+        if isinstance(call.func, ast.Attribute) and not call.func.attr.startswith(_CASTS)
+    ]
+    if len(names) != 1:
+        return None
+    return KernelError(f"`{names[0]}` cannot run on the array", loc=error.loc, hint=error.hint)
+
+
+_CASTS = ("int", "uint", "float", "bool")
+
+
+def _of_unpacking(error: KernelError, source: KernelSource, line: int) -> KernelError | None:
+    """An array that is unpacked like a tuple."""
+    statements = (n for n in source.on_line(line) if isinstance(n, ast.Assign))
+    if not error.reason.endswith("can raise ValueError") or not any(
+        isinstance(target, ast.Tuple | ast.List) for n in statements for target in n.targets
+    ):
+        return None
+    hint = "take its elements by index: a = x[0]; b = x[1]"
+    return KernelError("an array that is unpacked into variables", loc=error.loc, hint=hint)
 
 
 def _refusal(file: str, finding: _Finding) -> KernelError:
@@ -184,86 +275,58 @@ def _refusal(file: str, finding: _Finding) -> KernelError:
     return KernelError(reason, loc=SourceLoc(file, finding.line), hint=finding.rule.hint)
 
 
-def _of_undefined(unknown: str, loc: SourceLoc, name: str) -> KernelError:
-    tree = _parsed(loc.file)
-    nodes = () if tree is None else ast.walk(_kernel_in(tree, loc, name) or tree)
+def _of_undefined(unknown: str, loc: SourceLoc, source: KernelSource | None) -> KernelError:
+    nodes = () if source is None else ast.walk(source.kernel or source.tree)
     lines = [n.lineno for n in nodes if isinstance(n, ast.Name) and n.id == unknown]
     place = SourceLoc(loc.file, min(lines)) if lines else loc
     return KernelError(f"`{unknown}` is not defined", loc=place, hint="define or import it")
 
 
-def _lines_named(text: str, loc: SourceLoc) -> list[int]:
-    """Lines of the kernel's file that numba names: its messages go from the outer to the inner
-    fault.
+def _lines_named(
+    error: Exception, text: str, loc: SourceLoc, source: KernelSource | None
+) -> list[int]:
+    """Lines of the kernel's file that numba names, from the outer to the inner fault: its messages
+    go so; if they name none, notes of what it was doing, or the code it was at, do.
     """
-    return [
+    shown = [
         int(match["line"])
         for match in _PLACE.finditer(text)
         if loc.file.endswith(match["file"].lstrip("./"))
     ]
+    if shown and (source is None or source.is_statement(shown[-1])):
+        return shown
+    noted = [int(m["line"]) for m in _AT.finditer(text) if m["file"] == loc.file]
+    passed = noted or lines_passed(error.__traceback__, loc.file)
+    if source is not None:
+        head = loc.line if source.kernel is None else source.kernel.lineno
+        exact = [line for line in passed if source.is_statement(line)]
+        passed = exact or [line for line in passed if not loc.line <= line <= head]
+    return [*shown, *reversed(passed)] if passed else shown
 
 
-def _is_precise(loc: SourceLoc, lines: list[int]) -> bool:
-    """Whether numba's last line is that of a statement: it names the head for want of a better."""
-    if not lines:
+def _is_beside(finding: _Finding, text: str, source: KernelSource | None) -> bool:
+    """Whether numba fails on a call beside a string, which is an argument or stands elsewhere."""
+    typed = _TYPED.search(text)
+    if finding.rule is not _STRING or source is None:
         return False
-    tree = _parsed(loc.file)
-    heads = () if tree is None else (n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef))
-    return all(
-        not min([n.lineno, *(d.lineno for d in n.decorator_list)]) <= lines[-1] < n.body[0].lineno
-        for n in heads
+    if typed is None:
+        return "NumPy function" in text or "Unknown attribute" in text or "has no attr" in text
+    name = typed["name"].rpartition(".")[2]
+    return any(
+        isinstance(call.func, ast.Attribute) and call.func.attr == name
+        for call in source.calls_on(finding.line)
     )
 
 
-def _findings(loc: SourceLoc, name: str, lines: list[int]) -> Iterator[_Finding]:
+def _findings(source: KernelSource | None, lines: list[int]) -> Iterator[_Finding]:
     """What the kernel, the functions it calls by name and those around `lines` have that no array
     runs.
     """
-    tree = _parsed(loc.file)
-    if tree is None:
-        return
-    functions = [node for node in ast.walk(tree) if isinstance(node, _FUNCTIONS)]
-    kernel = _kernel_in(tree, loc, name)
-    reached = [] if kernel is None else [kernel]
-    reached += [node for node in functions if any(line in _span(node) for line in lines)]
-    for function in reached:  # grows as it goes
-        called = {
-            node.func.id
-            for node in ast.walk(function)
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-        }
-        reached += [f for f in functions if f.name in called and f not in reached]
-    for function in dict.fromkeys(reached):
+    for function in () if source is None else source.reached(lines):
         yield from _in_function(function)
 
 
-_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
-_AnyFunction = ast.FunctionDef | ast.AsyncFunctionDef
-
-
-def _span(function: _AnyFunction) -> range:
-    """Lines of a function, its decorators included."""
-    first = min([function.lineno, *(d.lineno for d in function.decorator_list)])
-    return range(first, (function.end_lineno or function.lineno) + 1)
-
-
-def _kernel_in(tree: ast.Module, loc: SourceLoc, name: str) -> _AnyFunction | None:
-    """The definition of the kernel."""
-    for node in ast.walk(tree):
-        if isinstance(node, _FUNCTIONS) and node.name == name and loc.line in _span(node):
-            return node
-    return None
-
-
-def _parsed(file: str) -> ast.Module | None:
-    try:
-        with open(file, encoding="utf-8") as source:
-            return ast.parse(source.read())
-    except (OSError, SyntaxError, ValueError):
-        return None
-
-
-def _in_function(function: _AnyFunction) -> Iterator[_Finding]:
+def _in_function(function: AnyFunction) -> Iterator[_Finding]:
     if isinstance(function, ast.AsyncFunctionDef):
         yield _Finding(function.lineno, _NODES[ast.Await])
     body = function.body[1:] if ast.get_docstring(function) is not None else function.body
@@ -289,17 +352,27 @@ def _of_expression(node: ast.AST, function: str) -> _Rule | None:
     return None
 
 
+_PLAIN_FUNCTION = (
+    "is a plain Python function",
+    "decorate it with @numba.njit, or with @vividc.kernel and a signature",
+)
+_ELEMENTWISE = "decorate it with @numba.njit, and call it for each element in a loop"
+_KINDS = {
+    "function": _PLAIN_FUNCTION,
+    "_lru_cache_wrapper": _PLAIN_FUNCTION,
+    "": ("is not known here", "pass it as a parameter"),
+    "DUFunc": ("is made by @numba.vectorize", _ELEMENTWISE),
+    "GUFunc": ("is made by @numba.guvectorize", _ELEMENTWISE),
+    "StencilFunc": ("is made by @numba.stencil", "write the loop over the elements"),
+    "JitClassType": ("is a class", "use scalars and arrays, one for each field"),
+}
+
+
 def _of_global(name: str, kind: str, place: SourceLoc) -> KernelError:
-    what, hint = {
-        "function": (
-            "is a plain Python function",
-            "decorate it with @numba.njit, or with @vividc.kernel and a signature",
-        ),
-        "": ("is not known here", "pass it as a parameter"),
-    }.get(
-        kind,
+    what, hint = _KINDS.get(
+        kind.rpartition(".")[2],
         (
-            f"is a {kind}",
+            f"is a {kind.rpartition('.')[2]}",
             "pass arrays and scalars as parameters; constants may be numbers, "
             "tuples of them, and arrays",
         ),
@@ -307,123 +380,3 @@ def _of_global(name: str, kind: str, place: SourceLoc) -> KernelError:
     if hasattr(builtins, name):
         what, hint = "is not known to numba", "write it with loops and arithmetic"
     return KernelError(f"`{name}` {what}, which a kernel cannot use", loc=place, hint=hint)
-
-
-def _frozen(text: str) -> str:
-    match = _FROZEN.search(text)
-    name = "a global" if match is None else f"`{match['name']}`"
-    return f"{name} is no number, tuple or array, which a kernel could read"
-
-
-_WORDS: tuple[tuple[str, Callable[[str], str], str], ...] = (
-    (
-        "recursi|re-entrant",
-        lambda _: "a recursive call cannot run on the array",
-        "use a loop, with an array as its stack",
-    ),
-    (
-        "not supported as globals",
-        _frozen,
-        "make it a tuple of numbers, or an array",
-    ),
-    (
-        "scipy",
-        lambda _: "numba's linear algebra cannot run on the array",
-        "write the loops over rows and columns",
-    ),
-    (
-        "Cannot modify readonly",
-        lambda _: "a write to a global array, which is a constant",
-        "pass the array as a parameter",
-    ),
-    (
-        "NRT required",
-        lambda _: "memory that numba would take from the host's heap",
-        "use an array of the kernel's own, np.zeros(16, np.float32), and loops over its elements",
-    ),
-    (
-        r"no attribute 'Literal\[int\]",
-        lambda _: "a numpy function whose errors name a number (cumsum along an axis is one)",
-        "write the loops over the elements",
-    ),
-    (
-        r"setitem.*lang\.\w+",
-        lambda _: "a number stored into an array of another format",
-        "cast it to the array's: lang.fp16(value) to float16, np.float32(value) to float32",
-    ),
-    (
-        r"Cannot unify .*lang\.\w+|lang\.\w+ cannot be represented",
-        lambda _: "a variable that holds numbers of two formats",
-        "cast where it is assigned, so that it has one format everywhere",
-    ),
-    (
-        r">>> .*lang\.\w+",
-        lambda text: f"numba has no `{_call(text)}`",
-        "numbers of 16 and 8 bits have +, -, * and comparisons, one by one: np.float32(x) has all",
-    ),
-    (
-        r"^float16$",
-        lambda _: "np.float16 in a kernel",
-        "write lang.fp16(x) for a number; an array of the kernel's own can be float32",
-    ),
-    (
-        r"CPUDispatcher\(.*getitem|getitem.*type\(CPUDispatcher",
-        lambda text: f"numba has no `{_call(text)}`",
-        "call the functions by name, chosen by if and elif",
-    ),
-    (
-        r"_dynfunc|_Closure object",
-        lambda _: "a function taken from a tuple",
-        "call the functions by name, chosen by if and elif",
-    ),
-    (
-        "No implementation of function",
-        lambda text: f"numba has no `{_call(text)}`",
-        "write it with loops and arithmetic",
-    ),
-)
-
-
-def _in_numbas_words(text: str, kind: str, place: SourceLoc) -> KernelError:
-    for pattern, reason, hint in _WORDS:
-        if re.search(pattern, text):
-            return KernelError(reason(text), loc=place, hint=hint)
-    lines = [line.strip() for line in text.splitlines()]
-    kept = [line for line in lines if line and not line.startswith(_NOISE)]
-    words = _plain(kept[0]) if kept else kind
-    for pattern, told in _PLAIN_REASONS:
-        match = re.search(pattern, words)
-        if match is not None:
-            hint = "write it with loops and arithmetic"
-            return KernelError(told.format(*match.groups()), loc=place, hint=hint)
-    hint = "numba types and compiles kernels: what numba.njit refuses, the array cannot run"
-    return KernelError(f"numba: {words}", loc=place, hint=hint)
-
-
-_PLAIN_REASONS = (
-    (r"unsupported NumPy function 'numpy\.([\w.]+)'", "numba has no `np.{}`"),
-    (r"Unknown attribute '(\w+)' of type Module\(<?module '?(\w+)", "numba has no `{1}.{0}`"),
-    (r"module '(\w+)' has no attribute '(\w+)'", "`{}` has no `{}`"),
-    (r"Unknown attribute '(\w+)' of type (.+)", "numba has no `.{}` of {}"),
-    (r"Variable '(\w+)' is not defined", "`{}` is read before anything is assigned to it"),
-    (r"getitem>?\(.*\.\.\.\)|, \.\.\.\)", "a subscript with `...`"),
-    (r"'NoneType' object has no attribute", "a construct that numba fails on"),
-    (r"Resolution failure for literal arguments", "these arguments of a method or function"),
-)
-"""What numba says of its own, and what the user is told."""
-
-
-def _plain(words: str) -> str:
-    """Without addresses, paths of modules, and mangled names."""
-    words = _ADDRESS.sub("", words)
-    words = re.sub(r"(<module '\w+') from '[^']*'>", r"\1>", words)
-    return re.sub(r"type\(CPUDispatcher\(<function (\w+)>\)\)", r"the function \1", words)
-
-
-_NOISE = ("Failed in", "File ", "During:", ">>>", "<source", "def ")
-
-
-def _call(text: str) -> str:
-    """The innermost call that numba could not type, without addresses."""
-    calls = [match["call"] for match in _UNKNOWN.finditer(text)]
-    return _plain(calls[0]).strip() if calls else "function for these types"

@@ -26,6 +26,7 @@ from vividc.frontend.constant_tables import (
 from vividc.frontend.interval import Interval
 from vividc.frontend.launch_sizes import LaunchSizes
 from vividc.frontend.numba_arrays import ALLOCATE, COPY
+from vividc.frontend.numba_words import plain
 from vividc.frontend.pick import expand_picks
 from vividc.frontend.ssa import (
     Float,
@@ -163,7 +164,7 @@ def _allocated(function: WideFunction, op: Op, formula: Formula | None, number: 
         return Held(LocalArray(f"local{number}", -(-count.value // 4)), "i8", packed=True)
     element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
     if element is None:
-        raise KernelError(f"a local array of {dtype}", loc=op.loc, hint=_DTYPE_HINT)
+        raise KernelError(f"a local array of {plain(dtype)}", loc=op.loc, hint=_DTYPE_HINT)
     words = 2 if element in _SPACED else 1
     line = "" if op.loc is None else f".line{op.loc.line}"
     name = f"local{number}{line}"

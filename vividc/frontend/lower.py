@@ -23,7 +23,7 @@ from vividc.dfg.cfg_check import check_function
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
-from vividc.frontend.diagnose import behind, construct_at, diagnose
+from vividc.frontend.diagnose import behind, construct_at, diagnose, returned_at
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, sign_quotients
 from vividc.frontend.interval import Interval
@@ -35,6 +35,7 @@ from vividc.frontend.memory import resolve_memory
 from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
 from vividc.frontend.null_choices import drop_null_choices
 from vividc.frontend.numba_target import NumbaModule, numba_module
+from vividc.frontend.numba_words import is_numbas, plain
 from vividc.frontend.overlap import fold_overlaps
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.simplify import fold_by_ranges, recover_extensions
@@ -112,7 +113,10 @@ def lower(
         if "generator(" in module.return_type:
             raise construct_at(loc, py_func.__name__) or KernelError("a generator", loc=loc)
         hint = "return one float32, bool or integer, or store results into an array"
-        raise KernelError(f"the kernel returns {module.return_type}", loc=loc, hint=hint)
+        place = returned_at(loc, py_func.__name__)
+        kind = plain(module.return_type)
+        what = "a string" if kind.startswith("'") else kind
+        raise KernelError(f"the kernel returns {what}", loc=place, hint=hint)
     with _in_python(loc, py_func.__name__), located(loc):
         kernel, params = _read(module, params, loc)
         returns = _RETURNS[module.return_type]
@@ -272,6 +276,10 @@ def _typed(
 ) -> NumbaModule:
     try:
         return numba_module(py_func, args, return_type)
+    except (AssertionError, RuntimeError) as error:
+        if not isinstance(error, _NUMBA_FAULTS) and not is_numbas(error):
+            raise
+        raise diagnose(error, loc, py_func.__name__) from error
     except _NUMBA_FAULTS as error:
         raise diagnose(error, loc, py_func.__name__) from error
 

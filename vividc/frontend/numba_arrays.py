@@ -18,12 +18,13 @@ from typing import Any, Literal
 import numba
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, lowering, types
+from numba.core import cgutils, errors, lowering, types
 from numba.core.runtime.context import NRTContext
 from numba.cpython import slicing, tupleobj
 from numba.extending import overload
 from numba.np import arraymath, arrayobj, npyimpl
 
+from vividc.frontend.lang_formats import MISUSE
 from vividc.frontend.overlap import ask_later
 
 ALLOCATE = "vividc.allocate "
@@ -280,6 +281,11 @@ def constant_array(context: Any, builder: ir.IRBuilder, typ: Any, array: Any) ->
     order: Literal["C", "F"] = "F" if typ.layout == "F" else "C"
     flat = np.asarray(array).flatten(order)
     element = context.get_data_type(typ.dtype)
+    if not isinstance(element, ir.IntType | ir.FloatType | ir.DoubleType):
+        kinds = {types.Record: "structures", types.UnicodeCharSeq: "strings"}
+        kind = kinds.get(type(typ.dtype), typ.dtype)
+        hint = "constant arrays hold bool, integers or floats; of a structure, one for each field"
+        raise errors.NumbaValueError(f"{MISUSE}a constant array of {kind}: {hint}")
     digest = hashlib.sha256(f"{flat.dtype} {flat.size} ".encode() + flat.tobytes()).hexdigest()
     symbol = f"{TABLE}{flat.dtype.str[1:]} {digest[:_DIGEST]}"
     data = builder.module.globals.get(symbol)
