@@ -40,7 +40,7 @@ _ALWAYS = {
     **dict.fromkeys(("swapaxes", "moveaxis", "rollaxis"), _AXES),
     "bincount": "count in a loop: `counts[x[i]] += 1`",
     "histogram": "count in a loop: `counts[min(int((x[i] - low) * scale), bins - 1)] += 1`",
-    "digitize": "`np.searchsorted(edges, x[i], side='right')` is one element's",
+    "digitize": '`np.searchsorted(edges, x[i], side="right")` is one element\'s',
     **dict.fromkeys(("split", "array_split", "hsplit", "vsplit"), "take slices: `x[:4]`, `x[4:]`"),
     "interp": (
         "find the place, `k = np.searchsorted(at, v)`, and go from one value to the next: "
@@ -49,7 +49,7 @@ _ALWAYS = {
     "convolve": _ROOM + "`y[i + j] += x[i] * h[j]`",
     "correlate": _ROOM + "`y[i] += x[i + j] * h[j]`",
     "delete": _ROOM + "`y[i] = x[i] if i < at else x[i + 1]`",
-    "allclose": "`np.isclose(x, y).all()`",
+    "allclose": "ask for each element in a loop: `np.isclose(x[i], y[i])`",
     "broadcast_to": "arithmetic broadcasts by itself; else leave the index of the new axis out",
     "take": "index with an array of integers: `x[places]`",
 }
@@ -66,6 +66,7 @@ _SOMETIMES = {
     "where": _SIZE,
     "einsum": "write the sums as loops; `np.dot(a, b)` is a product of matrices or vectors",
     **dict.fromkeys(("matmul", "tensordot", "inner"), "`np.dot(a, b)` is their product"),
+    "isclose": "ask for each element in a loop: `np.isclose(x[i], y[i])`",
     "round": "`np.round(x)` does that",
     "heaviside": "compare: `np.where(x < 0, 0, 1)`",
     "squeeze": "index the axis of one element: `m[0]`",
