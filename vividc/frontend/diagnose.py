@@ -222,7 +222,8 @@ def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
     source = source_of(loc, name)
     if "never ends" in error.reason:
         found = (f for f in _findings(source, []) if f.rule in _ENDLESS)
-        return next((_refusal(loc.file, finding) for finding in found), None)
+        named = next((_refusal(loc.file, finding) for finding in found), None)
+        return named or _endless_loop(error, loc, source)
     if source is None or not isinstance(error.loc, SourceLoc) or error.loc.file != loc.file:
         return None
     line = error.loc.line
@@ -238,6 +239,22 @@ def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
     if findings:
         return _refusal(loc.file, findings[0])
     return _of_unpacking(error, source, line)
+
+
+def _endless_loop(
+    error: KernelError, loc: SourceLoc, source: KernelSource | None
+) -> KernelError | None:
+    """The error with the line of the first loop over a constant, if there is one."""
+    nodes = () if source is None or source.kernel is None else ast.walk(source.kernel)
+    loops = (n for n in nodes if isinstance(n, ast.While) and isinstance(n.test, ast.Constant))
+    lines = [loop.lineno for loop in loops if not any(_leaves(node) for node in ast.walk(loop))]
+    if not lines:
+        return None
+    return KernelError(error.reason, loc=SourceLoc(loc.file, min(lines)), hint=error.hint)
+
+
+def _leaves(node: ast.AST) -> bool:
+    return isinstance(node, ast.Break | ast.Return)
 
 
 _HIDDEN = ("can raise", "not known at launch", "kept for the next", "local array or tuple")
