@@ -27,6 +27,7 @@ from vividc.formats import E4M3, E5M2, F16, FORMATS, Format
 from vividc.frontend import lang_formats
 from vividc.frontend.format_host import HOST
 from vividc.frontend.lang_formats import CASTS, MISUSE, NAMES, mixed
+from vividc.frontend.numba_words import plain
 
 _TARGET = "vividc"
 _WORD = ir.IntType(32)
@@ -215,7 +216,9 @@ def misuse(text: str) -> Exception:
 
 
 def _name(kind: Any) -> str:
-    return NAMES[kind.format] if isinstance(kind, FormatType) else str(types.unliteral(kind))
+    if isinstance(kind, FormatType):
+        return NAMES[kind.format]
+    return plain(str(types.unliteral(kind)))
 
 
 def _register_cast(fmt: Format) -> None:
@@ -236,7 +239,7 @@ def _register_cast(fmt: Format) -> None:
             what = f"lang.{cast} of an array of {_name(value.dtype)}"
             raise misuse(f"{what}: it takes one number, so cast the elements in a loop")
         if not isinstance(value, _NUMBERS):
-            raise misuse(f"lang.{cast} of {value}: it takes a number")
+            raise misuse(f"lang.{cast} of {_name(value)}: it takes a number")
         return lambda value: from_number(value)
 
     @_overload(lang_formats.FROM_BITS[fmt])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dis
 import inspect
 import textwrap
 from collections.abc import Callable, Iterator
@@ -16,15 +17,32 @@ _WORD_MAX = (1 << 31) - 1
 
 
 def prange_lines(py_func: Callable[..., Any]) -> frozenset[int]:
-    """Lines of the function's file in which a loop over `prange` begins; none without source."""
-    try:
-        lines, first = inspect.getsourcelines(py_func)
-    except (OSError, TypeError):
-        return frozenset()
-    tree = ast.parse(textwrap.dedent("".join(lines)))
+    """Lines of the function's file in which a loop over `prange` begins."""
     names = inspect.getclosurevars(py_func)
     known = {**names.builtins, **names.globals, **names.nonlocals}
+    try:
+        lines, first = inspect.getsourcelines(py_func)
+    except (OSError, TypeError):  # made by exec
+        return frozenset(_lines_of_code(py_func, known))
+    tree = ast.parse(textwrap.dedent("".join(lines)))
     return frozenset(first + node.lineno - 1 for node in _loops(tree) if _is_prange(node, known))
+
+
+def _lines_of_code(py_func: Callable[..., Any], known: dict[str, Any]) -> Iterator[int]:
+    """Lines of the bytecode that name `prange`."""
+    value: Any = None
+    line = 0
+    for instruction in dis.get_instructions(py_func):
+        position = instruction.positions
+        line = (position.lineno if position is not None else None) or line
+        if instruction.opname in ("LOAD_GLOBAL", "LOAD_DEREF"):
+            value = known.get(instruction.argval)
+        elif instruction.opname in ("LOAD_ATTR", "LOAD_METHOD"):
+            value = getattr(value, instruction.argval, None)
+        else:
+            continue
+        if value is numba.prange:
+            yield line
 
 
 def _loops(tree: ast.AST) -> Iterator[ast.For]:

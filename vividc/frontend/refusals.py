@@ -90,7 +90,7 @@ def in_words(refusal: Refusal, place: SourceLoc) -> KernelError:
 
 def _told(refusal: Refusal) -> Told:
     for pattern, rule in _RULES:
-        match = re.search(pattern, refusal.text)
+        match = re.search(pattern, refusal.text, re.MULTILINE)
         if match is not None:
             return rule(refusal, match) if callable(rule) else rule
     return _of_first_line(refusal)
@@ -267,7 +267,7 @@ _RULES: tuple[tuple[str, Rule], ...] = (
             "write lang.fp16(x) for a number; an array of the kernel's own can be float32",
         ),
     ),
-    (r"^(?:float|complex)\d+$", ("a number of more than 64 bits", "use np.float32")),
+    (r"^(?:float|complex)\d{3}$", ("a number of more than 64 bits", "use np.float32")),
     (
         r"CPUDispatcher\(.*getitem|getitem.*type\(CPUDispatcher",
         lambda refusal, _: (f"{_functions(refusal)} are picked by a variable", _BY_NAME),
