@@ -118,6 +118,11 @@ class Program:
         """Names of the arrays that some store writes."""
         return frozenset(row.name for row in self.debug if row.op == "store")
 
+    @cached_property
+    def loaded_arrays(self) -> frozenset[str]:
+        """Names of the arrays that some load reads."""
+        return frozenset(row.name for row in self.debug if row.op == "load")
+
     def debug_row(self, region: int, slot: int, pe: int, role: str) -> DebugRow | None:
         """What the operation or live-out at this place was made from."""
         return self._debug_index.get((region, slot, pe, role))

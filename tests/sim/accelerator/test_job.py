@@ -274,11 +274,39 @@ def turned(x):
     return t[0] - t[7]
 
 
-def test_an_array_that_a_kernel_makes_takes_its_place_in_the_scratchpad() -> None:
+def test_an_array_that_a_kernel_makes_leaves_what_lies_behind_the_arguments() -> None:
     x, behind = np.arange(8, dtype=np.int32), np.full(8, 77, np.int32)
     job = Job("vivid")
     moves = [job.move_in(0, x, 0), job.move_in(0, behind, 32)]
     run = job.run(0, program(turned), x=At(0, (8,)), after=moves)
     job.move_out(0, 32, behind, after=[run])
     assert job.simulate().values[run] == 7
-    assert behind.tolist() == x[::-1].tolist()
+    assert behind.tolist() == [77] * 8
+
+
+def test_an_array_that_a_kernel_makes_leaves_what_a_run_wrote() -> None:
+    x, y = np.arange(8, dtype=np.int32), np.zeros(8, np.int32)
+    job = Job("vivid")
+    moved = job.move_in(0, x, 32)
+    first = job.run(0, program(double), x=At(32, (8,)), n=8, after=[moved])
+    again = job.move_in(0, x, 0, after=[moved])
+    second = job.run(0, program(turned), x=At(0, (8,)), after=[first, again])
+    job.move_out(0, 32, y, after=[second])
+    job.simulate()
+    assert y.tolist() == (2 * x).tolist()
+
+
+def test_what_a_kernels_own_array_overwrote_cannot_be_read() -> None:
+    x, rest = np.arange(8, dtype=np.int32), np.full(8184, 77, np.int32)
+    job = Job("vivid")
+    moves = [job.move_in(0, x, 0), job.move_in(0, rest, 32)]
+    run = job.run(0, program(turned), x=At(0, (8,)), after=moves)
+    with pytest.raises(ArgumentError, match="bytes 32 to 64 of tile 0, where arrays that turned"):
+        job.move_out(0, 32, rest, after=[run])
+    with pytest.raises(ArgumentError, match="x of turned reads bytes 32 to 64"):
+        job.run(0, program(turned), x=At(32, (8,)), after=[run])
+    job.move_out(0, 64, rest[8:], after=[run])
+    anew = job.move_in(0, x, 32, after=[run])
+    job.move_out(0, 32, rest[:8], after=[anew])
+    assert job.simulate().values[run] == 7
+    assert rest.tolist() == [*range(8), *[77] * 8176]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -20,6 +20,7 @@ from vividc.program import WORD_BYTES, Program
 from vividc.program.reflect import reflected_program
 from vividc.sim.accelerator.kept import Kept
 from vividc.sim.accelerator.memory import Buffers
+from vividc.sim.accelerator.own_arrays import OwnArrays
 from vividc.sim.accelerator.result import JobResult
 from vividc.sim.accelerator.simulate import simulate_steps
 from vividc.sim.accelerator.steps import Configure, Execute, Step, Transfer
@@ -59,6 +60,7 @@ class Job:
         )
         self._steps: list[Step] = []
         self._buffers = Buffers()
+        self._own = OwnArrays()
         self._held: dict[int, tuple[Program, int]] = {}
         self._images: dict[tuple[int, str], Program] = {}
 
@@ -117,6 +119,7 @@ class Job:
             raise ArgumentError("a gather's indices are one dimension of int32 or uint32")
         row = array[:1].nbytes if len(array) else array.itemsize
         self._fits(address, row * len(chosen), where)
+        self._own.refill(where, address, address + row * len(chosen))
         offset = self._buffers.pieces(array)
         step = Transfer(
             "gather",
@@ -184,7 +187,9 @@ class Job:
         ----------
         arguments
             The kernel's arguments by name: scalars, and `At` for arrays. Arrays that the kernel
-            makes lie behind the last of them, and what was there is lost.
+            makes lie behind the last of them, or, if earlier steps put something there, behind
+            all of that. Where there is no room but theirs, a later step that reads what they
+            overwrote is refused.
 
         Raises
         ------
@@ -196,12 +201,40 @@ class Job:
         demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
         where = self._tiles(tile)
         inputs, extents = _bound(program, arguments)
+        arguments_at = dict(extents)
+        own = self._place_own(tile, program, inputs, extents)
         _refuse_overlap(program, extents)
         for name, (start, end) in extents.items():
             if start % WORD_BYTES:
                 raise ArgumentError(f"array {name} starts at {start}, not at a multiple of 4")
             self._fits(start, end - start, where, f"array {name}")
+        for name, (start, end) in arguments_at.items():
+            if name in program.loaded_arrays:
+                self._own.demand_kept(tile, start, end, f"{name} of {program.name}")
+        self._own.take(tile, self._steps, own, program.name)
+        for name in program.stored_arrays & arguments_at.keys():
+            self._own.refill(where, *arguments_at[name])
         return self.execute(tile, program, inputs, extents, after=after)
+
+    def _place_own(
+        self,
+        tile: int,
+        program: Program,
+        inputs: dict[str, int],
+        extents: dict[str, tuple[int, int]],
+    ) -> tuple[int, int]:
+        """Add the places of the arrays that a kernel makes; first byte and end of all of them."""
+        sizes = {local.name: WORD_BYTES * local.at_launch(inputs).words for local in program.locals}
+        total = sum(sizes.values())
+        end = max((-(-end // WORD_BYTES) * WORD_BYTES for _, end in extents.values()), default=0)
+        room = self.accelerator.units[tile].scratchpad.size_bytes
+        start = self._own.place(tile, self._steps, total, end, room)
+        place = start
+        for name, size in sizes.items():
+            extents[name] = (place, place + size)
+            inputs[f"&{name}"] = place
+            place += size
+        return start, start + total
 
     def execute(
         self,
@@ -268,6 +301,10 @@ class Job:
             raise ArgumentError("with a pitch, whole words move, to a multiple of 4")
         start, end = step.extent(step.view.nbytes)
         self._fits(start, end - start, step.tiles)
+        if step.kind == "move out":
+            self._own.demand_kept(step.tiles[0], start, end, "a move out")
+        else:
+            self._own.refill(step.tiles, start, end)
         return self._add(step)
 
     def _add(self, step: Step) -> int:
@@ -354,11 +391,10 @@ def _array(value: object) -> NDArray[np.generic]:
 def _bound(
     program: Program, arguments: dict[str, object]
 ) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
-    """Launch words and places of arrays."""
+    """Launch words, and places of the arrays that are arguments."""
     scalars = {name: value for name, value in arguments.items() if not isinstance(value, At)}
     inputs = scalar_inputs(program, scalars)
     extents: dict[str, tuple[int, int]] = {}
-    end = 0
     for param in program.params:
         if not param.ndim:
             continue
@@ -371,12 +407,8 @@ def _bound(
         size = math.prod(place.shape) * param.dtype.size_bytes
         extents[param.name] = (place.address, place.address + size)
         inputs |= _array_words(param.name, place)
-        end = max(end, -(-(place.address + size) // WORD_BYTES) * WORD_BYTES)
     if program.parallel is not None:
         inputs |= whole_loop(program.parallel, inputs)
-    for name, start, size in _locals(program, inputs, end):
-        extents[name] = (start, start + size)
-        inputs[f"&{name}"] = start
     return inputs, extents
 
 
@@ -404,13 +436,3 @@ def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -
 def _array_words(name: str, place: At) -> dict[str, int]:
     words = {f"{name}.shape{axis}": size for axis, size in enumerate(place.shape)}
     return {f"&{name}": place.address, **words}
-
-
-def _locals(
-    program: Program, inputs: ReadOnly[str, int], end: int
-) -> Iterator[tuple[str, int, int]]:
-    """The kernel's own arrays lie behind its arguments."""
-    for local in program.locals:
-        size = WORD_BYTES * local.at_launch(inputs).words
-        yield local.name, end, size
-        end += size
