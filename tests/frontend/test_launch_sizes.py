@@ -9,6 +9,7 @@ import pytest
 
 import vividc
 from vividc.dfg.cfg import LocalArray, evaluate_formula
+from vividc.errors import SimulationError
 from vividc.frontend import KernelFunction
 from vividc.program import Program
 
@@ -100,3 +101,45 @@ def test_operands_of_where_that_do_not_fit_end_the_simulation() -> None:
     with pytest.raises(vividc.VividcError, match="raises ValueError: unable to broadcast"):
         vividc.simulate(program, x, np.zeros(4, np.float32))
     assert (x == -1).all()
+
+
+def counted_from_a_scalar(x, n):
+    t = np.arange(n)
+    x[0] = t.sum()
+    x[1] = len(t)
+
+
+def zeros_of_a_scalar(x, n):
+    x[0] = np.zeros(n, np.float32).size  # here
+
+
+def filled_from_a_difference(x, n):
+    x[0] = np.full(n - 5, 3, np.int32).sum()  # here
+
+
+def two_dimensions(x, n):
+    x[0] = np.empty((2, n - 3), np.float32).size  # here
+
+
+def constant(x, n):
+    x[0] = np.zeros(-1, np.float32).size  # here
+
+
+def test_a_range_of_a_negative_length_is_empty() -> None:
+    program = compiled(counted_from_a_scalar, "void(float32[::1], int32)")
+    for n in (-(2**31), -1, 0, 3):
+        x = np.full(2, 9, np.float32)
+        vividc.simulate(program, x, n)
+        assert x.tolist() == [np.arange(n).sum(), max(n, 0)]
+
+
+@pytest.mark.parametrize(
+    "function", [zeros_of_a_scalar, filled_from_a_difference, two_dimensions, constant]
+)
+def test_negative_dimensions_are_told_with_their_line(function: object) -> None:
+    program = compiled(function, "void(float32[::1], int32)")
+    line = function.__code__.co_firstlineno + 1  # type: ignore[attr-defined]
+    for n in (-(2**31), -1):
+        with pytest.raises(SimulationError, match="negative dimensions not allowed") as error:
+            vividc.simulate(program, np.zeros(2, np.float32), n)
+        assert f"{Path(__file__).name}:{line}:" in str(error.value)

@@ -56,14 +56,17 @@ class LaunchSizes:
             values = [value for _, value in definition.incoming]
             return self._all("max", values, block, depth)
         if isinstance(definition, Op):
-            return self._of(definition, block, depth)
+            return self._of(definition, block, signed, depth)
         return None
 
-    def _of(self, op: Op, block: str, depth: int) -> Formula | None:
+    def _of(self, op: Op, block: str, signed: bool, depth: int) -> Formula | None:
         if op.source == "i1":
             return (0,) if op.op == "sext" else (1,)
         if op.op in _ALIASES:
-            return self._bound(op.args[0], block, op.op == "sext", depth - 1)
+            given = op.op == "sext" or "nneg" in op.flags
+            return self._bound(op.args[0], block, given, depth - 1)
+        if op.op == "add" and signed and "nsw" in op.flags:
+            return self._all("+", op.args, block, depth, signed=True)
         rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
         rules |= {"add": self._sum, "or": self._sum, "select": self._choice, "call": self._call}
         rule = rules.get(op.op)
@@ -85,10 +88,11 @@ class LaunchSizes:
         return self._all("max", op.args[1:], block, depth)
 
     def _call(self, op: Op, block: str, depth: int) -> Formula | None:
+        signed = op.pred.startswith(("llvm.smax", "llvm.smin"))
         if op.pred.startswith(("llvm.smax", "llvm.umax")):
-            return self._all("max", op.args, block, depth)
+            return self._all("max", op.args, block, depth, signed=signed)
         if op.pred.startswith(("llvm.smin", "llvm.umin")):
-            known = [self._bound(arg, block, False, depth - 1) for arg in op.args]
+            known = [self._bound(arg, block, signed, depth - 1) for arg in op.args]
             one, other = known
             if one is None or other is None:
                 return one or other
@@ -111,11 +115,17 @@ class LaunchSizes:
         return None
 
     def _all(
-        self, operator: str, operands: list[Operand] | tuple[Operand, ...], block: str, depth: int
+        self,
+        operator: str,
+        operands: list[Operand] | tuple[Operand, ...],
+        block: str,
+        depth: int,
+        *,
+        signed: bool = False,
     ) -> Formula | None:
         formula: Formula = ()
         for operand in operands:
-            bound = self._bound(operand, block, False, depth - 1)
+            bound = self._bound(operand, block, signed, depth - 1)
             if bound is None:
                 return None
             formula = (*formula, *bound, operator) if formula else bound
