@@ -234,7 +234,25 @@ def rows_of_halves(x, y):
             y[i, j] = x[63 - i, j + 1]
 
 
+@vividc.kernel("float32(float32[::1])")
+def least_with_the_element_first(x):
+    s = np.float32(9)
+    for i in prange(len(x)):
+        s = min(x[i], s)
+    return s
+
+
+@vividc.kernel("float32(float32[::1])")
+def least_with_the_variable_first(x):
+    s = np.float32(9)
+    for i in prange(len(x)):
+        s = min(s, x[i])
+    return s
+
+
 X = np.arange(3, 43, dtype=np.int32)
+REALS = np.arange(40, 0, -1, dtype=np.float32)
+NANS = np.where(REALS % 7 == 3, np.float32(np.nan), REALS)
 PAIR = (X, np.full(40, 9, np.int32))
 TWO = ((X, 40, 2), (X, 40, 5))
 PLACES = np.arange(40, dtype=np.int32)[::-1].copy()
@@ -269,6 +287,8 @@ CASES: list[tuple[Any, bool, tuple[tuple[Any, ...], ...]]] = [
     (bytes_backwards, True, ((np.full(301, 5, np.uint8), LONG),)),
     (gather, True, ((PLACES, X, np.zeros(40, np.int32)),)),
     (scatter, False, ((PLACES, X, np.zeros(40, np.int32)),)),
+    (least_with_the_element_first, False, ((REALS,), (NANS,))),
+    (least_with_the_variable_first, True, ((REALS,), (NANS,))),
     (rows_of_halves, True, ((HALVES, np.zeros((64, 10), np.int16)),)),
 ]
 
@@ -371,6 +391,7 @@ def unknown_bound(x, y):
         (early, "left early"),
         (two_loops, "a second loop over prange"),
         (unknown_bound, "computed from the kernel's arguments"),
+        (least_with_the_element_first, r"variable first, min\(s, x\[i\]\)"),
     ],
     ids=lambda item: getattr(item, "name", ""),
 )

@@ -11,7 +11,7 @@ from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import with_blocks
 from vividc.dfg.footprint_terms import TermTable
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Opcode
+from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.parallel import (
     FIRST,
     INDEX,
@@ -35,6 +35,15 @@ from vividc.dfg.spread_proof import (
 from vividc.dfg.wide_sums import is_wide_sum
 from vividc.errors import KernelError, SourceLoc
 
+_COMBINED = (
+    "only a sum, product, minimum or maximum in one variable, which nothing else in the loop "
+    "reads, can be combined, "
+)
+_INTEGERS = _COMBINED + "and but for a sum it has 32 bits: np.int32 makes such integers"
+_FLOATS = _COMBINED + (
+    "a minimum or maximum with the variable first, min(s, x[i]): with x[i] first, a NaN takes its "
+    "place until the next number"
+)
 _HINT = "write `for i in prange(n)`, or with a start, around everything that the kernel does"
 
 
@@ -148,9 +157,7 @@ def _reductions(
             raise KernelError(
                 "an iteration of the loop over prange needs what an earlier one computed",
                 loc=phi.loc or header.branch.loc,
-                hint="only a sum, product, minimum or maximum in one variable, which nothing else "
-                "in the loop reads, can be combined, and but for a sum it has 32 bits: np.int32 "
-                "makes such integers",
+                hint=_FLOATS if phi.type is Type.F32 else _INTEGERS,
             )
         found += pair if item is None else (item,)
     return tuple(found)
