@@ -118,3 +118,50 @@ def test_a_limit_that_is_no_size_is_told(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_a_path_with_a_nul_cannot_be_read() -> None:
     with pytest.raises(VividcError, match="cannot be read: embedded null byte"):
         read_bytes(Path("a\0b"), 1)
+
+
+MANY = '{"nodes": [' + "[]," * 600_000 + "[]]}"
+
+
+def bundle_of(text: str) -> bytes:
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w") as file:
+        for name in ("program.json", "words.npy", "images.npy", "images_set.npy"):
+            file.writestr(name, text if name == "program.json" else "")
+    return data.getvalue()
+
+
+@pytest.mark.parametrize(("read", "name"), [(dfg.load, "g.json"), (read_views, "v.json")])
+def test_json_of_too_many_values_is_refused_before_it_is_parsed(
+    tmp_path: Path, read: object, name: str
+) -> None:
+    path = tmp_path / name
+    path.write_text(MANY)
+    assert callable(read)
+    with pytest.raises(
+        VividcError, match=f"more than 1,048,576 values of JSON\nhint: .*{VARIABLE}"
+    ):
+        read(path)
+
+
+def test_a_program_of_too_many_values_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("vividc.program.bundle.BUNDLE_BYTES", 4 << 20)
+    (tmp_path / "p.vivid").write_bytes(bundle_of(MANY))
+    with pytest.raises(VividcError, match="more than 131,072 values of JSON"):
+        program.load(tmp_path / "p.vivid")
+
+
+def test_yaml_has_limits_of_size_and_depth(tmp_path: Path) -> None:
+    path = tmp_path / "f.yaml"
+    for text, reason in (
+        ("rows: [" + "1," * 140_000 + "1]", "a file of 273.4 KiB: the limit is 256 KiB"),
+        ("rows: " + "[" * 40 + "]" * 40, "f.yaml:1: nested too deeply"),
+        ("rows: " + "[" * 100_000, "f.yaml: nested too deeply"),
+        ('rows: "\\ud800"', "is no text of Unicode characters"),
+        ('"\\udcff": 1', "is no text of Unicode characters"),
+    ):
+        path.write_text(text)
+        with pytest.raises(VividcError, match=reason):
+            arch.load(path)

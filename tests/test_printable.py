@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from vividc.cli import main
+from vividc.errors import VividcError
 from vividc.printable import printable, quoted
 
 NAME = "a\nb\x1b[31mred"
@@ -57,3 +58,12 @@ def test_no_name_of_a_graph_reaches_the_terminal_raw(tmp_path: Path) -> None:
             printed += done.output
     assert "\x1b" not in printed
     assert "\nb" not in printed
+
+
+def test_a_message_has_a_bound_whatever_a_file_holds() -> None:
+    error = VividcError("`" + "A" * 60_000 + "` is no name\n" + "x\n" * 500, hint="y" * 9000)
+    text = str(error)
+    assert len(text) < 2000
+    assert text.startswith("`AAA")
+    assert "\n... and 462 more lines\nhint: yyy" in text
+    assert str(VividcError("short", hint="as it is")) == "short\nhint: as it is"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-from vividc.printable import printable, quoted
+from vividc.printable import printable, quoted, shortened
 
 _MOST = 200
 """Characters of a source line in a message."""
@@ -49,14 +49,15 @@ class VividcError(Exception):
         super().__init__(self._message())
 
     def _message(self) -> str:
-        head = self.reason if self.loc is None else f"{self.loc}: {self.reason}"
+        reason = shortened(self.reason)
+        head = reason if self.loc is None else f"{self.loc}: {reason}"
         lines = [head]
         if isinstance(self.loc, SourceLoc):
             text = _source_line(self.loc)
             if text:
                 lines.append(f"    {text}")
         if self.hint:
-            lines.append(f"hint: {self.hint}")
+            lines.append(f"hint: {shortened(self.hint)}")
         return "\n".join(lines)
 
 

@@ -17,7 +17,8 @@ SOURCE_BYTES: Final = 16 << 20
 """A kernel's file, in Python or LLVM IR."""
 GRAPH_BYTES: Final = 32 << 20
 """A DFG, a mapping, or the JSON of views."""
-YAML_BYTES: Final = 4 << 20
+YAML_BYTES: Final = 256 << 10
+"""Read with a node of some hundred bytes a value; the longest shipped fabric has 6 KiB."""
 BUNDLE_BYTES: Final = 256 << 20
 SCENE_BYTES: Final = 2 << 30
 """A scene or views: the file, and all its arrays unpacked."""
@@ -31,6 +32,7 @@ VARIABLE: Final = "VIVIDC_INPUT_LIMIT"
 _SIZE: Final = re.compile(r"([0-9]{1,12}) ?(KiB|MiB|GiB|TiB)?")
 _UNITS: Final = {None: 0, "KiB": 10, "MiB": 20, "GiB": 30, "TiB": 40}
 _PIECE: Final = 1 << 20
+_BYTES_A_VALUE: Final = 32
 
 
 def limit(most: int) -> int:
@@ -66,6 +68,27 @@ def too_large(
     reason = f"{what}: the limit is {size_text(most)}"
     hint = f"if the file is what it should be, set {VARIABLE}, as in {VARIABLE}=8GiB"
     return error(reason, loc=str(path), hint=hint)
+
+
+def demand_few_values(
+    text: str | bytes, most: int, path: Path | str, error: type[VividcError] = VividcError
+) -> None:
+    """Refuse JSON of more than one value for each 32 bytes of the limit `most`.
+
+    Python takes up to 120 bytes for the shortest values: so what is read takes less than four times
+    the limit, whatever the file holds.
+
+    Raises
+    ------
+    VividcError
+        It has more; `error` says of which class.
+    """
+    allowed = limit(most) // _BYTES_A_VALUE
+    data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    values = sum(data.count(mark) for mark in (b",", b"[", b"{"))
+    if values > allowed:
+        hint = f"if the file is what it should be, set {VARIABLE}, as in {VARIABLE}=8GiB"
+        raise error(f"more than {allowed:,} values of JSON", loc=str(path), hint=hint)
 
 
 def read_bytes(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 _CUT: Final = "..."
+_LINES: Final = 40
+_LINE: Final = 500
 _CLOSING: Final = frozenset("'\")]}>")
 
 
@@ -25,6 +27,17 @@ def quoted(value: object, most: int = 60) -> str:
         return text
     end = text[-1] if text[-1] in _CLOSING else ""
     return f"{text[: most - len(_CUT) - len(end)]}{_CUT}{end}"
+
+
+def shortened(text: str) -> str:
+    """A message of at most 40 lines of 500 characters, whatever a file's names and numbers are."""
+    if len(text) <= _LINE:
+        return text
+    lines = text.split("\n")
+    shown = [line if len(line) <= _LINE else line[: _LINE - 3] + _CUT for line in lines[:_LINES]]
+    if len(lines) > _LINES:
+        shown.append(f"{_CUT} and {len(lines) - _LINES} more lines")
+    return "\n".join(shown)
 
 
 def _escape(character: str) -> str:

@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from vividc.arch.yaml_tree import Tree
 from vividc.errors import ArchError
+from vividc.printable import quoted
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ def _problem(detail: ErrorDetails, tree: Tree, model: type[BaseModel]) -> Proble
         way_out = "give it, or inherit it: `extends: vivid-tile`" if len(path) == 1 else None
         return Problem(place, f"`{name}` is missing", way_out)
     message = detail["msg"].removeprefix("Value error, ").removeprefix("Input ")
-    return Problem(place, f"`{name}` {message}, got {detail['input']!r}")
+    return Problem(place, f"`{name}` {message}, got {quoted(detail['input'])}")
 
 
 def _path_text(tree: Tree, path: tuple[str | int, ...]) -> str:
@@ -74,7 +75,7 @@ def _path_text(tree: Tree, path: tuple[str | int, ...]) -> str:
     shown = [part for end, part in enumerate(path, 1) if path[:end] in tree.places]
     if path and (not shown or path[-1] != shown[-1]) and path[:-1] in (tree.places.keys() | {()}):
         shown.append(path[-1])
-    return ".".join(str(part) for part in shown)
+    return ".".join(quoted(str(part))[1:-1] for part in shown)
 
 
 def _keys_beside(path: tuple[str | int, ...], model: type[BaseModel]) -> list[str]:

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import yaml
 
 from vividc.errors import ArchError
+from vividc.inputs import YAML_BYTES, limit, too_large
+from vividc.printable import quoted
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 Path = tuple[str | int, ...]
 
-_MAX_CHARACTERS = 1_000_000
+_DEEPEST = 32
+"""Levels of a fabric's or a table's YAML: none needs ten."""
 _HINTS = {
     "fabric": "start with `extends: vivid-tile`, or see docs/fabric-yaml.md",
     "cost table": "copy a shipped one: see docs/energy.md",
@@ -48,8 +51,8 @@ def parse(text: str, file: str, what: str = "fabric") -> Tree:
     ArchError
         Broken YAML, a repeated key, an alias, another tag, or another top level; names `file:line`.
     """
-    if len(text) > _MAX_CHARACTERS:
-        raise ArchError(f"longer than {_MAX_CHARACTERS} characters", loc=file)
+    if len(text) > limit(YAML_BYTES):
+        raise too_large(file, f"{len(text)} characters of YAML", limit(YAML_BYTES), ArchError)
     root = _compose(text, file)
     if not isinstance(root, yaml.MappingNode):
         line = 1 if root is None else root.start_mark.line + 1
@@ -96,11 +99,11 @@ class _Walker:
         self._enter(node, path)
         result: dict[str, Plain] = {}
         for key_node, value_node in node.value:
-            key = key_node.value
             if not isinstance(key_node, yaml.ScalarNode):
                 raise self._error(key_node, "a key must be text")
+            key = self._text(key_node)
             if key in result:
-                raise self._error(key_node, f"the key `{key}` is given twice")
+                raise self._error(key_node, f"the key `{quoted(key)[1:-1]}` is given twice")
             result[key] = self.value(value_node, (*path, key))
             # A block value starts a line after its key; a person looks for the key.
             self.places[(*path, key)] = self._place(key_node)
@@ -108,14 +111,25 @@ class _Walker:
 
     def _scalar(self, node: yaml.Node) -> Plain:
         if node.tag not in _SCALAR_TAGS:
-            return str(node.value)
+            return self._text(node)
         try:
             value: Plain = self._scalars.construct_object(node)
         except ValueError as error:
             raise self._error(node, f"`{node.value:.60}` is not a value") from error
-        return value
+        return self._text(node) if isinstance(value, str) else value
+
+    def _text(self, node: yaml.Node) -> str:
+        """Escapes such as "\\ud800" make halves of a character, which no file can hold."""
+        text = str(node.value)
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            raise self._error(node, f"{quoted(text)} is no text of Unicode characters") from None
+        return text
 
     def _enter(self, node: yaml.Node, path: Path) -> None:
+        if len(path) > _DEEPEST:
+            raise self._error(node, "nested too deeply")
         if id(node) in self._seen:
             raise self._error(node, "YAML aliases are refused", "use `extends` or `overrides`")
         self._seen.add(id(node))

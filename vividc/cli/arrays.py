@@ -16,7 +16,7 @@ from vividc.errors import ArgumentError
 from vividc.files import write_whole
 from vividc.inputs import ARGUMENT_BYTES
 from vividc.npz import Header, opened_npz
-from vividc.printable import printable, quoted
+from vividc.printable import quoted
 
 Array = NDArray[Any]
 RETURN_KEY = "return"
@@ -73,7 +73,9 @@ def _npz(arrays: Mapping[str, Array]) -> bytes:
 def _problems(headers: Mapping[str, Header], params: Sequence[Param]) -> list[str]:
     known = {param.name for param in params}
     problems = [f"`{param.name}` is missing" for param in params if param.name not in headers]
-    problems += [f"`{printable(name)}` is not a parameter" for name in headers if name not in known]
+    problems += [
+        f"`{quoted(name)[1:-1]}` is not a parameter" for name in headers if name not in known
+    ]
     for param in params:
         if param.name in headers:
             problems += _misfit(headers[param.name], param)

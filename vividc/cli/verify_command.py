@@ -13,7 +13,7 @@ from vividc import arch, dfg
 from vividc.cli import options
 from vividc.cli.report import print_json, say
 from vividc.errors import VividcError
-from vividc.inputs import GRAPH_BYTES, read_text
+from vividc.inputs import GRAPH_BYTES, demand_few_values, read_text
 from vividc.mapper import (
     Finding,
     MapResult,
@@ -22,7 +22,7 @@ from vividc.mapper import (
     mapping_from_json,
     read_result,
 )
-from vividc.printable import printable
+from vividc.printable import printable, quoted
 
 SCHEMA: Final = "vividc.verify/1"
 MISMATCH: Final = 5
@@ -81,6 +81,7 @@ def _of(subject: Subject | None) -> Subject:
 
 def _json_of(path: Path) -> object:
     text = read_text(path, GRAPH_BYTES)
+    demand_few_values(text, GRAPH_BYTES, path)
     try:
         return json.loads(text, object_pairs_hook=lambda pairs: _once(path, pairs))
     except json.JSONDecodeError as error:
@@ -97,7 +98,7 @@ def _once(path: Path, pairs: list[tuple[str, object]]) -> dict[str, object]:
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
         hint = "name a file that `vividc map -o` wrote"
-        raise VividcError(f"the key {twice!r} is there twice", loc=str(path), hint=hint)
+        raise VividcError(f"the key {quoted(twice)} is there twice", loc=str(path), hint=hint)
     return found
 
 

@@ -20,7 +20,7 @@ from vividc.dfg.json_lines import element_lines, too_long_number
 from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.text import parse
 from vividc.errors import DFGError, VividcWarning, demand_type
-from vividc.inputs import GRAPH_BYTES, read_text
+from vividc.inputs import GRAPH_BYTES, demand_few_values, read_text
 from vividc.printable import printable, quoted
 
 UnknownOps = Literal["generic", "refuse"]
@@ -113,6 +113,7 @@ def _reader_of(text: str, file: Path) -> Callable[[str, str], DFG]:
 
 
 def _read_json(text: str, file: str) -> DFG:
+    demand_few_values(text, GRAPH_BYTES, file, DFGError)
     try:
         data = json.loads(text)
     except json.JSONDecodeError as error:

@@ -10,6 +10,7 @@ from typing import Final, NoReturn
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
 from vividc.errors import DFGError, SourceLoc
+from vividc.printable import quoted
 
 _TOKEN: Final = re.compile(
     r"""\s*(?:(?P<loc>!.*)
@@ -89,7 +90,7 @@ class _Line:
         while at < len(source):
             match = _TOKEN.match(source, at)
             if match is None or match.lastgroup is None:
-                self.fail(f"cannot read {source[at:].strip()!r}")
+                self.fail(f"cannot read {quoted(source[at:].strip())}")
             self.tokens.append((match.lastgroup, match[match.lastgroup]))
             at = match.end()
 

@@ -26,7 +26,8 @@ from vividc.dfg.parallel import Parallel
 from vividc.dfg.product import Product
 from vividc.errors import BundleError
 from vividc.files import write_whole
-from vividc.inputs import BUNDLE_BYTES, read_bytes
+from vividc.inputs import BUNDLE_BYTES, demand_few_values, read_bytes
+from vividc.printable import quoted
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -135,11 +136,11 @@ class BundleReader:
     def manifest(self) -> Manifest:
         """The JSON part, checked for its schema first."""
         text = self._member(_MANIFEST)
-        raw = json.loads(text)
-        schema = raw.get("schema") if isinstance(raw, dict) else None
+        demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
+        schema = _schema(text)
         if schema != SCHEMA:
             raise BundleError(
-                f"schema {schema!r}, and this version reads {SCHEMA!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)
@@ -162,6 +163,11 @@ class BundleReader:
             if info.compress_type != zipfile.ZIP_STORED or info.file_size > len(self._data):
                 raise BundleError(f"member {name} is not stored plainly")
             return archive.read(info)
+
+
+def _schema(text: bytes) -> object:
+    raw = json.loads(text)
+    return raw.get("schema") if isinstance(raw, dict) else None
 
 
 def _members() -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from vividc.inputs import SCENE_BYTES
 from vividc.npz import read_npz
-from vividc.render.arrays import Float32Array, Int64Array, frozen_float32
+from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, Int64Array, frozen_float32
 from vividc.render.errors import SceneError
 
 Shape = tuple[int | None, ...]
@@ -20,7 +20,6 @@ Shape = tuple[int | None, ...]
 _NUMBERS = "fiu"
 _INTEGERS = "iub"
 _PIECE = 1 << 20
-_LARGEST = float(np.finfo(np.float32).max)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +58,8 @@ class Archive:
 
     def number(self, name: str, *, above: float | None = None) -> float:
         """Return a scalar (shape [] or [1]), greater than `above` if that is given."""
-        value = float(self.floats(name, ()) if self._is_scalar(name) else self.floats(name, (1,)))
+        shape: Shape = () if self._is_scalar(name) else (1,)
+        value = float(self.floats(name, shape).item())
         if above is not None and not value > above:
             raise self.error(f"{name} is {value:g}, not above {above:g}")
         return value
@@ -100,7 +100,7 @@ def _not_finite(array: npt.NDArray[Any]) -> tuple[int, int]:
     first, count = 0, 0
     for at in range(0, flat.size, _PIECE):  # piece by piece: a scene is large
         values = flat[at : at + _PIECE].astype(np.float64)
-        wrong = np.flatnonzero(~(np.abs(values) <= _LARGEST))
+        wrong = np.flatnonzero(~(np.abs(values) <= LARGEST_FLOAT32))
         if wrong.size:
             first = first if count else at + int(wrong[0])
             count += wrong.size

@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
-from vividc.inputs import GRAPH_BYTES, PICTURE_BYTES, read_bytes, read_text
+from vividc.inputs import GRAPH_BYTES, PICTURE_BYTES, demand_few_values, read_bytes, read_text
 from vividc.render.archive import read_archive
-from vividc.render.arrays import Float32Array, frozen_float32
+from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, frozen_float32
 from vividc.render.camera import LARGEST_PX, Camera, scaled_camera
 from vividc.render.errors import SceneError
 
@@ -157,6 +157,7 @@ def _json_views(path: Path) -> tuple[View, ...]:
 
 def _read_json(path: Path) -> Mapping[str, Any]:
     text = read_text(path, GRAPH_BYTES, SceneError, "check the path")
+    demand_few_values(text, GRAPH_BYTES, path, SceneError)
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -172,7 +173,7 @@ def _pose(path: Path, index: int, frame: Mapping[str, Any]) -> Float32Array:
         pose = np.array(matrix, dtype=np.float64)
     except (TypeError, ValueError):
         pose = np.empty(0)
-    if pose.shape != (4, 4) or not np.isfinite(pose).all():
+    if pose.shape != (4, 4) or not (np.abs(pose) <= LARGEST_FLOAT32).all():
         raise SceneError(
             f"frames[{index}].transform_matrix is not a finite 4x4 matrix",
             loc=str(path),
