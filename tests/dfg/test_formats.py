@@ -18,7 +18,7 @@ from vividc.dfg.attributes import EDGE_ALIASES, NODE_ALIASES, OPERANDS
 from vividc.dfg.foreign_names import NAME_ROWS, is_known, row_of
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import from_json
-from vividc.dfg.json_lines import element_lines
+from vividc.dfg.json_lines import ElementLines
 from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.opcodes import ORDER, PRED, LatencyClass
 from vividc.dfg.text import to_text
@@ -300,9 +300,9 @@ def test_unknown_operations_are_warned_of_once_or_refused(tmp_path: Path) -> Non
 
 def test_lines_of_json_elements() -> None:
     text = '\n{"a": [1, {"nodes": [2]}],\n "nodes": [\n{"id": 0},\n\n{"id": 1}], "edges":[]\n}'
-    assert element_lines(text) == {"nodes[0]": 4, "nodes[1]": 6}
-    assert element_lines("[1]") == {}
-    assert element_lines('{"edges": {}}') == {}
+    assert ElementLines(text) == {"nodes[0]": 4, "nodes[1]": 6}
+    assert ElementLines("[1]") == {}
+    assert ElementLines('{"edges": {}}') == {}
 
 
 def read_json(edges: list[dict[str, object]], ops: tuple[str, ...] = ("load", "add")) -> DFG:

@@ -184,3 +184,46 @@ def test_missing_file(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match="No such file") as raised:
         read_gaussians(tmp_path / "absent.ply")
     assert "absent.ply" in str(raised.value)
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
+@pytest.mark.parametrize(
+    ("count", "reason"),
+    [
+        ("999999999999", "truncated: "),
+        ("9" * 30, "the vertex count 9999"),
+        ("9" * 5000, "the vertex count 9999"),
+    ],
+)
+def test_a_count_that_lies_asks_for_no_memory(
+    tmp_path: Path, form: str, count: str, reason: str
+) -> None:
+    data = ply_bytes(stored_values(0), form).replace(b"vertex 5", f"vertex {count}".encode())
+    with pytest.raises(SceneError, match=reason) as raised:
+        read_gaussians(write(tmp_path, data))
+    assert len(str(raised.value)) < 600
+
+
+def test_a_header_without_an_end_is_not_searched_for_it(tmp_path: Path) -> None:
+    data = b"ply\n" + b"comment x\n" * 20_000 + b"end_header\n"
+    with pytest.raises(SceneError, match="no `end_header` line in its first 64 KiB"):
+        read_gaussians(write(tmp_path, data))
+
+
+def test_text_of_many_blocks_is_read_as_its_binary(tmp_path: Path) -> None:
+    values = {name: np.resize(column, 10_000) for name, column in stored_values(1).items()}
+    text, binary = (
+        read_gaussians(write(tmp_path, ply_bytes(values, form)))
+        for form in ("ascii", "binary_little_endian")
+    )
+    for name in ("means", "scales", "rotations", "opacity", "sh"):
+        np.testing.assert_array_equal(getattr(text, name), getattr(binary, name))
+
+
+def test_values_beyond_float32_are_refused(tmp_path: Path) -> None:
+    data = ply_bytes(stored_values(0), "ascii")
+    data = data.replace(b"property float x", b"property double x")
+    head, mark, body = data.partition(b"end_header\n")
+    data = head + mark + b"1e39" + body[body.index(b" ") :]
+    with pytest.raises(SceneError, match="property x holds a value that is not finite in float32"):
+        read_gaussians(write(tmp_path, data))

@@ -55,6 +55,7 @@ def test_the_method_is_told_by_the_file(name: str) -> None:
         ("kilonerf", {"occ_shape": np.array([0, 1, 1])}, "occ_shape [0, 1, 1] is not positive"),
         ("kilonerf", {"step": np.float32(0)}, "step is 0, not above 0"),
         ("kilonerf", {"n_samples": np.float32(0.5)}, "n_samples is 0.5, not a whole number"),
+        ("kilonerf", {"n_samples": np.array([2**31 - 1])}, "a ray has at most 8192"),
         ("kilonerf", {"far": np.float32(1)}, "far is 1, not above 2"),
         ("kilonerf", {"aabb": np.zeros((2, 3))}, "is not a lowest and a highest corner"),
         ("ngp_hash", {"table": np.zeros((5, 2))}, "leave the 5 table rows"),
@@ -175,3 +176,18 @@ def test_everything_behind_the_camera_is_white(tmp_path: Path) -> None:
     picture = render_reference(scene, Camera(frozen_float32(pose), 20, 16, 16))
     np.testing.assert_array_equal(picture.image, np.ones((16, 16, 3)))
     assert picture.counts["visible_gaussians"] == 0
+
+
+def test_a_scalar_may_have_an_axis_of_one(tmp_path: Path) -> None:
+    with np.load(MIC / "mic_kilonerf.npz", allow_pickle=False) as archive:
+        arrays = {**archive, "far": archive["far"].reshape(1)}
+    np.savez(tmp_path / "scene.npz", **arrays)
+    assert read_scene(tmp_path / "scene.npz")[1].march.far == 6.0
+
+
+def test_a_picture_of_no_numbers_is_a_message(tmp_path: Path) -> None:
+    sh = np.full((2, 9, 3), 3e38, dtype=np.float32)
+    path = changed(tmp_path, GAUSSIANS, sh=sh, log_scales=np.zeros((2, 3)))
+    camera = orbit_camera(scene := read_scene(path)[1], 30.0, 20.0, "+z", 8, 8)
+    with pytest.raises(SceneError, match="pixels are no numbers: values of the scene"):
+        render_reference(scene, camera)

@@ -21,7 +21,7 @@ from vividc.dfg.json_fields import Fields, place_of
 from vividc.dfg.opcodes import BASE, PRED
 from vividc.dfg.words import WORD_MASK
 from vividc.errors import VividcWarning
-from vividc.printable import printable, quoted
+from vividc.printable import quoted
 
 _SHOWN: Final = 8
 _NAMED_PORTS: Final = frozenset({PRED, BASE})
@@ -56,10 +56,12 @@ def foreign_graph(
 def warn_of_shared_ids(file: str, nodes: Sequence[Fields]) -> None:
     """Name the ids that several operations have."""
     counts = Counter(node.data["id"] for node in nodes)
-    shared = [printable(str(node_id)) for node_id, count in counts.items() if count > 1]
+    shared = [quoted(str(node_id))[1:-1] for node_id, count in counts.items() if count > 1]
     if shared:
+        more = f" and {len(shared) - _SHOWN} more" if len(shared) > _SHOWN else ""
+        ids = ", ".join(shared[:_SHOWN]) + more
         warnings.warn(
-            f"{file}: no edge tells the operations apart that share the ids {', '.join(shared)}; "
+            f"{file}: no edge tells the operations apart that share the ids {ids}; "
             "each id is taken as one node",
             VividcWarning,
             stacklevel=3,

@@ -14,6 +14,21 @@ _MAX_DISTANCE: Final = 1 << 20
 _LINE_DIGITS: Final = 9
 
 
+_SHOWN = 20
+
+
+class Problems(list[str]):
+    """The first problems of a file, and how many there are: a large one may have millions."""
+
+    total = 0
+
+    def append(self, problem: str) -> None:
+        """Record a problem."""
+        self.total += 1
+        if len(self) < _SHOWN:
+            super().append(problem)
+
+
 @dataclass(frozen=True, slots=True)
 class Fields:
     """One JSON object at `place`; a getter that finds a wrong value records it."""
@@ -148,11 +163,13 @@ def raise_problems(
     """
     if not problems:
         return
-    places = [place_of(file, problem, lines or {}) for problem in problems[:_SHOWN]]
+    known = {} if lines is None else lines
+    places = [place_of(file, problem, known) for problem in problems[:_SHOWN]]
     first, *others = zip(places, problems, strict=False)
     shown = [first[1], *(text if at == file else f"{at}: {text}" for at, text in others)]
-    if len(problems) > _SHOWN:
-        shown.append(f"and {len(problems) - _SHOWN} more")
+    total = problems.total if isinstance(problems, Problems) else len(problems)
+    if total > _SHOWN:
+        shown.append(f"and {total - _SHOWN} more")
     raise DFGError("\n    ".join(shown), loc=first[0], hint=hint)
 
 
@@ -160,9 +177,6 @@ def place_of(file: str, problem: str, lines: Mapping[str, int]) -> str:
     """File, and line if known, of an entry such as "nodes[3]", or of a problem that begins so."""
     line = lines.get(problem.partition(":")[0])
     return file if line is None else f"{file}:{line}"
-
-
-_SHOWN = 20
 
 
 def _plain(node_id: int | str) -> str:

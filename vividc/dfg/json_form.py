@@ -25,7 +25,7 @@ from vividc.dfg.foreign_json import (
     warn_of_unknown_keys,
 )
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.json_fields import Fields, fields_of, parse_loc, raise_problems
+from vividc.dfg.json_fields import Fields, Problems, fields_of, parse_loc, raise_problems
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
 from vividc.errors import DFGError
 from vividc.printable import quoted
@@ -77,7 +77,7 @@ def from_json(data: object, *, file: str = "<json>", lines: Mapping[str, int] | 
     """
     if not isinstance(data, dict):
         raise DFGError(f"expected an object with nodes and edges, not {_kind(data)}", loc=file)
-    problems: list[str] = []
+    problems = Problems()
     top = Fields(data, "", problems)
     name = top.text("name", file)
     nodes = fields_of(data, "nodes", problems)
@@ -98,7 +98,7 @@ def from_json(data: object, *, file: str = "<json>", lines: Mapping[str, int] | 
     raise_problems(file, problems, lines)
     if not own:
         warn_of_shared_ids(file, nodes)
-        warn_of_unknown_keys(file, nodes, edges, lines or {})
+        warn_of_unknown_keys(file, nodes, edges, {} if lines is None else lines)
     return dfg
 
 

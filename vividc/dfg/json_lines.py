@@ -5,47 +5,65 @@ from __future__ import annotations
 import json
 import re
 import sys
-from bisect import bisect_right
+from array import array
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from typing import Final
 
 from vividc.errors import DFGError
 
 _SPACE: Final = re.compile(r"[ \t\r\n]*")
 _ARRAYS: Final = ("nodes", "edges")
+_PLACE: Final = re.compile(r"(nodes|edges)\[([0-9]{1,9})\]")
 _DECODER: Final = json.JSONDecoder()
 _STRING_OR_NUMBER: Final = re.compile(
     r'"(?:[^"\\]|\\.)*"|-?(?P<digits>\d+)(?P<rest>\.\d+|[eE])?', re.S
 )
 
 
-def element_lines(text: str) -> dict[str, int]:
-    """Line, from 1 on, of every element of the arrays "nodes" and "edges" at the top level.
+class ElementLines(Mapping[str, int]):
+    """Line, from 1 on, of every element of the arrays "nodes" and "edges" at the top level, as
+    "nodes[0]", "nodes[1]", ..., "edges[0]", ...: found when one is asked for.
 
     Parameters
     ----------
     text
         Valid JSON.
-
-    Returns
-    -------
-    dict
-        Line of "nodes[0]", "nodes[1]", ..., "edges[0]", ...
     """
-    breaks = [match.start() for match in re.finditer("\n", text)]
-    offsets: dict[str, int] = {}
-    at = _after_space(text, 0)
-    if text[at : at + 1] != "{":
-        return {}
-    at = _after_space(text, at + 1)
-    while text[at : at + 1] == '"':
-        key, at = _DECODER.raw_decode(text, at)
-        at = _after_space(text, _after_space(text, at) + 1)
-        if key in _ARRAYS and text[at] == "[":
-            at = _elements(text, at, key, offsets)
-        else:
-            at = _DECODER.raw_decode(text, at)[1]
-        at = _after_space(text, _after_space(text, at) + 1)
-    return {place: bisect_right(breaks, offset) + 1 for place, offset in offsets.items()}
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __getitem__(self, place: str) -> int:
+        found = _PLACE.fullmatch(place)
+        offsets = self._offsets.get(found[1]) if found is not None else None
+        if found is None or offsets is None or int(found[2]) >= len(offsets):
+            raise KeyError(place)
+        return self._text.count("\n", 0, offsets[int(found[2])]) + 1
+
+    def __iter__(self) -> Iterator[str]:
+        return (f"{key}[{i}]" for key, found in self._offsets.items() for i in range(len(found)))
+
+    def __len__(self) -> int:
+        return sum(map(len, self._offsets.values()))
+
+    @cached_property
+    def _offsets(self) -> dict[str, array[int]]:
+        text = self._text
+        offsets: dict[str, array[int]] = {}
+        at = _after_space(text, 0)
+        if text[at : at + 1] != "{":
+            return {}
+        at = _after_space(text, at + 1)
+        while text[at : at + 1] == '"':
+            key, at = _DECODER.raw_decode(text, at)
+            at = _after_space(text, _after_space(text, at) + 1)
+            if key in _ARRAYS and text[at] == "[":
+                offsets[key], at = _elements(text, at)
+            else:
+                at = _DECODER.raw_decode(text, at)[1]
+            at = _after_space(text, _after_space(text, at) + 1)
+        return offsets
 
 
 def too_long_number(text: str, file: str) -> DFGError:
@@ -60,17 +78,16 @@ def too_long_number(text: str, file: str) -> DFGError:
     return DFGError("a number is malformed", loc=file)
 
 
-def _elements(text: str, at: int, key: str, offsets: dict[str, int]) -> int:
-    """Enter the offsets of an array's elements; the offset behind the array."""
+def _elements(text: str, at: int) -> tuple[array[int], int]:
+    """The offsets of an array's elements, and the offset behind the array."""
+    offsets = array("q")
     at = _after_space(text, at + 1)
-    index = 0
     while text[at] != "]":
-        offsets[f"{key}[{index}]"] = at
-        index += 1
+        offsets.append(at)
         at = _after_space(text, _DECODER.raw_decode(text, at)[1])
         if text[at] == ",":
             at = _after_space(text, at + 1)
-    return at + 1
+    return offsets, at + 1
 
 
 def _after_space(text: str, at: int) -> int:

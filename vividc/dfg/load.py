@@ -16,7 +16,7 @@ from vividc.dfg.foreign import unknown_operations
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_fields import raise_problems
 from vividc.dfg.json_form import from_json
-from vividc.dfg.json_lines import element_lines, too_long_number
+from vividc.dfg.json_lines import ElementLines, too_long_number
 from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.text import parse
 from vividc.errors import DFGError, VividcWarning, demand_type
@@ -122,7 +122,7 @@ def _read_json(text: str, file: str) -> DFG:
         raise too_long_number(text, file) from error
     except RecursionError as error:
         raise DFGError("not a DFG: the JSON is nested too deeply", loc=file) from error
-    return from_json(data, file=file, lines=element_lines(text))
+    return from_json(data, file=file, lines=ElementLines(text))
 
 
 def _read_text(text: str, file: str) -> DFG:

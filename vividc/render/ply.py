@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from vividc.inputs import SCENE_BYTES, read_bytes
-from vividc.render.arrays import Float32Array, frozen_float32
+from vividc.printable import quoted
+from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, frozen_float32
 from vividc.render.errors import SceneError
 
 _SCALAR_TYPES = {
@@ -20,6 +23,9 @@ _SCALAR_TYPES = {
 }  # fmt: skip
 _FORMATS = ("ascii", "binary_little_endian")
 _HEADER_END = b"end_header"
+_HEADER_BYTES = 64 << 10
+_ROWS_AT_ONCE = 1 << 12
+_COUNT_DIGITS = 12
 _LAYOUT_HINT = (
     "expected the INRIA layout: x y z, f_dc_0..2, f_rest_*, opacity, scale_0..2, rot_0..3"
 )
@@ -95,11 +101,11 @@ def _parse_header(path: Path, data: bytes) -> _Header:
             loc=str(path),
             hint="give the point_cloud.ply that 3DGS training writes",
         )
-    marker = data.find(b"\n" + _HEADER_END)
+    marker = data.find(b"\n" + _HEADER_END, 0, _HEADER_BYTES)
     newline = data.find(b"\n", marker + 1)
     if marker < 0 or newline < 0:
         raise SceneError(
-            "the PLY header has no `end_header` line",
+            f"the PLY header has no `end_header` line in its first {_HEADER_BYTES >> 10} KiB",
             loc=str(path),
             hint="the file is probably truncated: copy or download it again",
         )
@@ -133,9 +139,9 @@ def _vertex_count(path: Path, declarations: list[list[str]]) -> int:
             "the first element of the PLY is not `vertex`", loc=str(path), hint=_LAYOUT_HINT
         )
     count = elements[0][2] if len(elements[0]) == len(("element", "vertex", "N")) else ""
-    if not count.isascii() or not count.isdigit():
+    if not count.isascii() or not count.isdigit() or len(count) > _COUNT_DIGITS:
         raise SceneError(
-            f"the vertex count {count or '(none given)'} is not a number",
+            f"the vertex count {quoted(count)[1:-1] or '(none given)'} is not a number",
             loc=str(path),
             hint="the header line must read `element vertex N`",
         )
@@ -181,30 +187,38 @@ def _vertices(header: _Header, data: bytes) -> npt.NDArray[np.void]:
 
 
 def _ascii_vertices(header: _Header, data: bytes, dtype: np.dtype[np.void]) -> npt.NDArray[np.void]:
-    rows = data[header.body_start :].split(b"\n", header.vertices)[: header.vertices]
-    values = [row.split() for row in rows]
-    complete = [row for row in values if len(row) == len(header.properties)]
-    if len(complete) < header.vertices:
-        raise SceneError(
-            f"truncated: {len(complete)} of {header.vertices} vertices have "
-            f"{len(header.properties)} values",
-            loc=str(header.path),
-            hint="one line a vertex, one value a property; copy or download the file again",
-        )
+    """By blocks of lines: all values as Python's would take twenty times the file."""
+    width = len(header.properties)
+    lines = io.BytesIO(data)
+    lines.seek(header.body_start)
+    room = (len(data) - header.body_start + 1) // (2 * width)  # a digit and a blank a value
+    vertices = np.zeros(min(header.vertices, room), dtype=dtype)
+    for first in range(0, header.vertices, _ROWS_AT_ONCE):
+        wanted = min(_ROWS_AT_ONCE, header.vertices - first)
+        values = [line.split(maxsplit=width) for line in islice(lines, wanted)]
+        complete = sum(len(row) == width for row in values)
+        if complete < wanted or first + wanted > len(vertices):
+            raise SceneError(
+                f"truncated: {first + complete} of {header.vertices} vertices have {width} values",
+                loc=str(header.path),
+                hint="one line a vertex, one value a property; copy or download the file again",
+            )
+        block = _numbers(header, values)
+        for column, (name, _) in enumerate(header.properties):
+            with np.errstate(over="ignore", invalid="ignore"):  # what does not fit is told of later
+                vertices[name][first : first + wanted] = block[:, column]
+    return vertices
+
+
+def _numbers(header: _Header, values: list[list[bytes]]) -> npt.NDArray[np.float64]:
     try:
-        numbers = np.array(values, dtype=np.float64).reshape(
-            header.vertices, len(header.properties)
-        )
+        return np.array([[float(value) for value in row] for row in values])
     except ValueError as error:
         raise SceneError(
             f"a vertex value is not a number: {error}",
             loc=str(header.path),
             hint="one line a vertex, one value a property",
         ) from error
-    vertices = np.zeros(header.vertices, dtype=dtype)
-    for column, (name, _) in enumerate(header.properties):
-        vertices[name] = numbers[:, column]
-    return vertices
 
 
 def _columns(
@@ -222,9 +236,9 @@ def _columns(
     columns = np.empty((header.vertices, len(names)))
     for column, name in enumerate(names):
         columns[:, column] = vertices[name]
-        if not np.isfinite(columns[:, column]).all():
+        if not (np.abs(columns[:, column]) <= LARGEST_FLOAT32).all():
             raise SceneError(
-                f"vertex property {name} holds a value that is not finite",
+                f"vertex property {name} holds a value that is not finite in float32",
                 loc=str(header.path),
                 hint="training diverged or the file is damaged",
             )
@@ -248,13 +262,11 @@ def _activate(header: _Header, vertices: npt.NDArray[np.void]) -> Gaussians:
         scales=frozen_float32(np.exp(np.clip(log_scales, -80.0, 80.0))),
         rotations=frozen_float32(rotations / norms),
         opacity=frozen_float32(np.exp(-np.logaddexp(0.0, -logits))),
-        sh=frozen_float32(_spherical_harmonics(header, vertices)),
+        sh=_spherical_harmonics(header, vertices),
     )
 
 
-def _spherical_harmonics(
-    header: _Header, vertices: npt.NDArray[np.void]
-) -> npt.NDArray[np.float64]:
+def _spherical_harmonics(header: _Header, vertices: npt.NDArray[np.void]) -> Float32Array:
     """Return [N, K, 3]: `f_dc_c` is coefficient 0, `f_rest_{(K-1)c + k}` coefficient k+1 of c."""
     count = sum(name.startswith("f_rest_") for name, _ in header.properties)
     if count not in _REST_COUNTS:
@@ -263,7 +275,12 @@ def _spherical_harmonics(
             loc=str(header.path),
             hint=f"their number must be one of {', '.join(map(str, _REST_COUNTS))}",
         )
-    dc = _columns(header, vertices, ("f_dc_0", "f_dc_1", "f_dc_2"))
-    rest = _columns(header, vertices, tuple(f"f_rest_{i}" for i in range(count)))
-    by_channel = rest.reshape(header.vertices, 3, _REST_COUNTS[count] - 1)
-    return np.concatenate((dc[:, None, :], by_channel.transpose(0, 2, 1)), axis=1)
+    coefficients = _REST_COUNTS[count]
+    sh = np.empty((header.vertices, coefficients, 3), dtype=np.float32)
+    for channel in range(3):
+        first = (coefficients - 1) * channel
+        names = [f"f_dc_{channel}", *(f"f_rest_{first + k}" for k in range(coefficients - 1))]
+        for k, name in enumerate(names):  # one by one: most of a scene is here
+            sh[:, k, channel] = _columns(header, vertices, (name,))[:, 0]
+    sh.flags.writeable = False
+    return sh

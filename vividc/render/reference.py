@@ -6,9 +6,12 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
+import numpy as np
+
 from vividc.render.arrays import Float32Array
 from vividc.render.blend_reference import EXACT, BlendOptions, blend_image, over_background
 from vividc.render.camera import Camera
+from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import Layer, RadianceField, linear, render_field
 from vividc.render.scenes import Scene
@@ -62,13 +65,28 @@ def render_reference(
     options: ReferenceOptions = DEFAULT,
     progress: Callable[[float], None] | None = None,
 ) -> Picture:
-    """Render a scene in float32 numpy; `progress` gets the share of pixels done, 0 to 1."""
+    """Render a scene in float32 numpy; `progress` gets the share of pixels done, 0 to 1.
+
+    Raises
+    ------
+    SceneError
+        Values of the scene are so large that pixels are no numbers.
+    """
     start = time.perf_counter()
-    if isinstance(scene, Gaussians):
-        rgbt, counts = _render_gaussians(scene, camera, options, progress)
-    else:
-        rgbt, counts = _render_marched(scene, camera, options, progress)
-    return Picture(over_background(rgbt), counts, time.perf_counter() - start)
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # told of at the end
+        if isinstance(scene, Gaussians):
+            rgbt, counts = _render_gaussians(scene, camera, options, progress)
+        else:
+            rgbt, counts = _render_marched(scene, camera, options, progress)
+        image = over_background(rgbt)
+    odd = int(np.count_nonzero(~np.isfinite(image).all(axis=2)))
+    if odd:
+        raise SceneError(
+            f"{odd} of {camera.width * camera.height} pixels are no numbers: values of the scene "
+            "or the camera leave the range of float32",
+            hint="the training diverged, or a file is damaged",
+        )
+    return Picture(image, counts, time.perf_counter() - start)
 
 
 def _render_gaussians(

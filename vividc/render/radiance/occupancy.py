@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +12,8 @@ from vividc.render.archive import Archive
 from vividc.render.arrays import Float32Array, Int64Array
 from vividc.render.camera import Camera
 
+MOST_SAMPLES: Final = 8192
+"""Of a ray; all rays of a block get room for so many."""
 _HALF = np.float32(0.5)
 
 
@@ -79,12 +82,15 @@ def read_march(archive: Archive) -> March:
     bits = np.unpackbits(packed.astype(np.uint8))[:cells].astype(np.bool_)
     bits.flags.writeable = False
     near = archive.number("near")
+    samples = archive.whole("n_samples", above=0)
+    if samples > MOST_SAMPLES:
+        raise archive.error(f"n_samples is {samples}: a ray has at most {MOST_SAMPLES}")
     return March(
         box=box,
         near=near,
         far=archive.number("far", above=near),
         step=archive.number("step", above=0),
-        samples=archive.whole("n_samples", above=0),
+        samples=samples,
         occupied=bits.reshape(tuple(shape)),
     )
 

@@ -15,6 +15,7 @@ from vividc.render.radiance.layers import Layer, linear
 from vividc.render.radiance.occupancy import March, occupied_samples, pixel_rays
 
 _RAYS_AT_ONCE = 4096
+_SAMPLES_AT_ONCE = 2 << 20
 _ONE = np.float32(1.0)
 
 
@@ -113,13 +114,14 @@ def render_field(
     pixels = camera.width * camera.height
     rgbt = np.empty((pixels, 4), dtype=np.float32)
     counts = MarchCounts()
-    for first in range(0, pixels, _RAYS_AT_ONCE):
-        directions = pixel_rays(camera, first, min(_RAYS_AT_ONCE, pixels - first))
+    at_once = max(1, min(_RAYS_AT_ONCE, _SAMPLES_AT_ONCE // field.march.samples))
+    for first in range(0, pixels, at_once):
+        directions = pixel_rays(camera, first, min(at_once, pixels - first))
         part, cost = render_rays(field, camera.position, directions, lookahead, layer)
         rgbt[first : first + len(part)] = part
         counts += cost
         if progress is not None:
-            progress(min(1.0, (first + _RAYS_AT_ONCE) / pixels))
+            progress(min(1.0, (first + at_once) / pixels))
     return rgbt.reshape(camera.height, camera.width, 4), counts
 
 
