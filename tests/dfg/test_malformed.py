@@ -17,7 +17,7 @@ from vividc import arch
 from vividc.cli import main
 from vividc.dfg import DFG, load, to_dot, to_json, to_text
 from vividc.dfg.json_form import from_json
-from vividc.errors import VividcError, VividcWarning
+from vividc.errors import DFGError, VividcError, VividcWarning
 from vividc.mapper import map_dfg
 
 NODES = '{"name": "g", "nodes": [\n {"id": 0, "op": "add"},\n {"id": 1, "op": "mul"}],\n "edges": ['
@@ -238,3 +238,26 @@ def test_any_json_value_loads_or_is_refused(value: object) -> None:
         for data in (value, {"nodes": [value], "edges": [value]}):
             with contextlib.suppress(VividcError):
                 assert isinstance(from_json(data), DFG)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("g.xml", "<DFG></Outputs" + "A" * 300_000),
+        ("g.xml", '<DFG><Node a="1" ' + 'b="2" ' * 100_000 + "c></DFG>"),
+        ("g.xml", "<DFG><Node " + "'" * 99_999),
+        ("g.dot", "#" * 300_000 + "\nx"),
+        ("g.dot", "/" * 300_000 + "\nx"),
+        ("g.dot", "/**/" * 100_000 + "x"),
+        ("g.dot", "digraph {" + "/*" * 100_000),
+        ("g.dfg", "#" * 300_000 + "\nx"),
+        ("g.json", '{"nodes": "' + "\\" * 300_001),
+    ],
+)
+def test_no_text_is_tried_in_all_ways(tmp_path: Path, name: str, text: str) -> None:
+    """Each took minutes to ages while a part of it could be matched in several ways."""
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(DFGError) as raised:
+        load(path)
+    assert len(str(raised.value)) < 1000

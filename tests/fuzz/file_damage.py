@@ -158,6 +158,14 @@ def _deep(random: Random, text: str) -> str:
     return text[:at] + opened * random.choice(_DEPTHS) + text[at:]
 
 
+def _repeated(random: Random, text: str) -> str:
+    """A piece many times: what is tried in several ways, or copied each time, takes ages."""
+    first = random.randrange(len(text) + 1)
+    piece = text[first : first + random.choice((1, 1, 2, 3, 8, 40))]
+    times = min(random.choice((30, 3000, 100_000)), 300_000 // max(1, len(piece)))
+    return text[:first] + piece * times + text[first + len(piece) :]
+
+
 def _encoding(random: Random, data: bytes) -> bytes:
     try:
         text = data.decode()

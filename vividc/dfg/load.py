@@ -140,9 +140,11 @@ def _read_xml(text: str, file: str) -> DFG:
 _BY_CONTENT: Final = (
     (re.compile(r"\s*[{\[]"), _read_json),
     (re.compile(r"\s*<"), _read_xml),
-    (re.compile(r"(?:\s|#[^\n]*(?:\n|$))*dfg\b"), _read_text),
+    (re.compile(r"(?:\s|#[^\n]*+)*+dfg\b"), _read_text),
     (
-        re.compile(r"(?:\s|//[^\n]*|\#[^\n]*|/\*.*?\*/)*(?:strict|digraph|graph)\b", re.S | re.I),
+        re.compile(
+            r"(?:\s|//[^\n]*+|\#[^\n]*+|/\*(?:[^*]|\*(?!/))*+\*/)*+(?:strict|digraph|graph)\b", re.I
+        ),
         _read_dot,
     ),
 )

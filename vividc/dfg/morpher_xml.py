@@ -26,10 +26,11 @@ from vividc.printable import quoted
 
 _TOKEN: Final = re.compile(
     r"""<!--.*?-->|<\?.*?\?>|<!\w[^>]*>
-    |<(?P<close>/)?(?P<tag>[A-Za-z_][\w.:-]*)(?P<attributes>(?:[^<>"']|"[^"]*"|'[^']*')*)>
+    |<(?P<close>/)?(?P<tag>[A-Za-z_][\w.:-]*+)(?P<attributes>(?:[^<>"']|"[^"]*+"|'[^']*+')*+)>
     |(?P<text>[^<]+)""",
     re.VERBOSE | re.DOTALL,
 )
+"""Possessive, as in all of this package that reads foreign text: no part of it is tried twice."""
 _ATTRIBUTE: Final = re.compile(r"""\s*([A-Za-z_][\w.:-]*)\s*=\s*(?:"([^"]*)"|'([^']*)')\s*""")
 _OPERANDS: Final[dict[str, int | str]] = {"P": "pred", "I1": 0, "I2": 1, "I3": 2}
 _ORDER: Final = "PS"
@@ -190,11 +191,12 @@ def _tag(match: re.Match[str], line: int, file: str) -> _Tag:
     empty = rest.endswith("/")
     rest = rest.removesuffix("/")
     attributes: dict[str, str] = {}
-    at = 0
-    while rest[at:].strip():
+    at, end = 0, len(rest.rstrip())
+    while at < end:
         found = _ATTRIBUTE.match(rest, at)
         if found is None:
-            _fail(file, line, f"an attribute of <{match['tag']}> is malformed: {rest[at:][:30]!r}")
+            odd = f"{rest[at : at + 30]!r}"
+            _fail(file, line, f"an attribute of <{quoted(match['tag'])[1:-1]}> is malformed: {odd}")
         value = found[2] if found[2] is not None else found[3]
         attributes[found[1]] = html.unescape(value)
         at = found.end()
