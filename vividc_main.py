@@ -1,7 +1,7 @@
 """The script `vividc`: an interrupt while the modules load is one line and exit code 130.
 
 Outside the package, because importing anything in it runs `vividc/__init__`, which loads
-compilers and solvers for a second or more.
+compilers and solvers for a second or more; `python -m vividc` begins there, and calls this first.
 """
 
 import os
@@ -17,13 +17,17 @@ def _leave(_signal: int, _frame: FrameType | None) -> None:
     os._exit(_INTERRUPTED)
 
 
+def leave_on_interrupt() -> None:
+    """From now until `main` has loaded all modules."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else: ignored
+        signal.signal(signal.SIGINT, _leave)
+
+
 def main() -> None:
     """Run the command line."""
-    loading = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else: ignored
-    if loading:
-        signal.signal(signal.SIGINT, _leave)
+    leave_on_interrupt()
     from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
 
-    if loading:
+    if signal.getsignal(signal.SIGINT) is _leave:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     command(prog_name="vividc")

@@ -1,5 +1,13 @@
 """vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays."""
 
+import sys
+
+if sys.argv[:1] == ["-m"] and "vividc" in sys.orig_argv[1:4]:
+    # `python -m vividc` loads this package before its `__main__`.
+    import vividc_main
+
+    vividc_main.leave_on_interrupt()
+
 from vividc import arch, dfg, lang, launch, mapper, program
 from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning

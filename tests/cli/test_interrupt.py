@@ -1,5 +1,6 @@
 """An interrupt before any command runs: the module that loads at that moment does not matter."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -19,19 +20,34 @@ class Interrupt:
             os.kill(os.getpid(), signal.SIGINT)
 
 sys.meta_path.insert(0, Interrupt())
-from vividc_main import main
-main()
 """
+AS_SCRIPT = SCRIPT + "from vividc_main import main\nmain()\n"
 
 
 @pytest.mark.parametrize("module", ["vividc", "numba.core", "vividc.cli.main"])
 def test_an_interrupt_while_modules_load_is_one_line(module):
     run = subprocess.run(
-        [sys.executable, "-c", SCRIPT, module],
+        [sys.executable, "-c", AS_SCRIPT, module],
         check=False,
         cwd=ROOT,
         capture_output=True,
         text=True,
         timeout=120,
+    )
+    assert (run.returncode, run.stdout, run.stderr) == (130, "", "vividc: interrupted\n")
+
+
+@pytest.mark.parametrize("module", ["numba.core", "vividc.cli.main"])
+def test_as_a_module_too(module, tmp_path):
+    """The interrupt is set by a module that Python runs at its start."""
+    (tmp_path / "sitecustomize.py").write_text(SCRIPT.replace("sys.argv[1]", f"{module!r}"))
+    run = subprocess.run(
+        [sys.executable, "-m", "vividc", "--version"],
+        check=False,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
     )
     assert (run.returncode, run.stdout, run.stderr) == (130, "", "vividc: interrupted\n")
