@@ -1,13 +1,16 @@
 """Every failure is one message on stderr with its exit code, and never a traceback."""
 
 import ctypes
+import re
 import subprocess
 import sys
 
 import click
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tests.fuzz.file_scenes import SCENES
 from vividc.cli import main
 from vividc.errors import InternalError, MappingFailed, TimeLimit, VividcError
 
@@ -29,6 +32,18 @@ def run_failing(monkeypatch, error, **env):
         (TimeLimit("too slow"), 4, "too slow"),
         (InternalError("broken"), 1, "broken\nThis is a bug of vividc"),
         (KeyboardInterrupt(), 130, "interrupted"),
+        (
+            MemoryError("Unable to allocate 9 GiB"),
+            2,
+            "not enough memory: Unable to allocate 9 GiB\n",
+        ),
+        (MemoryError(), 2, "not enough memory\nhint: the input is too large"),
+        (
+            RuntimeError("can't start new thread"),
+            2,
+            "a thread or a process cannot be started: can't start new thread\nhint: allow more",
+        ),
+        (BlockingIOError(11, "Resource temporarily unavailable"), 2, "a thread or a process"),
         (ZeroDivisionError("oops"), 1, "ZeroDivisionError: oops (at "),
     ],
 )
@@ -105,3 +120,27 @@ def test_a_closed_stream_takes_nothing_and_stops_nothing(closed, tmp_path):
     done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
     assert (tmp_path / "m.json").read_bytes().startswith(b"{")
+
+
+def test_a_picture_that_memory_does_not_hold_is_a_message(tmp_path):
+    """In a child, whose address space is limited."""
+    script = """
+import resource, sys
+from vividc.cli import main
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (300 << 20),) * 2)
+main(sys.argv[1:])
+"""
+    np.savez(tmp_path / "scene.npz", **SCENES["table"]())
+    run = subprocess.run(
+        [sys.executable, "-c", script, "render", tmp_path / "scene.npz", "--size", "8000x8000"],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert run.returncode == 2, run.stderr
+    assert re.match(
+        r"vividc: not enough memory: Unable to allocate .*\nhint: the input is too large",
+        run.stderr,
+    )

@@ -31,6 +31,10 @@ from vividc.cli.report import say
 from vividc.errors import InternalError, VividcError, VividcWarning
 
 INTERRUPTED: Final = 130
+_NO_PROCESS: Final = ("can't start new thread", os.strerror(errno.EAGAIN))
+"""What Python and libraries in C++ say where a user may have no more processes."""
+_NO_PROCESS_MESSAGE: Final = "a thread or a process cannot be started"
+_NO_PROCESS_HINT: Final = "hint: allow more of them (ulimit -u)"
 _DEBUG: Final = "VIVIDC_DEBUG"
 
 
@@ -78,16 +82,20 @@ class _Commands(click.Group):
             _print_traceback(error)
             _fail(ctx, _no_memory(error), VividcError.exit_code)
         except OSError as error:
-            if error.errno != errno.ENOSPC:
-                self._bug(ctx, error, interrupts)
-            _give_up_stdout(error)
+            if error.errno == errno.ENOSPC:
+                _give_up_stdout(error)
+            self._unforeseen(ctx, error, interrupts)
         except Exception as error:  # the outermost frame: whatever arrives here is a bug
-            self._bug(ctx, error, interrupts)
+            self._unforeseen(ctx, error, interrupts)
 
-    def _bug(self, ctx: click.Context, error: Exception, interrupts: list[BaseException]) -> None:
+    def _unforeseen(
+        self, ctx: click.Context, error: Exception, interrupts: list[BaseException]
+    ) -> None:
         if interrupts:
             _fail(ctx, "interrupted", INTERRUPTED)
         _print_traceback(error)
+        if any(text in str(error) for text in _NO_PROCESS):
+            _fail(ctx, f"{_NO_PROCESS_MESSAGE}: {error}\n{_NO_PROCESS_HINT}", VividcError.exit_code)
         internal = InternalError(f"{type(error).__name__}: {error} ({_origin(error)})")
         _fail(ctx, str(internal), internal.exit_code)
 

@@ -53,7 +53,6 @@ _DAMAGE: Final = (
     IndexError,
     ValueError,
     OverflowError,
-    MemoryError,
     RuntimeError,
     OSError,
 )

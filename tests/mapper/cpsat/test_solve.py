@@ -120,3 +120,14 @@ def test_windows_below_the_rec_mii_are_refused() -> None:
 def test_the_cyclic_problem_is_not_mistaken_for_a_mapping() -> None:
     with pytest.raises(ValueError, match="refute_folded"):
         place_and_route(folded(MapProblem(chain(2), grid(1, 2)), 2), _search())
+
+
+def test_what_fails_in_the_solvers_thread_fails_in_the_callers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fails(*_: object) -> None:
+        raise RuntimeError("Resource temporarily unavailable")
+
+    monkeypatch.setattr("vividc.mapper.cpsat.run.CpSolver.solve", fails)
+    with pytest.raises(RuntimeError, match="Resource temporarily unavailable"):
+        schedule(MapProblem(accumulator(), grid(2, 2)), 2, ScheduleOptions(), _search())

@@ -27,6 +27,7 @@ from vividc.frontend.llvm_child.server import serve
 serve()
 """
 """The packages above the server's are not run: they import all of vividc."""
+_HINT = "C kernels are read and run in processes of their own: allow three (ulimit -u)"
 MEMORY_BYTES = 4 << 30
 """What a request may allocate."""
 
@@ -55,7 +56,7 @@ class _Server:
         except OSError as error:
             raise VividcError(
                 f"a process that reads C cannot be started: {error.strerror}",
-                hint="C kernels are read and run in a process of their own: allow one (ulimit -u)",
+                hint=_HINT,
             ) from error
 
     def ask(self, header: Header, blobs: Sequence[bytes]) -> tuple[Header, bytes]:
@@ -95,7 +96,7 @@ def ask(
     Lost
         Its process died.
     VividcError
-        No process can be started.
+        No process can be started, or it was ended from outside.
     """
     header = {**header, "limit_s": limit_s, "memory_bytes": memory_bytes}
     with _locks[0]:
@@ -105,7 +106,9 @@ def ask(
     try:
         return receive(io.BytesIO(answer).read)
     except EOFError as error:
-        raise Lost(signal.Signals(ending["signal"]).name if ending["signal"] else "") from error
+        if ending["signal"]:
+            raise Lost(signal.Signals(ending["signal"]).name) from error
+        raise VividcError("the process that reads C ended without an answer", hint=_HINT) from error
 
 
 def _asked(header: Header, blobs: Sequence[bytes]) -> tuple[Header, bytes]:

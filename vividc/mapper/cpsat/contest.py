@@ -26,6 +26,7 @@ class Contender:
         self.solver = solver
         self._model, self._news = model, news
         self._status: list[int] = []
+        self._faults: list[Exception] = []
         self._begun, self._given_up = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._work, daemon=True)
 
@@ -49,7 +50,9 @@ class Contender:
 
     @property
     def status(self) -> int:
-        """What it ended with."""
+        """What it ended with; what it raised is raised here, in the caller's thread."""
+        if self._faults:
+            raise self._faults[0]
         if not self._status:
             raise InternalError("the solver stopped without a status")
         return self._status[0]
@@ -59,6 +62,8 @@ class Contender:
             self._begun.set()
             if not self._given_up.is_set():
                 self._status.append(int(self.solver.solve(self._model)))
+        except Exception as fault:
+            self._faults.append(fault)
         finally:
             self._news.set()
 
@@ -70,7 +75,7 @@ def solve_alone(solver: CpSolver, model: CpModel) -> int:
     try:
         one.start()
         _wait(one, news)
-    except KeyboardInterrupt:
+    except BaseException:
         one.stop()
         raise
     return one.status
@@ -99,7 +104,7 @@ def solve_beside(search: CpSolver, jumps: CpSolver, model: CpModel, workers: int
         if workers == 1:
             second.start()
         _wait(second, news)
-    except KeyboardInterrupt:
+    except BaseException:
         first.stop()
         second.stop()
         raise
