@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
+import json
+import os
 import zipfile
 from contextlib import suppress
 from pathlib import Path
@@ -10,11 +13,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vividc import arch, dfg, program
+import vividc
+from tests.fuzz.file_kinds import KERNEL
+from vividc import arch, dfg, load_ll, program
+from vividc.arch.costs import load_costs
+from vividc.cli.kernels import load_kernel
+from vividc.cli.verify_command import _json_of
 from vividc.errors import VividcError
+from vividc.files import write_whole
 from vividc.inputs import ARGUMENT_BYTES, VARIABLE, limit, read_bytes
 from vividc.npz import read_npz
-from vividc.render import read_scene, read_views
+from vividc.program.bundle import SCHEMA
+from vividc.render import load_cameras, read_scene, read_views
+from vividc.render.views import _read_picture
 
 
 def npy(shape: str, data: bytes = b"", descr: str = "<f4") -> bytes:
@@ -92,21 +103,81 @@ def test_each_flipped_bit_is_read_or_refused(tmp_path: Path) -> None:
             read_npz(path, ARGUMENT_BYTES, VividcError)
 
 
-@pytest.mark.parametrize(
-    "read",
-    [
-        program.load,
-        dfg.load,
-        arch.load,
-        read_scene,
-        read_views,
-        lambda path: read_npz(path, ARGUMENT_BYTES, VividcError),
-    ],
-)
-def test_an_endless_device_is_no_input(read: object) -> None:
-    assert callable(read)
-    with pytest.raises(VividcError, match="/dev/zero: "):
-        read(Path("/dev/zero"))
+READERS = {
+    "p.vivid": program.load,
+    "g.json": dfg.load,
+    "f.yaml": arch.load,
+    "a.yaml": arch.load_accelerator,
+    "c.yaml": load_costs,
+    "s.ply": read_scene,
+    "s.npz": read_scene,
+    "s": read_scene,
+    "v.json": read_views,
+    "v.npz": read_views,
+    "cameras.npz": load_cameras,
+    "k.py": lambda path: load_kernel(str(path)),
+    "k.ll": lambda path: load_ll(path, "f"),
+    "m.json": _json_of,
+    "p.png": _read_picture,
+    "in.npz": lambda path: read_npz(path, ARGUMENT_BYTES, VividcError),
+}
+"""By names that their files may have."""
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_an_endless_device_is_no_input(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.symlink_to("/dev/zero")
+    with pytest.raises(VividcError, match=rf"{name}: "):
+        READERS[name](path)
+
+
+@pytest.mark.parametrize("name", READERS)
+@pytest.mark.parametrize("odd", ["is a folder", "a\0b", "\ud800", "is not there"])
+def test_what_is_no_file_is_a_message(tmp_path: Path, name: str, odd: str) -> None:
+    path = tmp_path / odd / name
+    if odd == "is a folder":
+        path.mkdir(parents=True)
+    with pytest.raises(VividcError) as raised:
+        READERS[name](path)
+    assert name in str(raised.value)
+    assert "\0" not in str(raised.value)
+
+
+@pytest.mark.parametrize("path", ["a\0b", "\ud800", "no/such/folder"])
+def test_what_can_be_no_file_cannot_be_written(path: str) -> None:
+    with pytest.raises(VividcError, match="cannot be written: "):
+        write_whole(Path(path), b"")
+
+
+def test_kernels_of_paths_that_are_not_utf8_are_refused_by_name(tmp_path: Path) -> None:
+    folder = tmp_path / os.fsdecode(b"\xff")
+    folder.mkdir()
+    (folder / "k.py").write_text(KERNEL)
+    (folder / "k.ll").write_text("define void @f() { ret void }")
+    spec = importlib.util.spec_from_file_location("k", folder / "k.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    for refused in (lambda: vividc.compile(module.sums), lambda: load_ll(folder / "k.ll", "f")):
+        with pytest.raises(VividcError, match="must be UTF-8\nhint: rename it"):
+            refused()
+
+
+def test_extends_runs_through_few_files(tmp_path: Path) -> None:
+    for number in range(40):
+        (tmp_path / f"{number}.yaml").write_text(f"extends: {number + 1}.yaml\n")
+    for read in (arch.load, arch.load_accelerator):
+        with pytest.raises(VividcError, match="`extends` runs through more than 8 files"):
+            read(tmp_path / "0.yaml")
+
+
+def test_a_source_of_half_a_character_is_no_source(tmp_path: Path) -> None:
+    text = json.dumps({"schema": SCHEMA, "provenance": {"kernel_file": "\ud800"}})
+    (tmp_path / "p.vivid").write_bytes(bundle_of(text))
+    with pytest.raises(VividcError, match=r"not a complete \.vivid file"):
+        program.load(tmp_path / "p.vivid")
 
 
 def test_a_limit_that_is_no_size_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

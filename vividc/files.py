@@ -36,6 +36,8 @@ def write_whole(path: Path, data: bytes, error: type[VividcError] = VividcError)
             _replace(target, found, data)
     except OSError as fault:
         raise error(f"cannot be written: {fault.strerror or fault}", loc=str(path)) from fault
+    except ValueError as fault:  # a NUL or half a character in the path
+        raise error(f"cannot be written: {fault}", loc=repr(str(path))) from fault
 
 
 def is_written_through(path: Path) -> bool:
@@ -86,7 +88,7 @@ def _stream_of(found: os.stat_result) -> int | None:
 def _status(path: Path) -> os.stat_result | None:
     try:
         return path.stat()
-    except OSError:  # the writing says why
+    except (OSError, ValueError):  # the writing says why
         return None
 
 

@@ -91,6 +91,39 @@ def demand_few_values(
         raise error(f"more than {allowed:,} values of JSON", loc=str(path), hint=hint)
 
 
+def demand_utf8_path(path: Path | str, error: type[VividcError] = VividcError) -> None:
+    """Refuse a kernel's file whose path is not UTF-8: numba, LLVM and the program that records the
+    source take text, not the bytes of a name.
+
+    Raises
+    ------
+    VividcError
+        It is not; `error` says of which class.
+    """
+    whole = os.path.abspath(path)
+    try:
+        whole.encode()
+    except UnicodeEncodeError:
+        raise error(
+            f"{whole}: the name of a kernel's file, and of the folders above it, must be UTF-8",
+            hint="rename it, or copy the kernel to a file with another name",
+        ) from None
+
+
+def resolved(path: Path, error: type[VividcError] = VividcError) -> Path:
+    """Return the absolute path without links.
+
+    Raises
+    ------
+    VividcError
+        No file can have this path; `error` says of which class.
+    """
+    try:
+        return Path(os.path.realpath(path))
+    except ValueError as fault:  # a NUL or half a character
+        raise error(f"cannot be read: {fault}", loc=repr(str(path))) from fault
+
+
 def read_bytes(
     path: Path, most: int, error: type[VividcError] = VividcError, hint: str | None = None
 ) -> bytes:

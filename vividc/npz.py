@@ -182,6 +182,8 @@ def _opened(
     except OSError as fault:
         reason = f"cannot be read: {fault.strerror or fault}"
         raise error(reason, loc=str(path), hint=hint) from fault
+    except ValueError as fault:  # a NUL or half a character in the path
+        raise error(f"cannot be read: {fault}", loc=repr(str(path)), hint=hint) from fault
     with file:
         if found.st_size > limit(most):
             raise too_large(path, f"a file of {size_text(found.st_size)}", limit(most), error)

@@ -15,7 +15,7 @@ from vividc.arch.schema import LATENCY_GROUPS, MAX_SIDE, Layer
 from vividc.arch.yaml_tree import Path as TreePath
 from vividc.arch.yaml_tree import Plain, Tree, parse
 from vividc.errors import ArchError
-from vividc.inputs import YAML_BYTES, read_text
+from vividc.inputs import YAML_BYTES, read_text, resolved
 
 _SUFFIXES = (".yaml", ".yml")
 _FAMILIES: Final = {
@@ -37,6 +37,8 @@ _APPENDED: frozenset[TreePath] = frozenset(
 """Lists to which a layer adds; all other values replace what they override."""
 
 _UNIFORM_BANKS = 8
+
+_MOST_LAYERS = 8
 
 
 def preset_names() -> tuple[str, ...]:
@@ -72,18 +74,32 @@ def preset_tree(name: str) -> Tree:
 
 def file_tree(path: Path, opened: tuple[Path, ...] = (), named_at: str | None = None) -> Tree:
     """Layers of a YAML file, merged; `named_at` is the `file:line` that names it, if one does."""
-    resolved = path.resolve()
     try:
-        if resolved in opened:
-            chain = " -> ".join(str(item.name) for item in (*opened, resolved))
-            raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
+        opened = entered(path, opened)
         text = _text_of(path)
     except ArchError as error:
         if named_at is None:
             raise
         reason = f"`{path}`: {error.reason}"
         raise ArchError(reason, loc=named_at, hint=error.hint) from error
-    return text_tree(text, str(path), (*opened, resolved))
+    return text_tree(text, str(path), opened)
+
+
+def entered(path: Path, opened: tuple[Path, ...]) -> tuple[Path, ...]:
+    """The files on the way through `extends` to and with this one.
+
+    Raises
+    ------
+    ArchError
+        It is among them already, or they are too many.
+    """
+    this = resolved(path, ArchError)
+    if this in opened:
+        chain = " -> ".join(item.name for item in (*opened, this))
+        raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
+    if len(opened) == _MOST_LAYERS:
+        raise ArchError(f"`extends` runs through more than {_MOST_LAYERS} files", loc=str(path))
+    return (*opened, this)
 
 
 def text_tree(text: str, file: str, opened: tuple[Path, ...] = ()) -> Tree:

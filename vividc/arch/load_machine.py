@@ -13,7 +13,7 @@ from vividc.arch.accelerator import DMA, DRAM, Accelerator, Configuration, NoC, 
 from vividc.arch.accelerator_schema import AcceleratorLayer, AcceleratorSpec
 from vividc.arch.build import build
 from vividc.arch.fabric import Fabric
-from vividc.arch.layers import file_tree, is_path, merge
+from vividc.arch.layers import entered, file_tree, is_path, merge
 from vividc.arch.load import load as load_tile
 from vividc.arch.problems import Problem, raise_all, schema_problems
 from vividc.arch.reflect import reflected
@@ -86,14 +86,12 @@ def load_accelerator_text(text: str, file: str = "accelerator.yaml") -> Accelera
 
 def _accelerator_tree(path: Path, opened: tuple[Path, ...]) -> Tree | None:
     """The merged layers of a file, None if it describes a tile (or cannot be read as anything)."""
-    if path.resolve() in opened:
-        chain = " -> ".join(item.name for item in (*opened, path.resolve()))
-        raise ArchError(f"`extends` runs in a circle: {chain}", loc=str(path))
+    opened = entered(path, opened)
     if not os.path.exists(path) or os.path.isdir(path):
         return None  # whoever reads it as a tile says so
     tree = parse(read_text(path, YAML_BYTES, ArchError), str(path))
     base = tree.data.get("extends")
-    extends = isinstance(base, str) and _extends_accelerator(base, path, (*opened, path.resolve()))
+    extends = isinstance(base, str) and _extends_accelerator(base, path, opened)
     if "tiles" not in tree.data and not extends:
         return None
     return _layered(tree, path, opened)
@@ -114,7 +112,7 @@ def _layered(tree: Tree, path: Path, opened: tuple[Path, ...]) -> Tree:
     if not isinstance(base, str):
         return layer
     below = (
-        _accelerator_tree(path.parent / base, (*opened, path.resolve()))
+        _accelerator_tree(path.parent / base, opened)
         if is_path(base)
         else (_preset_tree(base) if base in accelerator_names() else None)
     )

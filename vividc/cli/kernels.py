@@ -13,7 +13,7 @@ from typing import Final
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcError
 from vividc.frontend import KernelFunction, LLKernel, load_ll
-from vividc.inputs import SOURCE_BYTES, read_bytes
+from vividc.inputs import SOURCE_BYTES, demand_utf8_path, read_bytes
 
 _SUFFIX: Final = ".py"
 _LL: Final = ".ll"
@@ -31,25 +31,13 @@ def load_kernel(spec: str) -> KernelFunction | LLKernel:
         has no such kernel, or several and none is named.
     """
     file, name = _split(spec)
-    _check_path(file)
+    demand_utf8_path(file, KernelError)
     if file.suffix == _LL:
         return load_ll(file, name)
     kernels = _kernels(_run(file))
     if name is not None:
         return _named(kernels, name, file)
     return _only(_unique(kernels, file), file)
-
-
-def _check_path(file: Path) -> None:
-    """numba, LLVM and the program that records the source take text, not the bytes of a name."""
-    path = os.path.abspath(file)
-    try:
-        path.encode()
-    except UnicodeEncodeError:
-        raise KernelError(
-            f"{path}: the name of a kernel's file, and of the folders above it, must be UTF-8",
-            hint="rename it, or copy the kernel to a file with another name",
-        ) from None
 
 
 def kernel_file(spec: str) -> Path:

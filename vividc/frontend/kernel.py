@@ -22,6 +22,7 @@ from vividc.frontend.format_types import TYPES, for_numba, in_arrays
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
 from vividc.frontend.prange import prange_lines
+from vividc.inputs import demand_utf8_path
 from vividc.printable import quoted
 
 _DTYPES = {
@@ -123,10 +124,11 @@ class KernelFunction(Callee):
         Raises
         ------
         KernelError
-            The kernel uses something that cannot be compiled.
+            The kernel uses something that cannot be compiled; its file's path is not UTF-8.
         """
         key = (strict_fp, spread)
         if key not in self._lowered:
+            demand_utf8_path(self.file, KernelError)
             longest = MAX_SPREAD if spread else 0
             self._lowered[key] = lower(
                 self.py_func,

@@ -16,7 +16,7 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.ll_places import nesting
 from vividc.frontend.llvm_child.client import Late, Lost, ask
 from vividc.frontend.llvm_tokens import bare, quoted_global
-from vividc.inputs import SOURCE_BYTES, read_bytes
+from vividc.inputs import SOURCE_BYTES, demand_utf8_path, read_bytes
 
 MAX_DEPTH = 100
 """Of brackets within brackets."""
@@ -57,9 +57,10 @@ def read_ll(path: Path) -> str:
     Raises
     ------
     KernelError
-        The file is missing, is larger than `SOURCE_BYTES`, is bitcode or no text of LLVM IR, or
-        nests brackets deeper than `MAX_DEPTH`.
+        Its path is not UTF-8; the file is missing, is larger than `SOURCE_BYTES`, is bitcode or no
+        text of LLVM IR, or nests brackets deeper than `MAX_DEPTH`.
     """
+    demand_utf8_path(path, KernelError)
     data = read_bytes(path, SOURCE_BYTES, KernelError, "the form is FILE.ll:FUNCTION")
     if data.startswith(_BITCODE):
         raise KernelError("LLVM bitcode, not its text", loc=str(path), hint="give clang `-S` too")

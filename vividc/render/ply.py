@@ -235,7 +235,8 @@ def _columns(
         )
     columns = np.empty((header.vertices, len(names)))
     for column, name in enumerate(names):
-        columns[:, column] = vertices[name]
+        with np.errstate(invalid="ignore"):  # a NaN that signals
+            columns[:, column] = vertices[name]
         if not (np.abs(columns[:, column]) <= LARGEST_FLOAT32).all():
             raise SceneError(
                 f"vertex property {name} holds a value that is not finite in float32",

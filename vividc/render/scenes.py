@@ -8,6 +8,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from vividc.printable import printable
 from vividc.render.archive import Archive, read_archive
 from vividc.render.arrays import frozen_float32
 from vividc.render.errors import SceneError
@@ -103,9 +104,10 @@ def _is_ply(path: Path) -> bool:
     try:
         with path.open("rb") as stream:
             return stream.read(3) == b"ply"
-    except OSError as error:
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
         raise SceneError(
-            f"cannot be read: {error.strerror}", loc=str(path), hint="check the path"
+            f"cannot be read: {reason}", loc=printable(str(path)), hint="check the path"
         ) from error
 
 
