@@ -36,7 +36,9 @@ from vividc.sim.native import code as native_code
 
 _BATCH: Final = 100
 _SLOW_S: Final = 10.0
-_HANGS_S: Final = 120.0
+_HANGS_S: Final = 60.0
+_STANDS_S: Final = 1200.0
+"""Of the processor, and of the clock: others may keep it busy."""
 _ROOM: Final = 48 << 20
 """Bytes of memory that a run may take beside what its input asks for."""
 _ADDRESSES: Final = 6 << 30
@@ -232,19 +234,33 @@ def _outcomes(child: int, reading: int, count: int) -> Iterator[Outcome]:
     pending = b""
     for _ in range(count):
         while b"\n" not in pending:
-            ready, _, _ = select.select([reading], [], [], _HANGS_S)
-            piece = os.read(reading, 1 << 16) if ready else b""
-            pending += piece
+            piece = _awaited(child, reading)
+            pending += piece or b""
             if not piece:
-                if not ready:
-                    os.kill(child, signal.SIGKILL)
                 status = os.waitpid(child, 0)[1]
-                why = f"ends with status {status}" if ready else f"not done in {_HANGS_S:.0f} s"
+                why = f"ends with status {status}" if piece == b"" else "hangs"
                 yield Outcome("crashes", f"the process {why}")
                 return
         line, _, pending = pending.partition(b"\n")
         yield Outcome(**json.loads(line))
     os.waitpid(child, 0)
+
+
+def _awaited(child: int, reading: int) -> bytes | None:
+    """What a child tells next, b"" at its end; None: it was ended, as it took too much time of the
+    processor, or none for long.
+    """
+    began, used = monotonic(), _processor_s(child)
+    while not select.select([reading], [], [], 1.0)[0]:
+        if _processor_s(child) - used > _HANGS_S or monotonic() - began > _STANDS_S:
+            os.kill(child, signal.SIGKILL)
+            return None
+    return os.read(reading, 1 << 16)
+
+
+def _processor_s(process: int) -> float:
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
 def shrunk(kind: Kind, data: bytes, children: Children, seconds: float = 30.0) -> bytes:
