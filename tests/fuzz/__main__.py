@@ -5,8 +5,7 @@ from __future__ import annotations
 import gc
 import sys
 import tempfile
-from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 from time import monotonic
@@ -16,9 +15,11 @@ from numba.core.errors import NumbaError
 from rich.console import Console
 from rich.progress import Progress
 
+from tests.fuzz.features import features
 from tests.fuzz.generator import random_source
 from tests.fuzz.shrink import shrink
 from tests.fuzz.spreads import judge_spread, random_spread_source
+from tests.fuzz.tally import Tally
 from tests.fuzz.witnesses import Simulated, Verdict, judge, stays_inside
 
 console = Console()
@@ -58,62 +59,61 @@ def _report(seed: int, verdict: Verdict, source: str, simulate: Simulated) -> No
     console.print(f"    assert not judge(source, {seed}, tmp_path).is_find", markup=False)
 
 
-@dataclass
-class _Tally:
-    """What has become of the programs so far."""
+@dataclass(frozen=True)
+class _Search:
+    """Which seeds are run how long, which shares are simulated, and where the counts are kept."""
 
-    counts: Counter[str] = field(default_factory=Counter)
-    reasons: Counter[str] = field(default_factory=Counter)
-    examples: dict[str, int] = field(default_factory=dict)
-    since: int = 0
-    started: float = field(default_factory=monotonic)
-
-    def add(self, seed: int, verdict: Verdict, simulate: Simulated) -> None:
-        how = verdict.text if simulate == "tiles" and verdict.kind == "agrees" else simulate
-        self.counts.update([verdict.kind, *([how] if how else [])])
-        self.since = 0 if verdict.is_find else self.since + 1
-        if verdict.kind == "refused":
-            self.reasons.update([verdict.text])
-            self.examples.setdefault(verdict.text, seed)
-
-    def show(self) -> None:
-        seconds = monotonic() - self.started
-        rate = sum(self.counts[k] for k in ("agrees", "refused", "differs", "crashes")) / seconds
-        console.print(f"{dict(self.counts)}; the last {self.since} without a find; {rate:.2f}/s")
-        for reason, number in self.reasons.most_common():
-            text = f"{number:5} refused, first by seed {self.examples[reason]}: {reason}"
-            console.print(text, markup=False, soft_wrap=True)
+    seeds: range
+    shares: tuple[float, float, float]
+    seconds: float
+    state: Path | None
 
 
-def _fuzz(seeds: range, shares: tuple[float, float, float], seconds: float, folder: Path) -> _Tally:
-    tally = _Tally()
-    deadline = monotonic() + seconds
+def _run_one(seed: int, shares: tuple[float, float, float], folder: Path, tally: Tally) -> None:
+    simulate = _simulated(seed, shares)
+    if simulate == "tiles":
+        source = random_spread_source(seed)
+        verdict = judge_spread(source, seed, folder)
+    else:
+        source = random_source(seed)
+        verdict = judge(source, seed, folder, simulate=simulate)
+    how = verdict.text if simulate == "tiles" and verdict.kind == "agrees" else simulate
+    found = features(source) | set(verdict.tried)
+    tally.add(seed, verdict.kind, verdict.text, how, found)
+    if verdict.is_find:
+        _report(seed, verdict, _small(source, seed, verdict, folder, simulate), simulate)
+
+
+def _show(tally: Tally) -> None:
+    console.print(tally.summary(), markup=False, highlight=False, soft_wrap=True)
+    for reason, number in tally.reasons.most_common():
+        text = f"{number:5} refused, first by seed {tally.examples[reason]}: {reason}"
+        console.print(text, markup=False, soft_wrap=True)
+
+
+def _fuzz(search: _Search, folder: Path) -> Tally:
+    tally = Tally.kept_in(search.state)
+    first = search.seeds.start if tally.next_seed is None else tally.next_seed
+    seeds = range(max(search.seeds.start, first), search.seeds.stop)
+    spent, started = tally.seconds, monotonic()
     gc.disable()  # numba's garbage is collected faster in bulk
     try:
         with Progress(console=console) as progress:
             task = progress.add_task("fuzzing", total=len(seeds))
             for number, seed in enumerate(seeds):
-                if monotonic() > deadline:
+                if monotonic() > started + search.seconds:
                     break
-                simulate = _simulated(seed, shares)
-                if simulate == "tiles":
-                    source = random_spread_source(seed)
-                    verdict = judge_spread(source, seed, folder)
-                else:
-                    source = random_source(seed)
-                    verdict = judge(source, seed, folder, simulate=simulate)
-                tally.add(seed, verdict, simulate)
-                if verdict.is_find:
-                    small = _small(source, seed, verdict, folder, simulate)
-                    _report(seed, verdict, small, simulate)
+                _run_one(seed, search.shares, folder, tally)
+                tally.seconds = spent + monotonic() - started
                 if number % _COLLECT == _COLLECT - 1:
                     gc.collect()
-                    tally.show()
+                    tally.keep_in(search.state)
+                    _show(tally)
                 shown = ", ".join(f"{n} {kind}" for kind, n in sorted(tally.counts.items()))
                 progress.update(task, advance=1, description=f"seed {seed}: {shown}")
     except KeyboardInterrupt:
         console.print("interrupted")
-    tally.show()
+    tally.keep_in(search.state)
     return tally
 
 
@@ -134,13 +134,30 @@ def _simulated(seed: int, shares: tuple[float, float, float]) -> Simulated:
 @click.option("--blocks", default=0.1, show_default=True, help="Share simulated without schedules.")
 @click.option("--tiles", default=0.0, show_default=True, help="Share of loops over prange.")
 @click.option("--minutes", default=1e6, help="Stop after so many minutes.")
-def main(count: int, seed: int, mapped: float, blocks: float, tiles: float, minutes: float) -> None:
+@click.option(
+    "--state",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Counts of a search that goes on where it stopped.",
+)
+@click.option("--json", "as_json", is_flag=True, help="The last line is the counts as JSON.")
+def main(
+    count: int,
+    seed: int,
+    mapped: float,
+    blocks: float,
+    tiles: float,
+    minutes: float,
+    state: Path | None,
+    as_json: bool,
+) -> None:
     """Run random kernels through numba, interpreter and simulator; exit code 1 on a find."""
+    search = _Search(range(seed, seed + count), (mapped, blocks, tiles), 60 * minutes, state)
     with tempfile.TemporaryDirectory() as folder:
-        seeds = range(seed, seed + count)
-        shares = (mapped, blocks, tiles)
-        counts = _fuzz(seeds, shares, 60 * minutes, Path(folder)).counts
-    sys.exit(1 if counts["differs"] or counts["crashes"] else 0)
+        tally = _fuzz(search, Path(folder))
+    _show(tally)
+    if as_json:
+        click.echo(tally.to_json())
+    sys.exit(1 if tally.finds else 0)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ from __future__ import annotations
 import re
 from random import Random
 
+from tests.fuzz.aggregates import AGGREGATES, METHODS
+from tests.fuzz.constants import Constant, random_constant
 from tests.fuzz.places import Array, Places
 from tests.fuzz.statements import Program
 
@@ -67,6 +69,11 @@ def mix(v, w):
         return np.int32(v - w)
     return np.int32((v ^ w) + 1)
 """,
+    "pair": """
+@kernel("UniTuple(int32, 2)(int32, int32)")
+def pair(v, w):
+    return np.int32(w + 1), np.int32(v ^ w)
+""",
     "blend": """
 @kernel("float32(float32, float32)")
 def blend(v, w):
@@ -106,15 +113,30 @@ def random_source(seed: int) -> str:
     if random.random() < 0.3:
         params.append(Array("g", "float32", random.choice(shapes)))
     own = [random.choice(OWN)] if random.random() < 0.3 else []
+    constants = [random_constant(random, f"G{k}") for k in range(_constants(random))]
     program = Program(
         random,
-        [*params, *own],
+        [*params, *own, *(constant.array for constant in constants)],
         Places(random, params, is_fixed),
         random.choice(WIDE_RETURNS if is_wide else RETURNS),
         is_wide,
         inexact={"g"},
     )
-    return _module(program, params, _body(program))
+    _with_arrays(program)
+    return _module(program, params, constants, _body(program))
+
+
+def _constants(random: Random) -> int:
+    return random.choice([0, 0, 1, 1, 2])
+
+
+def _with_arrays(program: Program) -> None:
+    """What the program has beside scalars and elements: everything, or some of it."""
+    random = program.random
+    if random.random() < 0.2:
+        return
+    program.whole = random.choice([0.0, 0.2, 0.4])
+    program.more = AGGREGATES * (random.random() < 0.6) + METHODS * (random.random() < 0.6)
 
 
 def _body(program: Program) -> str:
@@ -128,20 +150,35 @@ def _body(program: Program) -> str:
     return f"{text}    return {program.result()}\n"
 
 
-def _module(program: Program, params: list[Array], body: str) -> str:
+def _module(program: Program, params: list[Array], constants: list[Constant], body: str) -> str:
     starts = [name for name in STARTS if _uses(body, name)]
     body = "".join(f"    {STARTS[name]}\n" for name in starts) + body
     used = [array for array in params if _uses(body, array.name)]
     scalars = [name for name in SCALARS if _uses(body, name)]
     types = [f"{a.dtype}[{':, ' * (len(a.dims) - 1)}::1]" for a in used]
     types += [SCALARS[name] for name in scalars]
-    text = HEADER + "".join(f"{k} = {v}\n" for k, v in TABLES.items() if _uses(body, k))
-    text += f"SHAPES = { {a.name: a.dims for a in used} }\n"
-    text += f"FIXED = {program.places.is_fixed}\n"
-    text += "".join(f"\n{v}" for k, v in HELPERS.items() if _uses(body, k))
     parameters = ", ".join([a.name for a in used] + scalars)
     signature = f"{program.returns}({', '.join(types)})"
-    return f'{text}\n\n@kernel("{signature}")\ndef program({parameters}):\n{body}'
+    tables = TABLES | {constant.array.name: constant.text for constant in constants}
+    head = "".join(f"{k} = {v}\n" for k, v in tables.items() if _uses(body, k))
+    head += "".join(f"\n{v}" for k, v in HELPERS.items() if _uses(body, k))
+    kernel = f'\n\n@kernel("{signature}")\ndef program({parameters}):\n{body}'
+    named = [constant for constant in constants if _uses(body, constant.array.name)]
+    features = set().union(*(constant.features for constant in named))
+    if named and program.random.random() < 0.4:
+        features.add("constant array of a closure")
+        kernel = (
+            f"\n\ndef made():{_indented(head + kernel)}    return program\n\n\nprogram = made()\n"
+        )
+        head = ""
+    text = f"# {', '.join(sorted(features))}\n{HEADER}"
+    text += f"SHAPES = { {a.name: a.dims for a in used} }\n"
+    text += f"FIXED = {program.places.is_fixed}\n"
+    return text + head + kernel
+
+
+def _indented(text: str) -> str:
+    return "\n" + "".join(f"    {line}\n" if line else "\n" for line in text.splitlines())
 
 
 def _uses(body: str, name: str) -> bool:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from random import Random
-from typing import Protocol
+from typing import Any, Protocol
 
 from tests.fuzz.places import Places
 from tests.fuzz.values import (
@@ -57,6 +58,10 @@ UNSIGNED = (
 )
 
 
+Form = Callable[[Any, Value, Value], Value]
+"""Makes an expression of two."""
+
+
 class Context(Protocol):
     """What an expression may read."""
 
@@ -64,12 +69,16 @@ class Context(Protocol):
     places: Places
     is_wide: bool
     items: list[tuple[str, str]]
+    more: tuple[Form, ...]
 
     def condition(self, depth: int) -> str:
         """A boolean expression."""
 
     def real(self, depth: int) -> str:
         """A float32 expression."""
+
+    def real_method(self) -> str | None:
+        """A sum or an extreme of float32."""
 
     def element(self, dtypes: tuple[str, ...], deep: bool) -> tuple[str, str] | None:
         """An element of an array of one of the types, and its type."""
@@ -85,7 +94,7 @@ def integer(at: Context, depth: int) -> Value:
         return ring(at.random.choice(RING), a, b)
     if at.is_wide and kind < 0.45:
         return cast_back(at, unsigned(at, depth - 1))
-    form = at.random.choice(FORMS)
+    form = at.random.choice(FORMS + at.more)
     return form(at, integer(at, depth - 1), integer(at, at.random.randint(0, depth - 1)))
 
 

@@ -36,13 +36,30 @@ OVER = (
 """Ranges over a dimension; how far one may look below and above their counters."""
 
 
+def counted(length: int) -> str:
+    """The name of a dimension of a constant's, whose length everybody knows."""
+    return f"#{length}"
+
+
+def fixed_length(dim: str) -> int | None:
+    """The length of a dimension if it is the same in every run of every program."""
+    return int(dim[1:]) if dim[0] == "#" and dim[1:].isdecimal() else CONSTANT.get(dim)
+
+
+def most(dim: str) -> int:
+    """The greatest length of a dimension; what is cut from one is no longer than that."""
+    whole = dim.partition("-")[0].partition("/")[0]
+    return MOST[whole] if whole in MOST else int(whole[1:])
+
+
 @dataclass(frozen=True, slots=True)
 class Array:
-    """A parameter or an array of the kernel's own; `dims` names its dimensions."""
+    """A parameter, a constant or an array of the kernel's own; `dims` names its dimensions."""
 
     name: str
     dtype: str
     dims: tuple[str, ...]
+    is_constant: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +86,9 @@ class Places:
 
     def length(self, dim: str) -> str:
         """The length of a dimension, in one of many ways."""
-        if dim in CONSTANT:
-            return str(CONSTANT[dim])
+        fixed = fixed_length(dim)
+        if fixed is not None:
+            return str(fixed)
         ways = [f"n{dim}"]
         for array in self.arrays:
             ways += [f"{array.name}.shape[{k}]" for k, d in enumerate(array.dims) if d == dim]
@@ -81,7 +99,10 @@ class Places:
 
     def known(self, dim: str) -> int:
         """The length of a dimension if the program may rely on it, else 0."""
-        return CONSTANT.get(dim) or (FIXED[dim] if self.is_fixed else 0)
+        fixed = fixed_length(dim)
+        if fixed is not None:
+            return fixed
+        return FIXED.get(dim, 0) if self.is_fixed else 0
 
     def trips(self) -> int:
         """At most so many iterations of the loops around."""
@@ -93,7 +114,7 @@ class Places:
     def over(self, name: str, dim: str) -> tuple[str, Counter]:
         """A range over a dimension, perhaps from or to a counter around."""
         inside = [c for c in self.counters if c.dim == dim and c.below >= 0 and c.above >= 0]
-        size = MOST[dim]
+        size = most(dim)
         if inside and self.random.random() < 0.5:
             return self._triangle(name, self.random.choice(inside), size)
         text, below, above = self.random.choice(OVER)
@@ -115,22 +136,24 @@ class Places:
 
     def can_index(self, array: Array) -> bool:
         """Whether there is a valid index for every dimension here."""
-        return all(self._is_within(dim) for dim in array.dims)
+        return all(self.can_index_axis(dim) for dim in array.dims)
 
-    def _is_within(self, dim: str) -> bool:
+    def can_index_axis(self, dim: str) -> bool:
+        """Whether there is a valid index for a dimension here."""
         near = any(c.dim == dim for c in self.counters)
         return near or dim in self.nonempty or bool(self.known(dim))
 
     def index(self, array: Array, anything: str) -> str:
         """Indices of an element; `anything` is an expression of a signed type."""
-        return ", ".join(self._one(dim, anything) for dim in array.dims)
+        return ", ".join(self.index_axis(dim, anything) for dim in array.dims)
 
-    def _one(self, dim: str, anything: str) -> str:
+    def index_axis(self, dim: str, anything: str) -> str:
+        """An index that is valid here."""
         near = [c for c in self.counters if c.dim == dim]
         size = self.known(dim)
         if near and self.random.random() < 0.75:
             return self._near(self.random.choice(near), dim)
-        if size:
+        if size and not size & size - 1:
             return self._masked(size, anything)
         d = self.length(dim)
         forms = (

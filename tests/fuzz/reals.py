@@ -64,6 +64,10 @@ def elementary(at: Context) -> str:
 
 def _leaf(at: Context) -> str:
     kind = at.random.random()
+    if at.more and kind < 0.1:
+        method = at.real_method()
+        if method is not None:
+            return method
     if kind < 0.4:
         found = at.element(("float32",), False)
         if found is not None:

@@ -49,17 +49,22 @@ Path = tuple[tuple[str, int | None], ...]
 Place = tuple[Path, list[ast.stmt] | ast.expr]
 
 
-def _program(tree: ast.Module) -> tuple[int, ast.FunctionDef]:
+def _program(tree: ast.Module) -> tuple[Path, ast.FunctionDef]:
+    """The kernel's function and the way to it: it may lie in another that makes it."""
     for number, node in enumerate(tree.body):
         if isinstance(node, ast.FunctionDef) and node.name == "program":
-            return number, node
+            return (("body", number),), node
+    for number, node in enumerate(tree.body):
+        for inner, child in enumerate(getattr(node, "body", [])):
+            if isinstance(child, ast.FunctionDef) and child.name == "program":
+                return (("body", number), ("body", inner)), child
     raise ValueError("the module has no function `program`")
 
 
 def _deletions(tree: ast.Module) -> Iterator[Place]:
-    number, function = _program(tree)
-    for path, node in _statements(function, (("body", number),)):
-        if isinstance(node, ast.Return) and len(path) == 2:
+    root, function = _program(tree)
+    for path, node in _statements(function, root):
+        if isinstance(node, ast.Return) and len(path) == len(root) + 1:
             continue
         if not _counts(node):
             yield path, []
@@ -91,8 +96,8 @@ def _statements(node: ast.AST, path: Path) -> Iterator[tuple[Path, ast.stmt]]:
 
 
 def _replacements(tree: ast.Module) -> Iterator[Place]:
-    number, function = _program(tree)
-    for path, node in _statements(function, (("body", number),)):
+    root, function = _program(tree)
+    for path, node in _statements(function, root):
         if _counts(node):
             continue
         for field in ("value", "test", "iter"):

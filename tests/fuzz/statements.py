@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from random import Random
 
-from tests.fuzz.integers import integer, narrowed_text, unsigned
-from tests.fuzz.places import MOST, Array, Counter, Places
+from tests.fuzz.aggregates import real_method, used
+from tests.fuzz.array_statements import array_statement
+from tests.fuzz.integers import Form, integer, narrowed_text, unsigned
+from tests.fuzz.places import Array, Counter, Places, most
 from tests.fuzz.reals import elementary, real
+from tests.fuzz.values import TYPES
 
 TESTS = ("<", "<=", ">", ">=", "==", "!=")
 SHORT = (("3", 2), ("1, 9, 2", 7), ("4", 3), ("n & 3", 3), ("q & 7", 7), ("6, 0, -2", 6), ("1", 0))
@@ -29,6 +32,9 @@ class Program:
     number: int = 0
     inexact: set[str] = field(default_factory=set)
     items: list[tuple[str, str]] = field(default_factory=list)
+    more: tuple[Form, ...] = ()
+    whole: float = 0.0
+    branches: int = 0
 
     def block(self, depth: int, indent: int, most: int = 3) -> str:
         """Some statements."""
@@ -37,6 +43,10 @@ class Program:
 
     def statement(self, depth: int, indent: int) -> str:
         """One statement, of one line or of many."""
+        if self.random.random() < self.whole:
+            found = array_statement(self, indent)
+            if found is not None:
+                return found
         kind = self.random.random()
         counters = self.places.counters
         if depth and kind < 0.18:
@@ -52,7 +62,7 @@ class Program:
 
     def loop_over(self, depth: int, indent: int) -> str:
         """A loop over a dimension."""
-        dims = [d for d in self.places_dims() if self.places.trips() * MOST[d] <= MOST_TRIPS]
+        dims = [d for d in self.places_dims() if self.places.trips() * most(d) <= MOST_TRIPS]
         if not dims:
             return self._short(depth, indent)
         if self.random.random() < 0.15:
@@ -63,13 +73,15 @@ class Program:
     def _over_items(self, depth: int, indent: int) -> str:
         """A loop over the elements of an array, or over its rows."""
         array = self.random.choice([a for a in self.arrays if a.name not in self.inexact])
-        trips, item = MOST[array.dims[0]], self._name("e")
-        if self.places.trips() * trips > MOST_TRIPS or array.dtype in ("boolean", "float32"):
+        if any("-" in dim or "/" in dim for dim in array.dims):
+            return self._short(depth, indent)
+        trips, item = most(array.dims[0]), self._name("e")
+        if self.places.trips() * trips > MOST_TRIPS or array.dtype not in TYPES:
             return self._short(depth, indent)
         counter = Counter(self._name("i"), array.dims[0], 0, 0, trips, trips)
         head = f"for {counter.name}, {item} in enumerate({array.name}):"
         if len(array.dims) > 1:
-            row = Array(item, array.dtype, array.dims[1:])
+            row = Array(item, array.dtype, array.dims[1:], array.is_constant)
             self.arrays.append(row)
             text = self._with(counter, head, depth, indent)
             self.arrays.remove(row)
@@ -81,11 +93,29 @@ class Program:
 
     def places_dims(self) -> list[str]:
         """The dimensions of the arrays."""
-        return sorted({dim for array in self.arrays for dim in array.dims})
+        dims = {dim for array in self.arrays for dim in array.dims}
+        return sorted(dim for dim in dims if "-" not in dim and "/" not in dim)
 
     def _name(self, prefix: str) -> str:
         self.number += 1
         return f"{prefix}{self.number}"
+
+    def scalar(self) -> str:
+        """A signed expression that reads no array as a whole."""
+        names = [counter.name for counter in self.places.counters]
+        return self.random.choice([*names, *names, "n", "s", "q", "np.int64(m8)", "k"])
+
+    def fresh(self, prefix: str) -> str:
+        """A name that nothing has."""
+        return self._name(prefix)
+
+    def use(self, array: Array, indent: int) -> str:
+        """A statement in which what is in an array counts."""
+        return used(self, array, indent)
+
+    def real_method(self) -> str | None:
+        """A sum or an extreme of float32."""
+        return real_method(self)
 
     def _loop(self, depth: int, indent: int) -> str:
         return (self._short if self.random.random() < 0.25 else self.loop_over)(depth, indent)
@@ -109,18 +139,25 @@ class Program:
         lines = "".join(f"{pad}    {line}\n" for line in first.splitlines())
         text = f"{pad}{head}\n{lines}{inner}"
         if "break\n" in inner and self.random.random() < 0.3:
-            text += f"{pad}else:\n{self.block(0, indent + 1, 1)}"
+            text += f"{pad}else:\n{self._inside(0, indent + 1, 1)}"
+        return text
+
+    def _inside(self, depth: int, indent: int, most: int) -> str:
+        """Statements that do not always run."""
+        self.branches += 1
+        text = self.block(depth, indent, most)
+        self.branches -= 1
         return text
 
     def _while(self, depth: int, indent: int) -> str:
         """A loop whose counter moves first, so that `continue` does no harm."""
         name, pad = self._name("w"), "    " * indent
-        dims = [d for d in self.places_dims() if self.places.trips() * MOST[d] <= MOST_TRIPS]
+        dims = [d for d in self.places_dims() if self.places.trips() * most(d) <= MOST_TRIPS]
         if dims and self.random.random() < 0.6:
             dim = self.random.choice(dims)
             limit, counter = (
                 self.places.length(dim),
-                Counter(name, dim, 1, -1, MOST[dim], MOST[dim]),
+                Counter(name, dim, 1, -1, most(dim), most(dim)),
             )
         else:
             limit, counter = self.random.choice(["5", "n & 7"]), Counter(name, "", 0, 0, 8, 8)
@@ -148,11 +185,11 @@ class Program:
 
     def _branch(self, depth: int, indent: int) -> str:
         pad = "    " * indent
-        text = f"{pad}if {self.condition(1)}:\n{self.block(depth - 1, indent + 1, 2)}"
+        text = f"{pad}if {self.condition(1)}:\n{self._inside(depth - 1, indent + 1, 2)}"
         if self.random.random() < 0.3:
-            text += f"{pad}elif {self.condition(1)}:\n{self.block(depth - 1, indent + 1, 2)}"
+            text += f"{pad}elif {self.condition(1)}:\n{self._inside(depth - 1, indent + 1, 2)}"
         if self.random.random() < 0.5:
-            text += f"{pad}else:\n{self.block(depth - 1, indent + 1, 2)}"
+            text += f"{pad}else:\n{self._inside(depth - 1, indent + 1, 2)}"
         return text
 
     def _jump(self, indent: int) -> str:
@@ -244,7 +281,7 @@ class Program:
         return f"{target} {self.random.choice([*operators, '^='])} {text}"
 
     def _target(self) -> Array | None:
-        found = [array for array in self.arrays if self.places.can_index(array)]
+        found = [a for a in self.arrays if not a.is_constant and self.places.can_index(a)]
         return self.random.choice(found) if found else None
 
     def _at(self, array: Array, deep: bool = True) -> str:

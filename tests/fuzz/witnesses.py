@@ -8,6 +8,7 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
+from random import Random
 from types import ModuleType
 from typing import Literal
 
@@ -17,6 +18,7 @@ import numpy as np
 import vividc
 from tests.fuzz.arguments import Difference, Shapes, arguments, compare
 from tests.fuzz.forms import OPTIONS, asked, forms
+from tests.fuzz.kinds import Kinds
 from vividc import arch
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import DType, Function
@@ -51,6 +53,8 @@ class Verdict:
 
     kind: str
     text: str = ""
+    tried: tuple[str, ...] = ()
+    """Kinds of arguments that made no difference, or were refused as they should."""
 
     @property
     def is_find(self) -> bool:
@@ -134,7 +138,7 @@ def mapped(kernel: KernelFunction, source: str, seed: int) -> Program:
         return vividc.compile(kernel, contract=False, time_limit_s=MAPPING_S, transform="none")
 
 
-def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> None:
+def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tuple[str, ...]:
     kernel: KernelFunction = module.program
     function = kernel.lower()
     built: list[tuple[str, Kernel]] = []
@@ -148,6 +152,7 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> Non
     elif simulate == "blocks":
         program = words_in_blocks(tried[-1].function)
     rough = frozenset(n for n, param in enumerate(kernel.params, 1) if param.name in ROUGH)
+    tried: tuple[str, ...] = ()
     for trial in range(TRIALS):
         args = arguments(kernel, shapes_of(module), seed, trial)
         expected = deepcopy(args)
@@ -161,6 +166,18 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> Non
             compare(f"{what}, against as written", [result, *mine], first)
         if program is not None:
             _simulate(program, args, f"simulator, {simulate}", first)
+            if trial == seed % TRIALS:
+                tried = _kinds(program, built[0][1]).check(args, Random(seed))
+    return tried
+
+
+def _kinds(program: Program, lowered: Kernel) -> Kinds:
+    """The program's arguments in other clothes, against the interpreter."""
+    return Kinds(
+        lambda args: vividc.simulate(program, *args).value,
+        lambda args: run_regions(lowered, args),
+        frozenset(n for n, p in enumerate(program.params) if p.name in program.stored_arrays),
+    )
 
 
 def _simulate(program: Program, args: list[object], what: str, expected: list[object]) -> None:
@@ -207,7 +224,7 @@ def judge(source: str, seed: int, folder: Path, *, simulate: Simulated = "") -> 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
-            _run(module, source, seed, simulate)
+            tried = _run(module, source, seed, simulate)
     except Difference as error:
         return Verdict("differs", str(error))
     except (MappingFailed, TimeLimit) as error:
@@ -216,4 +233,4 @@ def judge(source: str, seed: int, folder: Path, *, simulate: Simulated = "") -> 
         return Verdict("refused", error.reason)
     except Exception as error:  # whatever it is: a crash is what is looked for
         return Verdict("crashes", f"{type(error).__name__}: {error}")
-    return Verdict("agrees")
+    return Verdict("agrees", tried=tried)
