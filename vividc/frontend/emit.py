@@ -100,7 +100,7 @@ class Emitter:
             return Ref(self.ids[operand.name])
         if isinstance(operand, Int | Float):
             return constant(operand)
-        raise InternalError(f"a global is used as a value: {operand.name}")
+        raise InternalError(f"an address or an aggregate is used as a value: {operand}")
 
     def known_high(self, operand: Operand) -> Value | None:
         """The high word of a 64-bit integer; None if that is the sign of its word."""

@@ -29,11 +29,11 @@ def offsets(
     """
     found: list[tuple[Operand, int]] = []
     for position, index in enumerate(indices):
-        members = list(_members(element, structs)) if position else []
-        if members:
+        inside = list(members(element, structs)) if position else []
+        if inside:
             assert isinstance(index, Int)  # LLVM takes nothing else
-            found.append((Int(_offset(members, index.value, structs)), 1))
-            element = members[index.value]
+            found.append((Int(_offset(inside, index.value, structs)), 1))
+            element = inside[index.value]
             continue
         inner = _ARRAY.fullmatch(element) if position else None
         element = inner[2] if inner is not None else element
@@ -42,6 +42,14 @@ def offsets(
             return None
         found.append((index, layout[0]))
     return tuple(index for index, _ in found), tuple(stride for _, stride in found)
+
+
+def part_type(type_: str, indices: tuple[int, ...], structs: Structs) -> str:
+    """The type of what lies in an aggregate at constant indices."""
+    for index in indices:
+        array = _ARRAY.fullmatch(type_)
+        type_ = array[2] if array is not None else list(members(type_, structs))[index]
+    return type_
 
 
 def size_of(type_: str, structs: Structs) -> int | None:
@@ -74,18 +82,18 @@ def _computed_layout(type_: str, structs: Structs, depth: int) -> tuple[int, int
     if array is not None:
         inner = _layout(array[2], structs, depth + 1)
         return None if inner is None else (int(array[1]) * inner[0], inner[1])
-    members = list(_members(type_, structs))
-    layouts = [_layout(member, structs, depth + 1) for member in members]
-    if not members or None in layouts:
+    inside = list(members(type_, structs))
+    layouts = [_layout(member, structs, depth + 1) for member in inside]
+    if not inside or None in layouts:
         return None
     align = max(layout[1] for layout in layouts if layout is not None)
-    return _aligned(_offset(members, len(members), structs), align), align
+    return _aligned(_offset(inside, len(inside), structs), align), align
 
 
-def _offset(members: list[str], count: int, structs: Structs) -> int:
+def _offset(inside: list[str], count: int, structs: Structs) -> int:
     """Where member `count` starts, or the end of all."""
     at = 0
-    for position, member in enumerate(members[: count + 1]):
+    for position, member in enumerate(inside[: count + 1]):
         size, align = _layout(member, structs) or (0, 1)
         at = _aligned(at, align)
         if position == count:
@@ -98,7 +106,8 @@ def _aligned(offset: int, align: int) -> int:
     return -(-offset // align) * align
 
 
-def _members(type_: str, structs: Structs) -> Iterator[str]:
+def members(type_: str, structs: Structs) -> Iterator[str]:
+    """Types of a structure's members; none of any other type."""
     text = structs.get(type_, type_)
     if not text.startswith("{"):
         return

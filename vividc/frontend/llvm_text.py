@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from vividc.errors import InternalError, SourceLoc
-from vividc.frontend.llvm_layout import offsets, structs_of
+from vividc.frontend.aggregates import split_aggregates
+from vividc.frontend.llvm_layout import offsets, part_type, structs_of
 from vividc.frontend.llvm_tokens import CASTS, Cursor, Structs, bare
 from vividc.frontend.ssa import (
     Exit,
@@ -53,8 +54,9 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
     header, *lines = text[start:end].split("\n")
     params, returns = signature(header)
     locations = Locations(text, file)
-    blocks = tuple(_blocks(lines, locations, structs_of(text), Subscripts(text)))
-    return WideFunction(params, blocks, returns)
+    structs = structs_of(text)
+    blocks = tuple(_blocks(lines, locations, structs, Subscripts(text)))
+    return split_aggregates(WideFunction(params, blocks, returns), structs)
 
 
 def _function_span(text: str, name: str) -> tuple[int, int]:
@@ -300,6 +302,22 @@ def _read_call(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) ->
     return Op(name, "call", type_, tuple(args), pred=bare(callee), loc=loc)
 
 
+def _read_part(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    """`extractvalue` and `insertvalue`, with constant indices."""
+    type_, whole = cursor.typed_operand()
+    args, source = [whole], type_
+    if opcode == "insertvalue":
+        cursor.expect(",")
+        source, value = cursor.typed_operand()
+        args.append(value)
+    indices: list[int] = []
+    while cursor.accept(",") and cursor.peek[:1] != "!":
+        indices.append(int(cursor.take()))
+    if opcode == "extractvalue":
+        type_ = part_type(type_, tuple(indices), cursor.structs)
+    return Op(name, opcode, type_, tuple(args), source=source, strides=tuple(indices), loc=loc)
+
+
 def _read_other(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
     """Arithmetic: `op type a[, b]`. What the kernel may not use is refused later, by opcode, with
     its line.
@@ -351,5 +369,7 @@ _READERS: dict[str, _Reader] = {
     "store": _read_store,
     "getelementptr": _read_gep,
     "call": _read_call,
+    "extractvalue": _read_part,
+    "insertvalue": _read_part,
     **dict.fromkeys(CASTS, _read_cast),
 }

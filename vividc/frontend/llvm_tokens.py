@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
-from vividc.frontend.ssa import Float, Global, Int, Local, Operand
+from vividc.frontend.ssa import Float, Global, Int, Local, Operand, Parts
 
 _TOKEN = re.compile(
     r'(?P<quoted>[%@]"(?:[^"\\]|\\.)*")|(?P<name>[%@][-\w.$]+)|(?P<meta>![\w.]*)|(?P<string>c?"[^"]*")'
@@ -141,7 +141,20 @@ class Cursor:
         token = self.take()
         if token[:1] in ("%", "@"):
             return Local(bare(token)) if token[0] == "%" else Global(bare(token))
+        if type_[:1] in ("[", "{"):
+            return self._aggregate(token)
         return self._constant(token, type_)
+
+    def _aggregate(self, token: str) -> Parts:
+        """A constant of several values: in brackets, as a string of bytes, or all zero."""
+        if token.startswith('c"'):
+            return Parts(tuple(Int(byte) for byte in unescaped(token[2:-1])))
+        values: list[Operand] = []
+        closing = {"[": "]", "{": "}"}.get(token)
+        while closing is not None and not self.accept(closing):
+            values.append(self.typed_operand()[1])
+            self.accept(",")
+        return Parts(tuple(values))
 
     def _constant(self, token: str, type_: str) -> Operand:
         if token in ("true", "false"):
@@ -155,8 +168,31 @@ class Cursor:
             return Int(_kept(int(token), type_))
         if token == "getelementptr":
             return self._constant_address()
-        self._skip_constant_expression()
-        return Global(token)
+        start = self.position
+        found = self._moved(token)
+        if found is None:
+            self.position = start
+            self._skip_constant_expression()
+        return found or Global(token)
+
+    def _moved(self, token: str) -> Global | None:
+        """An address as a number, or one a constant further: `add (i64 ptrtoint (...), i64 -20)`;
+        None: another constant expression.
+        """
+        self.skip_flags()
+        if not self.accept("("):
+            return None
+        one = self.typed_operand()[1]
+        if not isinstance(one, Global):
+            return None
+        if self.accept("to"):
+            self.type()
+            return one if self.accept(")") else None
+        self.expect(",")
+        by = self.typed_operand()[1]
+        if not self.accept(")") or token not in ("add", "sub") or not isinstance(by, Int):
+            return None
+        return Global(one.name, one.offset + (by.value if token == "add" else -by.value))
 
     def _constant_address(self) -> Global:
         """`getelementptr inbounds (i8, ptr @global, i32 16)`: LLVM writes offsets in bytes."""
@@ -203,8 +239,9 @@ class Cursor:
 
 
 def _is_value(token: str) -> bool:
-    constants = ("poison", "undef", "null", "true", "false", "zeroinitializer", "getelementptr")
-    return token in constants or token in CASTS or token.startswith(("0x", "f0x"))
+    constants = ("poison", "undef", "null", "true", "false", "zeroinitializer")
+    operations = ("getelementptr", "add", "sub", "mul", "xor")
+    return token in constants + operations or token in CASTS or token.startswith(("0x", "f0x"))
 
 
 def bare(token: str) -> str:

@@ -52,7 +52,14 @@ class Global:
     offset: int = 0
 
 
-Operand = Local | Int | Float | Global
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """A constant array or structure, member by member; without values: zeros, or undefined."""
+
+    values: tuple[Operand, ...] = ()
+
+
+Operand = Local | Int | Float | Global | Parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +80,8 @@ class Op:
     pred
         Predicate of a comparison, or callee of a call.
     source
-        Type before a conversion; element type of a `getelementptr`.
+        Type before a conversion; element type of a `getelementptr`; type of what `extractvalue`
+        reads from, and of what `insertvalue` puts in.
     array, shift, offset
         Resolved loads and stores: byte address = base of array + (index << shift) + offset.
     width, signed
@@ -83,7 +91,7 @@ class Op:
         Loads and stores of an element of a parameter: the constant subscripts among those that the
         program gives it, None for the others. () if nothing is known.
     strides
-        `getelementptr`: bytes per unit of each index.
+        `getelementptr`: bytes per unit of each index; `insertvalue`, `extractvalue`: the indices.
     flags
         What LLVM may assume of it, such as "nsw".
     """

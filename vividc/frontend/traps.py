@@ -24,6 +24,7 @@ _TRAPPED = (
     "StopIteration",
     "incompatible",
     "negative dimensions",
+    "RuntimeError: unreachable",
 )
 """What exceptions of numba's functions say, of conditions that only the launch decides."""
 _FAR = 0x7FFFFFFC
