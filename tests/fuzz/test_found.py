@@ -102,3 +102,52 @@ def program(n, q, nK):
 """
     verdict = judge(source, 50622, tmp_path)
     assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_tuple_may_be_joined_of_constants_and_values(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'d': ('M', 'K')}
+FIXED = True
+
+@kernel('uint32(uint32[:, ::1])')
+def program(d):
+    return np.uint32(np.array(((np.int32(1), np.int32(1), np.int32(1)),
+        (np.int32(1), np.int32(1), np.int32(d[1, 1])))).T[2, 1])
+"""
+    verdict = judge(source, 80, tmp_path)
+    assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_constant_array_may_be_read_backwards_into_another(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {}
+FIXED = False
+G = np.arange(6, dtype=np.int32) * 13
+
+@kernel('int32(int32)')
+def program(n):
+    x = np.arange(G[::-1].size).astype(np.int32)
+    x[:] = G[::-1]
+    return x[n % 6]
+"""
+    verdict = judge(source, 22, tmp_path)
+    assert verdict.kind == "agrees", verdict.text
+
+
+def test_the_least_of_a_slice_backwards_over_two_axes(tmp_path: Path) -> None:
+    source = """
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {'c': ('M', 'K')}
+FIXED = False
+
+@kernel('int32(int32[:, ::1])')
+def program(c):
+    return c[-2::-2, 1:-1].argmin() if c[-2::-2, 1:-1].size else 0
+"""
+    verdict = judge(source, 63, tmp_path, simulate="blocks")
+    assert verdict.kind == "agrees", verdict.text
