@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import vividc
+from tests.fuzz.witnesses import judge
 from vividc.dfg.cfg import LocalArray, evaluate_formula
 from vividc.errors import SimulationError
 from vividc.frontend import KernelFunction
@@ -143,3 +144,30 @@ def test_negative_dimensions_are_told_with_their_line(function: object) -> None:
         with pytest.raises(SimulationError, match="negative dimensions not allowed") as error:
             vividc.simulate(program, np.zeros(2, np.float32), n)
         assert f"{Path(__file__).name}:{line}:" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "x[::2] -= 3",
+        "x[1::3] += y[1::3]",
+        "x[::-2] += y[-1::-2]",
+        "for i in range(len(x)): x[:i] += y[:i]",
+        "for i in range(2, len(x), 3): x[:i] += y[:i] * 2",
+        "for i in range(len(x) - 1, -1, -1): x[i:] += y[: len(x) - i]",
+        "for i in range(n & 15): x[: len(np.ones(i, np.int32))] += i",
+    ],
+)
+def test_sizes_of_steps_and_counters_are_bounded(statement: str, tmp_path: Path) -> None:
+    source = f"""
+import numpy as np
+from vividc.frontend import kernel
+SHAPES = {{'x': ('L',), 'y': ('L',)}}
+FIXED = False
+
+@kernel("void(int32[::1], int32[::1], int32)")
+def program(x, y, n):
+    {statement}
+"""
+    verdict = judge(source, 5, tmp_path)
+    assert verdict.kind == "agrees", verdict.text

@@ -1,8 +1,9 @@
 """Sizes that are known at launch: an upper bound of an integer as a formula over launch inputs.
 
 An array of the kernel's own whose size follows from shapes and scalar parameters gets its place
-when the program is launched. The bound is exact for sums and products of them; of a choice it is
-the larger branch, of a difference the smaller subtrahend that the ranges prove.
+when the program is launched. The bound is exact for sums, products and quotients of them; of a
+choice it is the larger branch, of a difference the smaller subtrahend that the ranges prove, of a
+loop's counter its start or its limit.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Int, Local, Op, Operand, WideFunction, WidePhi
 
 _LARGEST = 1 << 31
-_ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv"})
+_ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv", "lshr"})
 """What gives its operand, or less of one that is not negative."""
 _FEW = 1 << 10
 """A constant bound is taken where there is no other up to here."""
@@ -28,8 +29,11 @@ class LaunchSizes:
         self._params = dict(function.params)
         bounds = {name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name}
         self._ranges = Ranges(function, bounds)
-        headers = self._ranges.flow.loops
-        self._counters = {phi.name for name in headers for phi in function.by_name[name].phis}
+        self._loops = self._ranges.flow.loops
+        self._by_name = function.by_name
+        self._counters = {
+            phi.name: name for name in self._loops for phi in function.by_name[name].phis
+        }
 
     def bound(self, operand: Operand, block: str) -> Formula | None:
         """What `operand` is at most while `block` runs; None: nothing known at launch bounds it."""
@@ -46,22 +50,28 @@ class LaunchSizes:
     def _formula(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
         if isinstance(operand, Int):
             return (operand.value,)
-        if not isinstance(operand, Local) or not depth or operand.name in self._counters:
+        if not isinstance(operand, Local) or not depth:
             return None
         if operand.name in self._params:
             wide = self._params[operand.name] == "i64"
             return (("s:" if signed or wide else "u:") + operand.name,)
         definition = self._definitions.get(operand.name)
         if isinstance(definition, WidePhi):
-            values = [value for _, value in definition.incoming]
-            return self._all("max", values, block, depth)
+            return self._joined(definition, block, depth)
         if isinstance(definition, Op):
             return self._of(definition, block, signed, depth)
         return None
 
+    def _joined(self, phi: WidePhi, block: str, depth: int) -> Formula | None:
+        if phi.name in self._counters:
+            return self._counter(phi, depth)
+        return self._all("max", [value for _, value in phi.incoming], block, depth)
+
     def _of(self, op: Op, block: str, signed: bool, depth: int) -> Formula | None:
         if op.source == "i1":
             return (0,) if op.op == "sext" else (1,)
+        if op.op in ("sdiv", "udiv") and isinstance(op.args[1], Int) and op.args[1].value:
+            return self._quotient(op.args[0], op.args[1].value, block, depth)
         if op.op in _ALIASES:
             given = op.op == "sext" or "nneg" in op.flags
             return self._bound(op.args[0], block, given, depth - 1)
@@ -83,6 +93,56 @@ class LaunchSizes:
         low = self._ranges.at(op.args[1], block)[0]
         left = self._bound(op.args[0], block, False, depth - 1)
         return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
+
+    def _quotient(self, dividend: Operand, divisor: int, block: str, depth: int) -> Formula | None:
+        """A quotient that rounds to zero, by a constant: of a negative one 0 is a bound."""
+        most = self._bound(dividend, block, False, depth - 1)
+        if divisor < 0:
+            most = self._negative(dividend, block, depth - 1)
+        return None if most is None else (*most, 0, "max", abs(divisor), "//")
+
+    def _negative(self, operand: Operand, block: str, depth: int) -> Formula | None:
+        """What minus `operand` is at most: of a difference."""
+        op = self._definitions.get(operand.name) if isinstance(operand, Local) else None
+        if not isinstance(op, Op) or op.op != "sub" or not depth:
+            return None
+        low = self._ranges.at(op.args[0], block)[0]
+        right = self._bound(op.args[1], block, False, depth - 1)
+        return None if right is None or abs(low) >= _LARGEST else (*right, -low, "+")
+
+    def _counter(self, phi: WidePhi, depth: int) -> Formula | None:
+        """A loop's counter: its start or, if it grows, the limit that its header tests."""
+        header = self._counters[phi.name]
+        body = self._loops[header]
+        steps = [self._step(phi, value) for pred, value in phi.incoming if pred in body]
+        starts = [value for pred, value in phi.incoming if pred not in body]
+        first = self._all("max", starts, header, depth)
+        known = [step for step in steps if step is not None]
+        if first is None or len(known) < len(steps):
+            return None
+        if max(known) <= 0:
+            is_word = self._ranges.at(Local(phi.name), header)[0] >= -_LARGEST
+            return first if is_word else None
+        limit = self._limit(phi, header, depth)
+        return None if limit is None else (*first, *limit, max(known) - 1, "+", "max")
+
+    def _step(self, phi: WidePhi, again: Operand) -> int | None:
+        op = self._definitions.get(again.name) if isinstance(again, Local) else None
+        if not isinstance(op, Op) or op.op != "add" or op.args[0] != Local(phi.name):
+            return None
+        return op.args[1].value if isinstance(op.args[1], Int) else None
+
+    def _limit(self, phi: WidePhi, header: str, depth: int) -> Formula | None:
+        """What the counter is below of, when the loop goes on."""
+        leave = self._by_name[header].exit
+        test = self._definitions.get(leave.cond.name) if isinstance(leave.cond, Local) else None
+        inside = [target in self._loops[header] for target in leave.targets]
+        if not isinstance(test, Op) or inside != [True, False] or test.args[0] != Local(phi.name):
+            return None
+        limit = test.args[1]
+        if test.pred != "slt" and (test.pred != "ult" or self._ranges.at(limit, header)[0] < 0):
+            return None
+        return self._bound(limit, header, test.pred == "slt", depth - 1)
 
     def _choice(self, op: Op, block: str, depth: int) -> Formula | None:
         return self._all("max", op.args[1:], block, depth)
