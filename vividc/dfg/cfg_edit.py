@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from operator import is_
 
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.opcodes import Type
@@ -29,7 +30,11 @@ def definitions(block: Block) -> tuple[Phi | Instr, ...]:
 
 def fresh_name(function: Function, stem: str) -> str:
     """A block name that starts with `stem` and is not in use."""
-    names = {block.name for block in function.blocks}
+    return first_free({block.name for block in function.blocks}, stem)
+
+
+def first_free(names: Collection[str], stem: str) -> str:
+    """A name that starts with `stem` and is none of `names`."""
     candidates = (f"{stem}.{index}" if index else stem for index in range(len(names) + 1))
     return next(name for name in candidates if name not in names)
 
@@ -73,36 +78,55 @@ def redirect_edge(function: Function, source: str, target: str, through: Block) 
 
 
 def map_values(block: Block, change: Callable[[Value], Value]) -> Block:
-    """`block` with `change` applied to every operand, phis and branch included."""
-    branch = block.branch
-    return replace(
-        block,
-        phis=tuple(
-            replace(phi, incoming=tuple((name, change(value)) for name, value in phi.incoming))
-            for phi in block.phis
-        ),
-        instrs=tuple(
-            replace(instr, operands=tuple(change(value) for value in instr.operands))
-            for instr in block.instrs
-        ),
-        branch=replace(
-            branch,
-            cond=None if branch.cond is None else change(branch.cond),
-            value=None if branch.value is None else change(branch.value),
-            high=None if branch.high is None else change(branch.high),
-        ),
-    )
+    """`block` with `change` applied to every operand, phis and branch included; what it leaves as
+    it is stays the same object.
+    """
+    phis = tuple(_map_phi(phi, change) for phi in block.phis)
+    instrs = tuple(_map_instr(instr, change) for instr in block.instrs)
+    branch = _map_branch(block.branch, change)
+    same = branch is block.branch and all(map(is_, phis, block.phis))
+    if same and all(map(is_, instrs, block.instrs)):
+        return block
+    return replace(block, phis=phis, instrs=instrs, branch=branch)
+
+
+def _map_phi(phi: Phi, change: Callable[[Value], Value]) -> Phi:
+    values = [change(value) for _, value in phi.incoming]
+    if all(new is old for new, (_, old) in zip(values, phi.incoming, strict=True)):
+        return phi
+    names = (name for name, _ in phi.incoming)
+    return replace(phi, incoming=tuple(zip(names, values, strict=True)))
+
+
+def _map_instr(instr: Instr, change: Callable[[Value], Value]) -> Instr:
+    operands = tuple(map(change, instr.operands))
+    if all(map(is_, operands, instr.operands)):
+        return instr
+    return replace(instr, operands=operands)
+
+
+def _map_branch(branch: Branch, change: Callable[[Value], Value]) -> Branch:
+    old = (branch.cond, branch.value, branch.high)
+    new = tuple(None if value is None else change(value) for value in old)
+    if all(map(is_, new, old)):
+        return branch
+    return replace(branch, cond=new[0], value=new[1], high=new[2])
 
 
 def substitute(function: Function, values: dict[int, Value]) -> Function:
     """`function` with every use of the given ids replaced (chains of replacements are followed)."""
 
-    def change(value: Value) -> Value:
-        while isinstance(value, Ref) and value.id in values:
-            value = values[value.id]
-        return value
+    if not values:
+        return function
+    blocks = (map_values(block, lambda old: resolved(old, values)) for block in function.blocks)
+    return replace(function, blocks=tuple(blocks))
 
-    return replace(function, blocks=tuple(map_values(block, change) for block in function.blocks))
+
+def resolved(value: Value, values: Mapping[int, Value]) -> Value:
+    """What stands for `value` after replacements by id, one after another."""
+    while isinstance(value, Ref) and value.id in values:
+        value = values[value.id]
+    return value
 
 
 def uses(block: Block) -> Iterator[Value]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import networkx as nx
 
 from vividc.dfg.cfg import Block, Function
+from vividc.dfg.per_function import once_a_function
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,7 @@ class Loop:
     exits: tuple[tuple[str, str], ...]
 
 
+@once_a_function
 def block_graph(function: Function) -> nx.DiGraph[str]:
     """Control flow between the blocks that can be reached from the entry."""
     by_name = {block.name: block for block in function.blocks}
@@ -34,32 +37,41 @@ def block_graph(function: Function) -> nx.DiGraph[str]:
             if target not in graph:
                 work.append(target)
             graph.add_edge(name, target)
-    return graph
+    return nx.freeze(graph)
+
+
+@once_a_function
+def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
+    """The blocks that may come before each block, in block order, unreachable ones among them."""
+    found: dict[str, list[str]] = {block.name: [] for block in function.blocks}
+    for block in function.blocks:
+        for target in dict.fromkeys(block.branch.successors):
+            found[target].append(block.name)
+    return {name: tuple(sources) for name, sources in found.items()}
 
 
 def dominators(graph: nx.DiGraph[str], entry: str) -> dict[str, frozenset[str]]:
     """The blocks that dominate each block, itself included."""
     idom = nx.immediate_dominators(graph, entry)
-    result: dict[str, frozenset[str]] = {}
-
-    def chain(name: str) -> frozenset[str]:
-        seen = [name]
-        while seen[-1] != entry:
-            seen.append(idom[seen[-1]])
-        return frozenset(seen)
-
+    result = {entry: frozenset((entry,))}
     for name in graph.nodes:
-        result[name] = chain(name)
+        chain = [name]
+        while chain[-1] not in result:
+            chain.append(idom[chain[-1]])
+        above = result[chain.pop()]
+        for below in reversed(chain):
+            above = result[below] = above | {below}
     return result
 
 
+@once_a_function
 def find_loops(function: Function) -> tuple[Loop, ...]:
     """All natural loops, innermost first (fewest blocks), then in block order."""
     graph = block_graph(function)
-    dom = dominators(graph, function.blocks[0].name)
+    above = dominators(graph, function.blocks[0].name)
     latches: dict[str, list[str]] = {}
     for source, target in graph.edges:
-        if target in dom[source]:
+        if target in above[source]:
             latches.setdefault(target, []).append(source)
     order = {block.name: index for index, block in enumerate(function.blocks)}
     loops = [
@@ -69,6 +81,7 @@ def find_loops(function: Function) -> tuple[Loop, ...]:
     return tuple(sorted(loops, key=lambda loop: (len(loop.blocks), order[loop.header])))
 
 
+@once_a_function
 def pipelined_loops(function: Function) -> tuple[Loop, ...]:
     """The loops to modulo-schedule: those that contain no other, have an exit, and are not
     `sequential`.
@@ -81,6 +94,12 @@ def pipelined_loops(function: Function) -> tuple[Loop, ...]:
         and loop.header not in function.sequential
         and not any(other is not loop and other.header in loop.blocks for other in every)
     )
+
+
+@once_a_function
+def blocks_of_pipelined_loops(function: Function) -> frozenset[str]:
+    """Names of the blocks of loops to modulo-schedule."""
+    return frozenset(name for loop in pipelined_loops(function) for name in loop.blocks)
 
 
 def _loop(

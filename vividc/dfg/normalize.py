@@ -14,17 +14,26 @@ from dataclasses import replace
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import (
     defined_types,
+    definitions,
+    first_free,
     fresh_name,
     incoming,
     next_id,
-    redirect_edge,
     rename_incoming,
+    resolved,
     retarget,
     substitute,
     uses,
     with_blocks,
 )
-from vividc.dfg.loops import Loop, block_graph, find_loops, pipelined_loops
+from vividc.dfg.loops import (
+    Loop,
+    block_graph,
+    blocks_of_pipelined_loops,
+    find_loops,
+    pipelined_loops,
+    predecessors,
+)
 from vividc.dfg.opcodes import Opcode, Type
 
 
@@ -52,37 +61,59 @@ def merge_chains(function: Function) -> Function:
     """Joins a block with its only successor where that has no other predecessor, outside innermost
     loops.
     """
-    in_loop = {name for loop in pipelined_loops(function) for name in loop.blocks}
-    while True:
-        pair = _chain(function, in_loop)
-        if pair is None:
-            return function
-        first, second = pair
-        values = {phi.id: incoming(phi, first.name) for phi in second.phis}
-        joined = replace(first, instrs=(*first.instrs, *second.instrs), branch=second.branch)
-        rest = []
-        for block in function.blocks:
-            if block.name == second.name:
-                continue
-            phis = tuple(rename_incoming(phi, second.name, first.name) for phi in block.phis)
-            rest.append(joined if block.name == first.name else replace(block, phis=phis))
-        function = substitute(replace(function, blocks=tuple(rest)), values)
-
-
-def _chain(function: Function, in_loop: set[str]) -> tuple[Block, Block] | None:
+    into = _heads_of_chains(function)
+    if not into:
+        return function
+    joined: dict[str, Block] = {}
+    values: dict[int, Value] = {}
     by_name = {block.name: block for block in function.blocks}
+    for block in function.blocks:
+        if block.name in into:
+            continue
+        instrs, last = list(block.instrs), block
+        while (after := last.branch.target) is not None and after in into:
+            before, last = last, by_name[after]
+            values |= {phi.id: incoming(phi, before.name) for phi in last.phis}
+            instrs += last.instrs
+        joined[block.name] = replace(block, instrs=tuple(instrs), branch=last.branch)
+    renamed = (
+        replace(
+            block,
+            phis=tuple(
+                replace(phi, incoming=tuple((into.get(s, s), v) for s, v in phi.incoming))
+                for phi in block.phis
+            ),
+        )
+        for block in joined.values()
+    )
+    return substitute(replace(function, blocks=tuple(renamed)), values)
+
+
+def _heads_of_chains(function: Function) -> dict[str, str]:
+    """Of each block that is joined with the one before it: the block that its chain begins with."""
+    in_loop, sources = blocks_of_pipelined_loops(function), predecessors(function)
+    before: dict[str, str] = {}
     for block in function.blocks:
         follows = block.branch.successors
         if len(follows) != 1 or block.name in in_loop or follows[0] in in_loop:
             continue
-        if _predecessors(function, follows[0]) == [block.name] and follows[0] != block.name:
-            return block, by_name[follows[0]]
-    return None
+        if sources[follows[0]] == (block.name,) and follows[0] != block.name:
+            before[follows[0]] = block.name
+    heads: dict[str, str] = {}
+    for name in before:
+        chain = [name]
+        while chain[-1] in before and chain[-1] not in heads:
+            chain.append(before[chain[-1]])
+        head = heads.get(chain[-1], chain[-1])
+        heads |= dict.fromkeys(chain[:-1], head)
+    return heads
 
 
 def remove_unreachable_blocks(function: Function) -> Function:
     """Drops blocks that no path from the entry reaches, and the phi inputs that came from them."""
     reachable = set(block_graph(function).nodes)
+    if len(reachable) == len(function.blocks):
+        return function
     kept = []
     for block in function.blocks:
         if block.name in reachable:
@@ -96,22 +127,36 @@ def remove_unreachable_blocks(function: Function) -> Function:
 
 def split_critical_edges(function: Function) -> Function:
     """Puts an empty block on each edge from a branching block into a block with phis."""
+    changed: dict[str, Block] = {}
+    by_name = {block.name: block for block in function.blocks}
+    names = set(by_name)
     for block in function.blocks:
         for target in dict.fromkeys(block.branch.successors):
-            if _is_critical(function, block, target):
-                name = fresh_name(function, f"{block.name}.to.{target}")
-                through = Block(name, (), (), Branch(target, loc=block.branch.loc))
-                function = redirect_edge(function, block.name, target, through)
-    return function
+            if not _is_critical(function, block, by_name[target]):
+                continue
+            name = first_free(names, f"{block.name}.to.{target}")
+            names.add(name)
+            through = Block(name, (), (), Branch(target, loc=block.branch.loc))
+            first = changed.get(block.name, block)
+            last = changed.get(target, by_name[target])
+            if target == block.name:
+                first = last = _from(last, block.name, name)
+            else:
+                changed[target] = _from(last, block.name, name)
+            changed[block.name] = replace(first, branch=retarget(first.branch, target, name))
+            changed[name] = through
+    return with_blocks(function, changed.values()) if changed else function
 
 
-def _is_critical(function: Function, source: Block, target: str) -> bool:
+def _from(block: Block, old: str, new: str) -> Block:
+    return replace(block, phis=tuple(rename_incoming(phi, old, new) for phi in block.phis))
+
+
+def _is_critical(function: Function, source: Block, target: Block) -> bool:
     """Edges inside an innermost loop, and out of it, are not: if-conversion resolves them."""
-    if len(source.branch.successors) == 1 or len(_predecessors(function, target)) == 1:
+    if len(source.branch.successors) == 1 or len(predecessors(function)[target.name]) == 1:
         return False
-    if any(source.name in loop.blocks for loop in pipelined_loops(function)):
-        return False
-    return bool(_block(function, target).phis)
+    return bool(target.phis) and source.name not in blocks_of_pipelined_loops(function)
 
 
 def _until_stable(function: Function, step: Callable[[Function], Function | None]) -> Function:
@@ -120,10 +165,6 @@ def _until_stable(function: Function, step: Callable[[Function], Function | None
         if changed is None:
             return function
         function = changed
-
-
-def _predecessors(function: Function, name: str) -> list[str]:
-    return [block.name for block in function.blocks if name in block.branch.successors]
 
 
 def _loop_at(function: Function, header: str) -> Loop:
@@ -136,11 +177,11 @@ def _block(function: Function, name: str) -> Block:
 
 def _add_one_preheader(function: Function) -> Function | None:
     for loop in find_loops(function):
-        outside = [p for p in _predecessors(function, loop.header) if p not in loop.blocks]
+        outside = [p for p in predecessors(function)[loop.header] if p not in loop.blocks]
         is_entry = function.blocks[0].name == loop.header
         if not is_entry and len(outside) == 1:
             branch = _block(function, outside[0]).branch
-            in_other_loop = any(outside[0] in other.blocks for other in pipelined_loops(function))
+            in_other_loop = outside[0] in blocks_of_pipelined_loops(function)
             if len(branch.successors) == 1 and not in_other_loop:
                 continue
         return _join(function, outside, loop.header, "preheader", at_front=is_entry)
@@ -186,7 +227,7 @@ def _merge_exits(function: Function, loop: Loop) -> Function:
     if len(targets) > 1:
         function = _number_exits(function, loop, targets)
     else:
-        outside = [p for p in _predecessors(function, targets[0]) if p not in loop.blocks]
+        outside = [p for p in predecessors(function)[targets[0]] if p not in loop.blocks]
         chained = any(other.header == targets[0] for other in find_loops(function))
         if outside or chained:
             sources = list(dict.fromkeys(source for source, _ in loop.exits))
@@ -278,38 +319,41 @@ def _used_outside(function: Function, loop: Loop, exit_name: str) -> set[int]:
 
 def _remove_trivial_phis(function: Function) -> Function:
     """A phi with one input (besides itself) is that input, unless it closes a loop."""
-    while True:
-        found = _trivial_phi(function)
-        if found is None:
-            return function
-        ident, value = found
-        blocks = tuple(
-            replace(block, phis=tuple(phi for phi in block.phis if phi.id != ident))
-            for block in function.blocks
-        )
-        function = substitute(replace(function, blocks=blocks), {ident: value})
-
-
-def _trivial_phi(function: Function) -> tuple[int, Value] | None:
     inside = _defined_in_loop_before(function)
+    known: dict[int, Value] = {}
+    while _find_trivial(function, inside, known):
+        pass
+    if not known:
+        return function
+    blocks = tuple(
+        replace(block, phis=tuple(phi for phi in block.phis if phi.id not in known))
+        for block in function.blocks
+    )
+    return substitute(replace(function, blocks=blocks), known)
+
+
+def _find_trivial(function: Function, inside: dict[str, set[int]], known: dict[int, Value]) -> bool:
+    """Adds the phis that are one value to `known`; whether there was one."""
+    before = len(known)
     for block in function.blocks:
+        closed = inside.get(block.name, ())
         for phi in block.phis:
-            others = {value for _, value in phi.incoming if value != Ref(phi.id)}
+            if phi.id in known:
+                continue
+            others = {resolved(value, known) for _, value in phi.incoming} - {Ref(phi.id)}
             if len(others) == 1:
                 value = others.pop()
-                if not (isinstance(value, Ref) and value.id in inside.get(block.name, ())):
-                    return phi.id, value
-    return None
+                if not (isinstance(value, Ref) and value.id in closed):
+                    known[phi.id] = value
+    return len(known) > before
 
 
 def _defined_in_loop_before(function: Function) -> dict[str, set[int]]:
     """For each exit block of an innermost loop: the ids that the loop defines."""
     inside: dict[str, set[int]] = {}
+    by_name = {block.name: block for block in function.blocks}
     for loop in pipelined_loops(function):
-        ids: set[int] = set()
-        for block in function.blocks:
-            if block.name in loop.blocks:
-                ids |= defined_types(block).keys()
+        ids = {item.id for name in loop.blocks for item in definitions(by_name[name])}
         for _, target in loop.exits:
             inside.setdefault(target, set()).update(ids)
     return inside
@@ -326,7 +370,7 @@ def copy_exit_values(function: Function) -> Function:
         phi.id: phi.type for loop in loops for phi in _block(function, loop.exits[0][1]).phis
     }
     for loop in loops:
-        outside = [p for p in _predecessors(function, loop.header) if p not in loop.blocks]
+        outside = [p for p in predecessors(function)[loop.header] if p not in loop.blocks]
         preheader = _block(function, outside[0])
         body = [block for block in function.blocks if block.name in loop.blocks]
         closing = _block(function, loop.exits[0][1])

@@ -7,12 +7,12 @@ travel through constant stores. A few operations are better computed whether the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Undefined, Value
 from vividc.dfg.cfg_edit import incoming, next_id, with_blocks
-from vividc.dfg.loops import pipelined_loops
+from vividc.dfg.loops import blocks_of_pipelined_loops, predecessors
 from vividc.dfg.normalize import merge_chains
 from vividc.dfg.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
 
@@ -29,6 +29,12 @@ class _Diamond:
     other: Block | None
     bottom: Block
 
+    @property
+    def names(self) -> set[str]:
+        """Of its blocks."""
+        blocks = (self.top, self.then, self.other, self.bottom)
+        return {block.name for block in blocks if block is not None}
+
 
 def merge_diamonds(function: Function) -> Function:
     """The same function with every small if/else outside pipelined loops in one block.
@@ -37,23 +43,30 @@ def merge_diamonds(function: Function) -> Function:
     16 instructions, none of which is expanded later (divisions, elementary functions).
     """
     while True:
-        found = next(_diamonds(function), None)
-        if found is None:
+        found = _apart(_diamonds(function))
+        if not found:
             return function
         function = merge_chains(_merged(function, found))
 
 
+def _apart(diamonds: Iterable[_Diamond]) -> list[_Diamond]:
+    """Those that have no block in common with one before: they can be merged at once."""
+    chosen: list[_Diamond] = []
+    used: set[str] = set()
+    for diamond in diamonds:
+        if used.isdisjoint(diamond.names):
+            used |= diamond.names
+            chosen.append(diamond)
+    return chosen
+
+
 def _diamonds(function: Function) -> Iterator[_Diamond]:
     by_name = {block.name: block for block in function.blocks}
-    pipelined = {name for loop in pipelined_loops(function) for name in loop.blocks}
-    predecessors: dict[str, list[str]] = {name: [] for name in by_name}
-    for block in function.blocks:
-        for target in dict.fromkeys(block.branch.successors):
-            predecessors[target].append(block.name)
+    pipelined, before = blocks_of_pipelined_loops(function), predecessors(function)
 
     def arm(name: str) -> Block | None:
         block = by_name[name]
-        alone = len(predecessors[name]) == 1 and name not in pipelined
+        alone = len(before[name]) == 1 and name not in pipelined
         jumps = len(block.branch.successors) == 1 and block.branch.successors[0] not in pipelined
         return block if alone and jumps and not block.phis and _is_small(block) else None
 
@@ -79,11 +92,24 @@ def _is_small(block: Block) -> bool:
     return len(block.instrs) <= _MOST_OPERATIONS and not expanded
 
 
-def _merged(function: Function, diamond: _Diamond) -> Function:
+def _merged(function: Function, diamonds: Iterable[_Diamond]) -> Function:
+    changed: dict[str, Block] = {}
+    gone: set[str] = set()
+    free = next_id(function)
+    for diamond in diamonds:
+        edit = _Edit(free, [*diamond.top.instrs])
+        changed |= _merged_blocks(diamond, edit)
+        gone |= diamond.names - {diamond.top.name, diamond.bottom.name}
+        free = edit.free
+    kept = tuple(block for block in function.blocks if block.name not in gone)
+    return with_blocks(replace(function, blocks=kept), changed.values())
+
+
+def _merged_blocks(diamond: _Diamond, edit: _Edit) -> dict[str, Block]:
+    """The top, which now leads to the bottom only, and the bottom, by name."""
     top, bottom = diamond.top, diamond.bottom
     cond = top.branch.cond
     assert cond is not None
-    edit = _Edit(next_id(function), [*top.instrs])
     sources = []
     for block, taken in ((diamond.then, True), (diamond.other, False)):
         sources.append(top.name if block is None else block.name)
@@ -96,11 +122,9 @@ def _merged(function: Function, diamond: _Diamond) -> Function:
         phis.append(replace(phi, incoming=(*rest, (top.name, value))))
     jump = Branch(bottom.name, loc=top.branch.loc)
     top = replace(top, instrs=tuple(edit.instrs), branch=jump)
-    gone = {source for source in sources if source != top.name}
-    function = replace(function, blocks=tuple(b for b in function.blocks if b.name not in gone))
     if bottom.name == top.name:
-        return with_blocks(function, (replace(top, phis=tuple(phis)),))
-    return with_blocks(function, (top, replace(bottom, phis=tuple(phis))))
+        return {top.name: replace(top, phis=tuple(phis))}
+    return {top.name: top, bottom.name: replace(bottom, phis=tuple(phis))}
 
 
 @dataclass

@@ -1,0 +1,44 @@
+"""Analyses of a function are made once for it, and go with it."""
+
+import gc
+import weakref
+from dataclasses import replace
+
+from tests.dfg.programs import Assign, If, lower
+from vividc.dfg.cfg import Function
+from vividc.dfg.loops import find_loops, pipelined_loops, predecessors
+from vividc.dfg.normalize import normalize
+from vividc.dfg.per_function import once_a_function
+
+_CHOICE = If(0, 1, (Assign(1, "add", 0, 2, None),), ())
+
+
+def test_an_analysis_is_made_once_for_a_function_and_anew_for_its_copy() -> None:
+    calls: list[str] = []
+
+    @once_a_function
+    def analysis(function: Function) -> list[str]:
+        calls.append(function.name)
+        return []
+
+    function = lower([_CHOICE])
+    assert analysis(function) is analysis(function)
+    assert analysis(replace(function)) is not analysis(function)
+    assert len(calls) == 2
+    for once in (find_loops, pipelined_loops, predecessors):
+        assert once(function) is once(function)
+
+
+def test_what_is_kept_does_not_keep_the_function() -> None:
+    function = lower([_CHOICE])
+    find_loops(function), predecessors(function)
+    gone = weakref.ref(function)
+    del function
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_normalised_function_is_normalised_to_the_same_object() -> None:
+    """So that what is known of it needs not be found out again."""
+    function = normalize(lower([_CHOICE]))
+    assert normalize(function) is function
