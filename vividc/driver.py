@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import time
+import math
 import warnings
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from vividc import arch, compiled_files
+from vividc import arch, compiled_files, time_limit
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
-from vividc.delivery import deliver, residents, variable_homes, with_homes
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
@@ -26,11 +24,10 @@ from vividc.dfg.precision import (
     parse_precision,
 )
 from vividc.dfg.product import Product
-from vividc.dfg.regions import Kernel, Region
+from vividc.dfg.regions import Kernel
 from vividc.dfg.transform.contract import contract as contract_products
 from vividc.dfg.transform.in_format import in_format
 from vividc.errors import (
-    InternalError,
     KernelError,
     MappingFailed,
     SourceLoc,
@@ -42,12 +39,8 @@ from vividc.errors import (
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
-from vividc.mapper import MapProblem, MapResult, check_time_limit, map_dfg
-from vividc.mapper.deadline import Deadline, limited
-from vividc.mapper.list_schedule import list_schedule
-from vividc.mapper.mapping import Mapping, Status
-from vividc.mapper.straight_bounds import straight_lower_bound
-from vividc.mapper.verify import violations
+from vividc.map_regions import MapOptions, Progress, map_kernel, mapping_of
+from vividc.mapper import MapResult, check_time_limit
 from vividc.planning.budget import Budget
 from vividc.planning.choose import Stage, choose
 from vividc.planning.estimate import Estimator, Shape
@@ -55,31 +48,26 @@ from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.planning.products import priced, recognise
-from vividc.program import STOPPED_BY_CLOCK, Program, encode
+from vividc.program import Program, encode
+from vividc.program.encode import check_contexts
 from vividc.program.programmable import demand_programmable
 
-Progress = Callable[[str], None]
+_GRACE_S, _GRACE_SHARE = 0.5, 0.05
+"""What only misses its limit by so little is finished: seconds, and a share of the limit."""
 
-_LEAST_S = 1.0
-"""Mapping the kernel as written is given so long in any case."""
+_LATE = "took too long and was cut short; with a longer --time-limit the program may be faster"
 
 
 @dataclass(frozen=True, slots=True)
-class CompileOptions:
-    """How a kernel is compiled.
+class CompileOptions(MapOptions):
+    """How a kernel is compiled: how its regions are mapped, and
 
     Attributes
     ----------
-    mapper
-        "auto", or another mapper's name.
-    time_limit_s
-        Seconds for mapping all regions; with a mapping in hand, what is left goes to proving it.
     strict_fp
         Refuse float64 arithmetic instead of running it in float32 with a warning.
     contract
         Fuse multiplications and additions into FMAs.
-    progress
-        Called with one line for each step.
     transform
         What is done to loops.
     reassociate
@@ -88,11 +76,8 @@ class CompileOptions:
         Formats of functions, from `parse_precision`.
     """
 
-    mapper: str = "auto"
-    time_limit_s: float = 60.0
     strict_fp: bool = False
     contract: bool = True
-    progress: Progress | None = None
     transform: TransformOptions = field(default_factory=TransformOptions)
     reassociate: bool = False
     precision: Precision = ()
@@ -155,14 +140,37 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
     demand_callable(progress, "progress")
     check_kernel_mode(mode)
-    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     wanted = transform_options(transform, unroll, jam, flatten, threads)
     options = CompileOptions(
-        *(mapper, time_limit_s, strict_fp, contract, progress, wanted, reassociate),
-        parse_precision(precision),
+        mapper=mapper,
+        time_limit_s=time_limit_s,
+        progress=progress,
+        strict_fp=strict_fp,
+        contract=contract,
+        transform=wanted,
+        reassociate=reassociate,
+        precision=parse_precision(precision),
     )
+    grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s
+    with time_limit.limited(time_limit_s, kernel.name, kernel.loc, grace_s=grace_s) as limit:
+        program = _compiled(kernel, loaded, options, mode)
+    texts = [f"{kernel.loc}: {what} {_LATE}" for what in limit.cut]
+    for text in texts:
+        warnings.warn(text, VividcWarning, stacklevel=2)
+    compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
+    return replace(program, warnings=(*program.warnings, *texts))
+
+
+def _compiled(
+    kernel: KernelFunction | LLKernel,
+    loaded: Fabric | Accelerator,
+    options: CompileOptions,
+    mode: str,
+) -> Program:
+    """The program, with its warnings, which were given, too."""
+    wanted, strict_fp = options.transform, options.strict_fp
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
-    for name in idle_names(precision, function):
+    for name in idle_names(dict(options.precision), function):
         text = f"{kernel.name} has no {name}: its precision changes nothing"
         warnings.warn(text, VividcWarning, stacklevel=2)
         told = (*told, text)
@@ -170,12 +178,11 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     if isinstance(loaded, Accelerator) and parallel is None and wanted.threads is None:
         lines = frozenset()  # iterations that are not proved independent keep their order
     product = _product(kernel, loaded, options, mode)
+    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
     program = _compile_stages(function, machine, options, lines)
     for text in program.warnings:
-        if text != STOPPED_BY_CLOCK:  # a busy machine is no reason to fail tests
-            warnings.warn(text, VividcWarning, stacklevel=2)
+        warnings.warn(text, VividcWarning, stacklevel=2)
     warned = (*told, *program.warnings)
-    compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
     return replace(program, warnings=warned, parallel=parallel, product=product)
 
 
@@ -294,21 +301,19 @@ def _compile_stages(
     passes = PassOptions(False, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     plan = choose(function, estimator, options.transform, parallel)
+    budget = Budget.of(time_limit.remaining_s())
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
-        deadline = budget.share(last_resort)
-        return _map_stage(stage, estimator, options, known, deadline, last_resort)
+        share_s = budget.share_s(last_resort)
+        with time_limit.limited(share_s, grace_s=math.inf if last_resort else 0.0):
+            return _map_stage(stage, estimator, options, known, last_resort)
 
-    with limited(options.time_limit_s) as whole:
-        budget = Budget.of(whole.remaining_s)
-        settled = settle(plan, attempt)
+    settled = settle(plan, attempt)
     notes = [
         f"{_place(settled.outcome, header)}: the loop {why} and runs block by block"
         for header, why in settled.outcome.sequential.items()
     ]
-    if whole.meter.hurried:
-        notes.append(STOPPED_BY_CLOCK)
     loops = loop_reports(plan, settled)
     return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
 
@@ -318,28 +323,31 @@ def _map_stage(
     estimator: Estimator,
     options: CompileOptions,
     known: dict[DFG, MapResult],
-    deadline: Deadline,
     last_resort: bool,
 ) -> Outcome:
     """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
     it is a transformed one.
     """
     sequential: dict[str, str] = {}
+    demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
     while True:
         function = replace(stage.state.function, sequential=frozenset(sequential))
         function = estimator.prepared(function, stage.state.hints)
-        kernel = optimize_kernel(build_kernel(function), estimator.options)
+        built = build_kernel(function)
+        check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
+        kernel = optimize_kernel(built, estimator.options)
         try:
-            limited = replace(options, time_limit_s=max(deadline.remaining_s, _LEAST_S))
-            mapped, results = map_kernel(kernel, estimator.fabric, limited, known)
+            mapped, results = map_kernel(
+                kernel, estimator.fabric, options, known, demanded=demanded
+            )
             break
         except (MappingFailed, TimeLimit) as error:
-            if not error.header or (error.header in stage.state.made and not last_resort):
+            if not error.headers or not demanded.isdisjoint(error.headers):
                 raise
             timed_out = isinstance(error, TimeLimit)
             why = "took too long" if timed_out else "has no modulo schedule"
-            sequential[error.header] = why
-    mappings = {index: _mapping(result) for index, result in results.items()}
+            sequential |= dict.fromkeys(error.headers, why)
+    mappings = {index: mapping_of(result) for index, result in results.items()}
     program = encode(
         mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)
     )
@@ -382,114 +390,3 @@ def lower(
     if contract:
         function = contract_products(function)
     return optimize_kernel(build_kernel(function), PassOptions(contract=False))
-
-
-def map_kernel(
-    kernel: Kernel,
-    fabric: Fabric,
-    options: CompileOptions,
-    known: dict[DFG, MapResult] | None = None,
-) -> tuple[Kernel, dict[int, MapResult]]:
-    """Maps all regions: loops first, then straight regions around them.
-
-    `known` keeps the results of loops from one call to the next.
-
-    Returns
-    -------
-    The kernel whose straight regions hold their deliveries, and the result of each region by index.
-
-    Raises
-    ------
-    MappingFailed, TimeLimit
-        With `header` set if a loop is the reason.
-    """
-    results = _map_loops(kernel, fabric, options, {} if known is None else known)
-    loops = {index: _mapping(result) for index, result in results.items()}
-    homes = variable_homes(kernel, fabric, loops)
-    done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
-    regions = list(kernel.regions)
-    for index, region in enumerate(kernel.regions):
-        if region.kind == "loop":
-            continue
-        ready = deliver(region, homes)
-        held = with_homes(residents(fabric, done), homes)
-        problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
-        results[index] = _map_straight(problem, options)
-        regions[index] = replace(region, dfg=ready.dfg)
-        done.append((ready.dfg, _mapping(results[index])))
-    return replace(kernel, regions=tuple(regions)), results
-
-
-def _map_loops(
-    kernel: Kernel, fabric: Fabric, options: CompileOptions, known: dict[DFG, MapResult]
-) -> dict[int, MapResult]:
-    loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
-    deadline = Deadline.after(options.time_limit_s)
-    results: dict[int, MapResult] = {}
-    done: list[tuple[DFG, Mapping]] = []
-    for number, (index, region) in enumerate(loops):
-        resident = residents(fabric, done)
-        result = known.get(region.dfg)
-        if result is None or violations(region.dfg, fabric, _mapping(result), resident=resident):
-            share = deadline.remaining_s / (len(loops) - number)
-            result = map_dfg(
-                region.dfg,
-                fabric,
-                options.mapper,
-                time_limit_s=max(share, 1.0),
-                resident=resident,
-                progress=_prefixed(options.progress, region),
-                thrifty=True,
-            )
-        _demand(result, region)
-        known[region.dfg] = result
-        results[index] = result
-        done.append((region.dfg, _mapping(result)))
-    return results
-
-
-def _map_straight(problem: MapProblem, options: CompileOptions) -> MapResult:
-    start = time.monotonic()
-    mapping = list_schedule(problem)
-    found = violations(
-        problem.dfg,
-        problem.fabric,
-        mapping,
-        allowed=problem.allowed,
-        resident=problem.resident,
-        straight=True,
-    )
-    if found:
-        raise InternalError(f"list schedule of {problem.dfg.name}: {found[0].message}")
-    bound = straight_lower_bound(problem)
-    wall_s = time.monotonic() - start
-    if options.progress is not None:
-        options.progress(f"{problem.dfg.name}: {mapping.ii} cycles")
-    status: Status = "optimal" if mapping.ii <= bound.ii else "feasible"
-    return MapResult(status, mapping.ii, bound.ii, (bound,), mapping, "list", wall_s)
-
-
-def _demand(result: MapResult, region: Region) -> None:
-    if result.mapping is not None:
-        return
-    error: MappingFailed | TimeLimit
-    if result.status == "infeasible":
-        error = MappingFailed(f"{region.name} cannot be mapped: {result.explain()}", loc=region.loc)
-    else:
-        hint = "give a longer --time-limit, or a larger fabric"
-        text = f"{region.name} was not mapped in time: {result.explain()}"
-        error = TimeLimit(text, loc=region.loc, hint=hint)
-    error.header = region.header
-    raise error
-
-
-def _mapping(result: MapResult) -> Mapping:
-    if result.mapping is None:
-        raise InternalError("a region without a mapping was passed on")
-    return result.mapping
-
-
-def _prefixed(progress: Progress | None, region: Region) -> Progress | None:
-    if progress is None:
-        return None
-    return lambda text: progress(f"{region.name}: {text}")

@@ -82,17 +82,19 @@ class BundleError(VividcError):
 
 
 class MappingFailed(VividcError):
-    """A region has no mapping: proved infeasible (exit code 3). `header` names a loop's block."""
+    """A region has no mapping: proved infeasible (exit code 3). `headers`: blocks that begin the
+    loops that have none, where loops are the reason.
+    """
 
     exit_code = 3
-    header = ""
+    headers: tuple[str, ...] = ()
 
 
 class TimeLimit(VividcError):
-    """A region has no mapping within the time limit (exit code 4). `header` as above."""
+    """Something was not done within the time limit (exit code 4). `headers` as above."""
 
     exit_code = 4
-    header = ""
+    headers: tuple[str, ...] = ()
 
 
 class SimulationError(VividcError):

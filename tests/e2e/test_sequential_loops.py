@@ -7,14 +7,14 @@ import pytest
 
 import vividc
 from benchmarks.workloads import WORKLOADS
-from vividc import driver
+from vividc import map_regions
 from vividc.mapper import MapResult
 
 
 @pytest.mark.parametrize("workload", WORKLOADS, ids=lambda w: w.name)
 def test_it_runs_block_by_block(workload: object, monkeypatch: pytest.MonkeyPatch) -> None:
     timeout = MapResult("timeout", None, 1, (), None, "none", 0.0)
-    monkeypatch.setattr(driver, "map_dfg", lambda *_, **__: timeout)
+    monkeypatch.setattr(map_regions, "map_dfg", lambda *_, **__: timeout)
     kernel = workload.kernel()  # type: ignore[attr-defined]
     with pytest.warns(vividc.VividcWarning, match="took too long and runs block by block"):
         program = vividc.compile(kernel)

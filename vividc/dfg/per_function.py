@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial, wraps
 from typing import TypeVar
 
+from vividc import time_limit
 from vividc.dfg.cfg import Function
 
 _Result = TypeVar("_Result")
@@ -25,6 +26,7 @@ def once_a_function(analysis: Callable[[Function], _Result]) -> Callable[[Functi
     def kept(function: Function) -> _Result:
         key = id(function)
         if key not in results:
+            time_limit.step("control flow was analysed")
             result = analysis(function)
             results[key] = weakref.ref(function, partial(results.pop, key)), result
         return results[key][1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from vividc import time_limit
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG
 from vividc.dfg.passes import (
@@ -63,6 +64,7 @@ def optimize(dfg: DFG, options: PassOptions | None = None) -> DFG:
         If a pass breaks an invariant of the IR.
     """
     for step in pipeline(options or PassOptions()):
+        time_limit.step("regions were optimised")
         dfg = step(dfg)
         broken = check(dfg)
         if broken:

@@ -51,6 +51,7 @@ from vividc.frontend.numba_arrays import (
 )
 from vividc.frontend.numba_integer import integer_loops, integer_operator
 from vividc.frontend.numba_real import real_division
+from vividc.frontend.numba_time import in_time
 from vividc.frontend.numpy_sort import is_sort, sort
 from vividc.frontend.prange import parallel_range
 from vividc.frontend.subscripts import marked_subscripts
@@ -484,15 +485,14 @@ def numba_module(
     ------
     numba.core.errors.NumbaError
         Numba cannot type or lower the function.
+    TimeLimit
+        Time is up (`time_limit`).
     """
     with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
         warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
-        with _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func):
+        with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func):
             result = _compile(py_func, args, return_type)
-    return NumbaModule(
-        texts=result.library.all_texts(),
-        symbol=result.fndesc.llvm_func_name,
-        return_type=str(result.signature.return_type),
-    )
+    texts, described = result.library.all_texts(), result.fndesc
+    return NumbaModule(texts, described.llvm_func_name, str(result.signature.return_type))

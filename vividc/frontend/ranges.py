@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from vividc import time_limit
 from vividc.frontend.interval import (
     BOTTOM,
     Interval,
@@ -125,6 +126,7 @@ class Ranges:
         changed = True
         while changed:
             rounds += 1
+            time_limit.step("ranges of values were found")
             changed = any([self._ascend(block, rounds > _WIDEN_AFTER) for block in blocks])
         for _ in range(_NARROWINGS):
             for block in blocks:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from vividc import time_limit
 from vividc.errors import SourceLoc
 
 
@@ -272,6 +273,7 @@ def remove_unreachable(function: WideFunction) -> WideFunction:
 
 def remove_dead(function: WideFunction) -> WideFunction:
     """Drop phis and instructions whose results reach no store, branch, call or return."""
+    time_limit.step("it was lowered")
     live: set[str] = set()
     pending: list[Operand] = []
     for block in function.blocks:

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from vividc import time_limit
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.dfg.opcodes import Opcode
 from vividc.errors import MappingFailed
@@ -31,16 +32,19 @@ _PATIENCE: Final = 8
 """Cycles by which a node may be late on one PE before the others are asked again."""
 
 
-def list_schedule(problem: MapProblem) -> Mapping:
+def list_schedule(problem: MapProblem, goes_on: Callable[[], bool] = lambda: True) -> Mapping:
     """A legal schedule of a straight region; its `ii` is the length in cycles (1 or more).
 
-    Deterministic. The length is minimal when it equals `straight_lower_bound(problem).ii`.
+    `goes_on`: whether a shorter one is to be tried for, asked when there is one. Deterministic
+    but for that. The length is minimal when it equals `straight_lower_bound(problem).ii`.
 
     Raises
     ------
     MappingFailed
         A node fits no PE, the words alive do not fit the registers, or the region is longer than
         the configuration memory.
+    TimeLimit
+        Time is up (`time_limit`).
     """
     _refuse_impossible(problem)
     bound = straight_lower_bound(problem)
@@ -59,7 +63,7 @@ def list_schedule(problem: MapProblem) -> Mapping:
             continue
         if best is None or mapping.ii < best.ii:
             best = mapping
-        if best.ii <= bound.ii:
+        if best.ii <= bound.ii or not goes_on():
             break
         urgency = _raised(urgency, heights, mapping, bound.ii)
     if best is None:
@@ -202,6 +206,7 @@ class _Schedule:
         ready = [node for node in self.dfg.placed if not waits[node.id]]
         followers = self._followers()
         while ready:
+            time_limit.step("straight regions were scheduled")
             node = min(ready, key=self._rank)
             ready.remove(node)
             self._place(node)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vividc import time_limit
 from vividc.errors import TimeLimit
-from vividc.mapper.deadline import Deadline
 
 _AS_WRITTEN = 0.4
 """The kernel as written is sure of this share, if it has to be mapped: a plan is never worse."""
@@ -16,28 +16,28 @@ _STAGE_S = 25.0
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """Time for all stages together, and the part of it that transformed ones may use."""
+    """When time for all stages is up, and when that for transformed ones is, by `time_limit`."""
 
-    whole: Deadline
-    transformed: Deadline
+    whole: float
+    transformed: float
 
     @staticmethod
     def of(time_limit_s: float) -> Budget:
-        """The budget of a compilation that starts now, of so many seconds of effort."""
-        whole = Deadline.after(time_limit_s)
-        return Budget(whole, whole.within(time_limit_s * (1.0 - _AS_WRITTEN)))
+        """The budget of mapping that starts now."""
+        now = time_limit.now()
+        return Budget(now + time_limit_s, now + time_limit_s * (1.0 - _AS_WRITTEN))
 
-    def share(self, as_written: bool) -> Deadline:
-        """When mapping the next stage must end.
+    def share_s(self, as_written: bool) -> float:
+        """Seconds for mapping the next stage.
 
         Raises
         ------
         TimeLimit
             What is left is kept for the kernel as written.
         """
+        now = time_limit.now()
         if as_written:
-            return self.whole
-        if self.transformed.passed:
+            return max(self.whole - now, 0.0)
+        if now >= self.transformed:
             raise TimeLimit("no time was left for it", hint="give a longer --time-limit")
-        limit_s = min(self.whole.remaining_s / 2, _STAGE_S, self.transformed.remaining_s)
-        return self.whole.within(limit_s)
+        return min((self.whole - now) / 2, _STAGE_S, self.transformed - now)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
+from vividc import time_limit
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.transform.constant_trips import constant_trips
@@ -13,7 +14,7 @@ from vividc.dfg.transform.independent import meeting_array
 from vividc.dfg.transform.levels import level_of, with_own_latches
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.tidy import tidy
-from vividc.errors import KernelError, SourceLoc
+from vividc.errors import KernelError, SourceLoc, TimeLimit
 from vividc.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.planning.estimate import Estimate, Estimator
 from vividc.planning.frequency import expected_trips
@@ -43,6 +44,9 @@ _STEP = 0.95
 """A factor must do so much better than half of it."""
 
 _FACTORS = (2, 4, 8)
+
+_SHARE = 0.4
+"""Of the time, for the choice."""
 
 _SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
 
@@ -107,6 +111,8 @@ def choose(
 
     Raises
     ------
+    TimeLimit
+        Time was up before the kernel as written, and what the user asks for, was estimated.
     KernelError
         A factor is asked for a line without a loop, or of a loop that cannot be transformed so; or
         threads, and there is no loop over `prange`.
@@ -121,7 +127,7 @@ def choose(
     chooser.obey()
     asked = len(chooser.stages) - 1
     if options.mode == "auto":
-        chooser.improve()
+        chooser.improve_in_time()
     return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
 
 
@@ -154,6 +160,15 @@ class _Chooser:
                 self.fixed.add(header)
                 if factor != 1:
                     self._force(kind, header, factor, line)
+
+    def improve_in_time(self) -> None:
+        """As `improve`; what it has found by the end of its time is kept."""
+        try:
+            with time_limit.limited(_SHARE * time_limit.remaining_s()):
+                self.improve()
+        except TimeLimit:
+            time_limit.step("loop transformations were chosen")
+            time_limit.left_out("the choice of loop transformations")
 
     def improve(self) -> None:
         """Applies what pays: full unrolling, then threads, then jamming, then flattening of what is
@@ -237,6 +252,7 @@ class _Chooser:
 
     def _evaluate(self, base: Stage, candidate: Candidate) -> Stage | None:
         """The stage after the candidate if it pays; the decision is noted."""
+        time_limit.step("loop transformations were chosen")
         trips = expected_trips(base.state.function, base.state.hints)
         state = apply(base.state, candidate, trips)
         if isinstance(state, Refusal):

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from vividc import time_limit
 from vividc.arch.fabric import Fabric
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
@@ -148,10 +149,17 @@ class Estimator:
             total = math.inf
         return Estimate(total, costs)
 
+    def contexts(self, kernel: Kernel) -> int:
+        """The fewest contexts that the kernel's regions take; a loop that cannot be mapped as one
+        counts nothing.
+        """
+        return sum(ii for r in kernel.regions if (ii := self.shape(r).ii) < _NEVER)
+
     def shape(self, region: Region) -> Shape:
         """The region's shape by its bounds."""
         dfg = self.optimized(region.dfg)
         if dfg not in self._shapes:
+            time_limit.step("regions were estimated")
             problem = MapProblem(dfg, self.fabric)
             shape = _loop_shape if region.kind == "loop" else _straight_shape
             self._shapes[dfg] = shape(problem)
@@ -165,6 +173,7 @@ class Estimator:
         if dfg not in self._optimized:
             done = dfg
             for step in pipeline(self.options):
+                time_limit.step("regions were optimised")
                 done = step(done)
             self._optimized[dfg] = done
         return self._optimized[dfg]

@@ -71,7 +71,7 @@ def encode(
     for index, region in enumerate(kernel.regions):
         check_region(region, mappings[index], fabric)
     table = _table(kernel, fabric, mappings)
-    _check_contexts(kernel, fabric, table)
+    check_contexts(kernel, fabric, sum(row.ii for row in table))
     _check_locals(kernel, fabric)
     found = _reports(kernel, fabric, table, mappings, reports or {})
     program = _program(kernel, fabric, mappings, table, found, _provenance(kernel, options or {}))
@@ -146,11 +146,17 @@ def _table(
     return tuple(rows)
 
 
-def _check_contexts(kernel: Kernel, fabric: Fabric, table: Sequence[RegionRow]) -> None:
-    used = sum(row.ii for row in table)
+def check_contexts(kernel: Kernel, fabric: Fabric, used: int, at_least: str = "") -> None:
+    """Refuse a kernel that needs more contexts than the fabric has, or `at_least` more.
+
+    Raises
+    ------
+    KernelError
+        It does.
+    """
     if used > fabric.controller.contexts:
         raise KernelError(
-            f"{kernel.name} needs {used} contexts and fabric {fabric.name} has "
+            f"{kernel.name} needs {at_least}{used} contexts and fabric {fabric.name} has "
             f"{fabric.controller.contexts}",
             loc=kernel.file or None,
             hint="split the kernel, unroll less, or raise `controller.contexts` of the fabric",

@@ -1,0 +1,47 @@
+"""The time limit of a kernel that numba types: it is asked between numba's passes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from numba.core import event
+
+from vividc import time_limit
+from vividc.errors import TimeLimit
+
+
+class _OutOfTime(BaseException):
+    """Passes through numba, which catches any Exception, rewords it and tries something else."""
+
+    def __init__(self, error: TimeLimit) -> None:
+        self.error = error
+
+
+class _Watch(event.Listener):  # type: ignore[misc]
+    """Asks for the time before each of numba's passes."""
+
+    def on_start(self, event: object) -> None:
+        try:
+            time_limit.step("numba typed it")
+        except TimeLimit as error:
+            raise _OutOfTime(error) from None
+
+    def on_end(self, event: object) -> None:
+        """Nothing is to be done."""
+
+
+@contextmanager
+def in_time() -> Iterator[None]:
+    """Numba's passes are made within the time limit.
+
+    Raises
+    ------
+    TimeLimit
+        Time is up before a pass.
+    """
+    try:
+        with event.install_listener("numba:run_pass", _Watch()):
+            yield
+    except _OutOfTime as end:
+        raise end.error from None

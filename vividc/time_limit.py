@@ -1,0 +1,126 @@
+"""The time limit of a compilation, which its stages ask between their steps.
+
+A guard only. Where time is up, a stage that cannot go without a result ends with a message; one
+that can leaves the rest out, and what is made of that says so: results depend on the clock nowhere
+else. The time in which machine code of vividc's own is built, once an installation, is not counted.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field, replace
+from threading import Lock
+
+from vividc.errors import SourceLoc, TimeLimit
+
+_HINT = "give a longer --time-limit (time_limit_s), or split the kernel"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What is to be done by when, by `now`, and by when at the very latest, with nothing else to be
+    had; `cut` says what was left out for want of time.
+    """
+
+    at: float
+    last: float
+    seconds: float
+    what: str = ""
+    loc: SourceLoc | None = None
+    cut: list[str] = field(default_factory=list)
+
+
+@dataclass
+class _Clock:
+    """Seconds that were not counted, and since when none are counted, by so many callers."""
+
+    lock: Lock = field(default_factory=Lock)
+    spent_s: float = 0.0
+    since: float = 0.0
+    callers: int = 0
+
+
+_clock = _Clock()
+_current: ContextVar[Limit | None] = ContextVar("time limit", default=None)
+
+
+def now() -> float:
+    """Seconds of the clock that limits are kept by."""
+    with _clock.lock:
+        end = _clock.since if _clock.callers else time.monotonic()
+        return end - _clock.spent_s
+
+
+@contextmanager
+def not_counted() -> Iterator[None]:
+    """The clock stands still, in all threads."""
+    with _clock.lock:
+        if not _clock.callers:
+            _clock.since = time.monotonic()
+        _clock.callers += 1
+    try:
+        yield
+    finally:
+        with _clock.lock:
+            _clock.callers -= 1
+            if not _clock.callers:
+                _clock.spent_s += time.monotonic() - _clock.since
+
+
+@contextmanager
+def limited(
+    seconds: float, what: str = "", loc: SourceLoc | None = None, *, grace_s: float = 0.0
+) -> Iterator[Limit]:
+    """What is done inside has so many seconds, and no more than are left outside.
+
+    Parameters
+    ----------
+    what, loc
+        What is not done if time is up, and where it stands; of the limit outside if there is one.
+    grace_s
+        So many seconds later `step` ends what is not done. It is for what is needed in any case.
+    """
+    outer, at = _current.get(), now() + seconds
+    limit = Limit(at, at + grace_s, seconds, what, loc)
+    if outer is not None:
+        limit = replace(
+            outer, at=min(limit.at, outer.at), last=min(limit.last, outer.last), cut=outer.cut
+        )
+    token = _current.set(limit)
+    try:
+        yield limit
+    finally:
+        _current.reset(token)
+
+
+def remaining_s() -> float:
+    """Seconds left, never negative; infinite without a limit."""
+    limit = _current.get()
+    return math.inf if limit is None else max(limit.at - now(), 0.0)
+
+
+def step(doing: str) -> None:
+    """What stages call between their steps.
+
+    Raises
+    ------
+    TimeLimit
+        Time is up while `doing` that, such as "its loops are scheduled".
+    """
+    limit = _current.get()
+    if limit is None or now() < limit.last:
+        return
+    what = limit.what or "this"
+    reason = f"{what} was not compiled within {limit.seconds:g} s: time was up while {doing}"
+    raise TimeLimit(reason, loc=limit.loc, hint=_HINT)
+
+
+def left_out(what: str) -> None:
+    """Note that something was cut short or left out for want of time; the program will say so."""
+    limit = _current.get()
+    if limit is not None and what not in limit.cut:
+        limit.cut.append(what)
