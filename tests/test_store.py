@@ -9,6 +9,7 @@ import signal
 import stat
 import subprocess
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable
@@ -296,3 +297,35 @@ def test_processes_that_write_at_once_and_are_killed_leave_whole_entries(kept: S
     for key in map(str, range(7)):
         found = kept.read("a", key)  # a warning would be an error
         assert found is None or found == key.encode() * 20_000
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no flock")
+def test_what_takes_long_is_made_by_one_at_a_time(kept: Store) -> None:
+    """Each opens the file for itself, as processes do."""
+    inside, most = [], []
+    first_is_in, go_on = threading.Event(), threading.Event()
+
+    def make(name: str) -> None:
+        with Store(kept.folder, 1 << 20).alone("a"):
+            inside.append(name)
+            most.append(len(inside))
+            first_is_in.set()
+            go_on.wait(10)
+            inside.remove(name)
+
+    threads = [threading.Thread(target=make, args=(name,)) for name in "xyz"]
+    for thread in threads:
+        thread.start()
+    assert first_is_in.wait(10)
+    with kept.alone("b"):  # another kind does not wait
+        go_on.set()
+    for thread in threads:
+        thread.join(10)
+    assert most == [1, 1, 1]
+    assert not list(kept.folder.iterdir())
+
+
+def test_without_a_folder_nobody_waits(kept: Store) -> None:
+    kept.folder.parent.write_text("a file in its place")
+    with kept.alone("a"), kept.alone("a"):
+        assert kept.read("a", "key") is None

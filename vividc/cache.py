@@ -11,6 +11,8 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -49,6 +51,16 @@ def write(kind: str, key: str, content: bytes) -> bool:
     """Keep something; whether that was possible. It never fails: a full disk keeps nothing."""
     store = _store()
     return store is not None and store.write(kind, _full(key), content)
+
+
+@contextmanager
+def alone(kind: str) -> Iterator[None]:
+    """At most one process at a time is inside, for each kind: what takes long is made once. One
+    that waited looks again for what it was about to make.
+    """
+    store = _store()
+    with nullcontext() if store is None else store.alone(kind):
+        yield
 
 
 def discard(kind: str, key: str, reason: str) -> None:

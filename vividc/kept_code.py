@@ -27,7 +27,7 @@ from numba.core.compiler_machinery import PassManager
 from numba.core.environment import Environment, lookup_environment
 from numba.core.funcdesc import PythonFunctionDescriptor
 
-from vividc import cache
+from vividc import cache, time_limit
 from vividc.made_of import made_of
 
 _KIND: Final = "loops"
@@ -52,21 +52,28 @@ class KeptCode(NullCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
         """The kept code for arguments of these types, if there is some to trust."""
+        return self.kept(sigutils.normalize_signature(sig)[0], target_context)
+
+    def kept(self, args: tuple[Any, ...], target_context: Any) -> CompileResult | None:
+        """As `load_overload`, by the arguments' types."""
         target_context.refresh()
-        key = self.key(sig, target_context.codegen())
+        key = self.key(args, target_context.codegen())
         entry = cache.read(_KIND, key)
         if entry is None:
             return None
         try:
-            return _rebuilt(entry, sigutils.normalize_signature(sig)[0], target_context)
+            return _rebuilt(entry, args, target_context)
         except (ValueError, KeyError, TypeError) as fault:
             cache.discard(_KIND, key, f"holds no machine code ({type(fault).__name__}: {fault})")
             return None
 
     def save_overload(self, sig: Any, cres: CompileResult) -> None:
+        """`KeyedCompiler` keeps it, while no other process makes the same."""
+
+    def keep(self, args: tuple[Any, ...], cres: CompileResult) -> None:
         """Keep code, if it depends on nothing but its arguments."""
         if _is_plain(cres):
-            cache.write(_KIND, self.key(sig, cres.codegen), _entry(cres))
+            cache.write(_KIND, self.key(args, cres.codegen), _entry(cres))
 
     def key(self, sig: Any, codegen: Any) -> str:
         """All that the code depends on."""
@@ -87,8 +94,23 @@ class KeyedCompiler(NumbaCompiler):  # type: ignore[misc]
     """Numba's passes; names in the code are bound to what it was made from.
 
     Numba numbers functions as they come, so that code of two processes may have a name in common
-    that means two things.
+    that means two things. It takes up to a minute, once an installation, which no time limit
+    counts; processes that need the same wait for the first.
     """
+
+    def compile_extra(self, func: Callable[..., object]) -> CompileResult:
+        """What another process has made by now, or what numba makes."""
+        code, args = _code_of[func], tuple(self.state.args)
+        with time_limit.not_counted(), cache.alone(_KIND):
+            made = code.kept(args, self.state.targetctx)
+            if made is not None:
+                self.state.targetctx.insert_user_function(
+                    made.entry_point, made.fndesc, [made.library]
+                )
+                return made
+            made = super().compile_extra(func)
+            code.keep(args, made)
+        return made
 
     def define_pipelines(self) -> list[PassManager]:
         state = self.state

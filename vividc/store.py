@@ -12,14 +12,19 @@ import os
 import stat
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
-from time import time
+from time import monotonic, sleep, time
 from typing import Final
 
 from vividc.errors import VividcWarning
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 _MAGIC: Final = b"vividc entry 1\n"
 _HASH_BYTES: Final = 32
@@ -30,6 +35,8 @@ _OTHERS_WRITE: Final = stat.S_IWGRP | stat.S_IWOTH
 _UNFINISHED: Final = "."
 """First character of files that are being written; other processes' entries have none such."""
 _ABANDONED_S: Final = 3600.0
+_LONGEST_TURN_S: Final = 300.0
+_TURN_STEP_S: Final = 0.05
 _BY_DESCRIPTOR: Final = {os.open, os.unlink, os.rename} <= os.supports_dir_fd
 _FLAGS: Final = {
     name: getattr(os, name, 0) for name in ("O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC")
@@ -79,9 +86,7 @@ class Store:
         if len(payload) > min(_LARGEST // 2, self.limit):
             return False
         with suppress(OSError):
-            self.folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            with suppress(FileExistsError):
-                os.mkdir(self.folder, 0o700)
+            self._make()
             with self._opened() as place:
                 place.replace(name, _entry(name, payload))
                 self._trim(place, len(payload))
@@ -92,6 +97,25 @@ class Store:
         """Throw away an entry whose content turned out to be of no use; said once a process."""
         with suppress(OSError), self._opened() as place:
             self._throw_away(place, _name(kind, key), reason)
+
+    @contextmanager
+    def alone(self, kind: str) -> Iterator[None]:
+        """At most one process at a time is inside, for each kind: what takes long is made once.
+
+        Only for speed: without a folder or locks, or after a long wait, nobody waits.
+        """
+        with suppress(OSError):
+            self._make()
+        with ExitStack() as until_done:
+            with suppress(OSError):
+                place = until_done.enter_context(self._opened())
+                until_done.enter_context(place.turn(f"{_UNFINISHED}{kind}"))
+            yield
+
+    def _make(self) -> None:
+        self.folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with suppress(FileExistsError):
+            os.mkdir(self.folder, 0o700)
 
     @contextmanager
     def _opened(self) -> Iterator[_Place]:
@@ -195,6 +219,24 @@ class _Place:
                     os.utime(entry if os.utime in os.supports_fd else path)
             return payload, fault or "is damaged"
 
+    @contextmanager
+    def turn(self, name: str) -> Iterator[None]:
+        """Who has locked the file of this name is inside, and removes it at the end.
+
+        Raises
+        ------
+        OSError
+            It cannot be opened.
+        """
+        flags = os.O_RDWR | os.O_CREAT | _OPEN
+        turn = os.open(self.path(name), flags, 0o600, dir_fd=self.descriptor)
+        try:
+            _wait_for(turn)
+            yield
+        finally:
+            self.remove(name)
+            os.close(turn)  # which unlocks it
+
     def replace(self, name: str, content: bytes) -> None:
         """Give a name new content in one step: a reader sees all of it or what was there before.
 
@@ -217,6 +259,21 @@ class _Place:
         except BaseException:
             self.remove(unfinished)
             raise
+
+
+def _wait_for(turn: int) -> None:
+    """Lock a file as soon as no other process has it locked; in steps, so that Ctrl-C is seen."""
+    if fcntl is None:
+        return
+    until = monotonic() + _LONGEST_TURN_S
+    while monotonic() < until:
+        try:
+            fcntl.flock(turn, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            sleep(_TURN_STEP_S)
+        except OSError:  # a file system without locks
+            return
 
 
 def _name(kind: str, key: str) -> str:

@@ -55,6 +55,12 @@ def now() -> float:
         return end - _clock.spent_s
 
 
+def not_counted_s() -> float:
+    """Seconds that were not counted since this process began."""
+    with _clock.lock:
+        return _clock.spent_s
+
+
 @contextmanager
 def not_counted() -> Iterator[None]:
     """The clock stands still, in all threads."""

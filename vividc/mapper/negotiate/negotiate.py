@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections import defaultdict
 from collections.abc import Callable
 from collections.abc import Mapping as ReadOnly
@@ -11,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from vividc import time_limit
 from vividc.arch.fabric import PE, Controller, Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import LatencyClass, Opcode
@@ -108,15 +108,15 @@ class Effort:
 
 
 def prepare(tell: Callable[[str], None]) -> float:
-    """Have everything compiled; the seconds that took, nearly 0 but for the first time in a process
-    (about 1 where the machine code is on disk).
+    """Have everything compiled; the seconds that it was compiled, 0 where the machine code is on
+    disk or in memory.
     """
-    began = time.monotonic()
+    before_s = time_limit.not_counted_s()
     if not _prepared:
         tell("annealer and router: loading, or compiling once (up to a minute)")
         _compile_all()
         _prepared.append(True)
-    return time.monotonic() - began
+    return time_limit.not_counted_s() - before_s
 
 
 _prepared: list[bool] = []
