@@ -39,8 +39,9 @@ from vividc.errors import (
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
-from vividc.map_regions import MapOptions, Progress, map_kernel, mapping_of
+from vividc.map_regions import MapOptions, Progress, guarded, map_kernel, mapping_of
 from vividc.mapper import MapResult, check_time_limit
+from vividc.mapper.deadline import limited
 from vividc.planning.budget import Budget
 from vividc.planning.choose import Stage, choose
 from vividc.planning.estimate import Estimator, Shape
@@ -48,14 +49,12 @@ from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.planning.products import priced, recognise
-from vividc.program import Program, encode
+from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encode import check_contexts
 from vividc.program.programmable import demand_programmable
 
 _GRACE_S, _GRACE_SHARE = 0.5, 0.05
 """What only misses its limit by so little is finished: seconds, and a share of the limit."""
-
-_LATE = "took too long and was cut short; with a longer --time-limit the program may be faster"
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +153,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s
     with time_limit.limited(time_limit_s, kernel.name, kernel.loc, grace_s=grace_s) as limit:
         program = _compiled(kernel, loaded, options, mode)
-    texts = [f"{kernel.loc}: {what} {_LATE}" for what in limit.cut]
+    texts = [f"{kernel.loc}: {what} took too long and {CUT_SHORT}" for what in limit.cut]
     for text in texts:
         warnings.warn(text, VividcWarning, stacklevel=2)
     compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
@@ -301,15 +300,20 @@ def _compile_stages(
     passes = PassOptions(False, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
     plan = choose(function, estimator, options.transform, parallel)
-    budget = Budget.of(time_limit.remaining_s())
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
-        share_s = budget.share_s(last_resort)
-        with time_limit.limited(share_s, grace_s=math.inf if last_resort else 0.0):
-            return _map_stage(stage, estimator, options, known, last_resort)
+        limit_s = budget.share(last_resort).remaining_s
+        guard_s = time_limit.remaining_s()
+        if not last_resort and budget.whole.remaining_s:
+            guard_s *= limit_s / budget.whole.remaining_s
+        with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
+            shared = replace(options, time_limit_s=limit_s)
+            return _map_stage(stage, estimator, shared, known, last_resort)
 
-    settled = settle(plan, attempt)
+    with limited(options.time_limit_s) as whole:
+        budget = Budget.of(whole)
+        settled = settle(plan, attempt)
     notes = [
         f"{_place(settled.outcome, header)}: the loop {why} and runs block by block"
         for header, why in settled.outcome.sequential.items()

@@ -4,9 +4,9 @@ time limit.
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from vividc import time_limit
@@ -16,12 +16,15 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
 from vividc.mapper import MapProblem, MapResult, map_dfg
+from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
 from vividc.mapper.straight_bounds import straight_lower_bound
 from vividc.mapper.verify import violations
 
 Progress = Callable[[str], None]
+
+_SEARCH = "the search for mappings"
 
 _LEAST_S = 0.3
 """All loops together have so long in any case."""
@@ -45,7 +48,8 @@ class MapOptions:
     mapper
         "auto", or another mapper's name.
     time_limit_s
-        Seconds for all of it; with a mapping in hand, what is left goes to proving it.
+        Seconds for all of it, which buy an effort (`mapper/deadline.py`); with a mapping in hand,
+        what is left goes to proving it.
     progress
         Called with one line for each step.
     """
@@ -81,8 +85,9 @@ def map_kernel(
     MappingFailed, TimeLimit
         With `headers` of the loops that have no mapping, if loops are the reason.
     """
-    with time_limit.limited(options.time_limit_s, grace_s=math.inf):
-        results = _map_loops(kernel, fabric, options, {} if known is None else known, demanded)
+    with limited(options.time_limit_s) as effort:
+        known = {} if known is None else known
+        results = _map_loops(kernel, fabric, options, known, demanded, effort)
         loops = {index: mapping_of(result) for index, result in results.items()}
         homes = variable_homes(kernel, fabric, loops)
         done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
@@ -97,6 +102,17 @@ def map_kernel(
             regions[index] = replace(region, dfg=ready.dfg)
             done.append((ready.dfg, mapping_of(results[index])))
     return replace(kernel, regions=tuple(regions)), results
+
+
+@contextmanager
+def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
+    """What is done inside has so many seconds; that the clock ended it is noted."""
+    with time_limit.limited(seconds, grace_s=grace_s) as guard:
+        try:
+            yield
+        finally:
+            if guard.left_s <= 0.0:
+                time_limit.left_out(_SEARCH)
 
 
 @dataclass
@@ -125,6 +141,7 @@ def _map_loops(
     options: MapOptions,
     known: dict[DFG, MapResult],
     demanded: frozenset[str],
+    effort: Deadline,
 ) -> dict[int, MapResult]:
     loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
@@ -138,8 +155,9 @@ def _map_loops(
         problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
         result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, known)
         if result is None:
-            share_s = (until - time_limit.now()) / (len(loops) - number)
-            result = _mapped_loop(region, problem, options, share_s)
+            left = len(loops) - number
+            with guarded((until - time_limit.now()) / left):
+                result = _mapped_loop(region, problem, options, effort.remaining_s / left)
         if isinstance(result, MapResult):
             known[region.dfg] = result
             results[index] = result
@@ -169,7 +187,9 @@ def _mapped_loop(
     """The result of a loop, or why it has no mapping."""
     hint = "give a longer --time-limit, or a larger fabric"
     error: MappingFailed | TimeLimit
-    if share_s < _LEAST_LOOP_S:
+    if time_limit.remaining_s() < _LEAST_LOOP_S:
+        time_limit.left_out(_SEARCH)
+    if min(share_s, time_limit.remaining_s()) < _LEAST_LOOP_S:
         text = f"{region.name} was not mapped: no time was left for it"
         error = TimeLimit(text, loc=region.loc, hint=hint)
     else:

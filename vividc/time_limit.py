@@ -1,8 +1,9 @@
 """The time limit of a compilation, which its stages ask between their steps.
 
-A guard only. Where time is up, a stage that cannot go without a result ends with a message; one
-that can leaves the rest out, and what is made of that says so: results depend on the clock nowhere
-else. The time in which machine code of vividc's own is built, once an installation, is not counted.
+A guard only: what is searched, and for how long, follows from effort (`mapper/deadline.py`). Where
+time is up, a stage that cannot go without a result ends with a message; one that can leaves the
+rest out, and what is made of that says so: results depend on the clock nowhere else. The time in
+which machine code of vividc's own is built, once an installation, is not counted.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from threading import Lock
 
-from vividc.errors import SourceLoc, TimeLimit
+from vividc.errors import SourceLoc, TimeLimit, VividcError, demand_type
 
 _HINT = "give a longer --time-limit (time_limit_s), or split the kernel"
 
@@ -23,15 +24,26 @@ _HINT = "give a longer --time-limit (time_limit_s), or split the kernel"
 @dataclass(frozen=True)
 class Limit:
     """What is to be done by when, by `now`, and by when at the very latest, with nothing else to be
-    had; `cut` says what was left out for want of time.
+    had; `cut` says what was left out for want of time. `times`: the patience that it was set with.
     """
 
     at: float
     last: float
     seconds: float
+    times: float = 1.0
     what: str = ""
     loc: SourceLoc | None = None
     cut: list[str] = field(default_factory=list)
+
+    @property
+    def left_s(self) -> float:
+        """Seconds left, never negative, on any thread."""
+        return max(self.at - _read(self.times), 0.0)
+
+    @property
+    def left_on_the_wall_s(self) -> float:
+        """The same, in seconds of a clock that knows no patience."""
+        return self.left_s * self.times
 
 
 @dataclass
@@ -46,13 +58,51 @@ class _Clock:
 
 _clock = _Clock()
 _current: ContextVar[Limit | None] = ContextVar("time limit", default=None)
+_patience: ContextVar[float] = ContextVar("patience", default=1.0)
+
+
+@contextmanager
+def patient(times: float) -> Iterator[None]:
+    """Have the clock allow so many times the time limit of what is compiled or mapped inside.
+
+    The effort that a limit buys stays the same, and so does what it finds where the clock does not
+    end it: a benchmark in it gives the same figures beside other work (`docs/mappers.md`).
+
+    Raises
+    ------
+    VividcError
+        `times` is no positive number.
+    """
+    demand_type(times, (int, float), "the patience", "give how many times the limit it may take")
+    if not times > 0:
+        raise VividcError(f"the patience must be positive, not {times}", loc="times")
+    token = _patience.set(times)
+    try:
+        yield
+    finally:
+        _patience.reset(token)
 
 
 def now() -> float:
-    """Seconds of the clock that limits are kept by."""
+    """Seconds of the clock that limits are kept by: it is slower where there is patience."""
+    return _read(_patience.get())
+
+
+def _read(times: float) -> float:
     with _clock.lock:
         end = _clock.since if _clock.callers else time.monotonic()
-        return end - _clock.spent_s
+        return (end - _clock.spent_s) / times
+
+
+def current() -> Limit | None:
+    """The limit that holds here, if one does."""
+    return _current.get()
+
+
+def limit_of(seconds: float) -> Limit:
+    """A limit that holds for nobody yet, from now."""
+    at = now() + seconds
+    return Limit(at, at, seconds, _patience.get())
 
 
 def not_counted_s() -> float:
@@ -91,7 +141,7 @@ def limited(
         So many seconds later `step` ends what is not done. It is for what is needed in any case.
     """
     outer, at = _current.get(), now() + seconds
-    limit = Limit(at, at + grace_s, seconds, what, loc)
+    limit = Limit(at, at + grace_s, seconds, _patience.get(), what, loc)
     if outer is not None:
         limit = replace(
             outer, at=min(limit.at, outer.at), last=min(limit.last, outer.last), cut=outer.cut
@@ -106,7 +156,7 @@ def limited(
 def remaining_s() -> float:
     """Seconds left, never negative; infinite without a limit."""
     limit = _current.get()
-    return math.inf if limit is None else max(limit.at - now(), 0.0)
+    return math.inf if limit is None else limit.left_s
 
 
 def step(doing: str) -> None:

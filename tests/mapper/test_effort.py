@@ -11,9 +11,10 @@ import pytest
 from random_graphs import random_loop
 
 import vividc
+from vividc import patient, time_limit
 from vividc.arch import load
 from vividc.mapper import deadline, map_dfg
-from vividc.mapper.deadline import Deadline, limited, patient
+from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.mapping import MapResult
 
 
@@ -33,7 +34,7 @@ def _jumping() -> Callable[[], float]:
 
 
 def _set_clock(monkeypatch: pytest.MonkeyPatch, clock: Callable[[], float]) -> None:
-    monkeypatch.setattr(deadline, "time", SimpleNamespace(monotonic=clock))
+    monkeypatch.setattr(time_limit, "time", SimpleNamespace(monotonic=clock))
 
 
 @pytest.mark.parametrize("name", ["vivid-tile", "openedge-4x4"])

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import click
 
 from vividc.cli.report import percent, print_table
-from vividc.program import STOPPED_BY_CLOCK, Program
+from vividc.program import CUT_SHORT, Program
 from vividc.program.tables import RegionReport
 
 _PROOF = {
@@ -51,7 +51,7 @@ def print_regions(program: Program) -> None:
         numeric=("II",),
     )
     if program.hurried:
-        click.echo(STOPPED_BY_CLOCK)
+        click.echo(f"compiling {CUT_SHORT}")
 
 
 def _bounds(program: Program) -> Iterator[tuple[object, ...]]:

@@ -25,7 +25,7 @@ from vividc.cli.reference import (
 from vividc.cli.report import percent, print_json, print_table, progress
 from vividc.cli.views import Views, view_options
 from vividc.launch import JobResult
-from vividc.program import STOPPED_BY_CLOCK, Program
+from vividc.program import CUT_SHORT, Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
 from vividc.sim.run import simulate
 
@@ -165,7 +165,7 @@ def _print(program: Program, result: Result | JobResult, fabric: str | None, vie
     else:
         _print_regions(program, result)
     if program.hurried:
-        click.echo(f"compiling: {STOPPED_BY_CLOCK}")
+        click.echo(f"compiling {CUT_SHORT}")
     views.print(program, result, fabric)
 
 

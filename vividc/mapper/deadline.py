@@ -8,14 +8,15 @@ longer than the user's limit, and that is told (`Meter.hurried`).
 
 from __future__ import annotations
 
-import time
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from vividc.errors import VividcError, demand_type
+from vividc import time_limit
+from vividc.time_limit import Limit
 
 EFFORT_SHARE: Final = 0.8
 """Seconds of effort that a second of the user's limit buys; the rest is for slower machines."""
@@ -25,22 +26,18 @@ EFFORT_SHARE: Final = 0.8
 class Meter:
     """The effort that one compilation or search has spent, in seconds of a typical machine.
 
-    `guard_at`: when the clock ends it, in seconds of the monotonic clock; `hurried`: it has;
-    `most_s`: the effort that it may spend. Charged on one thread only.
+    `most_s`: what it may spend; `guard`: the time limit, whose end has `hurried` it. Charged on one
+    thread only.
     """
 
-    guard_at: float
     most_s: float
+    guard: Limit
     spent_s: float = 0.0
     hurried: bool = False
 
     def charge(self, seconds: float) -> None:
         """Count effort that was spent."""
         self.spent_s += seconds
-
-    def pause(self, seconds: float) -> None:
-        """Set the guard later, by time that is not the search's."""
-        self.guard_at += seconds
 
     def within(self, seconds: float) -> Deadline:
         """The deadline `seconds` of effort from now, or at the end of what may be spent."""
@@ -49,12 +46,11 @@ class Meter:
     @property
     def guard_s(self) -> float:
         """Seconds that the clock leaves, never negative; none: the search is hurried."""
-        left = self.guard_at - time.monotonic()
-        self.hurried = self.hurried or left <= 0.0
-        return max(left, 0.0)
+        left_s = self.guard.left_on_the_wall_s
+        self.hurried = self.hurried or left_s <= 0.0
+        return left_s
 
 
-_patience: ContextVar[float] = ContextVar("patience", default=1.0)
 _current: ContextVar[Meter | None] = ContextVar("meter", default=None)
 
 
@@ -73,8 +69,7 @@ class Deadline:
         """
         meter = _current.get()
         if meter is None:
-            guard_s = seconds / EFFORT_SHARE * _patience.get()
-            meter = Meter(time.monotonic() + guard_s, seconds)
+            meter = Meter(seconds, time_limit.limit_of(seconds / EFFORT_SHARE))
         return meter.within(seconds)
 
     @property
@@ -99,39 +94,30 @@ class Deadline:
 
 @contextmanager
 def limited(time_limit_s: float) -> Iterator[Deadline]:
-    """The deadline of what runs inside. What is limited already shares its meter: the limit is
-    then one of effort, within that of the whole.
+    """The deadline of what runs inside. What is limited already shares its meter: the limit is then
+    one of effort, within that of the whole, and the clock's is the one that holds here.
     """
-    meter = _current.get()
-    if meter is not None:
-        yield meter.within(time_limit_s)
+    outer = _current.get()
+    if outer is not None:
+        with _guarded(outer):
+            yield outer.within(time_limit_s)
         return
     effort_s = time_limit_s * EFFORT_SHARE
-    meter = Meter(time.monotonic() + time_limit_s * _patience.get(), effort_s)
-    token = _current.set(meter)
-    try:
-        yield meter.within(effort_s)
-    finally:
-        _current.reset(token)
+    with time_limit.limited(time_limit_s, grace_s=math.inf) as guard:
+        meter = Meter(effort_s, guard)
+        token = _current.set(meter)
+        try:
+            yield meter.within(effort_s)
+        finally:
+            _current.reset(token)
 
 
 @contextmanager
-def patient(times: float) -> Iterator[None]:
-    """Have the clock allow so many times the time limit of what is compiled or mapped inside.
-
-    The effort that a limit buys stays the same, and so does what it finds where the clock does not
-    end it: a benchmark in it gives the same figures beside other work (`docs/mappers.md`).
-
-    Raises
-    ------
-    VividcError
-        `times` is no positive number.
-    """
-    demand_type(times, (int, float), "the patience", "give how many times the limit it may take")
-    if not times > 0:
-        raise VividcError(f"the patience must be positive, not {times}", loc="times")
-    token = _patience.set(times)
+def _guarded(meter: Meter) -> Iterator[None]:
+    """The meter has the time limit that holds here, and notes of its own whether it was hurried."""
+    before, hurried = meter.guard, meter.hurried
+    meter.guard, meter.hurried = time_limit.current() or before, False
     try:
         yield
     finally:
-        _patience.reset(token)
+        meter.guard, meter.hurried = before, hurried or meter.hurried

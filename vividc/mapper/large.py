@@ -53,13 +53,6 @@ _FOOTHOLD_LEAST_S: Final = 2.0
 _PATIENCE_LEAST_S, _PATIENCE_FACTOR = 4.0, 3.0
 
 
-def prepared(request: MapRequest) -> MapRequest:
-    """The request with the annealer compiled: that takes no effort, and the guard waits for it."""
-    spent_s = prepare(request.tell)
-    request.deadline.meter.pause(spent_s)
-    return request
-
-
 def start_large(campaign: Campaign, limit: int) -> None:
     """Some mapping by negotiation, from the bound upward; from above it on large arrays whose FUs
     move words, unless there is room enough at the bound.
@@ -121,10 +114,11 @@ def insist(campaign: Campaign, others: Iterator[None]) -> None:
 
 
 def gain_by_negotiation(campaign: Campaign, limit: int) -> MapRequest:
-    """Only the first steps, for graphs of any size, after a try at the bound; the request with its
-    deadline later by what the compilation took.
+    """Only the first steps, for graphs of any size, after a try at the bound; the request as it
+    was.
     """
-    request = prepared(campaign.request)
+    request = campaign.request
+    prepare(request.tell)
     campaign.request = replace(request, deadline=request.deadline.within(_share(request)))
     if _negotiate(campaign, campaign.lower, 1, QUICK).mapping is not None:
         return request

@@ -23,11 +23,11 @@ from vividc.mapper.large import (
     descend_large,
     insist,
     limit_of,
-    prepared,
     start_large,
     try_only,
 )
 from vividc.mapper.mapping import Bound, MapInterrupted, MapResult, Refutation, Status
+from vividc.mapper.negotiate import prepare
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper, MapRequest
 from vividc.mapper.windows import search_windows, start_in_window
@@ -97,7 +97,7 @@ def _search(
     large = _negotiates(problem, request, strategy)
     small = _takes_footholds(problem, request, strategy)
     if (large or (small and needs_foothold(problem))) and mii(bounds) < no_ii(problem):
-        request = prepared(request)
+        prepare(request.tell)
     campaign = Campaign(problem, request, strategy, mii(bounds), request.known)
     try:
         infeasible = _explore(campaign, in_window)
@@ -189,7 +189,7 @@ def _try_small(campaign: Campaign, ii: int) -> None:
     """
     if campaign.try_ii(ii, _turn(campaign.request)).decided:
         return
-    campaign.request = prepared(campaign.request)
+    prepare(campaign.request.tell)
     try_only(campaign, ii)
 
 

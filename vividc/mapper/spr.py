@@ -14,9 +14,8 @@ from typing import Final
 
 from vividc.mapper.attempt import OPEN, Attempt
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.large import prepared
 from vividc.mapper.mapping import MapResult
-from vividc.mapper.negotiate import Effort, negotiate
+from vividc.mapper.negotiate import Effort, negotiate, prepare
 from vividc.mapper.plain_core import unrotated
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
@@ -30,7 +29,8 @@ _EFFORT: Final = Effort(repairs=0, trials=1)
 
 def spr(problem: MapProblem, request: MapRequest) -> MapResult:
     """Place by annealing and route by negotiation, from the MII upward."""
-    return search_upward(problem, prepared(request), "spr", _try_ii)
+    prepare(request.tell)
+    return search_upward(problem, request, "spr", _try_ii)
 
 
 def _try_ii(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vividc import time_limit
 from vividc.errors import TimeLimit
+from vividc.mapper.deadline import Deadline
 
 _AS_WRITTEN = 0.4
 """The kernel as written is sure of this share, if it has to be mapped: a plan is never worse."""
@@ -16,28 +16,27 @@ _STAGE_S = 25.0
 
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """When time for all stages is up, and when that for transformed ones is, by `time_limit`."""
+    """Effort for all stages together, and the part of it that transformed ones may use."""
 
-    whole: float
-    transformed: float
+    whole: Deadline
+    transformed: Deadline
 
     @staticmethod
-    def of(time_limit_s: float) -> Budget:
+    def of(whole: Deadline) -> Budget:
         """The budget of mapping that starts now."""
-        now = time_limit.now()
-        return Budget(now + time_limit_s, now + time_limit_s * (1.0 - _AS_WRITTEN))
+        return Budget(whole, whole.within(whole.remaining_s * (1.0 - _AS_WRITTEN)))
 
-    def share_s(self, as_written: bool) -> float:
-        """Seconds for mapping the next stage.
+    def share(self, as_written: bool) -> Deadline:
+        """When mapping the next stage must end.
 
         Raises
         ------
         TimeLimit
             What is left is kept for the kernel as written.
         """
-        now = time_limit.now()
         if as_written:
-            return max(self.whole - now, 0.0)
-        if now >= self.transformed:
+            return self.whole
+        if self.transformed.passed:
             raise TimeLimit("no time was left for it", hint="give a longer --time-limit")
-        return min((self.whole - now) / 2, _STAGE_S, self.transformed - now)
+        limit_s = min(self.whole.remaining_s / 2, _STAGE_S, self.transformed.remaining_s)
+        return self.whole.within(limit_s)

@@ -7,7 +7,7 @@ from vividc.program.encode import encode
 from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use, Write
 from vividc.program.layout import Field, WordLayout, word_layout
 from vividc.program.memory import WORD_BYTES, place_arrays, trapped
-from vividc.program.program import STOPPED_BY_CLOCK, Program, from_bytes, load
+from vividc.program.program import CUT_SHORT, Program, from_bytes, load
 from vividc.program.tables import (
     BoundReport,
     DebugRow,
@@ -22,9 +22,9 @@ from vividc.program.tables import (
 from vividc.program.words import pack
 
 __all__ = [
+    "CUT_SHORT",
     "HIGH_SUFFIX",
     "MAX_DIMENSION",
-    "STOPPED_BY_CLOCK",
     "WORD_BYTES",
     "BoundReport",
     "Capture",

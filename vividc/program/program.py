@@ -33,10 +33,11 @@ from vividc.program.tables import (
     RegionRow,
 )
 
-STOPPED_BY_CLOCK: Final = (
-    "the search was stopped by the clock, not by its effort: another run may give other words"
+CUT_SHORT: Final = (
+    "was cut short by the clock; on an idle machine, or with a longer --time-limit, the program "
+    "may be another"
 )
-"""Among a program's warnings."""
+"""In a program's warnings, where the time limit has ended something."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +104,10 @@ class Program:
 
     @property
     def hurried(self) -> bool:
-        """The clock ended the search for a mapping: on another machine, or beside other work, the
-        words may be others.
+        """The clock ended something that was to make the program better: on another machine, or
+        beside other work, the words may be others.
         """
-        return STOPPED_BY_CLOCK in self.warnings
+        return any(CUT_SHORT in text for text in self.warnings)
 
     @cached_property
     def entries(self) -> list[list[Entry]]:
