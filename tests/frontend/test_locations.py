@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
+import re
+from collections.abc import Callable
 from pathlib import Path
 
+import numba
+import numpy as np
 import pytest
 
+from vividc.errors import VividcWarning
+from vividc.frontend import KernelFunction
 from vividc.frontend.llvm_text import Locations
 
 SOURCE = """import vividc
@@ -59,3 +66,53 @@ def test_nodes_of_lines_may_point_anywhere(old: str, new: str, place: str | None
     assert old in NODES
     found = Locations(NODES.replace(old, new), "k.ll")("ret void, !dbg !3")
     assert (found and str(found)) == place
+
+
+@numba.njit
+def tenth(v):
+    return v * 0.1  # here
+
+
+def power_of_an_array(x, n):
+    x[1:] = np.power(x[1:], 2.5)  # here
+
+
+def expression_of_arrays(x, n):
+    y = x[1:]
+    x[1:] = y**2.5 + np.sin(np.arange(7))  # here
+
+
+def where(x, n):
+    x[:] = np.where(x > 0.1, x, 0.3)  # here
+
+
+def mean_of_integers(x, n):
+    x[0] = np.mean(x.astype(np.int32))  # here
+
+
+def over_lines(x, n):
+    for i in range(n):
+        x[i] = (
+            x[i] * 0.1  # here: the line of the operand, or of the statement
+        )
+
+
+def in_a_helper(x, n):
+    x[0] = tenth(x[1])
+
+
+@pytest.mark.parametrize(
+    "function",
+    [power_of_an_array, expression_of_arrays, where, mean_of_integers, over_lines, in_a_helper],
+    ids=lambda function: function.__name__,
+)
+def test_a_warning_names_the_line_of_the_kernel(function: Callable[..., object]) -> None:
+    with pytest.warns(VividcWarning) as told:
+        KernelFunction(function, "void(float32[::1], int32)", None).lower()
+    lines, first = inspect.getsourcelines(tenth.py_func if function is in_a_helper else function)
+    expected = first + next(number for number, line in enumerate(lines) if "# here" in line)
+    for warning in told:
+        match = re.match(r"(.+):(\d+): ", str(warning.message))
+        assert match is not None
+        assert Path(match[1]).resolve() == Path(__file__).resolve()
+        assert int(match[2]) in range(expected - (function is over_lines), expected + 1)

@@ -90,6 +90,9 @@ def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
         cursor.accept(",")
 
 
+_MADE = "__numba_"
+
+
 class Locations:
     """Source lines of `!dbg` attachments. LLVM does not check where nodes point: one that leads
     nowhere, or in a circle, gives no line.
@@ -119,8 +122,11 @@ class Locations:
 
     def _chain(self, node: str) -> Iterator[SourceLoc]:
         for fields in self._path(node, "inlinedAt"):
-            found = self._place(fields.get("scope", ""), fields)
-            if found is not None:
+            scope = fields.get("scope", "")
+            found = self._place(scope, fields)
+            # A function that numba makes of an array expression has the kernel's file, and lines
+            # of its own.
+            if found is not None and not self._fields(scope).get("name", "").startswith(_MADE):
                 yield found
 
     def _place(self, scope: str, fields: dict[str, str]) -> SourceLoc | None:
