@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.fuzz.witnesses import judge
+from tests.fuzz.witnesses import judge, run_regions
 from vividc.dfg.cfg import LocalArray, evaluate_formula
+from vividc.driver import lower
 from vividc.errors import SimulationError
 from vividc.frontend import KernelFunction
 from vividc.program import Program
@@ -171,3 +172,44 @@ def program(x, y, n):
 """
     verdict = judge(source, 5, tmp_path)
     assert verdict.kind == "agrees", verdict.text
+
+
+def every_second_in_place(x, n):
+    x[::2] *= np.float32(2)
+
+
+def half(x, n):
+    y = np.zeros(len(x) // 2, np.float32)
+    for i in range(len(y)):
+        y[i] = x[2 * i]
+    x[: len(y)] = y
+
+
+def rounded_up(x, n):
+    y = np.zeros((len(x) + 2) // 3, np.float32)
+    y[:] = x[::3]
+    x[: len(y)] = y + np.float32(np.zeros(n >> 1, np.float32).size)
+
+
+def quotient_of_two(x, n):
+    x[0] = np.zeros(n // len(x), np.float32).size
+
+
+def from_a_variable(x, n):
+    y = x[n::-2] + np.float32(3)
+    x[: len(y)] = y
+
+
+@pytest.mark.parametrize(
+    "function", [every_second_in_place, half, rounded_up, quotient_of_two, from_a_variable]
+)
+def test_sizes_may_be_quotients(function: object) -> None:
+    kernel = KernelFunction(function, "void(float32[::1], int32)", None)
+    lowered = lower(kernel)
+    for length in (1, 2, 3, 7, 8):
+        for n in (-1, 0, 6) if function is from_a_variable else (0, 1, 6):
+            x = np.arange(1, length + 1, dtype=np.float32)
+            y = x.copy()
+            kernel(x, n)
+            run_regions(lowered, [y, np.int32(n)])
+            np.testing.assert_array_equal(y, x)

@@ -78,6 +78,7 @@ class LaunchSizes:
         if op.op == "add" and signed and "nsw" in op.flags:
             return self._all("+", op.args, block, depth, signed=True)
         rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
+        rules |= dict.fromkeys(("sdiv", "sfloordiv", "ufloordiv", "ashr"), self._divided)
         rules |= {"add": self._sum, "or": self._sum, "select": self._choice, "call": self._call}
         rule = rules.get(op.op)
         return None if rule is None else rule(op, block, depth)
@@ -93,6 +94,21 @@ class LaunchSizes:
         low = self._ranges.at(op.args[1], block)[0]
         left = self._bound(op.args[0], block, False, depth - 1)
         return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
+
+    def _divided(self, op: Op, block: str, depth: int) -> Formula | None:
+        """Of a division by a positive constant, of which what is negative has none above 0; by
+        anything else an input is no more than itself without its sign.
+        """
+        by = op.args[1]
+        left = self._bound(op.args[0], block, op.op != "ufloordiv", depth - 1)
+        if left is None:
+            return None
+        if isinstance(by, Int) and by.value > 0:
+            divisor = 1 << by.value if op.op == "ashr" else by.value
+            return (*left, 0, "max", divisor, "//")
+        if op.op == "ashr" or not _is_input(left):
+            return None
+        return (*left, *left, -1, "*", "max")
 
     def _quotient(self, dividend: Operand, divisor: int, block: str, depth: int) -> Formula | None:
         """A quotient that rounds to zero, by a constant: of a negative one 0 is a bound."""
@@ -169,7 +185,7 @@ class LaunchSizes:
         if one is None or other is None:
             return None
         scaled = isinstance(right, Int) and right.value > 0
-        exact = all(len(factor) == 1 and isinstance(factor[0], str) for factor in (one, other))
+        exact = _is_input(one) and _is_input(other)
         if scaled or exact or all(self._ranges.at(arg, block)[0] >= 0 for arg in (left, right)):
             return (*one, *other, "*")
         return None
@@ -190,3 +206,8 @@ class LaunchSizes:
                 return None
             formula = (*formula, *bound, operator) if formula else bound
         return formula
+
+
+def _is_input(formula: Formula) -> bool:
+    """Whether the formula is an input itself: exact, not only a bound."""
+    return len(formula) == 1 and isinstance(formula[0], str)
