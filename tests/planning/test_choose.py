@@ -7,6 +7,7 @@ import pytest
 
 import vividc
 from vividc import arch
+from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import ArgumentError, KernelError
 from vividc.planning.choose import Plan, choose
@@ -96,7 +97,7 @@ def test_a_line_without_a_loop_is_refused_with_those_that_have_one() -> None:
 
 def test_what_cannot_be_jammed_is_refused_with_the_reason() -> None:
     line = line_of(running, "for i in")
-    with pytest.raises(KernelError, match="contains 0 loops"):
+    with pytest.raises(KernelError, match="no loop is inside it"):
         plan(running, jam={line: 2})
 
 
@@ -111,3 +112,32 @@ def test_options_that_make_no_sense_are_refused(transform: str, unroll: object) 
 
 def test_lines_may_be_text() -> None:
     assert transform_options("none", {"12": 4}, None).unroll == {12: 4}
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def whiles(x, y):
+    """Loops whose lengths their conditions decide."""
+    i = 0
+    while i < len(x) and x[i] >= 0:
+        k = x[i]
+        while k > 1:
+            k = k >> 1 if k & 1 == 0 else 3 * k + 1
+            y[i] += 1
+        while True:
+            y[i] -= 2
+            if y[i] < 3:
+                break
+        i += 1
+
+
+def test_every_loop_that_is_reported_can_be_named() -> None:
+    state = plan(whiles, mode="none").stages[0].state
+    locs = (state.loc(loop.header) for loop in find_loops(state.function))
+    lines = sorted({loc.line for loc in locs if loc is not None})
+    assert [line_of(whiles, "while i"), line_of(whiles, "while k")] == lines[:2]
+    assert len(lines) == 3
+    for line in lines:
+        chosen(whiles, unroll={line: 1})
+        with pytest.raises(KernelError, match="unrolling by 2 is not possible here") as caught:
+            plan(whiles, unroll={line: 2})
+        assert f"test_choose.py:{line}: " in str(caught.value)

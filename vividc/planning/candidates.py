@@ -67,8 +67,15 @@ class State:
         return next(loop for loop in find_loops(self.function) if loop.header == header)
 
     def loc(self, header: str) -> SourceLoc | None:
-        """Where the loop is written."""
-        return block_of(self.function, header).branch.loc
+        """Where the loop is written: its test is, if not at its head, then the first way out."""
+        own = block_of(self.function, header).branch.loc
+        loops = (loop for loop in find_loops(self.function) if loop.header == header)
+        exiting = [source for loop in loops for source, _ in loop.exits]
+        if header in exiting or own is None:
+            return own
+        left = (block_of(self.function, source).branch.loc for source in exiting)
+        places = [loc for loc in left if loc is not None and loc.file == own.file]
+        return min(places, key=lambda loc: loc.line, default=own)
 
 
 def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:

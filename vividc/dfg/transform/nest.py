@@ -91,7 +91,8 @@ def find_nest(function: Function, outer: Loop) -> Nest | Refusal:
         if loop.header in outer.blocks and loop.header != outer.header
     ]
     if len(within) != 1:
-        return Refusal(f"it contains {len(within)} loops instead of one")
+        found = "no loop is" if not within else f"{len(within)} loops are"
+        return Refusal(f"{found} inside it, and not one")
     (inner,) = within
     if any(source != loop.header for loop in (outer, inner) for source, _ in loop.exits):
         return Refusal("a loop is left by a break")

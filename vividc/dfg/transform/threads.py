@@ -89,7 +89,9 @@ def thread(function: Function, header: str, count: int) -> Threaded | Refusal:
     preheader = preheader_of(function, level.loop)
     counted, trip = count_loop(function, level.loop, preheader)
     if trip is None:
-        return Refusal("its trip count is not known when it starts")
+        return Refusal(
+            "its trip count is not known when it starts, as that of a loop over a range is"
+        )
     if _has_hidden_base(function, level):
         return Refusal("an address in an array that it makes is computed before it")
     handed = _handed_on(level)

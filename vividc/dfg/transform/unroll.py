@@ -78,7 +78,9 @@ def main_loop(function: Function, loop: Loop, factor: int) -> MainLoop | Refusal
     preheader = preheader_of(function, loop)
     function, trip = count_loop(function, loop, preheader)
     if trip is None:
-        return Refusal("its trip count is not known when it starts")
+        return Refusal(
+            "its trip count is not known when it starts, as that of a loop over a range is"
+        )
     header = block_of(function, loop.header)
     name = fresh_name(function, f"{loop.header}.main")
     free = next_id(function)
