@@ -306,6 +306,34 @@ REFUSED = {
         + body("  %r = call i32 @puts(ptr @s)"),
         ":4: a call of `puts`",
     ),
+    "a jump": (
+        "@b = global [200 x i8] zeroinitializer\ndeclare i32 @_setjmp(ptr) returns_twice\n"
+        + body("  %r = call i32 @_setjmp(ptr @b)\n  store i32 %r, ptr %x"),
+        "(?s):4: a call of `_setjmp`, which leaves functions.*hint: leave loops by conditions",
+    ),
+    "a variable of a thread": (
+        "@t = thread_local global i32 0\ndeclare ptr @llvm.threadlocal.address.p0(ptr)\n"
+        + body(
+            "  %p = call ptr @llvm.threadlocal.address.p0(ptr @t)\n  %v = load i32, ptr %p\n"
+            "  store i32 %v, ptr %x"
+        ),
+        ":4: a thread-local variable",
+    ),
+    "memory of any size": (
+        "declare ptr @malloc(i32)\n"
+        + body("  %p = call ptr @malloc(i32 %n)\n  %v = load i32, ptr %p\n  store i32 %v, ptr %x"),
+        "(?s):3: a call of `malloc`.*hint: an array has a constant size, or is a parameter",
+    ),
+    "a name that begins like Python's": (
+        "declare i32 @Pyramid(i32)\n"
+        + body("  %v = call i32 @Pyramid(i32 %n)\n  store i32 %v, ptr %x"),
+        ":3: a call of `Pyramid`",
+    ),
+    "a global variable": (
+        "@g = global i32 5\n"
+        + body("  %v = load i32, ptr @g\n  store i32 %n, ptr @g\n  store i32 %v, ptr %x"),
+        "(?s)a global that is no constant.*hint: pass it as a parameter, or make it const",
+    ),
     "a function of another file with a name of math.h": (
         "declare i32 @sinf(i32)\n" + body("  %r = call i32 @sinf(i32 1)\n  store i32 %r, ptr %x"),
         ":3: a call of `sinf of another file`",
@@ -324,7 +352,7 @@ REFUSED = {
             "  %p = getelementptr i32, ptr @t, i32 %n\n  %v = load i32, ptr %p\n"
             "  store i32 %v, ptr %x"
         ),
-        "an access to a global array",
+        "an access to a global that is no constant",
     ),
     "too many blocks": (
         HEAD

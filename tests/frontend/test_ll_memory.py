@@ -94,7 +94,7 @@ def test_types_follow_from_accesses() -> None:
     ("name", "message"),
     [
         ("sized", "a local array of variable size"),
-        ("keeps", "an access to a global array"),
+        ("keeps", "an access to a global that is no constant"),
         ("longs", "an array access of type i64"),
     ],
 )

@@ -171,14 +171,32 @@ def _odd_integer(width: int) -> tuple[str, str]:
     )
 
 
+_CALLS = (
+    (
+        ("setjmp", "_setjmp", "sigsetjmp", "__sigsetjmp", "longjmp", "_longjmp", "siglongjmp"),
+        "a call of `{}`, which leaves functions without a return",
+        "leave loops by conditions, and return",
+    ),
+    (
+        ("llvm.threadlocal",),
+        "a thread-local variable",
+        "pass it as a parameter",
+    ),
+)
+"""Beginnings of callees that are told as something else than a function that is missing."""
+
+
 def _check_call(code: str, line: str, locate: Locate) -> None:
     callee = _CALLEE.search(code[code.index("call") :])
     if callee is None or callee[1][0] == "%":
         hint = "call functions of the same file by their names"
         raise _refused("a call through a pointer", hint, line, locate)
+    name = bare(callee[1])
+    for names, reason, hint in _CALLS:
+        if name.startswith(names):
+            raise _refused(reason.format(name), hint, line, locate)
     if "..." in code[: code.index(callee[0])]:
         hint = "a kernel stores its results into arrays"
-        name = bare(callee[1])
         raise _refused(f"a call of `{name}`, which takes variable arguments", hint, line, locate)
 
 

@@ -52,6 +52,7 @@ _IN_C = (
         "clang makes one of a switch without -fno-jump-tables",
     ),
     ("; a range with a step: range(0, min(n, len(x)), 2)", ""),
+    (": constants are numbers, tuples of them, and arrays", ", or make it const with its values"),
     ("write np.float32(...) around constants", "write constants as 1.0f, and float for double"),
     ("write np.int32(...) around the float", "convert to int32_t"),
     ("np.int32(...)", "an int32_t cast"),

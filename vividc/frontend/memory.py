@@ -29,7 +29,7 @@ from vividc.frontend.unmerge import split_merged_loads
 _SUFFIX = ".bytes"
 _BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
 _LOCAL_HINT = "use scalar variables, or an array of constant size: np.zeros(16, np.float32)"
-_GLOBAL_HINT = "pass the array as a parameter: constants are numbers, tuples of them, and arrays"
+_GLOBAL_HINT = "pass it as a parameter: constants are numbers, tuples of them, and arrays"
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,7 +208,9 @@ class _Resolver:
 
     def _address(self, pointer: Operand, loc: SourceLoc | None) -> _Address:
         if isinstance(pointer, Global):
-            raise KernelError("an access to a global array", loc=loc, hint=_GLOBAL_HINT)
+            raise KernelError(
+                "an access to a global that is no constant", loc=loc, hint=_GLOBAL_HINT
+            )
         if not isinstance(pointer, Local):
             raise KernelError("an access through a null pointer", loc=loc, hint=_LOCAL_HINT)
         definition = self._definitions.get(pointer.name)

@@ -236,6 +236,19 @@ def _call_rule(op: Op) -> narrow_int.Rule | None:
     return next((table[stem] for table in tables if stem in table), None)
 
 
+_RUNTIME = re.compile("NRT_|numba_gil|_?Py[A-Z]?[A-Za-z]*_")
+_MEMORY = "an array has a constant size, or is a parameter"
+_OUTPUT = "a kernel stores its results into arrays"
+_LEAVE = "return, with a flag stored or returned"
+_INSTEAD = {
+    **dict.fromkeys(("malloc", "calloc", "realloc", "free", "aligned_alloc"), _MEMORY),
+    **dict.fromkeys(("puts", "putchar", "fputs", "fputc", "fwrite", "fflush"), _OUTPUT),
+    **dict.fromkeys(("exit", "abort", "_exit", "__assert_fail"), _LEAVE),
+    **dict.fromkeys(("rand", "random", "srand", "time", "clock"), "pass its numbers in an array"),
+}
+"""What to write instead of a function of C's library."""
+
+
 def _refused(op: Op) -> KernelError:
     callee = op.pred
     if callee.startswith(RAISE_PREFIX):
@@ -244,9 +257,9 @@ def _refused(op: Op) -> KernelError:
     if callee.startswith("numba_") and not callee.startswith("numba_gil"):
         reason = f"a call of numba's `{callee.removeprefix('numba_')}`, which the array cannot run"
         return KernelError(reason, loc=op.loc, hint="write it with loops and arithmetic")
-    if callee.startswith(("NRT_", "numba_gil", "Py")):
+    if _RUNTIME.match(callee):
         hint = "print and objects are for the host: a kernel stores its results into arrays"
         return KernelError("the kernel calls the Python runtime", loc=op.loc, hint=hint)
-    hint = "supported: abs, min, max, pow and the functions of docs/math.md"
+    hint = _INSTEAD.get(callee, "supported: abs, min, max, pow and the functions of docs/math.md")
     reason = f"a call of `{_stem(callee)}`, which the array cannot run"
     return KernelError(reason, loc=op.loc, hint=hint)
