@@ -277,6 +277,12 @@ def _cut(
     """
     lines = kernel.prange_lines if isinstance(kernel, KernelFunction) and spread else frozenset()
     if not lines or not isinstance(kernel, KernelFunction):
+        if isinstance(kernel, KernelFunction) and spread and kernel.called_prange:
+            text = f"its loop over prange is in {kernel.called_prange}, which it calls"
+            text = (
+                f"{kernel.loc}: {kernel.name} runs on one tile only: {text}; write it in the kernel"
+            )
+            warnings.warn(text, VividcWarning, stacklevel=2)
         return kernel.lower(strict_fp=strict_fp), None
     function = kernel.lower(strict_fp=strict_fp, spread=True)
     try:

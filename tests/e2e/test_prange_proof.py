@@ -7,6 +7,7 @@ from __future__ import annotations
 import warnings
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 from numba import prange
@@ -250,6 +251,23 @@ def least_with_the_variable_first(x):
     return s
 
 
+@numba.njit
+def thrice(x, y):
+    for i in prange(len(x)):
+        y[i] = 3 * x[i]
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def in_a_function_that_it_calls(x, y):
+    thrice(x, y)
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def every_second(x, y):
+    for i in prange(0, len(x), 2):
+        y[i] = x[i]
+
+
 X = np.arange(3, 43, dtype=np.int32)
 REALS = np.arange(40, 0, -1, dtype=np.float32)
 NANS = np.where(REALS % 7 == 3, np.float32(np.nan), REALS)
@@ -289,6 +307,8 @@ CASES: list[tuple[Any, bool, tuple[tuple[Any, ...], ...]]] = [
     (scatter, False, ((PLACES, X, np.zeros(40, np.int32)),)),
     (least_with_the_element_first, False, ((REALS,), (NANS,))),
     (least_with_the_variable_first, True, ((REALS,), (NANS,))),
+    (in_a_function_that_it_calls, False, (PAIR,)),
+    (every_second, False, (PAIR,)),
     (rows_of_halves, True, ((HALVES, np.zeros((64, 10), np.int16)),)),
 ]
 
@@ -390,6 +410,7 @@ def unknown_bound(x, y):
         (mean, "used after it"),
         (early, "left early"),
         (two_loops, "a second loop over prange"),
+        (every_second, "does not count up by one"),
         (unknown_bound, "computed from the kernel's arguments"),
         (least_with_the_element_first, r"variable first, min\(s, x\[i\]\)"),
     ],

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -57,20 +60,64 @@ def nothing(x, n):
         ("void(floaty[::1], int32)", "floaty"),
         ("float32[::1]", "cannot be read"),
         ("", "cannot be read"),
-        ("void(float32[::1])", "has 1 parameters, the function 2"),
+        ("void(float32[::1])", "the function have 1 and 2 parameters"),
         ("void(float64[::1], int32)", "float64"),
         ("void(float32[::1], float64)", "float64"),
         ("void(int64[::1], int32)", "int64"),
-        ("void(float32[:], int32)", "not contiguous"),
+        ("void(float32[:], int32)", r"not contiguous in C order \(float32\[:\]\)"),
         ("void(float32[::1, :], int32)", "not contiguous"),
         ("void(float32[:, :, :, ::1], int32)", "4 dimensions"),
-        ("void(unicode_type, int32)", "unicode_type"),
+        ("void(unicode_type, int32)", "x has type str,"),
+        ("void(float32[::1], optional(int32))", "n has type int32 or None"),
+        ("void(float32[::1], UniTuple(int32, 2))", r"n has type \(int32, int32\)"),
+        ("(float32[::1], str)", "expected a type instance, got str"),
     ],
 )
 def test_a_bad_signature_is_the_users_error(signature: str, reason: str) -> None:
     with pytest.raises(KernelError, match=reason) as caught:
         kernel(signature)(nothing)
     assert caught.value.loc == SourceLoc(__file__, nothing.__code__.co_firstlineno)
+    assert caught.value.hint
+    assert not re.search(r"<|Tuple|unicode_type|array\(\w+, \d", str(caught.value))
+
+
+def test_a_kernel_without_a_signature_is_told_with_its_line() -> None:
+    with pytest.raises(KernelError, match="without a signature") as caught:
+        kernel(nothing)  # type: ignore[arg-type]
+    assert caught.value.loc == SourceLoc(__file__, nothing.__code__.co_firstlineno)
+
+
+def without_a_value(x, n):
+    x[0] = n
+
+
+def sometimes(x, n):
+    if n:
+        return 1
+
+
+def two_values(x, n):
+    return n, n
+
+
+@pytest.mark.parametrize(
+    ("signature", "function", "line", "reason"),
+    [
+        ("float32(float32[::1], int32)", without_a_value, 1, "returns nothing, .* says float32"),
+        ("int32(float32[::1], int32)", sometimes, 1, "returns nothing, .* says int32"),
+        ("void(float32[::1], int32)", sometimes, 2, "returns 1, .* says void"),
+        ("int32(float32[::1], int32)", two_values, 1, r"returns \(int32, int32\), .* says int32"),
+        ("(float32[::1], int32)", two_values, 1, r"returns \(int32, int32\)"),
+        ("(float32[::1], int32)", sometimes, 2, "returns int64 or None"),
+    ],
+)
+def test_what_is_returned_must_be_what_the_signature_says(
+    signature: str, function: Callable[..., object], line: int, reason: str
+) -> None:
+    with pytest.raises(KernelError, match=reason) as caught:
+        kernel(signature)(function).lower()
+    assert isinstance(caught.value.loc, SourceLoc)
+    assert caught.value.loc.line == function.__code__.co_firstlineno + line
     assert caught.value.hint
 
 

@@ -4,7 +4,7 @@ to the input `LAST`, and a launch can give each tile its own.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 
 from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
@@ -122,6 +122,9 @@ def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, 
     if len(loop.exits) != 1 or loop.exits[0][0] != header.name:
         raise KernelError("a loop over prange cannot be left early", loc=loc, hint=_HINT)
     tests = (Opcode.ICMP_SLT, Opcode.ICMP_ULT)
+    steps = {step for phi in header.phis for step in _steps(phi, loop, instrs)}
+    if steps and Const(1) not in steps:
+        raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
     if test is None or test.op not in tests or header.branch.target not in loop.blocks:
         raise KernelError(
             "the loop over prange does not count up to a limit of one word",
@@ -142,6 +145,14 @@ def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, 
         if set(step.operands) == {Ref(phi.id), Const(1)} and is_fixed:
             return phi, start, limit
     raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
+
+
+def _steps(phi: Phi, loop: Loop, instrs: Mapping[int, Instr]) -> Iterator[Const]:
+    """Constants that an iteration adds to a value."""
+    for source, value in phi.incoming:
+        step = instrs.get(value.id) if source in loop.blocks and isinstance(value, Ref) else None
+        if step is not None and step.op is Opcode.ADD and Ref(phi.id) in step.operands:
+            yield from (operand for operand in step.operands if isinstance(operand, Const))
 
 
 def _reductions(

@@ -21,7 +21,8 @@ from vividc.formats import F16
 from vividc.frontend.format_types import TYPES, for_numba, in_arrays
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
-from vividc.frontend.prange import prange_lines
+from vividc.frontend.numba_words import plain
+from vividc.frontend.prange import calls_prange, prange_lines
 from vividc.inputs import demand_utf8_path
 from vividc.printable import quoted
 
@@ -111,6 +112,11 @@ class KernelFunction(Callee):
         """Lines in which loops over `numba.prange` begin."""
         return prange_lines(self.py_func)
 
+    @property
+    def called_prange(self) -> str:
+        """Name of a function that the kernel calls, with a loop over `prange`; "" if none has."""
+        return calls_prange(self.py_func)
+
     def lower(self, strict_fp: bool = False, spread: bool = False) -> Function:
         """The kernel as SSA words, once per option.
 
@@ -161,6 +167,10 @@ def kernel(
         the function's parameters.
     """
 
+    if inspect.isfunction(signature):
+        code = signature.__code__
+        place = SourceLoc(os.path.abspath(code.co_filename), code.co_firstlineno)
+        raise KernelError("a kernel without a signature", loc=place, hint=_SIGNATURE_HINT)
     if not isinstance(signature, str):
         raise KernelError(
             f"the signature {quoted(signature)} is not a string", hint=_SIGNATURE_HINT
@@ -182,7 +192,8 @@ def _parse(signature: str, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
     try:
         parsed = sigutils.normalize_signature(signature)
     except (SyntaxError, NameError, TypeError, AttributeError, ValueError, KeyError) as error:
-        reason = f"the signature {signature!r} cannot be read: {error}"
+        what = error.msg if isinstance(error, SyntaxError) else plain(str(error))
+        reason = f"the signature {signature!r} cannot be read: {what}"
         raise KernelError(reason, loc=loc, hint=hint) from error
     args, return_type = parsed
     return tuple(map(in_arrays, args)), return_type
@@ -201,7 +212,7 @@ def _params(
             )
     if len(declared) != len(args):
         raise KernelError(
-            f"the signature has {len(args)} parameters, the function {len(declared)}",
+            f"the signature and the function have {len(args)} and {len(declared)} parameters",
             loc=loc,
             hint="give one type for each parameter",
         )
@@ -212,11 +223,12 @@ def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
     if type_ in _SCALARS:
         return Param(name, _SCALARS[type_])
     if not isinstance(type_, types.Array) or type_.dtype not in _ELEMENTS:
-        reason = f"parameter {name} has type {type_}, which the array cannot hold"
+        reason = f"parameter {name} has type {plain(str(type_))}, which the array cannot hold"
         raise KernelError(reason, loc=loc, hint=_SUPPORTED)
     if type_.layout != "C":
-        reason = f"array {name} is not contiguous in C order ({type_})"
-        raise KernelError(reason, loc=loc, hint=_SUPPORTED)
+        reason = f"array {name} is not contiguous in C order ({plain(str(type_))})"
+        hint = f"write {plain(str(type_.copy(layout='C')))}, and pass np.ascontiguousarray(array)"
+        raise KernelError(reason, loc=loc, hint=hint)
     if not 1 <= type_.ndim <= _MAX_NDIM:
         reason = f"array {name} has {type_.ndim} dimensions"
         raise KernelError(reason, loc=loc, hint="arrays have one to three dimensions")

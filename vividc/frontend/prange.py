@@ -28,6 +28,24 @@ def prange_lines(py_func: Callable[..., Any]) -> frozenset[int]:
     return frozenset(first + node.lineno - 1 for node in _loops(tree) if _is_prange(node, known))
 
 
+def calls_prange(py_func: Callable[..., Any]) -> str:
+    """Name of a function that `py_func` calls, directly or not, with a loop over `prange`; "" if
+    none has one.
+    """
+    seen = {py_func}
+    pending = [py_func]
+    while pending:
+        names = inspect.getclosurevars(pending.pop())
+        for value in (*names.globals.values(), *names.nonlocals.values()):
+            called = getattr(value, "py_func", None)
+            if inspect.isfunction(called) and called not in seen:
+                if prange_lines(called):
+                    return called.__name__
+                seen.add(called)
+                pending.append(called)
+    return ""
+
+
 def _lines_of_code(py_func: Callable[..., Any], known: dict[str, Any]) -> Iterator[int]:
     """Lines of the bytecode that name `prange`."""
     value: Any = None

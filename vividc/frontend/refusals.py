@@ -223,6 +223,16 @@ def _of_types(_: Refusal, match: re.Match[str]) -> Told:
     return f"{what} is {first} on one way, and {second} on another", _UNIFORM
 
 
+def _of_conversion(_: Refusal, match: re.Match[str]) -> Told:
+    given, wanted = plain(match["one"]), plain(match["other"])
+    if "return_value" not in match["name"]:
+        return f"`{match['name'].partition('.')[0]}` is {given}, and {wanted} is wanted", _UNIFORM
+    told = "nothing" if given == "None" else "a string" if given.startswith("'") else given
+    signed = "void" if wanted == "None" else wanted
+    hint = 'the type in front of the signature is that of what is returned: "int32(float32[::1])"'
+    return f"the kernel returns {told}, and its signature says {signed}", hint
+
+
 def _of_frozen(_: Refusal, match: re.Match[str]) -> Told:
     name = "a global" if match["name"] is None else f"`{match['name']}`"
     what = f"{name} is no number, tuple or array, which a kernel could read"
@@ -291,6 +301,7 @@ _RULES: tuple[tuple[str, Rule], ...] = (
     (r"getitem>?\(.*\.\.\.\)|, \.\.\.\)", ("a subscript with `...`", "write `:`, or leave it out")),
     (r"Invalid use of getiter with parameters \((?P<of>.+)\)", _of_iteration),
     (r"Cannot unify (?P<one>.+) and (?P<other>.+?) for '(?P<name>[^']+)'", _of_types),
+    (r"No conversion from (?P<one>.+) to (?P<other>.+?) for '(?P<name>[^']+)'", _of_conversion),
     (
         r"Invalid use of (?P<of>[\w.]+) with parameters",
         lambda _, m: (f"a call of {plain(m['of'])}, which is no function", "index with brackets"),
