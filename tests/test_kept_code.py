@@ -187,6 +187,15 @@ DIFFERENT = [
     (written("def f(): return 1"), written("def f(): return True")),
     (written("def f(x): return x + 1"), written("def f(x): return x - 1")),
     (written("def f(x=1): return x"), written("def f(x=2): return x")),
+    (written("def f(*, x=1): return x"), written("def f(*, x=2): return x")),
+    (
+        written("def f(x=A): return x", A=np.arange(2000)),
+        written("def f(x=A): return x", A=np.arange(2000) // 1000 * 1000),
+    ),
+    (
+        written("def f(): return FS[0]()", FS=(returning(1),)),
+        written("def f(): return FS[0]()", FS=(returning(2),)),
+    ),
     (written("def f(x, y): return x"), written("def f(y, x): return x")),
     (written("def f(): return min(1, 2)"), written("def f(): return max(1, 2)")),
     (
@@ -218,6 +227,17 @@ def test_a_constant_of_a_module_counts() -> None:
     hashes = set()
     for value in (1, 2):
         other.A = value  # type: ignore[attr-defined]
+        hashes.add(made_of.made_of(function))
+    assert len(hashes) == 2
+
+
+def test_a_constant_of_a_module_in_a_module_counts() -> None:
+    outer, inner = type(sys)("outer"), type(sys)("inner")
+    outer.inner, inner.outer = inner, outer  # type: ignore[attr-defined]
+    function = written("def f(): return outer.inner.A", outer=outer)
+    hashes = set()
+    for value in (1, 2):
+        inner.A = value  # type: ignore[attr-defined]
         hashes.add(made_of.made_of(function))
     assert len(hashes) == 2
 

@@ -255,12 +255,37 @@ def test_what_was_not_used_for_long_goes(kept: Store) -> None:
 
 def test_what_killed_processes_left_goes(kept: Store) -> None:
     kept.write("a", "key", b"content")
-    for name, age in ((".1-old", 7200), (".1-new", 60)):
+    old, new = f".1-{'0' * 16}", f".1-{'1' * 16}"
+    for name, age in ((old, 7200), (new, 60)):
         (kept.folder / name).write_bytes(b"half")
         os.utime(kept.folder / name, (time.time() - age,) * 2)
     Store(kept.folder, kept.limit).write("a", "key", b"content")
-    assert (kept.folder / ".1-new").exists()
-    assert not (kept.folder / ".1-old").exists()
+    assert (kept.folder / new).exists()
+    assert not (kept.folder / old).exists()
+
+
+def test_files_that_are_no_entries_stay(kept: Store) -> None:
+    """A folder of the same name may hold anything, such as a user's own `entries`."""
+    kept.write("a", "key", b"content")
+    others = (".gitignore", "thesis.tex", "a-backup", ".1-old", "A-" + "0" * 64)
+    for name in others:
+        (kept.folder / name).write_bytes(bytes(2 * kept.limit))
+        os.utime(kept.folder / name, (1000, 1000))
+    fresh = Store(kept.folder, kept.limit)
+    fresh.write("a", "other", b"content")
+    assert all((kept.folder / name).exists() for name in others)
+    assert fresh.read("a", "key") == fresh.read("a", "other") == b"content"
+
+
+def test_entries_of_a_clock_that_was_ahead_go_first(kept: Store) -> None:
+    kept.limit = 5000
+    for key in "abcd":
+        kept.write("a", key, bytes(1000))
+    for file in kept.folder.iterdir():
+        os.utime(file, (time.time() + 10**9,) * 2)
+    kept.write("a", "new", bytes(1000))
+    assert kept.read("a", "new") is not None
+    assert sum(kept.read("a", key) is not None for key in "abcd") <= 2
 
 
 WRITER = """

@@ -7,7 +7,7 @@ Taken from the functions in memory and not from their files, which may have been
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from types import CodeType, FunctionType, ModuleType
 
@@ -20,15 +20,17 @@ def made_of(function: FunctionType) -> str:
     waiting, seen = [function], {id(function)}
     while waiting:
         made = waiting.pop()
-        text.update(f"{made.__module__}.{made.__qualname__}{made.__defaults__!r}\n".encode())
+        given = (made.__defaults__, *sorted((made.__kwdefaults__ or {}).items()))
+        text.update(f"{made.__module__}.{made.__qualname__}{_written(given)}\n".encode())
         for part in _code(made.__code__):
             text.update(part.encode("utf-8", "surrogatepass") + b"\n")
         for name, value in _reads(made):
             called = _python_function(value)
             text.update(f"{name}={_written(value) if called is None else '()'}\n".encode())
-            if called is not None and id(called) not in seen:
-                seen.add(id(called))
-                waiting.append(called)
+            for inner in _functions_in(value):
+                if id(inner) not in seen:
+                    seen.add(id(inner))
+                    waiting.append(inner)
     return text.hexdigest()
 
 
@@ -53,7 +55,19 @@ def _reads(function: FunctionType) -> Iterator[tuple[str, object]]:
         value = function.__globals__.get(name)
         yield name, value
         if isinstance(value, ModuleType):
-            yield from ((f"{name}.{of}", vars(value).get(of)) for of in names)
+            yield from _of_module(name, value, names, {value})
+
+
+def _of_module(
+    name: str, module: ModuleType, names: Sequence[str], seen: set[ModuleType]
+) -> Iterator[tuple[str, object]]:
+    """What the names may mean in a module, and in the modules in it."""
+    for of in names:
+        value = vars(module).get(of)
+        yield f"{name}.{of}", value
+        if isinstance(value, ModuleType) and value not in seen:
+            seen.add(value)
+            yield from _of_module(f"{name}.{of}", value, names, seen)
 
 
 def _content(cell: object) -> object:
@@ -74,6 +88,15 @@ def _python_function(value: object) -> FunctionType | None:
     if not isinstance(function, FunctionType):
         return None
     return None if function.__module__.split(".")[0] in ("numba", "numpy") else function
+
+
+def _functions_in(value: object) -> Iterator[FunctionType]:
+    """The function that a value is, or those of a tuple."""
+    if isinstance(value, tuple | list):
+        for item in value:
+            yield from _functions_in(item)
+    elif (function := _python_function(value)) is not None:
+        yield function
 
 
 def _written(value: object) -> str:

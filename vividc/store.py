@@ -9,6 +9,7 @@ another name is recognised by a hash over name and content, thrown away, and sai
 from __future__ import annotations
 
 import os
+import re
 import stat
 import warnings
 from collections.abc import Iterator
@@ -32,8 +33,9 @@ _HEAD_BYTES: Final = len(_MAGIC) + _HASH_BYTES
 _LARGEST: Final = 256 << 20
 """Bytes of an entry; a larger file is none of ours."""
 _OTHERS_WRITE: Final = stat.S_IWGRP | stat.S_IWOTH
-_UNFINISHED: Final = "."
-"""First character of files that are being written; other processes' entries have none such."""
+_ENTRY: Final = re.compile(r"[a-z]+-[0-9a-f]{64}")
+_UNFINISHED: Final = re.compile(r"\.[0-9]+-[0-9a-f]{16}")
+"""Names of entries, and of those that are being written; what has others is none of ours."""
 _ABANDONED_S: Final = 3600.0
 _LONGEST_TURN_S: Final = 300.0
 _TURN_STEP_S: Final = 0.05
@@ -165,10 +167,10 @@ class Store:
         for name in os.listdir(self.folder if place.descriptor is None else place.descriptor):
             with suppress(OSError):
                 status = os.stat(place.path(name), dir_fd=place.descriptor, follow_symlinks=False)
-                if name.startswith(_UNFINISHED) and time() - status.st_mtime > _ABANDONED_S:
+                if _ENTRY.fullmatch(name):
+                    found.append((_last_use(status), status.st_size, name))
+                elif _UNFINISHED.fullmatch(name) and time() - status.st_mtime > _ABANDONED_S:
                     place.remove(name)
-                elif not name.startswith(_UNFINISHED):
-                    found.append((status.st_mtime_ns, status.st_size, name))
         size = sum(size for _, size, _ in found)
         if size <= self.limit:
             return
@@ -245,7 +247,7 @@ class _Place:
         OSError
             It cannot be written; what was there stays.
         """
-        unfinished = f"{_UNFINISHED}{os.getpid()}-{os.urandom(8).hex()}"
+        unfinished = f".{os.getpid()}-{os.urandom(8).hex()}"
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
         entry = os.open(self.path(unfinished), flags | _OPEN, 0o600, dir_fd=self.descriptor)
         try:
@@ -274,6 +276,13 @@ def _wait_for(turn: int) -> None:
             sleep(_TURN_STEP_S)
         except OSError:  # a file system without locks
             return
+
+
+def _last_use(status: os.stat_result) -> float:
+    """When a file was read or written last; never, if that is to come: the clock was wrong then,
+    and such entries would outlive all others.
+    """
+    return status.st_mtime if status.st_mtime < time() + _ABANDONED_S else 0.0
 
 
 def _name(kind: str, key: str) -> str:
