@@ -85,6 +85,36 @@ def test_what_the_user_compiled_runs_and_is_named_without_any_cache(folder: Path
     assert (folder / "was_run").exists()
 
 
+def test_the_name_of_a_kernel_is_no_part_of_the_path(folder: Path) -> None:
+    """`k.py` was compiled by the user; what lies beside it is from anyone who may write there."""
+    beside = folder / "k.py:evil.py"
+    beside.write_text(SOURCE)
+    program = vividc.load(folder / "k.vivid")
+    replace(program, name="evil.py:twice").save(folder / "evil.vivid")
+    result = run(*("simulate", folder / "evil.vivid", "--inputs", folder / "in.npz", "--check"))
+    beside.unlink()
+    assert result.exit_code == 2
+    assert f"--check runs {folder / 'k.py'}\n" in result.stderr
+    assert f"{folder / 'k.py'}: has no kernel `evil.py:twice`" in result.stderr
+
+
+def test_a_file_that_changes_after_it_was_looked_at_does_not_run(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = (folder / "k.py").read_text()
+
+    def swap(*_: object) -> bool:
+        (folder / "k.py").write_text(SOURCE.replace("x[0] + x[0]", "x[0]"))
+        return True
+
+    monkeypatch.setattr("vividc.cli.reference.is_noted", swap)
+    result = check(folder)
+    (folder / "k.py").write_text(before)
+    assert result.exit_code == 2
+    assert "k.py: was changed just now" in result.stderr
+    assert not (folder / "was_run").exists()
+
+
 def test_a_program_and_a_file_from_someone_else_run_nothing(
     folder: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import sys
 import traceback
@@ -30,11 +31,23 @@ def load_kernel(spec: str) -> KernelFunction | LLKernel:
         The path is not UTF-8; the file cannot be read or fails when it runs (with its line); it
         has no such kernel, or several and none is named.
     """
-    file, name = _split(spec)
+    return load_kernel_of(*_split(spec))
+
+
+def load_kernel_of(
+    file: Path, name: str | None, sha256: str | None = None
+) -> KernelFunction | LLKernel:
+    """The kernel `name` of a file; as `load_kernel`.
+
+    Parameters
+    ----------
+    sha256
+        What the hash of a Python file has to be; of any other nothing runs.
+    """
     demand_utf8_path(file, KernelError)
     if file.suffix == _LL:
         return load_ll(file, name)
-    kernels = _kernels(_run(file))
+    kernels = _kernels(_run(file, sha256))
     if name is not None:
         return _named(kernels, name, file)
     return _only(_unique(kernels, file), file)
@@ -51,9 +64,9 @@ def _split(spec: str) -> tuple[Path, str | None]:
     return (Path(head), tail) if named else (Path(spec), None)
 
 
-def _run(file: Path) -> ModuleType:
+def _run(file: Path, sha256: str | None) -> ModuleType:
     """Execute `file` as a module, with its folder on the import path as for a script."""
-    code = _compiled(file)
+    code = _compiled(file, sha256)
     module = ModuleType(f"_vividc_kernel_{file.stem}")
     module.__file__ = os.path.abspath(file)
     sys.modules[module.__name__] = module
@@ -67,10 +80,12 @@ def _run(file: Path) -> ModuleType:
     return module
 
 
-def _compiled(file: Path) -> CodeType:
+def _compiled(file: Path, sha256: str | None = None) -> CodeType:
     """From the text and never from a .pyc, which may be older than an edit of the same second."""
     hint = "the form is FILE.py or FILE.py:KERNEL"
     source = read_bytes(file, SOURCE_BYTES, KernelError, hint)
+    if sha256 is not None and hashlib.sha256(source).hexdigest() != sha256:
+        raise KernelError("was changed just now", loc=str(file), hint="try again")
     try:
         # Absolute, as an import would have it: the program records it, for runs from other folders.
         return compile(source, os.path.abspath(file), "exec", dont_inherit=True)

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from vividc.cli.arrays import Array, describe
-from vividc.cli.kernels import kernel_file, load_kernel
+from vividc.cli.kernels import kernel_file, load_kernel, load_kernel_of
 from vividc.cli.report import say
 from vividc.compiled_files import is_noted
 from vividc.dfg.cfg import Param
@@ -67,9 +67,13 @@ def find_kernel(program: Program, bundle: Path, spec: str | None) -> AnyKernel:
         than the program.
     """
     if spec is None:
-        spec = f"{_own_file(program, bundle)}:{program.name}"
-    say(f"vividc: --check runs {os.path.abspath(kernel_file(spec))}", err=True)
-    kernel = load_kernel(spec)
+        file = _own_file(program, bundle)
+        say(f"vividc: --check runs {os.path.abspath(file)}", err=True)
+        # Apart: a name may hold what looks like the end of a path.
+        kernel = load_kernel_of(file, program.name, program.provenance.kernel_sha256)
+    else:
+        say(f"vividc: --check runs {os.path.abspath(kernel_file(spec))}", err=True)
+        kernel = load_kernel(spec)
     if tuple(kernel.params) != tuple(program.params):
         expected = ", ".join(describe(param) for param in program.params)
         reason = f"`{kernel.name}` in {kernel.file} does not have the program's parameters"
