@@ -6,9 +6,13 @@ compilers and solvers for a second or more; `python -m vividc` begins there, and
 
 import os
 import signal
+import sys
 from types import FrameType
 
 _INTERRUPTED = 130
+_WRONG_INPUT = 2
+_MOST = 300
+_NUMBAS_SETTINGS = ".numba_config.yaml"
 
 
 def _leave(_signal: int, _frame: FrameType | None) -> None:
@@ -26,7 +30,15 @@ def leave_on_interrupt() -> None:
 def main() -> None:
     """Run the command line."""
     leave_on_interrupt()
-    from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
+    try:
+        from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
+    except Exception as error:
+        if not os.path.exists(_NUMBAS_SETTINGS):
+            raise
+        what = " ".join(f"{type(error).__name__}: {error}".split())[:_MOST]
+        sys.stderr.write(f"vividc: {_NUMBAS_SETTINGS}: numba cannot read its settings: {what}\n")
+        sys.stderr.write("hint: repair or remove the file; it is in the current folder\n")
+        sys.exit(_WRONG_INPUT)
 
     if signal.getsignal(signal.SIGINT) is _leave:
         signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,4 +1,4 @@
-"""An interrupt before any command runs: the module that loads at that moment does not matter."""
+"""Before any command runs: an interrupt, whatever module loads at that moment, and bad settings."""
 
 import os
 import subprocess
@@ -51,3 +51,20 @@ def test_as_a_module_too(module, tmp_path):
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
     )
     assert (run.returncode, run.stdout, run.stderr) == (130, "", "vividc: interrupted\n")
+
+
+def test_damaged_settings_of_numba_are_named(tmp_path):
+    (tmp_path / ".numba_config.yaml").write_text("a: [")
+    run = subprocess.run(
+        [sys.executable, "-c", "from vividc_main import main; main()", "--version"],
+        check=False,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert (run.returncode, run.stdout) == (2, "")
+    said = "vividc: .numba_config.yaml: numba cannot read its settings: ParserError: while parsing"
+    assert run.stderr.startswith(said)
+    assert run.stderr.count("\n") == 2
