@@ -48,7 +48,7 @@ def of_array(at: Arrays, a: Value, b: Value) -> Value:
     """An element of an array of runtime values, or its sum."""
     count = at.random.randint(1, 5)
     items = _items(at, a, b, count)
-    text = f"({', '.join(items)},)" if at.random.random() < 0.6 else f"[{', '.join(items)}]"
+    text = f"({', '.join(items)},)"
     dtype = at.random.choice(["", "", "int32", "uint8", "int16"])
     text = f"np.array({text}, np.{dtype})" if dtype else f"np.array({text})"
     if at.random.random() < 0.2:

@@ -126,26 +126,30 @@ def random_source(seed: int) -> str:
     return _module(program, params, constants, _body(program))
 
 
+OFTEN = 0.5
+"""Where so many statements are about whole arrays, loops are fewer: the program stays small."""
+
+
 def _constants(random: Random) -> int:
-    return random.choice([0, 0, 1, 1, 2])
+    return random.choice([0, 1, 1, 2])
 
 
 def _with_arrays(program: Program) -> None:
     """What the program has beside scalars and elements: everything, or some of it."""
     random = program.random
-    if random.random() < 0.2:
+    if random.random() < 0.15:
         return
-    program.whole = random.choice([0.0, 0.2, 0.4])
-    program.more = AGGREGATES * (random.random() < 0.6) + METHODS * (random.random() < 0.6)
+    program.whole = random.choice([0.0, 0.3, 0.5, 0.7])
+    program.more = AGGREGATES * random.choice([0, 1, 3]) + METHODS * random.choice([0, 1, 3])
 
 
 def _body(program: Program) -> str:
     random, text = program.random, ""
     if random.random() < 0.2:
         text += program.statement(1, 1)
-    depth = random.choice([1, 1, 2, 2, 2, 3])
+    depth = random.choice([1, 1, 2, 2, 2, 3] if program.whole < OFTEN else [0, 1, 1, 2])
     text += program.loop_over(depth, 1)
-    for _ in range(random.choice([0, 0, 1, 2])):
+    for _ in range(random.choice([0, 0, 1, 2] if program.whole < OFTEN else [1, 2, 3])):
         text += program.statement(random.choice([0, 2]), 1)
     return f"{text}    return {program.result()}\n"
 

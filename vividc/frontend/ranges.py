@@ -75,6 +75,7 @@ class Ranges:
         self._known: dict[str, Interval] = {}
         self._limits: dict[str, Interval] = {}
         self._facts = {name: tuple(self._facts_at(name)) for name in self._flow.order}
+        self._sides = {name: _by_operand(facts) for name, facts in self._facts.items()}
         self._solve()
         self._limits = counter_bounds(function, self._flow, self.at)
         if any(self._known[name] != limit for name, limit in self._limits.items()):
@@ -192,7 +193,7 @@ class Ranges:
             if decided == (int(not truth), int(not truth)):
                 continue
             facts = tuple(self._holding(cond, truth))
-            total = union(total, self._apply(facts, value, self._at(value, block, depth), block))
+            total = union(total, self._apply(facts, value, self._at(value, block, depth)))
         return total
 
     def _on_edge(self, value: Operand, pred: str, block: str) -> Interval:
@@ -205,7 +206,7 @@ class Ranges:
         if self._at(leave.cond, pred, _DEPTH) == (int(block != leave.targets[0]),) * 2:
             return BOTTOM
         facts = tuple(self._holding(leave.cond, block == leave.targets[0]))
-        return self._apply(facts, value, interval, pred)
+        return self._apply(facts, value, interval)
 
     def _at(self, operand: Operand, block: str, depth: int) -> Interval:
         if isinstance(operand, Int):
@@ -221,7 +222,9 @@ class Ranges:
             and _is_cheap(definition)
         ):
             interval = intersect(interval, self._evaluate(definition, block, depth - 1))
-        return self._apply(self._facts[block], operand, interval, block)
+        for pred, other in self._sides[block].get(operand, ()):
+            interval = refine(interval, pred, self._base(other))
+        return interval
 
     def _base(self, operand: Operand) -> Interval:
         if isinstance(operand, Int):
@@ -233,14 +236,9 @@ class Ranges:
             return self._bounds.get(operand.name, full(type_ if _is_int(type_) else "i64"))
         return self._known.get(operand.name, BOTTOM)
 
-    def _apply(
-        self, facts: tuple[Fact, ...], operand: Operand, interval: Interval, block: str
-    ) -> Interval:
-        for fact in facts:
-            if fact.value == operand:
-                interval = refine(interval, fact.pred, self._base(fact.other))
-            elif fact.other == operand:
-                interval = refine(interval, _SWAPPED[fact.pred], self._base(fact.value))
+    def _apply(self, facts: tuple[Fact, ...], operand: Operand, interval: Interval) -> Interval:
+        for pred, other in _by_operand(facts).get(operand, ()):
+            interval = refine(interval, pred, self._base(other))
         return interval
 
     def _facts_at(self, block: str) -> Iterator[Fact]:
@@ -268,6 +266,16 @@ class Ranges:
         elif _is_conjunction(definition) if truth else _is_disjunction(definition):
             for part in definition.args:
                 yield from self._holding(part, truth)
+
+
+def _by_operand(facts: tuple[Fact, ...]) -> dict[Operand, list[tuple[str, Operand]]]:
+    """What each operand is compared with; of a comparison with itself the left side counts."""
+    sides: dict[Operand, list[tuple[str, Operand]]] = {}
+    for fact in facts:
+        sides.setdefault(fact.value, []).append((fact.pred, fact.other))
+        if fact.other != fact.value and isinstance(fact.other, Local):
+            sides.setdefault(fact.other, []).append((_SWAPPED[fact.pred], fact.value))
+    return sides
 
 
 def _is_conjunction(op: Op) -> bool:
