@@ -111,7 +111,7 @@ class Store:
         with ExitStack() as until_done:
             with suppress(OSError):
                 place = until_done.enter_context(self._opened())
-                until_done.enter_context(place.turn(f"{_UNFINISHED}{kind}"))
+                until_done.enter_context(place.turn(f".turn-{kind}"))
             yield
 
     def _make(self) -> None:
