@@ -120,16 +120,24 @@ class _Pace:
     """How fast straight regions are scheduled, for the time that the rest of them needs."""
 
     nodes: int
-    node_s: float = _STRAIGHT_NODE_S
+    done: int = 0
+    spent_s: float = 0.0
+    _of_this: int = 0
+    _began: float = 0.0
 
-    @property
-    def reserve_s(self) -> float:
-        """Seconds for one trial of each region that is left."""
-        return self.nodes * self.node_s
+    def begin(self, nodes: int) -> None:
+        """A region of so many nodes is scheduled now."""
+        self.nodes -= nodes
+        self._of_this, self._began = nodes, time_limit.now()
 
     def leaves_time(self) -> bool:
-        """Whether another trial of one region leaves time for the others."""
-        if time_limit.remaining_s() > self.reserve_s:
+        """Whether another trial of the region leaves time for one of each other."""
+        if self._of_this:  # its first trial is over
+            self.spent_s += time_limit.now() - self._began
+            self.done += self._of_this
+            self._of_this = 0
+        node_s = max(self.spent_s / max(self.done, 1), _STRAIGHT_NODE_S)
+        if time_limit.remaining_s() > self.nodes * node_s:
             return True
         time_limit.left_out("the search for shorter schedules of straight regions")
         return False
@@ -216,7 +224,7 @@ def _mapped_loop(
 
 def _map_straight(problem: MapProblem, options: MapOptions, pace: _Pace) -> MapResult:
     start = time.monotonic()
-    pace.nodes -= len(problem.dfg.placed)
+    pace.begin(len(problem.dfg.placed))
     mapping = list_schedule(problem, pace.leaves_time)
     found = violations(
         problem.dfg,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from operator import is_
 
+from vividc import time_limit
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.opcodes import Type
 
@@ -41,6 +42,7 @@ def first_free(names: Collection[str], stem: str) -> str:
 
 def with_blocks(function: Function, changed: Iterable[Block]) -> Function:
     """`function` with blocks replaced by name; new names are appended."""
+    time_limit.step("control flow was transformed")
     new = {block.name: block for block in changed}
     kept = [new.pop(block.name, block) for block in function.blocks]
     return replace(function, blocks=(*kept, *new.values()))

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from vividc import time_limit
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
@@ -33,6 +34,7 @@ class GraphBuilder:
         self.name = name
         self._nodes: list[Node] = []
         self._edges: list[Edge] = []
+        self._operands: dict[int, tuple[Operand, ...]] = {}
         self._sources: dict[tuple[Opcode, int | str | None], Operand] = {}
         self._phis: dict[int, tuple[Operand, Operand]] = {}
         self._next_phi = -1
@@ -82,6 +84,8 @@ class GraphBuilder:
         ports += [(PRED, pred)] if pred is not None else []
         ports += [(BASE, base)] if base is not None else []
         self._edges.extend(Edge(operand.node, ident, port) for port, operand in ports)
+        self._operands[ident] = tuple(operands)
+        time_limit.step("regions were built")
         return Operand(ident)
 
     def fixed_base(
@@ -109,7 +113,7 @@ class GraphBuilder:
         found = INVERSES.get(node.op) if node is not None else None
         if node is None or found is None:
             return self.add(Opcode.XOR, [operand, self.const(1)])
-        left, right = (Operand(edge.src) for edge in self._inputs(node.id))
+        left, right = self._operands[node.id]
         pair = [right, left] if found[1] else [left, right]
         return self.add(found[0], pair, node.loc)
 
@@ -171,7 +175,3 @@ class GraphBuilder:
             self._sources[op, key] = Operand(len(self._nodes))
             self._nodes.append(Node(len(self._nodes), op, const, name))
         return self._sources[op, key]
-
-    def _inputs(self, node_id: int) -> list[Edge]:
-        found = [e for e in self._edges if e.dst == node_id and e.is_data and e.port < PRED]
-        return sorted(found, key=lambda edge: edge.port)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import WIDE_DTYPES, DType, Function, Param
 from vividc.errors import KernelError, SourceLoc, VividcWarning
+from vividc.frontend.length import refuse_long
 from vividc.frontend.ll_checks import check_body, reachable, refuse_own_names, refuse_recursion
 from vividc.frontend.ll_debug import declared
 from vividc.frontend.ll_entry import RETURNS, CFunction, CParameter, entry_text
@@ -32,9 +33,6 @@ from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 
 _LINK_LIMIT_S = 20
-MAX_INSTRUCTIONS = 8192
-"""Of a function with all that it calls: what 16 PEs of 512 contexts hold."""
-MAX_BLOCKS = 1024
 _HINTS = re.compile(
     r"^.*\bcall void @llvm\.(?:experimental\.noalias\.scope\.decl|assume|lifetime|donothing|"
     r"prefetch)\b.*\n",
@@ -202,7 +200,7 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     parts = [part for part in (module, rounding, blocks_library) if part]
     optimised = _HINTS.sub("", _linked(entry_text(function, counts), parts, function.loc))
     wide = read_function(optimised, ENTRY, function.loc.file)
-    _refuse_long(wide, function.loc)
+    refuse_long(wide, function.loc)
     structs = structs_of(optimised)
     blocks = tuple(
         replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))
@@ -210,17 +208,6 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     )
     kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
-
-
-def _refuse_long(wide: WideFunction, loc: SourceLoc) -> None:
-    for count, most, what in (
-        (sum(len(block.items) for block in wide.blocks), MAX_INSTRUCTIONS, "instructions"),
-        (len(wide.blocks), MAX_BLOCKS, "blocks"),
-    ):
-        if count > most:
-            reason = f"a function of {count} {what}, where {most} are the most"
-            hint = "make several kernels of it, or loops of what repeats"
-            raise KernelError(reason, loc=loc, hint=hint)
 
 
 def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:

@@ -27,6 +27,7 @@ from vividc.frontend.diagnose import behind, construct_at, diagnose, returned_at
 from vividc.frontend.flags import load_flags
 from vividc.frontend.floor_division import recover_divisions, sign_quotients
 from vividc.frontend.interval import Interval
+from vividc.frontend.length import refuse_long, refuse_long_code
 from vividc.frontend.llvm import optimised_ir
 from vividc.frontend.llvm_passes import ENTRY
 from vividc.frontend.llvm_text import read_function
@@ -130,7 +131,9 @@ def _read(
 
     def read() -> Prepared:
         text = optimised_ir(module, params, loc)
-        return prepared(read_function(text, ENTRY, loc.file), text)
+        made = prepared(read_function(text, ENTRY, loc.file), text)
+        refuse_long(made.function, loc)
+        return made
 
     params = tuple(replace(p, words=2) if p.dtype in WIDE_DTYPES else p for p in params)
     kernel = read()
@@ -274,6 +277,7 @@ def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
 def _typed(
     py_func: Callable[..., object], args: tuple[Any, ...], return_type: Any, loc: SourceLoc
 ) -> NumbaModule:
+    refuse_long_code(py_func, loc)
     try:
         return numba_module(py_func, args, return_type)
     except (AssertionError, RuntimeError) as error:

@@ -127,7 +127,6 @@ class Ranges:
         changed = True
         while changed:
             rounds += 1
-            time_limit.step("ranges of values were found")
             changed = any([self._ascend(block, rounds > _WIDEN_AFTER) for block in blocks])
         for _ in range(_NARROWINGS):
             for block in blocks:
@@ -135,6 +134,7 @@ class Ranges:
 
     def _ascend(self, block: WideBlock, widening: bool) -> bool:
         changed = False
+        time_limit.step("ranges of values were found")
         for item in block.items:
             if not item.name or not _is_int(_result_type(item)):
                 continue

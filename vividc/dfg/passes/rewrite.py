@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from vividc import time_limit
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.dfg.lanes import Lane
 from vividc.dfg.opcodes import BASE, PRED, Opcode, Type, never_meet
@@ -41,6 +42,8 @@ class Rewrite:
         self._into: dict[int, dict[int, None]] = {node.id: {} for node in dfg.nodes}
         self._out: dict[int, dict[int, None]] = {node.id: {} for node in dfg.nodes}
         self._changed = False
+        self._constants: dict[int, int] | None = None
+        """Their nodes by word; None: not known."""
         for key, edge in self._edges.items():
             self._into[edge.dst][key] = None
             self._out[edge.src][key] = None
@@ -97,6 +100,7 @@ class Rewrite:
     def set_node(self, node: Node) -> None:
         """Change the node of this id."""
         if self.nodes[node.id] != node:
+            self._constants = None
             self.nodes[node.id] = node
             self._changed = True
 
@@ -112,9 +116,11 @@ class Rewrite:
 
     def constant(self, word: int) -> int:
         """Id of a constant node with this word, an existing one if there is."""
-        for node in self.nodes.values():
-            if node.const == word:
-                return node.id
+        if self._constants is None:
+            words = ((node.const, node.id) for node in reversed(self.nodes.values()))
+            self._constants = {known: ident for known, ident in words if known is not None}
+        if word in self._constants:
+            return self._constants[word]
         return self._append_node(Node(self._next_node, Opcode.CONST, const=word), ())
 
     def word(self, value: Value) -> int | None:
@@ -142,6 +148,8 @@ class Rewrite:
             if key in self._edges:
                 self._unlink(key)
                 del self._edges[key]
+        if self.nodes[node_id].const is not None:
+            self._constants = None
         del self.nodes[node_id], self._into[node_id], self._out[node_id]
         self._changed = True
 
@@ -194,6 +202,8 @@ class Rewrite:
 
     def _append_node(self, node: Node, operands: Iterable[Value]) -> int:
         self.nodes[node.id] = node
+        if self._constants is not None and node.const is not None:
+            self._constants.setdefault(node.const, node.id)
         self._into[node.id] = {}
         self._out[node.id] = {}
         self._next_node += 1
@@ -251,6 +261,7 @@ def to_fixpoint(dfg: DFG, step: Callable[[Rewrite, Node], bool]) -> DFG:
         for node_id in list(rewrite.nodes):
             node = rewrite.nodes.get(node_id)
             if node is not None and step(rewrite, node):
+                time_limit.step("regions were optimised")
                 again = True
     return rewrite.result()
 

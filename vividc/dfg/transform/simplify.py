@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
 
+from vividc import time_limit
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import incoming, map_values, rename_incoming
 from vividc.dfg.normalize import remove_unreachable_blocks
@@ -39,6 +40,7 @@ def fold_values(function: Function) -> Function:
     changed = True
     while changed:
         changed = False
+        time_limit.step("control flow was simplified")
         for block in function.blocks:
             items: tuple[Phi | Instr, ...] = (*block.phis, *block.instrs)
             for item in items:
