@@ -109,8 +109,11 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     fabric
         A fabric or an accelerator, a preset's name, or a YAML file. For an accelerator the loop
         over `numba.prange` becomes one that a launch can spread over the tiles.
-    mapper, time_limit_s, strict_fp, contract, reassociate, progress
+    mapper, strict_fp, contract, reassociate, progress
         See `CompileOptions`.
+    time_limit_s
+        Seconds of wall time for all of it, kept within a tenth and a second; what they cut short is
+        a warning. Machine code of the mapper, which is built once a computer, is not counted.
     transform
         "auto": loops are unrolled, jammed, flattened and run as threads where an estimate says that
         it pays; "none": not.

@@ -55,6 +55,10 @@ class Fact:
     type: str
 
 
+_About = dict[str, tuple[tuple[str, Operand], ...]]
+"""By name: (predicate, other operand) of each comparison that holds of the value."""
+
+
 class Ranges:
     """Intervals of all integer values of a function.
 
@@ -74,8 +78,10 @@ class Ranges:
         self._bounds = bounds
         self._known: dict[str, Interval] = {}
         self._limits: dict[str, Interval] = {}
-        self._facts = {name: tuple(self._facts_at(name)) for name in self._flow.order}
-        self._sides = {name: _by_operand(facts) for name, facts in self._facts.items()}
+        self._facts: dict[str, tuple[Fact, ...]] = {}
+        self._about: dict[str, _About] = {}
+        for name in self._flow.order:  # a block comes after those that dominate it
+            self._add_facts(name)
         self._solve()
         self._limits = counter_bounds(function, self._flow, self.at)
         if any(self._known[name] != limit for name, limit in self._limits.items()):
@@ -222,7 +228,7 @@ class Ranges:
             and _is_cheap(definition)
         ):
             interval = intersect(interval, self._evaluate(definition, block, depth - 1))
-        for pred, other in self._sides[block].get(operand, ()):
+        for pred, other in self._about[block].get(operand.name, ()):
             interval = refine(interval, pred, self._base(other))
         return interval
 
@@ -237,19 +243,39 @@ class Ranges:
         return self._known.get(operand.name, BOTTOM)
 
     def _apply(self, facts: tuple[Fact, ...], operand: Operand, interval: Interval) -> Interval:
-        for pred, other in _by_operand(facts).get(operand, ()):
-            interval = refine(interval, pred, self._base(other))
+        for fact in facts:
+            if fact.value == operand:
+                interval = refine(interval, fact.pred, self._base(fact.other))
+            elif fact.other == operand:
+                interval = refine(interval, _SWAPPED[fact.pred], self._base(fact.value))
         return interval
 
-    def _facts_at(self, block: str) -> Iterator[Fact]:
-        """Conditions of the branches that dominate the block."""
-        for name in self._flow.dominators(block):
-            preds = self._flow.predecessors[name]
-            if len(preds) != 1:
-                continue
+    def _add_facts(self, block: str) -> None:
+        """Conditions of the branches that dominate the block, the nearest first, all together and
+        by the value that they are about.
+        """
+        own = tuple(self._own_facts(block))
+        above = self._flow.idom[block]
+        self._facts[block] = own + self._facts.get(above, ())
+        self._about[block] = self._about.get(above, {})
+        if own:
+            merged = dict(self._about[block])
+            for fact in reversed(own):
+                for value, pred, other in (
+                    (fact.other, _SWAPPED[fact.pred], fact.value),
+                    (fact.value, fact.pred, fact.other),
+                ):
+                    if isinstance(value, Local) and (value is fact.value or other != value):
+                        merged[value.name] = ((pred, other), *merged.get(value.name, ()))
+            self._about[block] = merged
+
+    def _own_facts(self, block: str) -> Iterator[Fact]:
+        """What the branch to the block says, if only one leads there."""
+        preds = self._flow.predecessors[block]
+        if len(preds) == 1:
             leave = self._function.by_name[preds[0]].exit
             if leave.cond is not None:
-                yield from self._holding(leave.cond, name == leave.targets[0])
+                yield from self._holding(leave.cond, block == leave.targets[0])
 
     def _holding(self, cond: Operand, truth: bool) -> Iterator[Fact]:
         """What is known if `cond` has the given truth."""
@@ -266,16 +292,6 @@ class Ranges:
         elif _is_conjunction(definition) if truth else _is_disjunction(definition):
             for part in definition.args:
                 yield from self._holding(part, truth)
-
-
-def _by_operand(facts: tuple[Fact, ...]) -> dict[Operand, list[tuple[str, Operand]]]:
-    """What each operand is compared with; of a comparison with itself the left side counts."""
-    sides: dict[Operand, list[tuple[str, Operand]]] = {}
-    for fact in facts:
-        sides.setdefault(fact.value, []).append((fact.pred, fact.other))
-        if fact.other != fact.value and isinstance(fact.other, Local):
-            sides.setdefault(fact.other, []).append((_SWAPPED[fact.pred], fact.value))
-    return sides
 
 
 def _is_conjunction(op: Op) -> bool:

@@ -9,12 +9,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from vividc import time_limit
 from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Block, Const, Function, Phi, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, incoming
 from vividc.dfg.loops import Loop
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.simplify import constant_value
+
+_MOST_VISITS = 10_000
+"""Of blocks, for one loop: some 64 iterations of 50 blocks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +36,8 @@ class ConstantTrips:
 
 
 def constant_trips(function: Function, loop: Loop, limit: int) -> ConstantTrips | None:
-    """The loop's trips, or None if they are not constant or more than `limit`.
+    """The loop's trips, or None if they are not constant, more than `limit`, or of a loop so long
+    that finding out takes too many visits of blocks.
 
     The loop has one preheader and one latch.
     """
@@ -40,9 +45,14 @@ def constant_trips(function: Function, loop: Loop, limit: int) -> ConstantTrips 
     preheader = preheader_of(function, loop)
     (latch,) = loop.latches
     words = _constants({phi.id: incoming(phi, preheader) for phi in header.phis}, {})
+    blocks = [block for block in function.blocks if block.name in loop.blocks]
+    inside = frozenset(ident for block in blocks for ident in defined_types(block))
+    visits = 0
     for number in range(1, limit + 2):
-        state = _Iteration(function, loop, words)
-        state.run()
+        state = _Iteration(loop, blocks, inside, words)
+        visits += state.run()
+        if visits > _MOST_VISITS:
+            return None
         if not state.repeats:
             only_header = state.reached == {loop.header} and len(loop.blocks) > 1
             iterations = number - 1 if only_header else number
@@ -72,8 +82,9 @@ class _Iteration:
     `varies` are the ids known to be no constant; ids in neither map have not been reached.
     """
 
-    function: Function
     loop: Loop
+    blocks: list[Block]
+    inside: frozenset[int]
     words: dict[int, int]
     varies: set[int] = field(default_factory=set)
     reached: set[str] = field(default_factory=set)
@@ -82,19 +93,20 @@ class _Iteration:
 
     def __post_init__(self) -> None:
         self.words = dict(self.words)
-        self.blocks = [b for b in self.function.blocks if b.name in self.loop.blocks]
-        self.inside = {ident for b in self.blocks for ident in defined_types(b)}
-        header = block_of(self.function, self.loop.header)
+        header = next(block for block in self.blocks if block.name == self.loop.header)
         self.varies |= {phi.id for phi in header.phis if phi.id not in self.words}
         self.reached.add(self.loop.header)
 
-    def run(self) -> None:
-        """Visits blocks until nothing new is learnt."""
-        before = None
+    def run(self) -> int:
+        """Visits blocks until nothing new is learnt; the number of visits."""
+        before, visits = None, 0
+        time_limit.step("trips of loops were counted")
         while before != (before := (len(self.words), len(self.varies), len(self.taken))):
             for block in self.blocks:
                 if block.name in self.reached:
                     self._visit(block)
+                    visits += 1
+        return visits
 
     def _visit(self, block: Block) -> None:
         if block.name != self.loop.header:
