@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from vividc import cache
+from vividc import cache, store
 from vividc.errors import VividcWarning
 
 
@@ -77,3 +77,14 @@ def test_a_size_that_is_none_is_said(monkeypatch: pytest.MonkeyPatch, text: str)
     monkeypatch.setenv(cache.SIZE_VARIABLE, text)
     with pytest.warns(VividcWarning, match="which is no number of MiB: 256 is taken"):
         assert cache.write("a", "key", b"content")
+
+
+def test_who_is_inside_does_not_wait_for_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba compiles what a function calls while it compiles the function."""
+    monkeypatch.setattr(store, "sleep", pytest.fail)
+    with cache.alone("a"):
+        with cache.alone("a"), cache.alone("b"):
+            cache.write("a", "key", b"content")
+        assert cache.read("a", "key") == b"content"
+    with cache.alone("a"):
+        assert cache.read("a", "key") == b"content"

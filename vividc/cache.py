@@ -12,10 +12,11 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from threading import RLock
 from typing import Final
 
 from vividc.errors import VividcWarning
@@ -56,11 +57,23 @@ def write(kind: str, key: str, content: bytes) -> bool:
 @contextmanager
 def alone(kind: str) -> Iterator[None]:
     """At most one process at a time is inside, for each kind: what takes long is made once. One
-    that waited looks again for what it was about to make.
+    that waited looks again for what it was about to make; one that is inside may come in again.
     """
     store = _store()
-    with nullcontext() if store is None else store.alone(kind):
-        yield
+    with _turns:
+        if store is None or kind in _held:
+            yield
+            return
+        _held.add(kind)
+        try:
+            with store.alone(kind):
+                yield
+        finally:
+            _held.discard(kind)
+
+
+_turns = RLock()
+_held: set[str] = set()
 
 
 def discard(kind: str, key: str, reason: str) -> None:
