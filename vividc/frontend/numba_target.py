@@ -20,7 +20,7 @@ from typing import Any
 
 import numba
 from llvmlite import binding, ir
-from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types, typing
+from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types
 from numba.core.codegen import Codegen, CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.descriptors import TargetDescriptor
@@ -51,7 +51,7 @@ from vividc.frontend.numba_arrays import (
 )
 from vividc.frontend.numba_integer import integer_loops, integer_operator
 from vividc.frontend.numba_real import real_division
-from vividc.frontend.numba_time import in_time
+from vividc.frontend.numba_time import TimedTyping, ask, in_time
 from vividc.frontend.numpy_sort import is_sort, sort
 from vividc.frontend.prange import parallel_range
 from vividc.frontend.subscripts import marked_subscripts
@@ -218,7 +218,7 @@ class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
         )
 
 
-class _TypingContext(typing.Context):  # type: ignore[misc]
+class _TypingContext(TimedTyping):
     def resolve_value_type(self, val: Any) -> Any:
         """A jitted helper or another kernel becomes a function of this target, typed anew."""
         if isinstance(val, Callee):
@@ -278,6 +278,7 @@ class _Context(cpu.CPUContext):  # type: ignore[misc]
 
     def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
         """As numba's, except for ranges, tuples, integer operators and float remainders."""
+        ask()
         iteration = _RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
         if iteration is not None:
             return functools.partial(iteration, self, sig)

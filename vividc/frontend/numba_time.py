@@ -1,11 +1,15 @@
-"""The time limit of a kernel that numba types: it is asked between numba's passes."""
+"""The time limit of a kernel that numba types: it is asked before each of numba's passes, and at
+each operation in the two long ones.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from numba.core import event
+from numba.core.typing import Context
 
 from vividc import time_limit
 from vividc.errors import TimeLimit
@@ -18,14 +22,28 @@ class _OutOfTime(BaseException):
         self.error = error
 
 
+def ask() -> None:
+    """`time_limit.step`, within `in_time`."""
+    try:
+        time_limit.step("numba typed it")
+    except TimeLimit as error:
+        raise _OutOfTime(error) from None
+
+
+class TimedTyping(Context):  # type: ignore[misc]
+    """Numba's typing, which asks at each operation."""
+
+    def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
+        """As numba's."""
+        ask()
+        return super().resolve_function_type(func, args, kws)
+
+
 class _Watch(event.Listener):  # type: ignore[misc]
     """Asks for the time before each of numba's passes."""
 
     def on_start(self, event: object) -> None:
-        try:
-            time_limit.step("numba typed it")
-        except TimeLimit as error:
-            raise _OutOfTime(error) from None
+        ask()
 
     def on_end(self, event: object) -> None:
         """Nothing is to be done."""
