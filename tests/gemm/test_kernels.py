@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import prange
 from numpy.typing import NDArray
 
 import vividc
@@ -149,3 +151,71 @@ def test_a_run_past_the_cycle_limit_is_told(program: Program) -> None:
 def test_an_observer_watches_one_tile(program: Program) -> None:
     with pytest.raises(ArgumentError, match="observer"):
         vividc.simulate(program, *arguments(), fabric="vivid", observer=lambda *seen: None)
+
+
+SQUARE = "void(float32[:, ::1], float32[:, ::1], float32[:, ::1])"
+
+
+def columns_in_parallel(a, b, c):
+    for j in prange(b.shape[1]):
+        for i in range(a.shape[0]):
+            s = np.float32(0)
+            for k in range(a.shape[1]):
+                s += a[i, k] * b[k, j]
+            c[i, j] = s
+
+
+def stored_transposed(a, b, c):
+    for i in prange(a.shape[0]):
+        for j in range(b.shape[1]):
+            s = np.float32(0)
+            for k in range(a.shape[1]):
+                s += a[i, k] * b[k, j]
+            c[j, i] = s
+
+
+def second_transposed(a, b, c):
+    for i in prange(a.shape[0]):
+        for j in range(b.shape[0]):
+            s = np.float32(0)
+            for k in range(a.shape[1]):
+                s += a[i, k] * b[j, k]
+            c[i, j] = s
+
+
+def first_transposed(a, b, c):
+    for i in prange(a.shape[1]):
+        for j in range(b.shape[1]):
+            s = np.float32(0)
+            for k in range(a.shape[0]):
+                s += a[k, i] * b[k, j]
+            c[i, j] = s
+
+
+PARALLEL = (columns_in_parallel, stored_transposed, second_transposed, first_transposed)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*runs on one tile only")
+@pytest.mark.parametrize("function", PARALLEL, ids=lambda function: function.__name__)
+def test_products_over_prange_are_numbas_in_each_mode(function: Callable[..., None]) -> None:
+    """Whole numbers, so that no order of their sums matters."""
+    kernel = vividc.kernel(SQUARE)(function)
+    program = vividc.compile(kernel, fabric="vivid", transform="none")
+    for rows, cols, depth in ((1, 1, 1), (7, 5, 3), (16, 16, 16), (33, 17, 9)):
+        shapes = {"second": (cols, depth), "first": (depth, rows), "stored": (cols, rows)}
+        changed = shapes.get(function.__name__.split("_", maxsplit=1)[0])
+        a = RNG.integers(-3, 4, changed if function is first_transposed else (rows, depth))
+        b = RNG.integers(-3, 4, changed if function is second_transposed else (depth, cols))
+        c = np.zeros(changed if function is stored_transposed else (rows, cols), np.float32)
+        first, second = a.astype(np.float32), b.astype(np.float32)
+        host = c.copy()
+        kernel(first, second, host)
+        for mode in ("auto", "gpu", "tpu-unified", "tpu-partitioned"):
+            found = np.full_like(c, 7)
+            vividc.simulate(in_mode(program, mode), first, second, found, fabric="vivid")
+            np.testing.assert_array_equal(found, host, err_msg=f"{mode} {rows, cols, depth}")
+    square = np.ones((4, 4), np.float32)
+    for mode in ("auto", "gpu", "tpu-unified", "tpu-partitioned"):
+        with pytest.raises(ArgumentError, match="arrays b and c overlap"):
+            vividc.simulate(in_mode(program, mode), square.copy(), square, square, fabric="vivid")

@@ -303,8 +303,11 @@ _RULES: tuple[tuple[str, Rule], ...] = (
     (r"Cannot unify (?P<one>.+) and (?P<other>.+?) for '(?P<name>[^']+)'", _of_types),
     (r"No conversion from (?P<one>.+) to (?P<other>.+?) for '(?P<name>[^']+)'", _of_conversion),
     (
-        r"Invalid use of (?P<of>[\w.]+) with parameters",
-        lambda _, m: (f"a call of {plain(m['of'])}, which is no function", "index with brackets"),
+        r"Invalid use of (?P<of>.+) with parameters",
+        lambda _, m: (
+            f"a call of {plain(m['of'])}, which is no function",
+            "leave the parentheses out; an index has brackets",
+        ),
     ),
     (
         r"unsupported keyword arguments when calling (?P<of>.+)",
