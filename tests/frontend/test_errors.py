@@ -68,7 +68,7 @@ FLOAT_KERNELS: list[tuple[Callable[..., object], int, str]] = [
     (catches, 1, "`try`"),
     (unknown_attribute, 1, "frobnicate"),
     (makes_a_list, 1, "a list"),
-    (never_ends, 0, "never ends"),
+    (never_ends, 1, "never ends"),
     (recurses, 2, "recursi"),
 ]
 
