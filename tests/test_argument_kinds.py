@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
 import vividc
+from tests.fuzz.file_scenes import SCENES
+from tests.mapper.graphs import accumulator
+from vividc import mapper, render
+from vividc.gemm import Layer, choose, gemm, mlp, mlp_job, predict
 from vividc.launch import At, Job
+from vividc.render.array import render_array
 
 ODD = (None, 5, -1, 0.5, "5", b"5", [], [1], {}, object(), 10**30, np.float32(1), np.zeros(2))
 """Values of which most arguments are none."""
@@ -35,6 +42,30 @@ def job(program: vividc.Program) -> Job:
     made = Job("vivid")
     made.configure((0,), program)
     return made
+
+
+MATRIX = np.ones((4, 4), np.float32)
+LAYERS = [Layer(MATRIX)]
+SHAPES = [layer.shape for layer in LAYERS]
+PICTURE = np.zeros((12, 12, 3), np.float32)
+
+
+@cache
+def graph() -> tuple[vividc.dfg.DFG, vividc.arch.Fabric, mapper.MapResult]:
+    dfg, fabric = accumulator(), vividc.arch.load_tile("mesh-2x2")
+    return dfg, fabric, mapper.map_dfg(dfg, fabric)
+
+
+@cache
+def scene() -> tuple[render.Scene, render.Camera]:
+    with tempfile.TemporaryDirectory() as folder:
+        np.savez(f"{folder}/s.npz", **SCENES["means"]())
+        found = render.read_scene(f"{folder}/s.npz")[1]
+    return found, render.orbit_camera(found, 30.0, 20.0, "+z", 8, 8)
+
+
+def seen(width: object = 8, focal: object = 9.0, pose: object = None) -> render.Camera:
+    return render.Camera(scene()[1].c2w if pose is None else pose, focal, width, 8)
 
 
 CALLS: dict[str, Callable[[vividc.Program, Any], object]] = {
@@ -79,6 +110,66 @@ CALLS: dict[str, Callable[[vividc.Program, Any], object]] = {
     "move_out target": lambda p, v: job(p).move_out(0, 0, v),
     "gather source": lambda p, v: job(p).gather(0, v, np.zeros(2, np.int32), 0),
     "gather indices": lambda p, v: job(p).gather(0, numbers(), v, 0),
+    "verify dfg": lambda p, v: mapper.verify(v, *graph()[1:]),
+    "verify fabric": lambda p, v: mapper.verify(graph()[0], v, graph()[2].mapping),
+    "verify mapping": lambda p, v: mapper.verify(*graph()[:2], v),
+    "violations mapping": lambda p, v: mapper.violations(*graph()[:2], v),
+    "check_certificate result": lambda p, v: mapper.check_certificate(v, graph()[2].subject),
+    "check_certificate subject": lambda p, v: mapper.check_certificate(graph()[2], v),
+    "mapping_from_json": lambda p, v: mapper.mapping_from_json(v, *graph()[:2]),
+    "mapping_from_json dfg": lambda p, v: mapper.mapping_from_json({}, v, graph()[1]),
+    "mapping_to_json": lambda p, v: mapper.mapping_to_json(v, *graph()[:2]),
+    "read_result": lambda p, v: mapper.read_result(v),
+    "map_dfg objective": lambda p, v: mapper.map_dfg(
+        *graph()[:2], objective="5" if v is None else v
+    ),
+    "plot": lambda p, v: graph()[2].mapping.plot("5" if v is None else v),
+    "gemm a": lambda p, v: gemm(v, MATRIX),
+    "gemm b": lambda p, v: gemm(MATRIX, v),
+    "gemm activation": lambda p, v: gemm(MATRIX, MATRIX, activation=v),
+    "gemm precision": lambda p, v: gemm(MATRIX, MATRIX, precision=v),
+    "gemm mode": lambda p, v: gemm(MATRIX, MATRIX, mode=v),
+    "gemm engine": lambda p, v: gemm(MATRIX, MATRIX, engine=v),
+    "mlp layers": lambda p, v: mlp(MATRIX, v),
+    "mlp layer": lambda p, v: mlp(MATRIX, [v]),
+    "mlp_job mode": lambda p, v: mlp_job(MATRIX, LAYERS, mode=v),
+    "mlp_job accelerator": lambda p, v: mlp_job(MATRIX, LAYERS, accelerator=v),
+    "mlp_job words": lambda p, v: mlp_job(MATRIX, LAYERS, words=v),
+    "predict rows": lambda p, v: predict(v, SHAPES, "tpu-unified"),
+    "predict layers": lambda p, v: predict(4, v, "tpu-unified"),
+    "predict mode": lambda p, v: predict(4, SHAPES, v),
+    "choose layers": lambda p, v: choose(4, v),
+    "choose mode": lambda p, v: choose(4, SHAPES, v),
+    "read_scene": lambda p, v: render.read_scene(v),
+    "read_gaussians": lambda p, v: render.read_gaussians(v),
+    "read_views": lambda p, v: render.read_views(v),
+    "load_cameras": lambda p, v: render.load_cameras(v),
+    "load_reference_images": lambda p, v: render.load_reference_images(v),
+    "orbit_camera scene": lambda p, v: render.orbit_camera(v, 30.0, 20.0, "+z", 8, 8),
+    "orbit_camera angle": lambda p, v: render.orbit_camera(scene()[0], v, 20.0, "+z", 8, 8),
+    "orbit_camera up": lambda p, v: render.orbit_camera(scene()[0], 30.0, 20.0, v, 8, 8),
+    "orbit_camera width": lambda p, v: render.orbit_camera(scene()[0], 30.0, 20.0, "+z", v, 8),
+    "Camera pose": lambda p, v: seen(pose=v if v is not None else 5),
+    "Camera focal": lambda p, v: seen(focal=v),
+    "Camera width": lambda p, v: seen(width=v),
+    "scaled_camera": lambda p, v: render.scaled_camera(v, 4, 4),
+    "scaled_camera width": lambda p, v: render.scaled_camera(scene()[1], v, 4),
+    "render_reference scene": lambda p, v: render.render_reference(v, scene()[1]),
+    "render_reference camera": lambda p, v: render.render_reference(scene()[0], v),
+    "render_reference options": lambda p, v: render.render_reference(*scene(), v),
+    "render_reference progress": lambda p, v: render.render_reference(*scene(), progress=v),
+    "render_array scene": lambda p, v: render_array(v, scene()[1]),
+    "render_array camera": lambda p, v: render_array(scene()[0], v),
+    "render_array options": lambda p, v: render_array(*scene(), 5 if v is None else v),
+    "blend_on_array program": lambda p, v: render.blend_on_array(v, *scene()),
+    "tile_lists scene": lambda p, v: render.tile_lists(v, scene()[1]),
+    "tile_lists camera": lambda p, v: render.tile_lists(scene()[0], v),
+    "psnr": lambda p, v: render.psnr(v, PICTURE),
+    "ssim": lambda p, v: render.ssim(PICTURE, v),
+    "write_png path": lambda p, v: render.write_png(v, PICTURE),
+    "write_png image": lambda p, v: render.write_png("x.png", v),
+    "to_uint8": lambda p, v: render.to_uint8(v),
+    "upscale_nearest": lambda p, v: render.upscale_nearest(v, 2),
     "job engine": lambda p, v: job(p).simulate(engine=v),
     "job cycle_limit": lambda p, v: job(p).simulate(cycle_limit=v),
     "job threads": lambda p, v: job(p).simulate(threads=v),

@@ -9,6 +9,7 @@ import numpy as np
 
 from vividc import arch
 from vividc.arch import Accelerator
+from vividc.errors import demand_type
 from vividc.gemm.chain import LINE, Chain, chain_program
 from vividc.gemm.elementwise import elementwise_steps
 from vividc.gemm.layer import Layer, Matrix, bands_of, check_layers
@@ -88,8 +89,12 @@ def mlp_job(
     ArchError
         The accelerator has no such modes.
     """
+    demand_type(words, bool, "words", "give True or False")
     check_layers(x, layers, words=words)
-    machine = arch.load_accelerator(accelerator) if isinstance(accelerator, str) else accelerator
+    machine = accelerator
+    if not isinstance(machine, arch.Accelerator):
+        demand_type(machine, str, "the accelerator", "give its name, or what arch.load gave")
+        machine = arch.load_accelerator(machine)
     machine = with_arrays(machine)
     layout, reason = choose_layout(x.shape[0], layers, mode, machine)
     job = Job(machine)
@@ -112,6 +117,7 @@ def choose_layout(
     SystolicError
         An unknown mode, or a layer that does not fit.
     """
+    demand_type(mode, str, "the mode", f"modes: {', '.join(MODES)}, auto")
     shapes = [layer.shape for layer in layers]
     if mode != "auto":
         return lay_out(rows, shapes, check_mode(mode), accelerator), "asked for"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, demand_type
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, launches_of, padded, pieces
 from vividc.gemm.packed import packed
 from vividc.gemm.program import GemmProgram, Operands, gemm_program
@@ -26,7 +26,7 @@ from vividc.mapper.systolic import (
 from vividc.sim import Launch
 from vividc.sim.bind import bind
 from vividc.sim.run import CYCLE_LIMIT
-from vividc.sim.tile import AUTO, shared_tile
+from vividc.sim.tile import AUTO, check_engine, shared_tile
 
 Fused = Literal["none", "relu"]
 Apart = Literal["exp", "sigmoid"]
@@ -34,6 +34,7 @@ Activation = Fused | Apart
 FUSED: Final = get_args(Fused)
 """Activations on the way out of the array; the others are for jobs (`mlp_job`)."""
 ACTIVATIONS: Final = (*FUSED, *get_args(Apart))
+_LAYERS_HINT: Final = "give a list, as in [Layer(weights, bias)]"
 Matrix = NDArray[np.float32]
 
 
@@ -140,6 +141,7 @@ def mlp(
     layer writes is what the next one reads, where it lies. Parameters and errors as of `gemm`.
     """
     check_layers(x, layers, FUSED)
+    check_engine(engine)
     for number, layer in enumerate(layers[1:], 1):
         if layer.precision != "f32":
             raise ArgumentError(
@@ -251,8 +253,11 @@ def check_layers(
     ArgumentError
         Wrong types or sizes, or an activation that is not among `activations`.
     """
+    demand_type(layers, Sequence, "the layers", _LAYERS_HINT)
     if not layers:
         raise ArgumentError("there are no layers", hint="give one or more")
+    for layer in layers:
+        demand_type(layer, Layer, "a layer", _LAYERS_HINT)
     _check_array("the input", x, 2)
     columns = _features(x, layers[0]) if words else x.shape[1]
     for number, layer in enumerate(layers):
@@ -266,6 +271,7 @@ def check_layers(
                 hint="an input [rows, depth] takes weights [depth, columns]",
             )
         columns = layer.weights.shape[1]
+        demand_type(layer.activation, str, f"the activation of {name}", ", ".join(activations))
         if layer.activation not in activations:
             known = ", ".join(activations)
             reason = f"unknown activation {layer.activation!r} of {name}"

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 from vividc import arch
+from vividc.errors import demand_type
 from vividc.gemm.program import Shape
 from vividc.mapper.systolic import BlockLayout, Precision, SystolicArray, SystolicError, lanes
+from vividc.printable import quoted
 
 Mode = Literal["tpu-unified", "tpu-partitioned"]
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)
@@ -38,6 +40,11 @@ class Prediction:
     cycles: int
     utilization: float
     launches: int
+
+
+_LARGEST: Final = (1 << 31) - 1
+_SHAPES_HINT: Final = "give a list, as in [LayerShape(64, 32)]"
+_MODES_HINT: Final = f"modes: {', '.join(get_args(Mode))}, auto"
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +144,8 @@ def choose(rows: int, layers: Sequence[LayerShape], mode: str = "auto") -> Choic
     SystolicError
         An unknown mode, a size below 1, or a layer that fits no array.
     """
+    demand_type(mode, str, "the mode", _MODES_HINT)
+    check_sizes(rows, layers)
     if mode != "auto":
         chosen = predict(rows, layers, check_mode(mode))
         return Choice(chosen, (chosen,), "asked for")
@@ -156,10 +165,11 @@ def check_mode(mode: str) -> Mode:
     SystolicError
         There is no such mode.
     """
+    demand_type(mode, str, "the mode", _MODES_HINT)
     for known in MODES:
         if mode == known:
             return known
-    raise SystolicError(f"unknown mode {mode!r}", hint=f"modes: {', '.join(MODES)}, auto")
+    raise SystolicError(f"unknown mode {mode!r}", hint=_MODES_HINT)
 
 
 def check_sizes(rows: int, layers: Sequence[LayerShape]) -> None:
@@ -170,6 +180,12 @@ def check_sizes(rows: int, layers: Sequence[LayerShape]) -> None:
     SystolicError
         A size is below 1, or there are no layers.
     """
+    demand_type(rows, int, "the number of rows", "give an integer from 1 on")
+    demand_type(layers, Sequence, "the layers", _SHAPES_HINT)
+    for layer in layers:
+        demand_type(layer, LayerShape, "a layer", _SHAPES_HINT)
     sizes = [rows, *(size for layer in layers for size in (layer.depth, layer.cols))]
+    if max(sizes) > _LARGEST:
+        raise SystolicError(f"a size of {quoted(max(sizes))}", hint=f"give at most {_LARGEST}")
     if not layers or min(sizes) < 1:
         raise SystolicError(f"nothing to compute: the sizes are {sizes}", hint="give 1 or more")

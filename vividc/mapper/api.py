@@ -133,6 +133,8 @@ def _minimised(
 
 
 def _check_door(mapper: str, extend: Extension | None, objective: str | None) -> None:
+    if objective is not None:
+        demand_type(objective, str, "the objective", f"choose one of: {', '.join(OBJECTIVES)}")
     if objective is not None and objective not in OBJECTIVES:
         known = ", ".join(OBJECTIVES)
         raise VividcError(

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from vividc.errors import demand_type
 from vividc.mapper.certificate_bounds import check_bounds
 from vividc.mapper.certificate_objective import check_objective
 from vividc.mapper.finding import Finding, Verdict, own_words
@@ -25,6 +26,8 @@ def check_certificate(result: MapResult, subject: Subject) -> tuple[Finding, ...
         "wrong" findings contradict the result, or are given no reason; "trusted" ones rest on the
         word of a solver, or of who wrote the result.
     """
+    demand_type(result, MapResult, "the result", "give what map_dfg or read_result gave")
+    demand_type(subject, Subject, "the subject", "give the graph and the fabric as a Subject")
     mapping = tuple(_check_mapping(result, subject))
     bounds = check_bounds(result.bounds, subject)
     legal = all(finding.verdict == "confirmed" for finding in mapping)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field, replace
@@ -10,7 +11,7 @@ from typing import Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.errors import VividcError
+from vividc.errors import VividcError, demand_type
 from vividc.files import write_whole
 from vividc.mapper.problem import ConstantKey
 from vividc.plot import Picture, encode
@@ -102,6 +103,8 @@ class Mapping:
         """
         from vividc.mapper.draw import draw  # drawing needs this module  # noqa: PLC0415
 
+        if path is not None:
+            demand_type(path, (str, os.PathLike), "the file", "give a path that ends in .svg")
         about = subject or self.subject
         if about is None:
             raise VividcError(

@@ -18,7 +18,7 @@ from vividc.arch import Fabric, load_text
 from vividc.dfg import DFG, check
 from vividc.dfg import from_json as dfg_from_json
 from vividc.dfg import to_json as dfg_to_json
-from vividc.errors import VividcError
+from vividc.errors import VividcError, demand_type
 from vividc.mapper.mapping import (
     Bound,
     Mapping,
@@ -40,6 +40,8 @@ T = TypeVar("T")
 
 def mapping_to_json(result: MapResult, dfg: DFG, fabric: Fabric) -> dict[str, Any]:
     """A JSON-ready object that `mapping_from_json` reads back."""
+    demand_type(result, MapResult, "the result", "give what map_dfg gave")
+    _demand_subject(dfg, fabric)
     subject = result.subject or Subject(dfg, fabric)
     return {
         "schema": SCHEMA,
@@ -79,15 +81,16 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
     VividcError
         Not such an object, of another version, or made for another DFG or fabric.
     """
+    _demand_subject(dfg, fabric)
     top = _object(data, "mapping file")
     if top.get("schema") != SCHEMA:
-        raise _fault("schema", f"expected {SCHEMA!r}, found {top.get('schema')!r}")
+        raise _fault("schema", f"expected {SCHEMA!r}, found {quoted(top.get('schema'))}")
     for key, name in (("dfg", dfg.name), ("fabric", fabric.name)):
         if top.get(key) != name:
-            raise _fault(key, f"made for {top.get(key)!r}, not for {name!r}")
+            raise _fault(key, f"made for {quoted(top.get(key))}, not for {quoted(name)}")
     status = _get(top, "status", str)
     if status not in get_args(Status):
-        raise _fault("status", f"{status!r} is none of {', '.join(get_args(Status))}")
+        raise _fault("status", f"{quoted(status)} is none of {', '.join(get_args(Status))}")
     body = top.get("mapping")
     subject = Subject(dfg, fabric, _allowed(top, dfg, fabric), _resident(top, fabric))
     return MapResult(
@@ -105,6 +108,11 @@ def mapping_from_json(data: object, dfg: DFG, fabric: Fabric) -> MapResult:
         hurried="hurried" in top and _flag(top, "hurried"),
         objective=_objective(top),
     )
+
+
+def _demand_subject(dfg: object, fabric: object) -> None:
+    demand_type(dfg, DFG, "the graph", "give a DFG, as dfg.load returns it")
+    demand_type(fabric, Fabric, "the fabric", "give a Fabric, as arch.load returns it")
 
 
 def read_result(data: object, file: str = "mapping file") -> MapResult:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -10,6 +11,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from vividc.errors import demand_type
 from vividc.inputs import SCENE_BYTES
 from vividc.npz import read_npz
 from vividc.printable import quoted
@@ -18,6 +20,8 @@ from vividc.render.errors import SceneError
 
 LARGEST_PX: Final = 8192
 """A picture of this side takes 805 MB in float32."""
+_INTEGERS: Final = (int, np.integer)
+_NUMBERS: Final = (int, float, np.integer, np.floating)
 _VIEWS_HINT = "expected an npz with c2w [V,4,4], focal, size and images [V,size,size,3]"
 
 
@@ -41,6 +45,10 @@ class Camera:
     height: int
 
     def __post_init__(self) -> None:
+        demand_type(self.c2w, np.ndarray, "a camera's pose", "give a matrix [4, 4] of float32")
+        demand_type(self.focal, _NUMBERS, "a focal length", "give pixels as a number")
+        for side in (self.width, self.height):
+            demand_type(side, _INTEGERS, "a picture's side", "give pixels as an integer")
         if self.c2w.shape != (4, 4) or not np.isfinite(self.c2w).all():
             raise SceneError(
                 f"a camera pose must be a finite 4x4 matrix, got shape {self.c2w.shape}",
@@ -69,6 +77,9 @@ class Camera:
 
 def scaled_camera(camera: Camera, width: int, height: int) -> Camera:
     """Return the camera that sees the same picture at another size of the same aspect ratio."""
+    demand_type(camera, Camera, "the camera", "give a Camera")
+    for side in (width, height):
+        demand_type(side, _INTEGERS, "a picture's side", "give pixels as an integer")
     if width * camera.height != height * camera.width:
         raise SceneError(
             f"{width}x{height} has another aspect ratio than {camera.width}x{camera.height}",
@@ -79,6 +90,7 @@ def scaled_camera(camera: Camera, width: int, height: int) -> Camera:
 
 def load_cameras(path: Path | str) -> tuple[Camera, ...]:
     """Return the cameras of a reference file: c2w [V,4,4] OpenGL, `focal` and `size` in pixels."""
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     path = Path(path)
     arrays = _load_arrays(path, ("c2w", "focal", "size"))
     poses, focal, size = arrays["c2w"], arrays["focal"], arrays["size"]
@@ -100,6 +112,7 @@ def load_cameras(path: Path | str) -> tuple[Camera, ...]:
 
 def load_reference_images(path: Path | str) -> Float32Array:
     """Return the reference renders of a file, [V, height, width, 3] float32, not clipped."""
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     path = Path(path)
     return frozen_float32(_load_arrays(path, ("images",))["images"])
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from vividc.errors import demand_type
 from vividc.files import write_whole
 from vividc.render.arrays import Float32Array, UInt8Array
 from vividc.render.errors import SceneError
@@ -29,6 +31,7 @@ def to_uint8(image: Float32Array) -> UInt8Array:
     SceneError
         The image is not [height, width, 3], or holds nan.
     """
+    demand_type(image, np.ndarray, "an image", "give an array [height, width, 3]")
     if image.ndim != _COLOUR_AXES or image.shape[2] != _COLOUR_AXES or image.size == 0:
         raise SceneError(f"an image must be [height, width, 3], got shape {image.shape}")
     if np.isnan(image).any():
@@ -38,6 +41,10 @@ def to_uint8(image: Float32Array) -> UInt8Array:
 
 def write_png(path: Path | str, image: Float32Array | UInt8Array) -> None:
     """Write [height, width, 3], float 0..1 or uint8, as an 8-bit sRGB PNG."""
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
+    demand_type(image, np.ndarray, "an image", "give an array [height, width, 3]")
+    if image.dtype == np.uint8 and image.shape[2:] != (_COLOUR_AXES,):
+        raise SceneError(f"an image must be [height, width, 3], got shape {image.shape}")
     pixels = image if image.dtype == np.uint8 else to_uint8(image.astype(np.float32))
     data = BytesIO()
     Image.fromarray(pixels).save(data, format="PNG")
@@ -46,6 +53,10 @@ def write_png(path: Path | str, image: Float32Array | UInt8Array) -> None:
 
 def upscale_nearest(image: Float32Array, factor: int) -> Float32Array:
     """Return the image with every pixel repeated `factor` times along both axes."""
+    demand_type(image, np.ndarray, "an image", "give an array [height, width, 3]")
+    if image.ndim < _COLOUR_AXES - 1:
+        raise SceneError(f"an image must be [height, width, ...], got shape {image.shape}")
+    demand_type(factor, int, "the factor", "give an integer from 1 on")
     if factor < 1:
         raise SceneError(f"cannot upscale by {factor}", hint="the factor is a positive integer")
     return image.repeat(factor, axis=0).repeat(factor, axis=1)

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
+from vividc.printable import quoted
 from vividc.render.errors import SceneError
 
 _WINDOW_PX = 11
@@ -24,7 +25,7 @@ def psnr(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
 
     Values are compared as given: clip beforehand where the displayed picture is meant.
     """
-    left, right = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    left, right = _floats(a), _floats(b)
     if left.shape != right.shape or left.size == 0:
         raise SceneError(
             f"cannot compare images of shapes {left.shape} and {right.shape}",
@@ -34,13 +35,22 @@ def psnr(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
     return math.inf if error == 0 else -10 * math.log10(error)
 
 
+def _floats(image: npt.ArrayLike) -> Float64Array:
+    try:
+        return np.asarray(image, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise SceneError(
+            f"an image cannot be {quoted(image)}", hint="give an array of numbers"
+        ) from error
+
+
 def ssim(a: npt.ArrayLike, b: npt.ArrayLike) -> float:
     """Return the structural similarity of two [height, width, channels] images, at most 1.
 
     Wang et al., Image Quality Assessment (2004): a Gaussian window of 11x11 pixels with sigma 1.5,
     K1 = 0.01, K2 = 0.03 and a range of 1, averaged over all whole windows and the channels.
     """
-    left, right = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    left, right = _floats(a), _floats(b)
     if left.shape != right.shape or left.ndim != _COLOUR_AXES or min(left.shape[:2]) < _WINDOW_PX:
         raise SceneError(
             f"cannot compare the structure of images of shapes {left.shape} and {right.shape}",

@@ -7,11 +7,13 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from vividc.errors import demand_type
+from vividc.printable import quoted
 from vividc.render.arrays import frozen_float32
-from vividc.render.camera import Camera
+from vividc.render.camera import LARGEST_PX, Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
-from vividc.render.scenes import Scene
+from vividc.render.scenes import Scene, demand_scene
 
 _FIELD_OF_VIEW = math.radians(40)
 _PERCENTILES = (5, 95)
@@ -46,6 +48,14 @@ def orbit_camera(
     SceneError
         An angle is no finite number, or the elevation is not within 89 degrees.
     """
+    demand_scene(scene)
+    for angle in (azimuth, elevation):
+        demand_type(angle, (int, float), "an angle", "give degrees as a number")
+    demand_type(up, str, "the axis that points up", ", ".join(_AXES))
+    if up not in _AXES:
+        raise SceneError(f"{quoted(up)} is no axis", hint=", ".join(_AXES))
+    for side in (width, height):
+        demand_type(side, int, "a picture's side", "give pixels as an integer")
     if not math.isfinite(azimuth) or not abs(elevation) <= _STEEPEST:
         raise SceneError(
             f"no camera at azimuth {azimuth:g} and elevation {elevation:g} degrees",
@@ -61,7 +71,7 @@ def orbit_camera(
     back = math.cos(above) * level + math.sin(above) * axis
     right = np.cross(axis, back)
     right /= np.linalg.norm(right)
-    focal = 0.5 * min(width, height) / math.tan(0.5 * _FIELD_OF_VIEW)
+    focal = 0.5 * max(0, min(width, height, LARGEST_PX)) / math.tan(0.5 * _FIELD_OF_VIEW)
     distance = max(radius / math.sin(0.5 * _FIELD_OF_VIEW), radius + _CLEAR)
     pose = np.eye(4)
     pose[:3, :3] = np.stack((right, np.cross(back, right), back), axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from vividc.errors import demand_type
 from vividc.inputs import SCENE_BYTES, read_bytes
 from vividc.printable import quoted
 from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, frozen_float32
@@ -88,6 +90,7 @@ def read_gaussians(path: Path | str) -> Gaussians:
     SceneError
         The file is missing, truncated, not a PLY, or lacks a property; names the file.
     """
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     path = Path(path)
     data = read_bytes(path, SCENE_BYTES, SceneError, "check the path")
     header = _parse_header(path, data)

@@ -8,13 +8,14 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from vividc.errors import demand_callable, demand_type
 from vividc.render.arrays import Float32Array
 from vividc.render.blend_reference import EXACT, BlendOptions, blend_image, over_background
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import Layer, RadianceField, linear, render_field
-from vividc.render.scenes import Scene
+from vividc.render.scenes import Scene, demand_scene
 from vividc.render.splat import tile_lists
 
 
@@ -72,6 +73,10 @@ def render_reference(
     SceneError
         Values of the scene are so large that pixels are no numbers.
     """
+    demand_scene(scene)
+    demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
+    demand_type(options, ReferenceOptions, "the options", "give ReferenceOptions(...)")
+    demand_callable(progress, "progress")
     start = time.perf_counter()
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # told of at the end
         if isinstance(scene, Gaussians):

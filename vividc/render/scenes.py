@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final, TypeAlias
 
 import numpy as np
 
-from vividc.printable import printable
+from vividc.errors import ArgumentError, demand_type
+from vividc.printable import printable, quoted
 from vividc.render.archive import Archive, read_archive
 from vividc.render.arrays import frozen_float32
 from vividc.render.errors import SceneError
@@ -53,6 +55,9 @@ def read_scene(path: Path | str, method: str | None = None) -> tuple[str, Scene]
     SceneError
         The file is unusable, or holds another method's scene.
     """
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
+    if method is not None:
+        demand_type(method, str, "the method", ", ".join(METHODS))
     path = Path(path)
     if _is_ply(path):
         _demand_method(path, GAUSSIANS, method)
@@ -63,6 +68,18 @@ def read_scene(path: Path | str, method: str | None = None) -> tuple[str, Scene]
         raise archive.error(f"no scene: it holds {', '.join(sorted(archive.arrays)) or 'nothing'}")
     _demand_method(path, found, method)
     return found, _READERS[found](archive)
+
+
+def demand_scene(scene: object) -> None:
+    """Refuse what is neither Gaussians nor a ray-marched model.
+
+    Raises
+    ------
+    ArgumentError
+        It is something else.
+    """
+    if not isinstance(scene, Gaussians) and not hasattr(scene, "march"):
+        raise ArgumentError(f"a scene cannot be {quoted(scene)}", hint="give what read_scene gave")
 
 
 def read_gaussian_archive(archive: Archive) -> Gaussians:

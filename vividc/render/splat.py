@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from vividc.errors import demand_type
 from vividc.render.arrays import Float32Array, Int64Array, frozen_float32
 from vividc.render.camera import Camera
 from vividc.render.crop import TILE_PX
@@ -122,6 +123,8 @@ class TileLists:
 
 def tile_lists(gaussians: Gaussians, camera: Camera) -> TileLists:
     """Project a scene, bin it into 16x16 screen tiles and sort each tile's list by depth."""
+    demand_type(gaussians, Gaussians, "the Gaussians", "give what read_gaussians gave")
+    demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
     return bin_and_sort(project(gaussians, camera), camera.width, camera.height)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
+from vividc.errors import demand_type
 from vividc.inputs import GRAPH_BYTES, PICTURE_BYTES, demand_few_values, read_bytes, read_text
 from vividc.render.archive import read_archive
 from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, frozen_float32
@@ -110,6 +111,7 @@ def read_views(path: Path | str) -> tuple[View, ...]:
     SceneError
         The file is missing, damaged, or lacks a field; it has no view.
     """
+    demand_type(path, (str, os.PathLike), "the path", "give a string or a pathlib.Path")
     path = Path(path)
     views = _json_views(path) if path.suffix == ".json" else _npz_views(path)
     if not views:

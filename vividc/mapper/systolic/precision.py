@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final, Literal, get_args
 
 from vividc.dfg.opcodes import Opcode
+from vividc.errors import demand_type
 from vividc.formats import FORMATS
 from vividc.mapper.systolic.array import SystolicError
 
@@ -50,6 +51,7 @@ def check_precision(name: str) -> Precision:
     SystolicError
         There is no such format of operands.
     """
+    demand_type(name, str, "the precision", f"give one of {', '.join(PRECISIONS)}")
     for known in PRECISIONS:
         if name == known:
             return known

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import vividc
+from vividc.errors import demand_type
 from vividc.launch import At, Job, JobStats
 from vividc.render.arrays import Float32Array
 from vividc.render.blocks import BlendLaunch, assemble, cut_small_launches
@@ -73,6 +74,8 @@ def blend_on_array(
     ArgumentError
         The program was not compiled for the accelerator's tile.
     """
+    demand_type(program, vividc.Program, "the program", "give what compile or load returned")
+    demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
     names = tuple(parameter.name for parameter in program.params)
     if names != PARAMETERS:
         raise SceneError(

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from vividc.errors import demand_type
+from vividc.errors import demand_callable, demand_type
 from vividc.render.array.batches import render_blocks
 from vividc.render.array.crew import Work
 from vividc.render.array.device import open_device
@@ -27,7 +27,7 @@ from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, March, TensoRF
-from vividc.render.scenes import Scene
+from vividc.render.scenes import Scene, demand_scene
 
 _NARROW: dict[type, tuple[RenderPrecision, ...]] = {
     Gaussians: ("fp16", "fp8"),
@@ -62,7 +62,12 @@ def render_array(
     ArchError
         The fabric is unknown, faulty or a single tile.
     """
-    options = options or ArrayOptions()
+    demand_scene(scene)
+    demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
+    options = ArrayOptions() if options is None else options
+    demand_type(options, ArrayOptions, "the options", "give ArrayOptions(...)")
+    demand_callable(progress, "progress")
+    demand_callable(tell, "tell")
     demand_type(options.sample, (int, float), "the share of blocks", "give a number")
     if not 0 < options.sample <= 1:
         raise SceneError(
