@@ -261,3 +261,15 @@ def test_no_text_is_tried_in_all_ways(tmp_path: Path, name: str, text: str) -> N
     with pytest.raises(DFGError) as raised:
         load(path)
     assert len(str(raised.value)) < 1000
+
+
+def test_edges_that_name_no_operand_are_counted_once(tmp_path: Path) -> None:
+    """A search from 0 for each took a minute for fifty thousand of them."""
+    edges = ",".join('{"src": 1, "dst": 2}' for _ in range(50_000))
+    path = tmp_path / "g.json"
+    path.write_text(
+        f'{{"nodes": [{{"id": 1, "op": "in"}}, {{"id": 2, "op": "x"}}], "edges": [{edges}]}}'
+    )
+    with pytest.warns(VividcWarning, match="unknown operation"):
+        graph = load(path)
+    assert max(edge.port for edge in graph.edges) == 50_001  # without those of PRED and BASE

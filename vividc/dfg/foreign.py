@@ -7,8 +7,9 @@ load/store unit.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 
 from vividc.dfg.foreign_names import is_known, row_of
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
@@ -99,17 +100,18 @@ def foreign_edges(edges: Sequence[ForeignEdge]) -> tuple[Edge, ...]:
         ports.append(named)
         if named is not None:
             used.add(named)
-    return tuple(
-        _edge(edge, port, taken[edge.dst]) for edge, port in zip(edges, ports, strict=True)
-    )
+    free = {node: _free(used) for node, used in taken.items()}
+    return tuple(_edge(edge, port, free[edge.dst]) for edge, port in zip(edges, ports, strict=True))
 
 
-def _edge(edge: ForeignEdge, port: int | None, used: set[int]) -> Edge:
+def _free(used: set[int]) -> Iterator[int]:
+    """The ports that nobody named, in order."""
+    return (port for port in count() if port not in used and port not in (PRED, BASE))
+
+
+def _edge(edge: ForeignEdge, port: int | None, free: Iterator[int]) -> Edge:
     if edge.order:
         return Edge(edge.src, edge.dst, ORDER, edge.distance, kind=EdgeKind.ORDER)
     if port is None:
-        port = 0
-        while port in used or port in (PRED, BASE):
-            port += 1
-        used.add(port)
+        port = next(free)
     return Edge(edge.src, edge.dst, port, edge.distance)
