@@ -215,6 +215,22 @@ def test_json_of_too_many_values_is_refused_before_it_is_parsed(
         read(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "what"),
+    [
+        ("g.dot", "digraph {" + "a;" * 300_000 + "}", "words and marks of DOT"),
+        ("g.xml", "<DFG>" + "<a/>" * 600_000, "tags of XML"),
+        ("g.dfg", 'dfg "a"\n' + "\n" * 600_000, "lines"),
+    ],
+)
+def test_graphs_of_too_many_parts_are_refused(
+    tmp_path: Path, name: str, text: str, what: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises(VividcError, match=f"{name}: more than 524,288 {what}\nhint: "):
+        dfg.load(tmp_path / name)
+
+
 def test_a_program_of_too_many_values_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

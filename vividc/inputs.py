@@ -33,6 +33,7 @@ _SIZE: Final = re.compile(r"([0-9]{1,12}) ?(KiB|MiB|GiB|TiB)?")
 _UNITS: Final = {None: 0, "KiB": 10, "MiB": 20, "GiB": 30, "TiB": 40}
 _PIECE: Final = 1 << 20
 _BYTES_A_VALUE: Final = 32
+_BYTES_A_PART: Final = 64
 
 
 def limit(most: int) -> int:
@@ -75,8 +76,7 @@ def demand_few_values(
 ) -> None:
     """Refuse JSON of more than one value for each 32 bytes of the limit `most`.
 
-    Python takes up to 120 bytes for the shortest values: so what is read takes less than four times
-    the limit, whatever the file holds.
+    Python takes up to 120 bytes for the shortest values, and what is made of them as much again.
 
     Raises
     ------
@@ -87,8 +87,28 @@ def demand_few_values(
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     values = sum(data.count(mark) for mark in (b",", b"[", b"{"))
     if values > allowed:
-        hint = f"if the file is what it should be, set {VARIABLE}, as in {VARIABLE}=8GiB"
-        raise error(f"more than {allowed:,} values of JSON", loc=str(path), hint=hint)
+        raise _too_many(allowed, "values of JSON", path, error)
+
+
+def demand_few_parts(
+    parts: int, what: str, path: Path | str, error: type[VividcError] = VividcError
+) -> None:
+    """Refuse a graph of more than one part, such as a tag or a line, for each 64 bytes of the limit
+    `GRAPH_BYTES`: what a part becomes takes some hundred bytes.
+
+    Raises
+    ------
+    VividcError
+        It has more; `error` says of which class.
+    """
+    allowed = limit(GRAPH_BYTES) // _BYTES_A_PART
+    if parts > allowed:
+        raise _too_many(allowed, what, path, error)
+
+
+def _too_many(allowed: int, what: str, path: Path | str, error: type[VividcError]) -> VividcError:
+    hint = f"if the file is what it should be, set {VARIABLE}, as in {VARIABLE}=8GiB"
+    return error(f"more than {allowed:,} {what}", loc=str(path), hint=hint)
 
 
 def demand_utf8_path(path: Path | str, error: type[VividcError] = VividcError) -> None:

@@ -15,6 +15,7 @@ from itertools import pairwise
 from typing import Final, NoReturn
 
 from vividc.errors import DFGError
+from vividc.inputs import demand_few_parts
 from vividc.printable import printable
 
 _TOKEN: Final = re.compile(
@@ -22,11 +23,12 @@ _TOKEN: Final = re.compile(
     |(?P<arrow>->)
     |(?P<line>--)
     |(?P<mark>[{}\[\]=;,:])
-    |"(?P<string>(?:[^"\\]|\\.)*)"
+    |"(?P<string>[^"\\]*+(?:\\.[^"\\]*+)*+)"
     |(?P<word>-?(?:\.\d+|\d+(?:\.\d*)?)|[A-Za-z_\x80-\U0010FFFF][\w\x80-\U0010FFFF.]*)""",
     re.VERBOSE | re.DOTALL,
 )
 _ESCAPE: Final = re.compile(r"\\(.)", re.DOTALL)
+_CHECKED: Final = 1 << 12
 _KEYWORDS: Final = frozenset({"graph", "node", "edge"})
 
 
@@ -92,6 +94,8 @@ def _tokens(text: str, file: str) -> list[_Token]:
             raise DFGError(f"{what} not understood in DOT", loc=f"{file}:{line}")
         if match.lastgroup != "space":
             tokens.append(_Token(match.lastgroup, match[match.lastgroup], line))
+            if len(tokens) % _CHECKED == 0:
+                demand_few_parts(len(tokens), "words and marks of DOT", file, DFGError)
         line += match[0].count("\n")
         at = match.end()
     tokens.append(_Token("end", "the end of the file", line))

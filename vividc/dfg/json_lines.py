@@ -17,7 +17,7 @@ _ARRAYS: Final = ("nodes", "edges")
 _PLACE: Final = re.compile(r"(nodes|edges)\[([0-9]{1,9})\]")
 _DECODER: Final = json.JSONDecoder()
 _STRING_OR_NUMBER: Final = re.compile(
-    r'"(?:[^"\\]|\\.)*"|-?(?P<digits>\d+)(?P<rest>\.\d+|[eE])?', re.S
+    r'"[^"\\]*+(?:\\.[^"\\]*+)*+"|-?(?P<digits>\d+)(?P<rest>\.\d+|[eE])?', re.S
 )
 
 

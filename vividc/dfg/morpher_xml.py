@@ -22,6 +22,7 @@ from typing import Final, NoReturn
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_form import from_json
 from vividc.errors import DFGError
+from vividc.inputs import demand_few_parts
 from vividc.printable import quoted
 
 _TOKEN: Final = re.compile(
@@ -167,6 +168,7 @@ def _integer(tag: _Tag, key: str, file: str) -> int:
 
 
 def _tags(text: str, file: str) -> Iterator[_Tag]:
+    demand_few_parts(text.count("<"), "tags of XML", file, DFGError)
     breaks = [match.start() for match in re.finditer("\n", text)]
     pending: _Tag | None = None
     at = 0

@@ -10,18 +10,19 @@ from typing import Final, NoReturn
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
 from vividc.errors import DFGError, SourceLoc
+from vividc.inputs import demand_few_parts
 from vividc.printable import quoted
 
 _TOKEN: Final = re.compile(
     r"""\s*(?:(?P<loc>!.*)
-    |(?P<string>"(?:[^"\\]|\\.)*")
+    |(?P<string>"[^"\\]*+(?:\\.[^"\\]*+)*+")
     |(?P<ref>%-?\d+)
     |(?P<number>0x[0-9a-fA-F]+|-?\d+)
     |(?P<word>[A-Za-z_][\w.]*)
     |(?P<mark>[=@(),:]))""",
     re.VERBOSE,
 )
-_LOC: Final = re.compile(r'!(?P<file>"(?:[^"\\]|\\.)*"|.*):(?P<line>\d+)\s*\Z')
+_LOC: Final = re.compile(r'!(?P<file>"[^"\\]*+(?:\\.[^"\\]*+)*+"|.*):(?P<line>\d+)\s*\Z')
 _OPCODES: Final = {op.value: op for op in Opcode}
 _CONTROLS: Final = {mark.value: mark for mark in Control}
 
@@ -41,6 +42,7 @@ def parse(text: str, file: str = "<text>") -> DFG:
     DFGError
         The text is malformed; file and line are named. Invariants are `check`'s, not the parser's.
     """
+    demand_few_parts(text.count("\n"), "lines", file, DFGError)
     name: str | None = None
     nodes: list[Node] = []
     edges: list[Edge] = []
