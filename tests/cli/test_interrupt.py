@@ -37,10 +37,9 @@ def test_an_interrupt_while_modules_load_is_one_line(module):
     assert (run.returncode, run.stdout, run.stderr) == (130, "", "vividc: interrupted\n")
 
 
-@pytest.mark.parametrize("module", ["numba.core", "vividc.cli.main"])
-def test_as_a_module_too(module, tmp_path):
+def test_as_a_module_too(tmp_path):
     """The interrupt is set by a module that Python runs at its start."""
-    (tmp_path / "sitecustomize.py").write_text(SCRIPT.replace("sys.argv[1]", f"{module!r}"))
+    (tmp_path / "sitecustomize.py").write_text(SCRIPT.replace("sys.argv[1]", "'numba.core'"))
     run = subprocess.run(
         [sys.executable, "-m", "vividc", "--version"],
         check=False,
