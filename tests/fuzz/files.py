@@ -18,7 +18,7 @@ import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from dataclasses import asdict, dataclass
 from io import StringIO
 from pathlib import Path
@@ -308,33 +308,44 @@ def _batches(found: Sequence[Kind], seeds: range) -> Iterator[list[tuple[int, Ki
 def main(count: int, seed: int, only: str, minutes: float, keep: Path | None, shrink: bool) -> None:
     """Try damaged files of all kinds; exit code 1 on a find."""
     tally: dict[str, Counter[str]] = {}
-    started = monotonic()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, suppress(KeyboardInterrupt):
         found = [kind for kind in kinds(Path(folder)) if kind.name.startswith(only)]
         children = Children(found, Path(folder))
-        print(f"{len(found)} kinds after {monotonic() - started:.1f} s", flush=True)
         started, done, finds = monotonic(), 0, 0
+        print(f"{len(found)} kinds", flush=True)
         for batch in _batches(found, range(seed, seed + count)):
             if monotonic() - started > 60 * minutes:
                 break
-            files = [(kind, file_of(kind, number)) for number, kind in batch]
-            for (number, kind), (_, data), outcome in zip(
-                batch, files, children.judge(files), strict=True
-            ):
-                counts = tally.setdefault(kind.name, Counter())
-                counts.update([outcome.fate, *(["find"] if outcome.find else [])])
-                counts["ms"] += int(1000 * outcome.seconds)
-                counts["MiB"] = max(counts["MiB"], outcome.grown >> 20)
-                if outcome.find:
-                    finds += 1
-                    print(f"seed {number}, {kind.name}: {outcome.find}", flush=True)
-                    _keep(keep, number, kind, shrunk(kind, data, children) if shrink else data)
+            finds += _tried(batch, children, tally, keep, shrink=shrink)
             before, done = done, done + len(batch)
             if done // 1000 > before // 1000:
                 rate = done / (monotonic() - started)
                 print(f"{done} files, {finds} finds, {rate:.0f}/s", flush=True)
     _show(tally)
-    sys.exit(1 if finds else 0)
+    sys.exit(1 if any(counts["find"] for counts in tally.values()) else 0)
+
+
+def _tried(
+    batch: Sequence[tuple[int, Kind]],
+    children: Children,
+    tally: dict[str, Counter[str]],
+    keep: Path | None,
+    *,
+    shrink: bool,
+) -> int:
+    """Judge a batch; how many finds there were, which are shown and kept."""
+    finds = 0
+    files = [(kind, file_of(kind, number)) for number, kind in batch]
+    for (number, kind), (_, data), outcome in zip(batch, files, children.judge(files), strict=True):
+        counts = tally.setdefault(kind.name, Counter())
+        counts.update([outcome.fate, *(["find"] if outcome.find else [])])
+        counts["ms"] += int(1000 * outcome.seconds)
+        counts["MiB"] = max(counts["MiB"], outcome.grown >> 20)
+        if outcome.find:
+            finds += 1
+            print(f"seed {number}, {kind.name}: {outcome.find}", flush=True)
+            _keep(keep, number, kind, shrunk(kind, data, children) if shrink else data)
+    return finds
 
 
 def _keep(folder: Path | None, number: int, kind: Kind, data: bytes) -> None:
