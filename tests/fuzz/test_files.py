@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Final
@@ -14,6 +15,7 @@ import vividc
 from tests.fuzz.file_damage import damaged
 from tests.fuzz.file_kinds import Kind, kinds
 from tests.fuzz.files import Children, draw, file_of, judge
+from vividc.errors import SourceLoc
 
 OWN: Final = "files of the package itself, and /dev/null"
 READERS: Final[dict[str, tuple[str, ...]]] = {
@@ -69,6 +71,18 @@ def test_damaged_files(found: tuple[Path, tuple[Kind, ...]]) -> None:
         kind = draw(cheap, seed)
         outcome = judge(kind, file_of(kind, seed), home)
         assert not outcome.find, (seed, kind.name, outcome)
+
+
+def test_names_in_a_program_command_no_terminal(found: tuple[Path, tuple[Kind, ...]]) -> None:
+    home, every = found
+    shown = next(kind for kind in every if kind.name == "program to disassemble")
+    program = vividc.load(home / "sums.vivid")
+    rows = tuple(
+        replace(row, loc=SourceLoc("\0\x1b[2J", 12), name="\x1b[2J") for row in program.debug
+    )
+    replace(program, debug=rows).save(home / "odd.vivid")
+    outcome = judge(shown, (home / "odd.vivid").read_bytes(), home)
+    assert (outcome.fate, outcome.find) == ("exit 0", "")
 
 
 @pytest.mark.slow

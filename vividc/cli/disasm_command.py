@@ -8,7 +8,7 @@ import click
 
 import vividc
 from vividc.cli import options
-from vividc.cli.report import print_json
+from vividc.cli.report import print_json, say
 from vividc.program import disassemble
 
 SCHEMA = "vividc.disasm/1"
@@ -23,4 +23,4 @@ def command(program: Path, as_json: bool) -> None:
     if as_json:
         print_json(SCHEMA, {"program": str(program), "text": text})
     else:
-        click.echo(text)
+        say(text)
