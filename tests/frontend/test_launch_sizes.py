@@ -151,6 +151,9 @@ def test_negative_dimensions_are_told_with_their_line(function: object) -> None:
     "statement",
     [
         "x[::2] -= 3",
+        "p[:, :0:-1] %= 255",
+        "p[:0:-1, :0:-1] += n",
+        "x[:0:-1] = ~x[:0:-1]",
         "x[1::3] += y[1::3]",
         "x[::-2] += y[-1::-2]",
         "for i in range(len(x)): x[:i] += y[:i]",
@@ -163,14 +166,14 @@ def test_sizes_of_steps_and_counters_are_bounded(statement: str, tmp_path: Path)
     source = f"""
 import numpy as np
 from vividc.frontend import kernel
-SHAPES = {{'x': ('L',), 'y': ('L',)}}
+SHAPES = {{'x': ('L',), 'y': ('L',), 'p': ('L', 'M')}}
 FIXED = False
 
-@kernel("void(int32[::1], int32[::1], int32)")
-def program(x, y, n):
+@kernel("void(int32[::1], int32[::1], int32[:, ::1], int32)")
+def program(x, y, p, n):
     {statement}
 """
-    verdict = judge(source, 5, tmp_path)
+    verdict = judge(source, 5, tmp_path, simulate="blocks")
     assert verdict.kind == "agrees", verdict.text
 
 

@@ -13,6 +13,7 @@ from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Int, Local, Op, Operand, WideFunction, WidePhi
 
 _LARGEST = 1 << 31
+"""What no counter goes below."""
 _ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv", "lshr"})
 """What gives its operand, or less of one that is not negative."""
 _FEW = 1 << 10
@@ -91,9 +92,9 @@ class LaunchSizes:
         return self._all("+", op.args, block, depth)
 
     def _difference(self, op: Op, block: str, depth: int) -> Formula | None:
-        low = self._ranges.at(op.args[1], block)[0]
         left = self._bound(op.args[0], block, False, depth - 1)
-        return None if left is None or abs(low) >= _LARGEST else (*left, -low, "+")
+        less = self._negative(op.args[1], block, depth - 1)
+        return None if left is None or less is None else (*left, *less, "+")
 
     def _divided(self, op: Op, block: str, depth: int) -> Formula | None:
         """Of a division by a positive constant, of which what is negative has none above 0; by
@@ -118,13 +119,16 @@ class LaunchSizes:
         return None if most is None else (*most, 0, "max", abs(divisor), "//")
 
     def _negative(self, operand: Operand, block: str, depth: int) -> Formula | None:
-        """What minus `operand` is at most: of a difference."""
+        """What minus `operand` is at most: a constant, or of a difference its other sign."""
         op = self._definitions.get(operand.name) if isinstance(operand, Local) else None
-        if not isinstance(op, Op) or op.op != "sub" or not depth:
-            return None
-        low = self._ranges.at(op.args[0], block)[0]
-        right = self._bound(op.args[1], block, False, depth - 1)
-        return None if right is None or abs(low) >= _LARGEST else (*right, -low, "+")
+        if isinstance(op, Op) and op.op == "sub" and depth:
+            right = self._bound(op.args[1], block, False, depth - 1)
+            less = self._negative(op.args[0], block, depth - 1)
+            if right is not None and less is not None:
+                return (*right, *less, "+")
+        low = self._ranges.at(operand, block)[0]
+        # That a dimension is no longer than a scratchpad is no size for an array.
+        return (-low,) if low > -MAX_DIMENSION else None
 
     def _counter(self, phi: WidePhi, depth: int) -> Formula | None:
         """A loop's counter: its start or, if it grows, the limit that its header tests."""
@@ -186,9 +190,13 @@ class LaunchSizes:
             return None
         scaled = isinstance(right, Int) and right.value > 0
         exact = _is_input(one) and _is_input(other)
-        if scaled or exact or all(self._ranges.at(arg, block)[0] >= 0 for arg in (left, right)):
+        least = [self._ranges.at(arg, block)[0] for arg in (left, right)]
+        if scaled or exact or min(least) >= 0:
             return (*one, *other, "*")
-        return None
+        if min(least) < -_FEW:
+            return None
+        both = least[0] * least[1] if max(least) < 0 else 0  # the product of the negative ones
+        return (*one, 0, "max", *other, 0, "max", "*", both, "max")
 
     def _all(
         self,
