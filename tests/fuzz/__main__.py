@@ -106,15 +106,14 @@ def _fuzz(search: _Search, folder: Path) -> Tally:
                     break
                 _run_one(seed, search.shares, folder, tally)
                 tally.seconds = spent + monotonic() - started
+                tally.keep_in(search.state)
                 if number % _COLLECT == _COLLECT - 1:
                     gc.collect()
-                    tally.keep_in(search.state)
                     _show(tally)
                 shown = ", ".join(f"{n} {kind}" for kind, n in sorted(tally.counts.items()))
                 progress.update(task, advance=1, description=f"seed {seed}: {shown}")
     except KeyboardInterrupt:
         console.print("interrupted")
-    tally.keep_in(search.state)
     return tally
 
 

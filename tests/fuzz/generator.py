@@ -55,36 +55,14 @@ WIDE_RETURNS = ("int64", "uint64", *RETURNS)
 HEADER = """import math
 import numpy as np
 from vividc.frontend import kernel
-
 """
 TABLES = {
     "TABLE": "np.array([3, -1, 4, 4, -5, 9, 2, 1, 6, 2**31 - 1, 3, 5, -8, 9, 7, -2**31], np.int32)",
     "SMALL": "(7, -3, 12, 5)",
 }
-HELPERS = {
-    "mix": """
-@kernel("int32(int32, int32)")
-def mix(v, w):
-    if v > w:
-        return np.int32(v - w)
-    return np.int32((v ^ w) + 1)
-""",
-    "pair": """
-@kernel("UniTuple(int32, 2)(int32, int32)")
-def pair(v, w):
-    return np.int32(w + 1), np.int32(v ^ w)
-""",
-    "blend": """
-@kernel("float32(float32, float32)")
-def blend(v, w):
-    k = v
-    for i in range(2):
-        if k > w:
-            break
-        k = k + w
-    return k
-""",
-}
+HELPERS = ("mix", "pair", "blend")
+"""Kernels of `called`."""
+
 STARTS = {
     "s": "s = np.int32(1)",
     "t": "t = np.int64(p)",
@@ -165,7 +143,8 @@ def _module(program: Program, params: list[Array], constants: list[Constant], bo
     signature = f"{program.returns}({', '.join(types)})"
     tables = TABLES | {constant.array.name: constant.text for constant in constants}
     head = "".join(f"{k} = {v}\n" for k, v in tables.items() if _uses(body, k))
-    head += "".join(f"\n{v}" for k, v in HELPERS.items() if _uses(body, k))
+    called = [name for name in HELPERS if _uses(body, name)]
+    imports = f"from tests.fuzz.called import {', '.join(called)}\n" if called else ""
     kernel = f'\n\n@kernel("{signature}")\ndef program({parameters}):\n{body}'
     named = [constant for constant in constants if _uses(body, constant.array.name)]
     features = set().union(*(constant.features for constant in named))
@@ -175,8 +154,8 @@ def _module(program: Program, params: list[Array], constants: list[Constant], bo
             f"\n\ndef made():{_indented(head + kernel)}    return program\n\n\nprogram = made()\n"
         )
         head = ""
-    text = f"# {', '.join(sorted(features))}\n{HEADER}"
-    text += f"SHAPES = { {a.name: a.dims for a in used} }\n"
+    text = f"# {', '.join(sorted(features))}\n{HEADER}{imports}"
+    text += f"\nSHAPES = { {a.name: a.dims for a in used} }\n"
     text += f"FIXED = {program.places.is_fixed}\n"
     return text + head + kernel
 
