@@ -30,7 +30,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "dfg/load.py": ("graph JSON", "graph DOT", "graph XML", "graph text", "graph to verify"),
     "errors.py": ("graph with lines", "kernel"),
     "files.py": ("kernel", "graph JSON"),
-    "frontend/diagnose.py": ("kernel",),
+    "frontend/kernel_source.py": ("kernel",),
     "frontend/ll_source.py": ("kernel in C",),
     "inputs.py": ("graph JSON",),
     "kept.py": (OWN,),

@@ -65,9 +65,11 @@ _SLICE: Final = 10_000
 _BEGIN_S: Final = 0.005
 _MOVE_S, _SHOWN_MOVE_S = 3e-7, 5e-7
 _REPAIR_S, _OUTPUT_REPAIR_S = 1e-4, 1e-5
-_ROUTED_S: Final = 2e-6
+_ROUTED_S: Final = 2e-5
+_TYPICAL_EDGES: Final = 1.3
 """Effort of an attempt's arrays, of a move without and with moves of words claimed, of a move with
-routes (where words go through output registers), and of routing the words of a node.
+routes (where words go through output registers), and of routing the words of a node, in graphs of
+so many edges a node; denser ones take as much more.
 """
 _REPAIR_SLICE: Final = 64
 _SEED_STEP: Final = 1000
@@ -212,6 +214,7 @@ class Negotiation:
         self.mrrg: MRRG = build_mrrg(problem.fabric)
         self.task: Task
         self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
+        self.density = max(len(self.task.edges.src) / len(self.ids) / _TYPICAL_EDGES, 1.0)
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
         self.cooling = _SHOWN if self.task.array.moves else _FREELY
@@ -269,7 +272,8 @@ class Negotiation:
             moves_now = min(_SLICE, end - done)
             anneal(self.task, state, heat, moves_now)
             done += _SLICE
-            yield moves_now * (_SHOWN_MOVE_S if self.task.array.moves else _MOVE_S)
+            move_s = _SHOWN_MOVE_S if self.task.array.moves else _MOVE_S
+            yield self.density * moves_now * move_s
             if not quenched and broken(self.task, self.places) == 0:
                 quenched, end = True, min(end, done + int(_QUENCH * moves))
                 hot = min(float(heat.value[0]), _QUENCH_HOT)
@@ -315,7 +319,7 @@ class Negotiation:
             if traffic.totals[OVER] == 0:
                 return True
             raise_prices(traffic, self.ii, _HISTORY, _GROWTH, _MOST_PRESSURE)
-            yield _ROUTED_S * len(self.ids)
+            yield self.density * _ROUTED_S * len(self.ids)
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
@@ -341,7 +345,8 @@ class Negotiation:
                 break
             moves_now = min(_REPAIR_SLICE, moves - done)
             repair(self.router, undo, heat, moves_now)
-            yield moves_now * (_OUTPUT_REPAIR_S if self.task.array.outputs else _REPAIR_S)
+            repair_s = _OUTPUT_REPAIR_S if self.task.array.outputs else _REPAIR_S
+            yield self.density * moves_now * repair_s
         return bool(self.traffic.totals[OVER] == 0)
 
     def _shrink(self, pe: int) -> bool:
