@@ -182,33 +182,21 @@ def main(
     if output is not None:
         output.mkdir(parents=True, exist_ok=True)
     with vividc.patient(PATIENCE):
-        _print_all(tables, fabrics, chosen, methods, sizes, time_limit, output)
-
-
-def _print_all(
-    tables: tuple[str, ...],
-    fabrics: tuple[str, ...],
-    chosen: tuple[str, ...],
-    methods: tuple[str, ...],
-    sizes: tuple[int, ...],
-    time_limit: float,
-    output: Path | None,
-) -> None:
-    for table in tables:
-        if table == GEMM:
-            _print_own(GEMM, gemm.TITLE, [*gemm.NOTES, "", *gemm.rows()], output)
-            continue
-        if table == PRECISION:
-            lines = [*precision.NOTES, "", *precision.rows()]
-            _print_own(PRECISION, precision.TITLE, lines, output)
-            continue
-        if table == MAPPERS:
-            _print_mappers(fabrics, chosen, time_limit, output)
-            continue
-        if table == PAPER:
-            _print_paper(methods, sizes, output)
-            continue
-        _print_table(table, fabrics, time_limit, output)
+        for table in tables:
+            if table == GEMM:
+                _print_own(GEMM, gemm.TITLE, [*gemm.NOTES, "", *gemm.rows()], output)
+                continue
+            if table == PRECISION:
+                lines = [*precision.NOTES, "", *precision.rows()]
+                _print_own(PRECISION, precision.TITLE, lines, output)
+                continue
+            if table == MAPPERS:
+                _print_mappers(fabrics, chosen, time_limit, output)
+                continue
+            if table == PAPER:
+                _print_paper(methods, sizes, output)
+                continue
+            _print_table(table, fabrics, time_limit, output)
 
 
 def _print_table(

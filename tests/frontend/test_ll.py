@@ -11,6 +11,8 @@ import vividc
 from tests.frontend.cfg_eval import run
 from vividc.dfg.cfg import DType
 from vividc.errors import ArgumentError, KernelError, VividcWarning
+from vividc.frontend import ll_source
+from vividc.frontend.llvm_child.client import Lost
 
 LOOP = """
 define i32 @sum(ptr %x, i32 %n) {
@@ -289,3 +291,24 @@ def test_a_function_must_be_chosen(tmp_path: Path) -> None:
         vividc.load_ll(write(tmp_path, text))
     text = text.replace("define void @f", "define internal void @f")
     assert vividc.load_ll(write(tmp_path, text)).name == "g"
+
+
+def test_a_function_that_llvm_keeps_apart_is_not_taken_for_one_of_its_name(tmp_path: Path) -> None:
+    """The array computes sines; this one returns its argument."""
+    own = "define float @sinf(float %v) presplitcoroutine {\n  ret float %v\n}\n"
+    call = "define float @f(float %a) {\n  %r = call float @sinf(float %a)\n  ret float %r\n}\n"
+    with pytest.raises(KernelError, match="`sinf` is called, and LLVM cannot inline it"):
+        vividc.load_ll(write(tmp_path, own + call), "f").lower()
+    inlined = vividc.load_ll(write(tmp_path, own.replace("presplitcoroutine ", "") + call), "f")
+    assert inlined(np.float32(3.0)) == 3.0
+
+
+def test_a_file_of_which_llvm_dies_in_any_form_is_a_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def dies(*_: object, **__: object) -> None:
+        raise Lost("SIGABRT")
+
+    monkeypatch.setattr(ll_source, "ask", dies)
+    with pytest.raises(KernelError, match=r"k\.ll: LLVM cannot read it: it dies \(SIGABRT\)"):
+        vividc.load_ll(write(tmp_path, LOOP), "sum")

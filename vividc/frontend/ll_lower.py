@@ -201,6 +201,7 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     optimised = _HINTS.sub("", _linked(entry_text(function, counts), parts, function.loc))
     wide = read_function(optimised, ENTRY, function.loc.file)
     refuse_long(wide, function.loc)
+    _refuse_kept_calls(wide, frozenset(body.name for body in bodies(text)), function.loc)
     structs = structs_of(optimised)
     blocks = tuple(
         replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))
@@ -208,6 +209,18 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     )
     kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
+
+
+def _refuse_kept_calls(wide: WideFunction, defined: frozenset[str], loc: SourceLoc) -> None:
+    """A function of the file that LLVM does not inline, whatever its name, is none of math.h's."""
+    for block in wide.blocks:
+        for op in block.ops:
+            if op.op == "call" and op.pred in defined:
+                reason = f"the function `{op.pred}` is called, and LLVM cannot inline it"
+                hint = (
+                    "compile it without attributes that keep it apart, such as those of coroutines"
+                )
+                raise KernelError(reason, loc=op.loc or loc, hint=hint)
 
 
 def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:

@@ -98,8 +98,12 @@ def printed(text: str, path: Path) -> str:
     try:
         return _read(text, path)
     except Lost:
-        # Of broken debug information LLVM ends the process; of anything else it says why.
-        _read(_DEBUG.sub("", text.replace('"Debug Info Version"', '"version"')), path)
+        # Of broken debug information LLVM ends the process; of most else it says why.
+        try:
+            _read(_DEBUG.sub("", text.replace('"Debug Info Version"', '"version"')), path)
+        except Lost as lost:
+            reason = f"LLVM cannot read it: it dies ({str(lost) or 'an error'})"
+            raise KernelError(reason, loc=str(path), hint=_FORM) from lost
     raise KernelError("its debug information cannot be read", loc=str(path), hint=_FORM)
 
 

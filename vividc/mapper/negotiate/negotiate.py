@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from vividc import time_limit
 from vividc.arch.fabric import PE, Controller, Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.opcodes import LatencyClass, Opcode
@@ -109,16 +108,12 @@ class Effort:
     shown: int = _SHOWN_MOVES
 
 
-def prepare(tell: Callable[[str], None]) -> float:
-    """Have everything compiled; the seconds that it was compiled, 0 where the machine code is on
-    disk or in memory.
-    """
-    before_s = time_limit.not_counted_s()
+def prepare(tell: Callable[[str], None]) -> None:
+    """Have everything compiled: the time that takes, once an installation, counts in no limit."""
     if not _prepared:
         tell("annealer and router: loading, or compiling once (up to a minute)")
         _compile_all()
         _prepared.append(True)
-    return time_limit.not_counted_s() - before_s
 
 
 _prepared: list[bool] = []
