@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import networkx as nx
 
+from vividc import time_limit
 from vividc.dfg.cfg import Block, Function
-from vividc.dfg.per_function import once_a_function
+from vividc.once import once_each
 
 
 @dataclass(frozen=True)
@@ -24,9 +25,10 @@ class Loop:
     exits: tuple[tuple[str, str], ...]
 
 
-@once_a_function
+@once_each
 def block_graph(function: Function) -> nx.DiGraph[str]:
     """Control flow between the blocks that can be reached from the entry."""
+    time_limit.step("control flow was analysed")
     by_name = {block.name: block for block in function.blocks}
     graph: nx.DiGraph[str] = nx.DiGraph()
     work = [function.blocks[0].name]
@@ -40,9 +42,10 @@ def block_graph(function: Function) -> nx.DiGraph[str]:
     return nx.freeze(graph)
 
 
-@once_a_function
+@once_each
 def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
     """The blocks that may come before each block, in block order, unreachable ones among them."""
+    time_limit.step("control flow was analysed")
     found: dict[str, list[str]] = {block.name: [] for block in function.blocks}
     for block in function.blocks:
         for target in dict.fromkeys(block.branch.successors):
@@ -64,7 +67,7 @@ def dominators(graph: nx.DiGraph[str], entry: str) -> dict[str, frozenset[str]]:
     return result
 
 
-@once_a_function
+@once_each
 def find_loops(function: Function) -> tuple[Loop, ...]:
     """All natural loops, innermost first (fewest blocks), then in block order."""
     graph = block_graph(function)
@@ -81,7 +84,7 @@ def find_loops(function: Function) -> tuple[Loop, ...]:
     return tuple(sorted(loops, key=lambda loop: (len(loop.blocks), order[loop.header])))
 
 
-@once_a_function
+@once_each
 def pipelined_loops(function: Function) -> tuple[Loop, ...]:
     """The loops to modulo-schedule: those that contain no other, have an exit, and are not
     `sequential`.
@@ -96,7 +99,7 @@ def pipelined_loops(function: Function) -> tuple[Loop, ...]:
     )
 
 
-@once_a_function
+@once_each
 def blocks_of_pipelined_loops(function: Function) -> frozenset[str]:
     """Names of the blocks of loops to modulo-schedule."""
     return frozenset(name for loop in pipelined_loops(function) for name in loop.blocks)

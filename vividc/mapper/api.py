@@ -89,12 +89,13 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
             if mapper not in BUILT_IN:  # what a guest does is known by the clock only
                 counted_s = deadline.meter.spent_s - spent
                 deadline.charge(max(0.0, time.monotonic() - began - counted_s))
+            hurried = deadline.meter.hurried
     except MapInterrupted as stop:
         _confirm(problem, stop.result, mapper)
         raise MapInterrupted(_about(stop.result, problem)) from stop
     _confirm(problem, result, mapper)
     stats = {**result.stats, "effort_s": deadline.meter.spent_s - spent}
-    return _about(replace(result, hurried=deadline.meter.hurried, stats=stats), problem)
+    return _about(replace(result, hurried=hurried, stats=stats), problem)
 
 
 def _mapped(

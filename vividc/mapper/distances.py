@@ -6,13 +6,13 @@ from collections import deque
 from typing import Final
 
 from vividc.arch.fabric import Fabric
-from vividc.mapper.per_fabric import once_a_fabric
+from vividc.once import once_each
 
 FAR: Final = 1 << 20
 """Distance to a PE that no links lead to."""
 
 
-@once_a_fabric
+@once_each
 def hop_distances(fabric: Fabric) -> tuple[tuple[int, ...], ...]:
     """Links on a shortest way from each PE to each other; `FAR` if there is none."""
     return tuple(_hops_from(fabric, pe.id) for pe in fabric.pes)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.mapper.distances import FAR
-from vividc.mapper.per_fabric import once_a_fabric
+from vividc.once import once_each
 
 Ints = NDArray[np.int64]
 Bits = NDArray[np.uint8]
@@ -187,7 +187,7 @@ class MRRG:
         return tuple((resource, when) for resource, when in ends if resource != NONE)
 
 
-@once_a_fabric
+@once_each
 def build_mrrg(fabric: Fabric) -> MRRG:
     """The graph of a fabric. A register file without registers or ports is no location.
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from vividc.arch.fabric import Fabric, Routing
 from vividc.mapper.mapping import Mapping, Step
-from vividc.mapper.per_fabric import once_a_fabric
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registers import Stay, allocate
+from vividc.once import once_each
 
 _StepKey = tuple[int, int, int]
 """(producer, PE, cycle) of a word in a register."""
@@ -38,7 +38,7 @@ def unrotated(fabric: Fabric) -> Fabric:
     return _made_unrotated(fabric) if any(pe.rotating for pe in fabric.pes) else fabric
 
 
-@once_a_fabric
+@once_each
 def _made_unrotated(fabric: Fabric) -> Fabric:
     pes = tuple(replace(pe, rotating=False) for pe in fabric.pes)
     return replace(fabric, pes=pes)

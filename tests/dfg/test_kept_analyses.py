@@ -8,7 +8,7 @@ from tests.dfg.programs import Assign, If, lower
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import find_loops, pipelined_loops, predecessors
 from vividc.dfg.normalize import normalize
-from vividc.dfg.per_function import once_a_function
+from vividc.once import once_each
 
 _CHOICE = If(0, 1, (Assign(1, "add", 0, 2, None),), ())
 
@@ -16,7 +16,7 @@ _CHOICE = If(0, 1, (Assign(1, "add", 0, 2, None),), ())
 def test_an_analysis_is_made_once_for_a_function_and_anew_for_its_copy() -> None:
     calls: list[str] = []
 
-    @once_a_function
+    @once_each
     def analysis(function: Function) -> list[str]:
         calls.append(function.name)
         return []

@@ -11,7 +11,7 @@ from random_graphs import random_loop
 from vividc.arch import load
 from vividc.arch.fabric import Fabric
 from vividc.mapper import map_dfg
-from vividc.mapper.per_fabric import once_a_fabric
+from vividc.once import once_each
 
 
 @pytest.mark.parametrize("name", ["mesh-5x5", "adres-4x4", "openedge-4x4"])
@@ -27,7 +27,7 @@ def test_mapping_keeps_no_fabric(name: str) -> None:
 def test_computed_once_for_each_fabric_and_let_go_with_it() -> None:
     asked: list[str] = []
 
-    @once_a_fabric
+    @once_each
     def described(fabric: Fabric) -> list[str]:
         """What it says."""
         asked.append(fabric.name)
