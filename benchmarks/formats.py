@@ -1,8 +1,8 @@
 """The table of number formats: errors of each operation of each format against exact results.
 
-The operations are those that FUs execute (`vividc.dfg.semantics`). Exact results are binary64's:
-sums and products of two numbers of these formats are exact in it, and what its rounding adds to the
-others is below 1e-15.
+The operations are those that FUs execute (`vividc.machine.semantics`). Exact results are
+binary64's: sums and products of two numbers of these formats are exact in it, and what its rounding
+adds to the others is below 1e-15.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.semantics import evaluate
 from vividc.formats import FORMATS, Format, round_array, to_floats
+from vividc.machine.opcodes import Opcode
+from vividc.machine.semantics import evaluate
 
 TITLE = "Errors of operations in FP16 and FP8"
 NOTES = (

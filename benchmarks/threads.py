@@ -16,10 +16,10 @@ import vividc
 from benchmarks.workloads import WORKLOADS
 from vividc.dfg.build import build_kernel
 from vividc.dfg.ir import DFG, Control, Edge, Node
-from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes import expand_math
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.frontend import KernelFunction
+from vividc.machine.opcodes import PRED, Opcode
 from vividc.mapper import map_dfg
 
 HEADER: Final = (

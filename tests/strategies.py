@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from hypothesis import strategies as st
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.lane_semantics import LANE_SEMANTICS
-from vividc.dfg.opcodes import BASE, ELEMENTARY, LANE_TYPES, OPCODES, ORDER, PRED, Opcode, Type
-from vividc.dfg.semantics import SEMANTICS
-from vividc.dfg.words import word_of
 from vividc.errors import SourceLoc
+from vividc.machine.lane_semantics import LANE_SEMANTICS
+from vividc.machine.opcodes import BASE, ELEMENTARY, LANE_TYPES, OPCODES, ORDER, PRED, Opcode, Type
+from vividc.machine.semantics import SEMANTICS
+from vividc.machine.words import word_of
 
 ARRAY_WORDS = 16
 WORD_BYTES = 4

@@ -10,7 +10,7 @@ import pytest
 import vividc
 from benchmarks.workloads import WORKLOADS
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 MESH = vividc.arch.load("mesh-2x2")
 GRAPH = DFG("one", (Node(0, Opcode.GENERIC, name="op"),), ())

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import BASE, Opcode
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
+from vividc.machine.opcodes import BASE, Opcode
 from vividc.mapper.mapping import Mapping as RegionMapping
 from vividc.mapper.problem import ConstantKey, MapProblem
 

@@ -13,7 +13,6 @@ from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
 from vividc.dfg.normalize import normalize
-from vividc.dfg.parallel import Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.precision import (
@@ -23,7 +22,6 @@ from vividc.dfg.precision import (
     idle_names,
     parse_precision,
 )
-from vividc.dfg.product import Product
 from vividc.dfg.regions import Kernel
 from vividc.dfg.transform.contract import contract as contract_products
 from vividc.dfg.transform.in_format import in_format
@@ -39,6 +37,8 @@ from vividc.errors import (
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
+from vividc.machine.parallel import Parallel
+from vividc.machine.product import Product
 from vividc.map_regions import MapOptions, Progress, guarded, map_kernel, mapping_of
 from vividc.mapper import MapResult, check_time_limit
 from vividc.mapper.deadline import limited

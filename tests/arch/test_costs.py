@@ -6,8 +6,8 @@ import pytest
 
 from vividc.arch.costs import DEFAULT_TABLE, cost_table_names, costs_from_text, load_costs
 from vividc.arch.node_scaling import area_factor, energy_factor
-from vividc.dfg.kinds import KINDS
 from vividc.errors import ArchError
+from vividc.machine.kinds import KINDS
 
 
 @pytest.fixture

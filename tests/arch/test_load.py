@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from vividc.arch import load, load_text, schema
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import ArchError
+from vividc.machine.opcodes import LatencyClass, Opcode
 
 DOCS = Path(__file__).parents[2] / "docs" / "fabric-yaml.md"
 

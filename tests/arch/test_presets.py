@@ -5,8 +5,8 @@ import itertools
 import pytest
 
 from vividc.arch import Fabric, Routing, family_names, load, load_text, preset_names
-from vividc.dfg.opcodes import LatencyClass
 from vividc.errors import ArchError
+from vividc.machine.opcodes import LatencyClass
 
 PARAMETRISED = (
     *("mesh-1x1", "mesh-3x5", "torus-2x2", "torus-4x4", "mesh-8x8", "king-3x3"),

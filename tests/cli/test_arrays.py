@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vividc.cli.arrays import describe, read_arguments, write_results
-from vividc.dfg.cfg import DType, Param
 from vividc.errors import ArgumentError
+from vividc.machine.params import DType, Param
 
 PARAMS = (Param("x", DType.F32, 1), Param("w", DType.I32, 2), Param("n", DType.I32))
 GOOD = {"x": np.zeros(4, np.float32), "w": np.zeros((2, 3), np.int32), "n": np.int64(4)}

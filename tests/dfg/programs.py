@@ -9,20 +9,9 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
-from vividc.dfg.cfg import (
-    Block,
-    Branch,
-    Const,
-    DType,
-    Function,
-    Input,
-    Instr,
-    Param,
-    Phi,
-    Ref,
-    Value,
-)
-from vividc.dfg.opcodes import Opcode, Type
+from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.params import DType, Param
 
 VARIABLES = 3
 WORDS = 16

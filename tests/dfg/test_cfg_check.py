@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from vividc.dfg.cfg import Block, Branch, Const, DType, Function, Input, Instr, Param, Phi, Ref
+from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 from vividc.dfg.cfg_check import check_function
-from vividc.dfg.opcodes import Opcode, Type
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.params import DType, Param
 
 LOOP = Function(
     "count",

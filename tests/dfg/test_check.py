@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from tests.strategies import dfgs, foreign_dfgs
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import ORDER, Opcode
 from vividc.dfg.text import parse
+from vividc.machine.opcodes import ORDER, Opcode
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)

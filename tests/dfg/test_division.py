@@ -6,9 +6,9 @@ import random
 
 import pytest
 
-from vividc.dfg.division import multiplier, quotient_by_constant, remainder_by_constant
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.semantics import evaluate
+from vividc.machine.division import multiplier, quotient_by_constant, remainder_by_constant
+from vividc.machine.opcodes import Opcode
+from vividc.machine.semantics import evaluate
 
 LARGEST = (1, 9, 100, 255, 1023, 65535, 10**6, 2**24, 2**30, 2**31 - 1, 2**31, 2**32 - 2, 2**32 - 1)
 FACTORS = (3, 5, 17, 257, 65537)  # of 2**32 - 1

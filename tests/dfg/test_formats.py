@@ -15,14 +15,14 @@ from hypothesis import given, settings
 from tests.strategies import dfgs, foreign_dfgs
 from vividc.dfg import Opcode, from_networkx, load, parse_dot, to_dot, to_json, to_networkx
 from vividc.dfg.attributes import EDGE_ALIASES, NODE_ALIASES, OPERANDS
-from vividc.dfg.foreign_names import NAME_ROWS, is_known, row_of
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import from_json
 from vividc.dfg.json_lines import ElementLines
 from vividc.dfg.morpher_xml import parse_morpher_xml
-from vividc.dfg.opcodes import ORDER, PRED, LatencyClass
 from vividc.dfg.text import to_text
 from vividc.errors import DFGError, VividcWarning
+from vividc.machine.foreign_names import NAME_ROWS, is_known, row_of
+from vividc.machine.opcodes import ORDER, PRED, LatencyClass
 
 DOC = Path(__file__).parents[2] / "docs" / "dfg-formats.md"
 

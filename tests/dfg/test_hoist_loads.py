@@ -9,7 +9,7 @@ import pytest
 
 import vividc
 from vividc.dfg.build import build_kernel
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 
 @vividc.kernel("void(int32[::1], int32[::1], int32[::1])")

@@ -14,10 +14,10 @@ import pytest
 from tests.rounding import nearest
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode, Type
-from vividc.dfg.semantics import evaluate, evaluate_predicated
-from vividc.dfg.words import CANONICAL_NAN, float_of, word_of
 from vividc.formats import E4M3, E5M2, F16, FORMATS, Format, join, round_bits, split, to_float
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode, Type
+from vividc.machine.semantics import evaluate, evaluate_predicated
+from vividc.machine.words import CANONICAL_NAN, float_of, word_of
 
 ALL = pytest.mark.parametrize("fmt", FORMATS.values(), ids=FORMATS)
 FP8 = pytest.mark.parametrize("fmt", [E4M3, E5M2], ids=["e4m3", "e5m2"])

@@ -14,9 +14,9 @@ from vividc.dfg.dot import parse_dot, to_dot
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import from_json, original_ids, to_json
 from vividc.dfg.load import load
-from vividc.dfg.opcodes import ORDER, PRED, Opcode
 from vividc.dfg.text import to_text
 from vividc.errors import DFGError, VividcWarning
+from vividc.machine.opcodes import ORDER, PRED, Opcode
 
 DATA = Path(__file__).parents[1] / "data"
 # Graphs published with other mappers, where the checkout has them beside it.

@@ -9,9 +9,9 @@ import pytest
 
 from vividc.dfg.graph_builder import GraphBuilder
 from vividc.dfg.ir import Edge, EdgeKind, Node
-from vividc.dfg.lanes import Lane
 from vividc.dfg.memory_order import Access, order_accesses
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import Opcode
 
 ITERATIONS = 24
 

@@ -12,9 +12,9 @@ from numba import prange
 import vividc
 from vividc.dfg.cfg import Input
 from vividc.dfg.cfg_edit import uses
-from vividc.dfg.parallel import FIRST, LAST, Parallel
 from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.errors import KernelError
+from vividc.machine.parallel import FIRST, LAST, Parallel
 
 
 def cut(kernel: Any) -> tuple[Any, Parallel]:

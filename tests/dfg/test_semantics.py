@@ -8,10 +8,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
-from vividc.dfg.semantics import SEMANTICS, evaluate, evaluate_predicated
-from vividc.dfg.words import CANONICAL_NAN, float_of, signed, word_of
 from vividc.errors import InternalError
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
+from vividc.machine.semantics import SEMANTICS, evaluate, evaluate_predicated
+from vividc.machine.words import CANONICAL_NAN, float_of, signed, word_of
 
 SAMPLES = 4000
 SPECIAL = (

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vividc.dfg.words import loaded, stored
+from vividc.machine.words import loaded, stored
 
 WORDS = st.integers(0, 2**32 - 1)
 PLACES = [(byte, width) for width in (1, 2, 4) for byte in range(0, 4, width)]

@@ -7,7 +7,7 @@ import pytest
 from benchmarks.threads import blend, threads
 from vividc.dfg.check import check
 from vividc.dfg.ir import Control
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 
 @pytest.mark.parametrize("count", [1, 4, 8])

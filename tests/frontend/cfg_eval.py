@@ -10,8 +10,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from vividc.dfg.cfg import Block, Const, DType, Function, Input, Instr, Value
-from vividc.dfg.opcodes import Opcode
+from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
+from vividc.machine.opcodes import Opcode
+from vividc.machine.params import DType
 
 _MASK = 0xFFFFFFFF
 

@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from vividc.dfg.cfg import DType, Param
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import KernelFunction, kernel
+from vividc.machine.params import DType, Param
 
 
 @kernel("float32(float32[:, ::1], int32[::1], uint32, int64, bool)", name="chosen")

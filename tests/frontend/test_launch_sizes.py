@@ -9,10 +9,10 @@ import pytest
 
 import vividc
 from tests.fuzz.witnesses import judge, run_regions
-from vividc.dfg.cfg import LocalArray, evaluate_formula
 from vividc.driver import lower
 from vividc.errors import SimulationError
 from vividc.frontend import KernelFunction
+from vividc.machine.params import LocalArray, evaluate_formula
 from vividc.program import Program
 
 LENGTHS = (0, 1, 2, 7, 16)

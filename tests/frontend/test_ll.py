@@ -9,10 +9,10 @@ import pytest
 
 import vividc
 from tests.frontend.cfg_eval import run
-from vividc.dfg.cfg import DType
 from vividc.errors import ArgumentError, KernelError, VividcWarning
 from vividc.frontend import ll_source
 from vividc.frontend.llvm_child.client import Lost
+from vividc.machine.params import DType
 
 LOOP = """
 define i32 @sum(ptr %x, i32 %n) {

@@ -14,8 +14,8 @@ import pytest
 
 import vividc
 from tests.frontend.cfg_eval import run
-from vividc.dfg.cfg import DType
 from vividc.errors import KernelError
+from vividc.machine.params import DType
 
 FILE = Path(__file__).parent / "c" / "memory.ll"
 _RNG = np.random.default_rng(1)

@@ -14,11 +14,11 @@ import pytest
 from tests.frontend.cfg_eval import run
 from tests.frontend.random_wide import random_wide_kernel
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import DType, joined
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.errors import KernelError
 from vividc.frontend import KernelFunction
+from vividc.machine.params import DType, joined
 
 FAST = range(14)
 SLOW = (*range(14, 24), *range(1000, 1400))

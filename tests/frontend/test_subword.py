@@ -10,9 +10,9 @@ import pytest
 
 from tests.frontend import narrow_kernels
 from tests.frontend.cfg_eval import run
-from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.driver import lower
 from vividc.frontend import KernelFunction
+from vividc.machine.opcodes import MEMORY, Opcode
 
 
 def all_bytes(dtype: str) -> np.ndarray:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.fuzz.places import FIXED, MOST
-from vividc.dfg.cfg import DType
 from vividc.frontend import KernelFunction
+from vividc.machine.params import DType
 
 LENGTH = 16
 """Of every dimension of a kernel whose module does not say more."""

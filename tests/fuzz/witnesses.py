@@ -21,7 +21,7 @@ from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import DType, Function
+from vividc.dfg.cfg import Function
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import normalize
@@ -30,6 +30,7 @@ from vividc.dfg.regions import Kernel
 from vividc.driver import CompileOptions, map_kernel
 from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
+from vividc.machine.params import DType
 from vividc.program import Program, encode
 
 TRIALS = 3

@@ -28,7 +28,7 @@ from itertools import permutations
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Place, Step
 
 Spot = tuple[str, int, int]

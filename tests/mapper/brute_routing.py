@@ -14,7 +14,7 @@ from brute_force import _Placer
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Step
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Scratchpad
-from vividc.dfg.opcodes import LatencyClass
+from vividc.machine.opcodes import LatencyClass
 
 UNPLACED = frozenset({LatencyClass.SOURCE, LatencyClass.SINK})
 EVERYTHING = frozenset(LatencyClass) - UNPLACED

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
+from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
 
 
 class GraphBuilder:

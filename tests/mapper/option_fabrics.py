@@ -7,7 +7,7 @@ from typing import Final
 from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric, Routing
-from vividc.dfg.opcodes import LatencyClass
+from vividc.machine.opcodes import LatencyClass
 
 _RING = ((0, 1), (1, 2), (2, 0))
 _SLOW = {LatencyClass.IMUL: 2}

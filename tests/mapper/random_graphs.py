@@ -6,7 +6,7 @@ import random
 from itertools import pairwise
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, OPCODES, ORDER, PRED, Opcode
+from vividc.machine.opcodes import BASE, OPCODES, ORDER, PRED, Opcode
 
 COMPUTE = (Opcode.MOV, Opcode.ADD, Opcode.MUL, Opcode.SELECT)
 

@@ -13,7 +13,7 @@ from collections import Counter
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, EdgeKind
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Step
 
 Resource = tuple[str, int, int]

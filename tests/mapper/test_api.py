@@ -13,8 +13,8 @@ from fabrics import EVERYTHING, grid
 from graphs import GraphBuilder, accumulator, blending, chain
 
 from vividc import arch
-from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import InternalError, VividcError
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapProblem, MapRequest, MapResult, map_dfg, registry, violations
 from vividc.mapper.negotiate import prepare
 from vividc.mapper.problem import ConstantKey

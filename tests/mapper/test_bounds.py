@@ -12,8 +12,8 @@ from graphs import GraphBuilder, accumulator, chain
 
 from vividc import arch
 from vividc.dfg.ir import DFG, Control, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import SourceLoc
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.bounds import all_bounds, hall_sets, mii, no_ii
 from vividc.mapper.dependences import dependences
 from vividc.mapper.problem import MapProblem

@@ -10,7 +10,7 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import map_dfg, violations
 
 _NO_REGISTERS = {"registers": 0, "read_ports": 0, "write_ports": 0}

@@ -12,8 +12,8 @@ from graphs import GraphBuilder, accumulator, blending, chain
 
 from vividc import arch
 from vividc.dfg.json_form import from_json
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import VividcError
+from vividc.machine.opcodes import Opcode
 from vividc.mapper import (
     Bound,
     Finding,

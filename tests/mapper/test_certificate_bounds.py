@@ -14,7 +14,7 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import Bound, MapProblem, Subject, all_bounds
 from vividc.mapper.bounds import mii
 from vividc.mapper.certificate_bounds import check_bounds

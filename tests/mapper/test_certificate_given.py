@@ -11,8 +11,8 @@ from graphs import GraphBuilder, accumulator
 
 from vividc import arch
 from vividc.dfg.json_form import from_json
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import VividcError
+from vividc.machine.opcodes import Opcode
 from vividc.mapper import MapResult, Subject, check_certificate, map_dfg, mapping_from_json
 
 FABRIC = arch.load("mesh-2x2")

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from vividc.arch import load
 from vividc.arch.fabric import Link
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import VividcError
+from vividc.machine.opcodes import Opcode
 from vividc.mapper import Mapping, Place, Step, Subject, map_dfg
 from vividc.mapper.draw import draw
 from vividc.mapper.draw_scene import colour_of, pale, scene_of

@@ -14,7 +14,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Control, Edge, Node
-from vividc.dfg.opcodes import BASE, LatencyClass, Opcode
+from vividc.machine.opcodes import BASE, LatencyClass, Opcode
 from vividc.mapper.cpsat import (
     CONSTRAINT_FAMILIES,
     JointModel,

@@ -9,8 +9,8 @@ from graphs import GraphBuilder
 
 from vividc import arch
 from vividc.dfg.ir import DFG, Edge, EdgeKind
-from vividc.dfg.opcodes import ORDER, Opcode
 from vividc.errors import SourceLoc
+from vividc.machine.opcodes import ORDER, Opcode
 from vividc.mapper import map_dfg
 from vividc.mapper.explain import explain
 from vividc.program import BoundReport, RegionReport

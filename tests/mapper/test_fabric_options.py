@@ -15,7 +15,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapResult, map_dfg
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.verify import violations

@@ -10,8 +10,8 @@ from vividc.arch import load
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import ORDER, PRED, LatencyClass, Opcode
 from vividc.errors import MappingFailed, SourceLoc
+from vividc.machine.opcodes import ORDER, PRED, LatencyClass, Opcode
 from vividc.mapper.list_schedule import list_schedule, straight_lower_bound
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem

@@ -17,8 +17,8 @@ from test_mutation import MUTATIONS
 from vividc import arch
 from vividc.arch import Fabric
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import VividcError
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapResult, map_dfg, registry, violations
 from vividc.mapper.negotiate import prepare
 

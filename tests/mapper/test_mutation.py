@@ -15,7 +15,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import LatencyClass
+from vividc.machine.opcodes import LatencyClass
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import ConstantKey, MapProblem

@@ -17,7 +17,7 @@ from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import map_dfg
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.deadline import Deadline

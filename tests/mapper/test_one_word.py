@@ -11,7 +11,7 @@ import pytest
 from vividc import arch
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.negotiate import Effort

@@ -11,7 +11,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc import arch
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import map_dfg
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.dependences import dependences, earliest_starts

@@ -10,7 +10,7 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch import load, load_text
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import BASE, LatencyClass, Opcode
+from vividc.machine.opcodes import BASE, LatencyClass, Opcode
 from vividc.mapper import MapResult, map_dfg
 from vividc.mapper.reach_bounds import reachable
 

@@ -7,8 +7,8 @@ import pytest
 from tests.sim.test_lanes import kernel_of
 from vividc.arch import load_text
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import MappingFailed
+from vividc.machine.opcodes import Opcode
 from vividc.mapper import map_dfg, verify
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.problem import MapProblem

@@ -9,7 +9,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import ORDER, LatencyClass, Opcode
+from vividc.machine.opcodes import ORDER, LatencyClass, Opcode
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.verify import verify, violations
 

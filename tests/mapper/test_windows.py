@@ -8,7 +8,7 @@ from random_graphs import random_loop
 from vividc.arch import load
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper import MapInterrupted, MapResult, map_dfg
 from vividc.mapper.attempt import Attempt
 from vividc.mapper.bounds import all_bounds, mii

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
-from vividc.dfg.opcodes import LatencyClass
+from vividc.machine.opcodes import LatencyClass
 
 _COMPUTE = frozenset(LatencyClass) - {LatencyClass.SOURCE, LatencyClass.SINK}
 _MEMORY = frozenset({LatencyClass.LOAD, LatencyClass.STORE})

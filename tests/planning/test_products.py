@@ -7,8 +7,8 @@ import pytest
 
 import vividc
 from vividc.dfg.normalize import normalize
-from vividc.dfg.product import Product
 from vividc.frontend import KernelFunction
+from vividc.machine.product import Product
 from vividc.planning.products import recognise
 
 _MATRICES = "void(float32[:, ::1], float32[:, ::1], float32[::1], float32[:, ::1])"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from vividc.arch import Fabric, load_text
-from vividc.dfg.cfg import DType, Param
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region
 from vividc.errors import SourceLoc
+from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
+from vividc.machine.params import DType, Param
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.program import Program, encode
 

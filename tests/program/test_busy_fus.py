@@ -9,7 +9,7 @@ import pytest
 
 import vividc
 from vividc.arch import load_text
-from vividc.dfg.opcodes import OPCODES
+from vividc.machine.opcodes import OPCODES
 from vividc.program import Program, RegionRow
 
 _BUSY = "extends: vivid-tile\noccupancy: {fmul: 4, fadd: 3, imul: 2, int: 2, load: 5}\n"

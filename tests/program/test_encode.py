@@ -20,11 +20,11 @@ from tests.program.hand_kernels import (
     trip_region,
 )
 from vividc.arch import Fabric, load
-from vividc.dfg.cfg import DType
 from vividc.dfg.ir import DFG, Control, Edge, Node
-from vividc.dfg.opcodes import BASE
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region
 from vividc.errors import InternalError, KernelError
+from vividc.machine.opcodes import BASE
+from vividc.machine.params import DType
 from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Step
 from vividc.program import encode
 

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vividc.arch import Fabric, load
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.errors import BundleError, InternalError
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.program import (
     Capture,
     Entry,

@@ -10,8 +10,8 @@ import networkx as nx
 
 from vividc.arch import Fabric, load_text
 from vividc.dfg.ir import DFG, Edge, EdgeKind
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.regions import Region
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Place, Step
 
 

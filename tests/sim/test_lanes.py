@@ -10,15 +10,16 @@ import pytest
 from tests.sim.native.agreement import assert_engines_agree, launch
 from tests.sim.one_pe import map_region, one_pe
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Block, Branch, Const, DType, Function, Input, Instr, Param, Phi, Ref
+from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.json_form import from_json, to_json
-from vividc.dfg.lane_semantics import LANE_SEMANTICS
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
 from vividc.dfg.regions import Kernel
-from vividc.dfg.semantics import evaluate
 from vividc.dfg.text import to_text
 from vividc.dfg.text_parser import parse
+from vividc.machine.lane_semantics import LANE_SEMANTICS
+from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.machine.params import DType, Param
+from vividc.machine.semantics import evaluate
 from vividc.program import Program, disassemble, encode, load
 from vividc.sim import simulate
 

@@ -7,9 +7,9 @@ import pytest
 
 from tests.program.hand_kernels import Hand, N, O, fabric, program, trip_region
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import BASE
 from vividc.dfg.regions import Region
 from vividc.errors import SimulationError
+from vividc.machine.opcodes import BASE
 from vividc.program import DType, Param, Program, disassemble
 from vividc.sim import simulate
 

@@ -21,7 +21,7 @@ from vividc.arch.schema import (
 )
 from vividc.arch.topology import topology_links
 from vividc.arch.yaml_tree import Path, Tree
-from vividc.dfg.opcodes import LatencyClass
+from vividc.machine.opcodes import LatencyClass
 
 _MEMORY = frozenset({LatencyClass.LOAD, LatencyClass.STORE})
 _COMPUTE = frozenset(TIMED_CLASSES) - _MEMORY

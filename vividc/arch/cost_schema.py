@@ -6,7 +6,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from vividc.dfg.kinds import KINDS
+from vividc.machine.kinds import KINDS
 
 Kind = Literal["published", "measured", "derived", "assumed", "calibrated"]
 """What a figure is worth; "calibrated" ones are computed, never read."""

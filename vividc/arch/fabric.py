@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import LatencyClass, OpInfo
+from vividc.machine.opcodes import LatencyClass, OpInfo
 
 
 @dataclass(frozen=True, slots=True)

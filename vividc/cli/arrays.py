@@ -11,10 +11,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.dfg.cfg import DType, Param
 from vividc.errors import ArgumentError
 from vividc.files import write_whole
 from vividc.inputs import ARGUMENT_BYTES
+from vividc.machine.params import DType, Param
 from vividc.npz import Header, opened_npz
 from vividc.printable import quoted
 

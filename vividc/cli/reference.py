@@ -17,9 +17,9 @@ from vividc.cli.arrays import Array, describe
 from vividc.cli.kernels import kernel_file, load_kernel, load_kernel_of
 from vividc.cli.report import say
 from vividc.compiled_files import is_noted
-from vividc.dfg.cfg import Param
 from vividc.errors import ArgumentError
 from vividc.frontend import KernelFunction, LLKernel
+from vividc.machine.params import Param
 from vividc.printable import printable, quoted
 from vividc.program import Program
 

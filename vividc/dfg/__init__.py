@@ -7,9 +7,9 @@ from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.json_form import from_json, to_json
 from vividc.dfg.load import UnknownOps, load
 from vividc.dfg.networkx_form import from_networkx, to_networkx
-from vividc.dfg.opcodes import BASE, ORDER, PRED, LatencyClass, Opcode, Type
-from vividc.dfg.semantics import SEMANTICS, evaluate, evaluate_predicated
 from vividc.dfg.text import parse, to_text
+from vividc.machine.opcodes import BASE, ORDER, PRED, LatencyClass, Opcode, Type
+from vividc.machine.semantics import SEMANTICS, evaluate, evaluate_predicated
 
 __all__ = [
     "BASE",

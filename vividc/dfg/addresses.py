@@ -12,7 +12,7 @@ from vividc.dfg.affine import Affine, AffineAnalysis, block_of
 from vividc.dfg.cfg import Const, Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import next_id, with_blocks
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 _OFFSET_LIMIT = 1 << 15
 

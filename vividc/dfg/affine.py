@@ -8,13 +8,8 @@ from dataclasses import dataclass, field
 from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import incoming
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import Opcode
-
-
-def signed(word: int) -> int:
-    """The two's complement reading of a 32-bit word."""
-    word &= 0xFFFFFFFF
-    return word - (1 << 32) if word & (1 << 31) else word
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import signed
 
 
 @dataclass(frozen=True, slots=True)

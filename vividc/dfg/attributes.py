@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from vividc.dfg.ir import EdgeKind
-from vividc.dfg.opcodes import BASE, PRED
+from vividc.machine.opcodes import BASE, PRED
 
 NODE_ALIASES: Final[dict[str, tuple[str, ...]]] = {
     "op": ("op", "opcode", "operation"),

@@ -18,7 +18,7 @@ from vividc.dfg.if_convert import Body, Predicates, merge_phi
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.loops import Loop
 from vividc.dfg.memory_order import Access, order_accesses
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 
 
 def variable(ident: int) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.loops import block_graph, dominators
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 
 _WORD_LIMIT = 1 << 32
 _WORD_BYTES = 4

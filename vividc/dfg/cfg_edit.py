@@ -8,7 +8,7 @@ from operator import is_
 
 from vividc import time_limit
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
-from vividc.dfg.opcodes import Type
+from vividc.machine.opcodes import Type
 
 
 def next_id(function: Function) -> int:

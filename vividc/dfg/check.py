@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, ORDER, PRED, Opcode, Type, never_meet
 from vividc.dfg.order import zero_cycle
+from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode, Type, never_meet
 from vividc.printable import printable
 
 WORD_LIMIT: Final = 1 << 32

@@ -8,7 +8,7 @@ from vividc.dfg.affine import Affine, AffineAnalysis, block_of
 from vividc.dfg.cfg import Block, Const, Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import incoming, next_id, with_blocks
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import Opcode, Type
+from vividc.machine.opcodes import Opcode, Type
 
 
 @dataclass(frozen=True, slots=True)

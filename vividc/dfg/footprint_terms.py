@@ -9,8 +9,8 @@ import networkx as nx
 from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions
 from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import (
+from vividc.machine.opcodes import Opcode
+from vividc.machine.parallel import (
     ANY,
     CHOICE,
     CLAMPS,
@@ -22,7 +22,7 @@ from vividc.dfg.parallel import (
     UNION,
     Term,
 )
-from vividc.dfg.words import signed
+from vividc.machine.words import signed
 
 Fact = tuple[int, bool]
 """A condition's id, and how it was decided."""

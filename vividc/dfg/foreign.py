@@ -1,6 +1,6 @@
 """How operations and operands of other tools' dataflow graphs become nodes and edges.
 
-Names are looked up in `vividc.dfg.foreign_names`. A constant whose word the file does not give
+Names are looked up in `vividc.machine.foreign_names`. A constant whose word the file does not give
 becomes a `live_in` named after its id: the host supplies it. Memory operations need a PE with a
 load/store unit.
 """
@@ -11,10 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 
-from vividc.dfg.foreign_names import is_known, row_of
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, MEMORY, ORDER, PRED, Opcode
-from vividc.dfg.words import WORD_MASK, word_of
+from vividc.machine.foreign_names import is_known, row_of
+from vividc.machine.opcodes import BASE, MEMORY, ORDER, PRED, Opcode
+from vividc.machine.words import WORD_MASK, word_of
 
 
 @dataclass(frozen=True, slots=True)

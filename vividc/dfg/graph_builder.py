@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 from vividc import time_limit
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.lanes import Lane
-from vividc.dfg.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
-from vividc.dfg.passes.compare import INVERSES
 from vividc.errors import InternalError, SourceLoc
+from vividc.machine.compare import INVERSES
+from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import BASE, ORDER, PRED, SOURCES, Opcode
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,9 @@ from vividc.dfg.cfg import Block, Const, Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, incoming, next_id, with_blocks
 from vividc.dfg.loops import Loop, find_loops, pipelined_loops
 from vividc.dfg.memory_order import different_elements
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.dfg.transform.peel import preheader_of
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 _PREDICATE = 2
 """Position of a load's predicate among its operands."""

@@ -15,7 +15,7 @@ import networkx as nx
 
 from vividc.dfg.cfg import Block, Function, Phi, Undefined, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 _SINK = ""
 

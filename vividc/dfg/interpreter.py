@@ -14,12 +14,12 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
-from vividc.dfg.cfg import DType, joined
 from vividc.dfg.flatten import Executable, compile_dfg
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
-from vividc.dfg.words import WORD_MASK, signed
 from vividc.errors import ArgumentError, DFGError, SimulationError, SourceLoc
+from vividc.machine.params import DType, joined
+from vividc.machine.words import WORD_MASK, signed
 
 DEFAULT_ITERATION_LIMIT: Final = 50_000_000
 

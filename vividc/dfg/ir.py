@@ -13,18 +13,10 @@ from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 
-from vividc.dfg.foreign_names import CLASS_OF_NAME
-from vividc.dfg.lanes import Lane
-from vividc.dfg.opcodes import (
-    MEMORY,
-    OPCODES,
-    ORDER,
-    SOURCES,
-    LatencyClass,
-    Opcode,
-    OpInfo,
-)
 from vividc.errors import SourceLoc
+from vividc.machine.foreign_names import CLASS_OF_NAME
+from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import MEMORY, OPCODES, ORDER, SOURCES, LatencyClass, Opcode, OpInfo
 
 
 class Control(Enum):

@@ -36,7 +36,7 @@ def load(path: str | Path, *, unknown_ops: UnknownOps = "generic") -> DFG:
     Parameters
     ----------
     unknown_ops
-        What becomes of an operation whose name the table (`vividc.dfg.foreign_names`) does not
+        What becomes of an operation whose name the table (`vividc.machine.foreign_names`) does not
         have. "generic": it runs on any PE that has generic operations, and one warning names all
         such operations. "refuse": an error.
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
-from vividc.dfg.lanes import Lane
+from vividc.machine.lanes import Lane
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,7 +34,7 @@ from vividc.dfg.loops import (
     pipelined_loops,
     predecessors,
 )
-from vividc.dfg.opcodes import Opcode, Type
+from vividc.machine.opcodes import Opcode, Type
 
 
 def normalize(function: Function) -> Function:

@@ -6,8 +6,8 @@ import heapq
 from collections.abc import Iterator
 
 from vividc.dfg.ir import DFG, Control
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import DFGError
+from vividc.machine.opcodes import Opcode
 from vividc.printable import printable
 
 

@@ -11,8 +11,18 @@ from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import with_blocks
 from vividc.dfg.footprint_terms import TermTable
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Opcode, Type
-from vividc.dfg.parallel import (
+from vividc.dfg.reductions import FoundReduction, reduction_of
+from vividc.dfg.spread_proof import (
+    demand_own_arrays_apart,
+    inside,
+    is_exact,
+    returned_reduction,
+    runs_for_certain,
+)
+from vividc.dfg.wide_sums import is_wide_sum
+from vividc.errors import KernelError, SourceLoc
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.parallel import (
     FIRST,
     INDEX,
     LAST,
@@ -24,16 +34,6 @@ from vividc.dfg.parallel import (
     Reduction,
     Term,
 )
-from vividc.dfg.reductions import FoundReduction, reduction_of
-from vividc.dfg.spread_proof import (
-    demand_own_arrays_apart,
-    inside,
-    is_exact,
-    returned_reduction,
-    runs_for_certain,
-)
-from vividc.dfg.wide_sums import is_wide_sum
-from vividc.errors import KernelError, SourceLoc
 
 _COMBINED = (
     "only a sum, product, minimum or maximum in one variable, which nothing else in the loop "

@@ -8,8 +8,8 @@ from typing import Final
 from vividc.dfg.cfg import Block, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import Reduction
+from vividc.machine.opcodes import Opcode
+from vividc.machine.parallel import Reduction
 
 _ONE: Final = 0x3F800000
 _MINUS_ZERO: Final = 0x80000000

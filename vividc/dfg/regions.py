@@ -7,9 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from vividc.dfg.cfg import HIGH_SUFFIX, DType, LocalArray, Param
 from vividc.dfg.ir import DFG
 from vividc.errors import SourceLoc
+from vividc.machine.params import HIGH_SUFFIX, DType, LocalArray, Param
 
 RETURN_VARIABLE = "%return"
 RETURN_HIGH = RETURN_VARIABLE + HIGH_SUFFIX

@@ -17,14 +17,15 @@ from collections.abc import Sequence
 
 import networkx as nx
 
-from vividc.dfg.cfg import TRAP, Block, Const, Function, Instr, LocalArray, Ref, Value
+from vividc.dfg.cfg import Block, Const, Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import definitions
 from vividc.dfg.footprint_terms import TermTable
 from vividc.dfg.loops import Loop, block_graph, dominators
-from vividc.dfg.opcodes import MEMORY, Opcode
-from vividc.dfg.parallel import ANY, COUNTER, INDEX, STEPS, UNION, WIDE_HIGH, WIDE_LOW
 from vividc.dfg.reductions import FoundReduction
 from vividc.errors import KernelError, SourceLoc
+from vividc.machine.opcodes import MEMORY, Opcode
+from vividc.machine.parallel import ANY, COUNTER, INDEX, STEPS, UNION, WIDE_HIGH, WIDE_LOW
+from vividc.machine.params import TRAP, LocalArray
 
 
 def inside(function: Function, loop: Loop) -> frozenset[int]:

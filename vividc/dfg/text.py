@@ -26,8 +26,8 @@ from collections.abc import Iterable
 from typing import Final
 
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import BASE, PRED
 from vividc.dfg.text_parser import parse
+from vividc.machine.opcodes import BASE, PRED
 
 __all__ = ["parse", "to_text"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from vividc.dfg.cfg import Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 _Pair = tuple[Value, Value]
 _Leaf = tuple[int, Value]

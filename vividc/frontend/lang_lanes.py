@@ -1,7 +1,7 @@
 """Words of two float16 or four float8 numbers: `vividc.lang.pack_fp8`, `dot_fp8` and their like.
 
 In memory they are words; in the array each of these functions is one operation on lanes, or, for a
-word of four numbers, two (`vividc.dfg.lane_semantics`).
+word of four numbers, two (`vividc.machine.lane_semantics`).
 """
 
 # ruff: noqa: PLW0108 - numba compiles a function of its own where ours would be called.
@@ -16,10 +16,10 @@ import numpy as np
 from numba.core import types
 from numba.extending import intrinsic, overload
 
-from vividc.dfg.lane_semantics import LANE_SEMANTICS
-from vividc.dfg.opcodes import Opcode
 from vividc.formats import E4M3, E5M2, F16, Format, join, round_bits, split, to_float
 from vividc.frontend.format_types import format_call, misuse
+from vividc.machine.lane_semantics import LANE_SEMANTICS
+from vividc.machine.opcodes import Opcode
 
 
 def _packed(fmt: Format, *numbers: Any) -> np.uint32:

@@ -8,9 +8,9 @@ loop's counter its start or its limit.
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import MAX_DIMENSION, Formula
 from vividc.frontend.ranges import Ranges
 from vividc.frontend.ssa import Int, Local, Op, Operand, WideFunction, WidePhi
+from vividc.machine.params import MAX_DIMENSION, Formula
 
 _LARGEST = 1 << 31
 """What no counter goes below."""

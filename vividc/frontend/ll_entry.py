@@ -6,10 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vividc.dfg.cfg import DType
 from vividc.errors import SourceLoc
 from vividc.frontend.llvm_passes import DATA_LAYOUT, ENTRY
 from vividc.frontend.llvm_tokens import quoted_global
+from vividc.machine.params import DType
 
 RETURNS = {"i1": "i1", "i8": "i32", "i16": "i32", "i32": "i32", "i64": "i64"}
 RETURNS |= {"float": "float", "double": "float", "void": "void"}

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import WIDE_DTYPES, DType, Function, Param
+from vividc.dfg.cfg import Function
 from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend.length import refuse_long
 from vividc.frontend.ll_checks import check_body, reachable, refuse_own_names, refuse_recursion
@@ -31,6 +31,7 @@ from vividc.frontend.lower import Prepared, counting_parameters, located, lower_
 from vividc.frontend.numba_arrays import ALLOCATE
 from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
+from vividc.machine.params import WIDE_DTYPES, DType, Param
 
 _LINK_LIMIT_S = 20
 _HINTS = re.compile(

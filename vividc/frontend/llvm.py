@@ -7,10 +7,10 @@ whose parameters are the words that the host supplies at launch.
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import WIDE_DTYPES, DType, Param
 from vividc.errors import SourceLoc
 from vividc.frontend.llvm_passes import DATA_LAYOUT, ENTRY, linked_ir
 from vividc.frontend.numba_target import NumbaModule
+from vividc.machine.params import WIDE_DTYPES, DType, Param
 
 _SCALAR = {
     DType.F32: "float",

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vividc.dfg.cfg import Formula, Function, LocalArray
+from vividc.dfg.cfg import Function
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.constant_tables import (
     PACKED_BYTES,
@@ -43,6 +43,7 @@ from vividc.frontend.ssa import (
     substitute,
     uses,
 )
+from vividc.machine.params import Formula, LocalArray
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}

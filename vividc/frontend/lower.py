@@ -12,13 +12,7 @@ from typing import Any
 
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
-from vividc.dfg.cfg import (
-    MAX_ELEMENTS,
-    WIDE_DTYPES,
-    DType,
-    Function,
-    Param,
-)
+from vividc.dfg.cfg import Function
 from vividc.dfg.cfg_check import check_function
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
@@ -46,6 +40,7 @@ from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 from vividc.frontend.subword import extend_loads, store_low_bits
 from vividc.frontend.traps import trap_raises
 from vividc.frontend.value_numbering import merge_equal
+from vividc.machine.params import MAX_ELEMENTS, WIDE_DTYPES, DType, Param
 
 # What numba raises for functions that it did not foresee.
 _NUMBA_FAULTS: tuple[type[Exception], ...] = (

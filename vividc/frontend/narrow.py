@@ -15,19 +15,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import (
-    WIDE_DTYPES,
-    Block,
-    Branch,
-    DType,
-    Function,
-    Input,
-    Instr,
-    Param,
-    Phi,
-    Value,
-)
-from vividc.dfg.opcodes import Opcode, Type
+from vividc.dfg.cfg import Block, Branch, Function, Input, Instr, Phi, Value
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_bits, narrow_float, narrow_format, narrow_int
 from vividc.frontend.diagnose import hint_of_raise
@@ -39,6 +27,8 @@ from vividc.frontend.ssa import Exit, Op, Operand, WideBlock, WideFunction
 from vividc.frontend.wide_phis import high_phis
 from vividc.frontend.wide_rules import saturates_wide, translate_wide
 from vividc.frontend.wide_words import Words
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.params import WIDE_DTYPES, DType, Param
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,13 +16,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.dfg.cfg import Const, Value
-from vividc.dfg.division import multiplier, quotient_by_constant, remainder_by_constant
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import S32, U32, Interval, contains, width
 from vividc.frontend.narrow_small import sign_extended, signed_range
 from vividc.frontend.ssa import Op, Operand
+from vividc.machine.division import multiplier, quotient_by_constant, remainder_by_constant
+from vividc.machine.opcodes import OPCODES, Opcode, Type
 
 _WORD = 32
 _MASK = 0xFFFFFFFF

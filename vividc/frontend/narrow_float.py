@@ -8,12 +8,12 @@ from collections.abc import Callable
 import numpy as np
 
 from vividc.dfg.cfg import Const
-from vividc.dfg.opcodes import Opcode, Type
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import width
 from vividc.frontend.narrow_small import emit_masked, is_small, sign_extended
 from vividc.frontend.ssa import Float, Local, Op, Operand
+from vividc.machine.opcodes import Opcode, Type
 
 Rule = Callable[[Emitter, Op], None]
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.formats import FORMATS, Format
 from vividc.frontend.emit import Emitter
 from vividc.frontend.format_types import symbol
 from vividc.frontend.ssa import Op
+from vividc.machine.opcodes import Opcode
 
 Rule = Callable[[Emitter, Op], None]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from vividc.dfg.cfg import Const, Value
-from vividc.dfg.opcodes import Opcode
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import Interval, as_signed, width
 from vividc.frontend.ssa import Int, Op, Operand
+from vividc.machine.opcodes import Opcode
 
 _WORD = 32
 _MASK = 0xFFFFFFFF

@@ -22,7 +22,7 @@ from numba.core.ir_utils import build_definitions
 from numba.core.lowering import Lower
 from numba.np import arrayobj
 
-from vividc.dfg.cfg import MAX_DIMENSION
+from vividc.machine.params import MAX_DIMENSION
 
 _KIND = "vividc.subscript"
 _VARIABLE = "_"

@@ -10,10 +10,10 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from vividc.dfg.cfg import TRAP, LocalArray
 from vividc.frontend.local_arrays import Held
 from vividc.frontend.numba_target import RAISE_PREFIX
 from vividc.frontend.ssa import Exit, Float, Int, Op, Operand, WideFunction
+from vividc.machine.params import TRAP, LocalArray
 
 _TRAPPED = (
     "zero-size",

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vividc.dfg.cfg import Block, Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import substitute
-from vividc.dfg.opcodes import MEMORY, OPCODES
+from vividc.machine.opcodes import MEMORY, OPCODES
 
 
 def merge_equal(function: Function) -> Function:

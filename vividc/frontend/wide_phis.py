@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vividc.dfg.cfg import Instr, Phi, Value
-from vividc.dfg.opcodes import Type
 from vividc.frontend.emit import Emitter
 from vividc.frontend.ssa import Op, WidePhi
 from vividc.frontend.wide_words import Words
+from vividc.machine.opcodes import Type
 
 
 @dataclass(frozen=True, slots=True)

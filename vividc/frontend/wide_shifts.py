@@ -7,9 +7,9 @@ and gives 0 for n = 0 where the shift by 32 would give x.
 from __future__ import annotations
 
 from vividc.dfg.cfg import Const, Value
-from vividc.dfg.opcodes import Opcode
 from vividc.frontend.interval import Interval
 from vividc.frontend.wide_words import WORD, ZERO, Pair, Words
+from vividc.machine.opcodes import Opcode
 
 _LAST = WORD - 1
 _BITS = 64

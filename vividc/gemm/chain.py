@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.dfg.cfg import DType, Param
 from vividc.dfg.graph_builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
 from vividc.gemm.kept import key_of, read_program, write_program
 from vividc.gemm.program import Shape, region_report
+from vividc.machine.params import DType, Param
 from vividc.mapper import Mapping, MapProblem, MapResult, violations
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.systolic import (

@@ -14,15 +14,15 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.dfg.cfg import DType, Param
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.pipeline import optimize
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, TimeLimit
 from vividc.gemm.chain import start_graph
 from vividc.gemm.layer import Apart
+from vividc.machine.opcodes import Opcode
+from vividc.machine.params import DType, Param
 from vividc.mapper import MapProblem, MapResult, violations
 from vividc.mapper.api import map_dfg
 from vividc.mapper.list_schedule import list_schedule

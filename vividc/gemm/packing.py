@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.dfg.cfg import DType, Param
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.gemm.elementwise import loop_program
+from vividc.machine.opcodes import Opcode
+from vividc.machine.params import DType, Param
 from vividc.mapper.systolic import Precision, lanes
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.accelerator import At, Job

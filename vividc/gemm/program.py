@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.dfg.cfg import DType, Param
 from vividc.dfg.graph_builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
+from vividc.machine.params import DType, Param
 from vividc.mapper import Bound, Mapping, MapProblem, MapResult, Refutation, violations
 from vividc.mapper.list_schedule import list_schedule
 from vividc.mapper.systolic import (

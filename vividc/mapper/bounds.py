@@ -13,8 +13,8 @@ from collections.abc import Iterable, Sequence
 import networkx as nx
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.order import partial_order
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.dependences import (
     Dependence,
     dependences,

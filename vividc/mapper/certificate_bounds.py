@@ -10,7 +10,7 @@ from typing import Final
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.certificate_lives import least_sum_of_lives, places_for_words, separation
 from vividc.mapper.certificate_reach import connected, readable_from
 from vividc.mapper.finding import Finding, own_words

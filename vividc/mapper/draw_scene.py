@@ -9,8 +9,8 @@ from typing import Final
 
 from vividc.arch.fabric import PE, Fabric
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import VividcError
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.fu_slots import fu_slots, kept, moved
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.plot import OKABE_ITO, tint

@@ -17,8 +17,8 @@ from typing import Final
 
 from vividc import time_limit
 from vividc.dfg.ir import Edge, EdgeKind, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import MappingFailed
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.router import UNREACHABLE, Journal, Path, Places, Router, Spot, Value

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 ConstantKey = tuple[str, int | str]
 """An entry of a constant store: ("const", word) or ("live_in", name)."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Edge, EdgeKind, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import MappingFailed
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.distances import cycles_for
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem

@@ -12,8 +12,8 @@ from collections.abc import Mapping as ReadOnly
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import demand_type
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import ConstantKey
 from vividc.mapper.verify_case import Case, Violation, listed

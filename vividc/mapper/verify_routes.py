@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Edge
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Step
 from vividc.mapper.verify_case import Case, Violation, listed
 

@@ -9,8 +9,8 @@ from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Function
 from vividc.dfg.ir import Control
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.regions import Region, is_variable
+from vividc.machine.opcodes import Opcode
 from vividc.planning.choose import Decision, Plan
 from vividc.planning.fallback import Settled
 from vividc.program.tables import LoopReport, RegionReport, TransformReport

@@ -8,9 +8,9 @@ import numpy as np
 
 from vividc.dfg.cfg import Block, Function, Ref
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.transform.constant_trips import constant_trips
 from vividc.dfg.transform.counters import counter_of
+from vividc.machine.opcodes import Opcode
 
 UNKNOWN_TRIPS = 16.0
 """Iterations assumed of a loop whose count is only known when it starts."""

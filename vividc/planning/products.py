@@ -17,11 +17,12 @@ from dataclasses import dataclass, replace
 from itertools import product as combinations
 
 from vividc.dfg.affine import block_of
-from vividc.dfg.cfg import TRAP, Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.dfg.cfg import Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.product import Factor, Product, Size
-from vividc.dfg.semantics import evaluate
+from vividc.machine.opcodes import Opcode
+from vividc.machine.params import TRAP
+from vividc.machine.product import Factor, Product, Size
+from vividc.machine.semantics import evaluate
 from vividc.planning.choose import choose
 from vividc.planning.estimate import Estimator
 from vividc.planning.frequency import expected_trips

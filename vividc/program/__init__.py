@@ -1,6 +1,6 @@
 """Configuration words, region table, memory layout: one versioned bundle."""
 
-from vividc.dfg.cfg import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
+from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
 from vividc.program.decode import decode, unpack
 from vividc.program.disasm import disassemble
 from vividc.program.encode import encode

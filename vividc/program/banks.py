@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from vividc.arch.fabric import Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import BASE, Opcode
 from vividc.dfg.regions import Kernel
+from vividc.machine.opcodes import BASE, Opcode
 from vividc.mapper.mapping import Mapping as RegionMapping
 
 _WORD_BYTES = 4

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from vividc.dfg.cfg import DType, LocalArray, Param
-from vividc.dfg.parallel import Parallel
-from vividc.dfg.product import Product
 from vividc.errors import BundleError
 from vividc.files import write_whole
 from vividc.inputs import BUNDLE_BYTES, demand_few_values, read_bytes
+from vividc.machine.parallel import Parallel
+from vividc.machine.params import DType, LocalArray, Param
+from vividc.machine.product import Product
 from vividc.printable import quoted
 from vividc.program.tables import (
     DebugRow,

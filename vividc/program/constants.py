@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
 from vividc.errors import InternalError
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 from vividc.program.tables import Home, LaunchRow

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use
 from vividc.program.memory import WORD_BYTES
 from vividc.program.program import Program

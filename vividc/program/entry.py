@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Final
 
 from vividc.arch.fabric import PE, Fabric
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 
 OPERAND_NAMES: Final = ("a", "b", "c", "p")
 

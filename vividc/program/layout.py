@@ -35,7 +35,7 @@ from functools import cached_property
 from typing import Final
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.program.entry import OPERAND_NAMES, Sel, Select
 
 _NOT_EXECUTED: Final = frozenset({LatencyClass.SOURCE, LatencyClass.SINK, LatencyClass.GENERIC})

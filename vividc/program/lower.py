@@ -13,9 +13,9 @@ from typing import Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Control, Edge, Node
-from vividc.dfg.opcodes import BASE, PRED, Opcode
 from vividc.dfg.regions import Region
 from vividc.errors import InternalError, KernelError
+from vividc.machine.opcodes import BASE, PRED, Opcode
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.program.constants import ConstantStores
 from vividc.program.entry import (

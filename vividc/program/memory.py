@@ -7,8 +7,8 @@ from collections.abc import Mapping as ReadOnly
 from itertools import accumulate
 
 from vividc.arch.fabric import Scratchpad
-from vividc.dfg.cfg import TRAP
 from vividc.errors import ArgumentError
+from vividc.machine.params import TRAP
 
 WORD_BYTES = 4
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
-from vividc.dfg.cfg import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
-from vividc.dfg.parallel import Parallel, is_well_formed
-from vividc.dfg.product import Product
 from vividc.errors import BundleError, VividcError, demand_type
+from vividc.machine.parallel import Parallel, is_well_formed
+from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
+from vividc.machine.product import Product
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, bundle_bytes, write_bundle
 from vividc.program.decode import decode
 from vividc.program.entry import Entry

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Control, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.regions import Region, is_variable
 from vividc.errors import InternalError
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping
 
 

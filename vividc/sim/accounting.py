@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from vividc.dfg.kinds import kind_of
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.kinds import kind_of
+from vividc.machine.opcodes import Opcode
 from vividc.program import WORD_BYTES, RegionRow
 from vividc.sim.engine import Activity, RegionRun
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import CHOICE, CLAMPS, COUNTER, INDEX, Access, Parallel, Term
+from vividc.machine.opcodes import Opcode
+from vividc.machine.parallel import CHOICE, CLAMPS, COUNTER, INDEX, Access, Parallel, Term
 from vividc.sim.footprint import ANYTHING, Interval, chunk_intervals
 
 _BITS: Final = 32

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import (
+from vividc.errors import ArgumentError, InternalError, SourceLoc
+from vividc.machine.opcodes import Opcode
+from vividc.machine.parallel import (
     ANY,
     CHOICE,
     CLAMPS,
@@ -28,9 +29,8 @@ from vividc.dfg.parallel import (
     Parallel,
     Term,
 )
-from vividc.dfg.semantics import evaluate
-from vividc.dfg.words import WORD_MASK, signed
-from vividc.errors import ArgumentError, InternalError, SourceLoc
+from vividc.machine.semantics import evaluate
+from vividc.machine.words import WORD_MASK, signed
 
 Interval = tuple[int, int]
 Rule = Callable[..., Interval]

@@ -12,8 +12,8 @@ from operator import itemgetter
 from typing import NamedTuple
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
-from vividc.dfg.semantics import SEMANTICS
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.semantics import SEMANTICS
 from vividc.program import Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
 from vividc.program.wires import driver
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
-from vividc.dfg.words import loaded, stored
 from vividc.errors import CycleLimit, SimulationError
+from vividc.machine.words import loaded, stored
 from vividc.program import Program, Use, trapped
 from vividc.sim.engine import Activity, Progress
 from vividc.sim.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap

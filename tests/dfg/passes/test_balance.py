@@ -11,8 +11,8 @@ from vividc import arch
 from vividc.dfg.check import check
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes import balance_reductions
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds import recurrence_bounds
 from vividc.mapper.problem import MapProblem
 

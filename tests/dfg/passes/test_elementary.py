@@ -20,8 +20,8 @@ from tests.dfg.passes.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.opcodes import OPCODES, Opcode
 from vividc.dfg.passes import expand_math
+from vividc.machine.opcodes import OPCODES, Opcode
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "math.md"
 ROW = re.compile(r"^\| `(\w+)` \| .*? \| (\d+) \| ([\d.]+) \|", re.MULTILINE)

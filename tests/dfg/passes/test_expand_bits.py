@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.dfg.passes.vectorised import by_semantics, expanded, graph, interpreted, random_words
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes import expand_math
+from vividc.machine.opcodes import Opcode
 
 POWERS = np.array([(1 << k) + step & 0xFFFFFFFF for k in range(33) for step in (-1, 0, 1)])
 WORDS = np.concatenate([POWERS.astype(np.uint32), ~POWERS.astype(np.uint32)])

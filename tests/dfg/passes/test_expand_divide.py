@@ -17,10 +17,10 @@ from tests.dfg.passes.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes import expand_math
 from vividc.dfg.passes.expand_divide import NEWTON_STEPS, RECIPROCAL_MAGIC
-from vividc.dfg.words import float_of, word_of
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import float_of, word_of
 
 SMALLEST_NORMAL = 0x00800000
 MAX_SUBNORMAL_ULP = Fraction(3, 4)

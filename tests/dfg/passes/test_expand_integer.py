@@ -15,10 +15,10 @@ from tests.dfg.passes.vectorised import (
 )
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes import eliminate_common_subexpressions, expand_math, remove_dead_nodes
 from vividc.dfg.passes.expand_integer import RECIPROCAL_WORD_MAGIC
 from vividc.dfg.text import parse
+from vividc.machine.opcodes import Opcode
 
 DIVISIONS = (Opcode.UDIV, Opcode.UREM, Opcode.SDIV, Opcode.SREM)
 # Just below 2**31 the reciprocal's estimate is 1 where 2 is needed.

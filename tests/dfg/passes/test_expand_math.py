@@ -23,7 +23,7 @@ from vividc.dfg.passes.expand_exp import (
     SMALLEST_ARGUMENT,
 )
 from vividc.dfg.text import parse
-from vividc.dfg.words import float_of
+from vividc.machine.words import float_of
 
 GRAPH = """dfg "exp"
 %0 = iv

@@ -14,8 +14,8 @@ from tests.dfg.passes.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes import expand_math
+from vividc.machine.opcodes import Opcode
 
 CHUNK = 1 << 21
 

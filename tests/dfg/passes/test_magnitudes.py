@@ -11,11 +11,11 @@ from tests.dfg.passes.vectorised import SPECIALS, evaluate_many
 from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret_region
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes import expand_math
 from vividc.dfg.passes.magnitudes import magnitudes
 from vividc.dfg.text import parse
-from vividc.dfg.words import word_of
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import word_of
 
 GRAPH = """dfg "clamped"
 %0 = iv

@@ -8,11 +8,11 @@ import numpy as np
 
 from vividc.dfg.interpreter import interpret_region
 from vividc.dfg.ir import DFG
-from vividc.dfg.opcodes import OPCODES, PRED, Opcode
 from vividc.dfg.order import evaluation_order
 from vividc.dfg.passes import expand_math
-from vividc.dfg.semantics import evaluate
 from vividc.dfg.text import parse
+from vividc.machine.opcodes import OPCODES, PRED, Opcode
+from vividc.machine.semantics import evaluate
 
 _O = Opcode
 _SHIFT_MASK = np.uint32(31)

@@ -12,9 +12,9 @@ from tests.fuzz.witnesses import run_regions
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
 from vividc.dfg.normalize import normalize
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.transform.contract import contract
+from vividc.machine.opcodes import Opcode
 
 
 @vividc.kernel("void(float32[::1], float32[::1], float32, float32)")

@@ -14,8 +14,8 @@ from vividc.dfg.cfg_check import check_function
 from vividc.dfg.check import check
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import normalize
-from vividc.dfg.opcodes import PRED, Opcode, Type
 from vividc.dfg.transform.diamonds import merge_diamonds
+from vividc.machine.opcodes import PRED, Opcode, Type
 
 STORES = If(0, 1, (Store(0, 1), Load(2, 1)), (Store(1, 2), Assign(2, "add", 0, 1, None)))
 

@@ -16,12 +16,12 @@ from vividc.dfg.cfg import Function, Input, Phi
 from vividc.dfg.cfg_check import check_function
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import canonical_loops
-from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.transform.counters import Counter, moved_limit
 from vividc.dfg.transform.flatten import flatten, flattened_iterations
 from vividc.dfg.transform.simplify import simplify
 from vividc.errors import InternalError
+from vividc.machine.opcodes import Opcode, Type
 
 Program = tuple[object, ...]
 

@@ -9,8 +9,8 @@ from tests.dfg.test_build import meaning, memory_after
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 from vividc.dfg.cfg_check import check_function
-from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.simplify import simplify
+from vividc.machine.opcodes import Opcode, Type
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

@@ -20,12 +20,12 @@ from vividc.dfg.cfg import Function
 from vividc.dfg.cfg_check import check_function
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.normalize import normalize
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError
 from vividc.frontend import KernelFunction
+from vividc.machine.opcodes import Opcode
 
 PLAIN = PassOptions(contract=False)
 

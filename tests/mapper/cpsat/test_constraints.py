@@ -12,7 +12,7 @@ from test_drop_one_options import OPTION_FAMILIES
 
 from vividc.arch.fabric import Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Control
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.cpsat import (
     CONSTRAINT_FAMILIES,
     Prepared,

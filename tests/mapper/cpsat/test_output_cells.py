@@ -12,7 +12,7 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch import load
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.bounds import all_bounds, mii
 from vividc.mapper.cpsat import Search, refute_schedule
 from vividc.mapper.cpsat.output_cells import outputs_are_the_only_way

@@ -9,7 +9,7 @@ from tiny_fabrics import tiny_fabric
 
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper import map_dfg
 from vividc.mapper.cpsat import solve
 

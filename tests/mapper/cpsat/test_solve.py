@@ -7,7 +7,7 @@ from fabrics import grid
 from graphs import GraphBuilder, accumulator, chain
 from random_graphs import random_loop
 
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.cpsat import (
     ScheduleOptions,

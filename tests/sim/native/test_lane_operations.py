@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tests.sim.native.test_operations import compiled
-from vividc.dfg.lane_semantics import LANE_SEMANTICS
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
-from vividc.dfg.words import word_of
 from vividc.formats import E4M3, E5M2, F16, FORMATS, Format, round_array, to_floats, values
+from vividc.machine.lane_semantics import LANE_SEMANTICS
+from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.machine.words import word_of
 
 ALL = pytest.mark.parametrize("fmt", FORMATS.values(), ids=FORMATS)
 FP8 = pytest.mark.parametrize("fmt", [E4M3, E5M2], ids=["e4m3", "e5m2"])

@@ -8,9 +8,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from vividc.dfg.lane_semantics import LANE_SEMANTICS
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
-from vividc.dfg.semantics import SEMANTICS
+from vividc.machine.lane_semantics import LANE_SEMANTICS
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.semantics import SEMANTICS
 from vividc.program.layout import OPCODE_NUMBERS
 from vividc.sim.native.compiler import loaded, object_code
 from vividc.sim.native.operations import DECLARATIONS, LOWERED, lower

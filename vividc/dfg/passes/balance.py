@@ -10,9 +10,9 @@ from typing import Final
 import networkx as nx
 
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.order import evaluation_order
 from vividc.dfg.passes.rewrite import Rewrite, Value
+from vividc.machine.opcodes import Opcode
 
 EXACT: Final = frozenset(
     {Opcode.ADD, Opcode.MUL, Opcode.AND, Opcode.OR, Opcode.XOR, Opcode.SMIN, Opcode.SMAX}

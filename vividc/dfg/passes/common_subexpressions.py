@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import BASE, PRED, Opcode
 from vividc.dfg.order import evaluation_order
 from vividc.dfg.passes.rewrite import Rewrite, Value, value_of
-from vividc.dfg.semantics import SEMANTICS
+from vividc.machine.opcodes import BASE, PRED, Opcode
+from vividc.machine.semantics import SEMANTICS
 
 
 def eliminate_common_subexpressions(dfg: DFG) -> DFG:

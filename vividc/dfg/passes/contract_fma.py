@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.dfg.words import SIGN_BIT
+from vividc.machine.opcodes import PRED, Opcode
+from vividc.machine.words import SIGN_BIT
 
 
 def contract_fma(dfg: DFG) -> DFG:

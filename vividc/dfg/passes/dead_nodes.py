@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from vividc.dfg.ir import DFG, Edge, EdgeKind
-from vividc.dfg.opcodes import ORDER, Opcode
 from vividc.dfg.passes.rewrite import Rewrite
+from vividc.machine.opcodes import ORDER, Opcode
 
 _EFFECTS = frozenset({Opcode.STORE, Opcode.LIVE_OUT})
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, SIGN, Builder
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 # All words are binary32 bits unless they are of a product.
 TWO_OVER_PI: Final = 0x3F22F983

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, Builder
 from vividc.dfg.passes.expand_divide import quotient
 from vividc.dfg.passes.expand_sqrt import root_of_normal
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 # All words are binary32 bits.
 HALF_PI_HIGH: Final = 0x3FC90FDB

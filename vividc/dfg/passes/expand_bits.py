@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, Builder
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import WORD_MASK
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_MASK
 
 _ODD_BITS: Final = 0x55555555
 _PAIRS: Final = 0x33333333

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes.rewrite import Rewrite, Value
+from vividc.machine.opcodes import PRED, Opcode
 
 ONE: Final = 0x3F800000
 SIGN: Final = 0x80000000

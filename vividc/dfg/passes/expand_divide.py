@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import (
     EXPONENT,
     EXPONENT_SHIFT,
@@ -15,7 +14,8 @@ from vividc.dfg.passes.expand_builder import (
     Builder,
 )
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import float_of, word_of
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import float_of, word_of
 
 # Subtracting a number's bits negates its exponent and makes a chord of 1/m of its mantissa; this
 # constant balances the chord's error to +-5.06 % on all of [1, 2).

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, Builder
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 # All words are binary32 bits.
 LOG2_E: Final = 0x3FB8AA3B

@@ -11,12 +11,12 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, Builder, Expansion
 from vividc.dfg.passes.expand_exp import LOG2_E, ROUNDED_LIMIT, ROUNDING_MAGIC
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import word_of
 from vividc.formats import E4M3, E5M2, F16, Format
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import word_of
 
 # 2 * 2**r on |r| <= 1/2, relative error 2**-13.6, from the highest power to the constant (weighted
 # least squares at 400 Chebyshev points, the coefficients rounded one after the other from the

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT, ONE, SIGN, Builder
 from vividc.dfg.passes.expand_divide import quotient
 from vividc.dfg.passes.expand_exp import LOG2_E, MINUS_LN2_HIGH, MINUS_LN2_LOW
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 # All words are binary32 bits. 1.5 * 2**23 + b: added to a float below 2**22 it leaves the rounded
 # integer, b higher, in the low bits. 126 makes the scale 2**(n - 1), 127 makes it 2**n.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT, EXPONENT_SHIFT, Builder
 from vividc.dfg.passes.expand_sqrt import root_of_normal
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 NAN: Final = 0x7FC00000
 SMALLEST_EXPONENT: Final = 1 << EXPONENT_SHIFT

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vividc.dfg.division import Emit, quotient_by_constant, remainder_by_constant
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import Builder
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import WORD_MASK, signed
+from vividc.machine.division import Emit, quotient_by_constant, remainder_by_constant
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_MASK, signed
 
 # Subtracting a binary32 number's bits from this gives about 2**32 over the number, within 5.06 %:
 # `RECIPROCAL_MAGIC` of the float division with an exponent that is 32 higher.

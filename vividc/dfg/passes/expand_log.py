@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import (
     EXPONENT,
     EXPONENT_SHIFT,
@@ -14,7 +13,8 @@ from vividc.dfg.passes.expand_builder import (
     Builder,
 )
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import WORD_MASK
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_MASK
 
 # All words are binary32 bits.
 ROOT_HALF: Final = 0x3F3504F3  # sqrt(1/2): mantissas are taken in [sqrt(1/2), sqrt(2))

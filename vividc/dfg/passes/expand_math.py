@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes.expand_arc import arccosine, arcsine, arctangent, arctangent2
 from vividc.dfg.passes.expand_bits import (
     count_ones,
@@ -48,6 +47,7 @@ from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
 from vividc.dfg.passes.magnitudes import argument_magnitudes
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
 from vividc.dfg.precision import Precision, formats_of
+from vividc.machine.opcodes import PRED, Opcode
 
 
 def expand_math(dfg: DFG) -> DFG:

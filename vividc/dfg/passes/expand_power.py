@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, Builder
 from vividc.dfg.passes.expand_divide import divide, reciprocal_estimate
 from vividc.dfg.passes.expand_exp import POLYNOMIAL2
 from vividc.dfg.passes.expand_log import MINUS_ONE, TWO_TO_MINUS_23, split_positive
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import float_of
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import float_of
 
 # All words are binary32 bits.
 NAN: Final = 0x7FC00000

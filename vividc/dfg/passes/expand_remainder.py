@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import (
     EXPONENT,
     EXPONENT_SHIFT,
@@ -17,7 +16,8 @@ from vividc.dfg.passes.expand_builder import (
 from vividc.dfg.passes.expand_divide import reciprocal_estimate
 from vividc.dfg.passes.expand_round import truncate
 from vividc.dfg.passes.rewrite import Value
-from vividc.dfg.words import INT_MAX, WORD_MASK
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import INT_MAX, WORD_MASK
 
 NAN: Final = 0x7FC00000
 FRACTION: Final = 0x007FFFFF

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import ONE, SIGN, Builder
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 MINUS_ONE: Final = ONE | SIGN
 ALL_INTEGERS: Final = 0x4B000000  # 2**23: from here on every binary32 is an integer

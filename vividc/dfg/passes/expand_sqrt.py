@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_builder import Builder
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 # Halves and negates the exponent (Lomont, "Fast inverse square root", 2003): 3.44 % off at most.
 INVERSE_ROOT_MAGIC: Final = 0x5F375A86

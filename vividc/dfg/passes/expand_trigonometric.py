@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.passes.expand_angle import reduced_angle
 from vividc.dfg.passes.expand_builder import ONE, Builder
 from vividc.dfg.passes.expand_divide import quotient
 from vividc.dfg.passes.rewrite import Value
+from vividc.machine.opcodes import Opcode
 
 LARGEST_SMALL_ANGLE: Final = 2.0**17
 # With u = r**2 on |r| <= pi/4, from the highest power to the constant: (sin(r) / r - 1) / u and

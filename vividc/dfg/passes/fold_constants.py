@@ -7,11 +7,11 @@ from dataclasses import replace
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import PRED, Opcode
 from vividc.dfg.passes.identities import IDENTITIES
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.dfg.semantics import SEMANTICS
-from vividc.dfg.words import signed
+from vividc.machine.opcodes import PRED, Opcode
+from vividc.machine.semantics import SEMANTICS
+from vividc.machine.words import signed
 
 _WORD_BITS: Final = 32
 _OFFSET_LIMIT: Final = 1 << 15  # what an immediate field of a load/store unit can hold

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.opcodes import ELEMENTARY, PRED, Opcode, Type
-from vividc.dfg.passes.compare import INVERSES, is_comparison
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
-from vividc.dfg.semantics import SEMANTICS
+from vividc.machine.compare import INVERSES, is_comparison
+from vividc.machine.opcodes import ELEMENTARY, PRED, Opcode, Type
+from vividc.machine.semantics import SEMANTICS
 
 
 def fold_selects(dfg: DFG) -> DFG:

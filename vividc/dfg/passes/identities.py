@@ -9,11 +9,11 @@ from collections.abc import Callable
 from typing import Final
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
-from vividc.dfg.passes.compare import INVERSES, is_comparison
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation
-from vividc.dfg.semantics import SEMANTICS
-from vividc.dfg.words import INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
+from vividc.machine.compare import INVERSES, is_comparison
+from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.machine.semantics import SEMANTICS
+from vividc.machine.words import INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
 
 Identity = Callable[[Rewrite, Node], bool]
 

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import PRED, Opcode, Type
 from vividc.dfg.order import evaluation_order
-from vividc.dfg.words import float_of
+from vividc.machine.opcodes import PRED, Opcode, Type
+from vividc.machine.words import float_of
 
 Interval = tuple[float, float]
 ANYTHING: Final[Interval] = (-math.inf, math.inf)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.passes.compare import is_comparison
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.dfg.semantics import SEMANTICS
-from vividc.dfg.words import CANONICAL_NAN, INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
+from vividc.machine.compare import is_comparison
+from vividc.machine.opcodes import Opcode
+from vividc.machine.semantics import SEMANTICS
+from vividc.machine.words import CANONICAL_NAN, INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
 
 _SIGNED_COMPARISONS: Final = (Opcode.ICMP_SLT, Opcode.ICMP_SLE)
 

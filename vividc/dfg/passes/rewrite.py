@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 from vividc import time_limit
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.lanes import Lane
-from vividc.dfg.opcodes import BASE, PRED, Opcode, Type, never_meet
 from vividc.errors import SourceLoc
+from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import BASE, PRED, Opcode, Type, never_meet
 
 _INIT_SOURCES = frozenset({Opcode.CONST, Opcode.LIVE_IN})
 

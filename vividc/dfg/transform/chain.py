@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from vividc.dfg.cfg import Block, Branch, Const, Instr, Phi, Ref, Undefined, Value
-from vividc.dfg.lanes import Lane
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
-from vividc.dfg.passes.compare import INVERSES
 from vividc.errors import SourceLoc
+from vividc.machine.compare import INVERSES
+from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import OPCODES, Opcode, Type
 
 _Key = tuple[Opcode, tuple[Value, ...]]
 

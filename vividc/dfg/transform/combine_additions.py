@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 
 import networkx as nx
 
-from vividc.dfg.affine import signed
 from vividc.dfg.cfg import Block, Const, Function, Instr, Ref, Value
 from vividc.dfg.loops import block_graph
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import signed
 
 _LIMIT = 1 << 31
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from vividc.dfg.cfg import Const, Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import uses
 from vividc.dfg.loops import pipelined_loops
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import SIGN_BIT
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import SIGN_BIT
 
 
 def contract(function: Function) -> Function:

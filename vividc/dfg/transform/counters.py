@@ -8,7 +8,7 @@ from vividc.dfg.affine import AffineAnalysis, block_of
 from vividc.dfg.cfg import Const, Function, Input, Phi, Ref, Value
 from vividc.dfg.cfg_edit import defined_types
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 
 _INT_MAX = (1 << 31) - 1
 _INT_MIN = -(1 << 31)

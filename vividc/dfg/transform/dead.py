@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from vividc.dfg.cfg import Function, Ref
 from vividc.dfg.cfg_edit import uses
-from vividc.dfg.opcodes import MEMORY
+from vividc.machine.opcodes import MEMORY
 
 
 def without_dead(function: Function) -> Function:

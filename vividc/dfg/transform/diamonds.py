@@ -14,7 +14,7 @@ from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Unde
 from vividc.dfg.cfg_edit import incoming, next_id, with_blocks
 from vividc.dfg.loops import blocks_of_pipelined_loops, predecessors
 from vividc.dfg.normalize import merge_chains
-from vividc.dfg.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
+from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
 
 _MOST_OPERATIONS = 16
 """In an arm: about what a tile issues in the cycles that a region of its own would cost."""

@@ -14,9 +14,9 @@ from vividc.dfg.affine import AffineAnalysis, block_of
 from vividc.dfg.cfg import Function, Input, Instr, Ref, Value
 from vividc.dfg.cfg_edit import with_blocks
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import MEMORY
 from vividc.dfg.transform.counters import Counter, counter_of, defined_in
 from vividc.dfg.transform.polynomial import Polynomial, Polynomials
+from vividc.machine.opcodes import MEMORY
 
 _STEP_LIMIT = 1 << 14
 

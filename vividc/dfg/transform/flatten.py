@@ -31,7 +31,6 @@ from vividc.dfg.cfg_edit import (
 )
 from vividc.dfg.loops import Loop, block_graph, dominators, find_loops
 from vividc.dfg.normalize import canonical_loops
-from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.distinct import mark_distinct
 from vividc.dfg.transform.indices import fold_indices, unfold_bases
 from vividc.dfg.transform.number_values import number_values
@@ -41,6 +40,7 @@ from vividc.dfg.transform.rotate import can_rotate, rotate
 from vividc.dfg.transform.ssa_repair import repair
 from vividc.dfg.transform.tidy import tidy
 from vividc.errors import InternalError
+from vividc.machine.opcodes import Opcode, Type
 
 
 @dataclass(frozen=True, slots=True)

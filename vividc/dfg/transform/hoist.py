@@ -9,7 +9,7 @@ import networkx as nx
 from vividc.dfg.cfg import Function, Instr, Ref
 from vividc.dfg.cfg_edit import defined_types
 from vividc.dfg.loops import Loop, block_graph, find_loops
-from vividc.dfg.opcodes import MEMORY
+from vividc.machine.opcodes import MEMORY
 
 
 def hoist_invariants(function: Function) -> Function:

@@ -13,12 +13,12 @@ from typing import Final
 
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Undefined, Value
 from vividc.dfg.cfg_edit import definitions, next_id
-from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.dead import without_dead
 from vividc.dfg.transform.hoist import hoist_invariants
-from vividc.dfg.words import float_of
 from vividc.errors import SourceLoc
 from vividc.formats import Format, round_bits, to_float
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.words import float_of
 
 _STEMS: Final = {
     Opcode.FADD: "fadd",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from vividc.dfg.affine import AffineAnalysis
 from vividc.dfg.cfg import Function, Input, Instr, Ref, Value
-from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.dfg.transform.counters import defined_in
 from vividc.dfg.transform.levels import Level
 from vividc.dfg.transform.polynomial import Polynomial, Polynomials
 from vividc.dfg.transform.threads import private_arrays
+from vividc.machine.opcodes import MEMORY, Opcode
 
 
 def meeting_array(function: Function, level: Level) -> str | None:

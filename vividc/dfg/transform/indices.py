@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from vividc.dfg.affine import block_of, signed
+from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Const, Function, Input, Instr, Ref, Value
 from vividc.dfg.cfg_edit import next_id, with_blocks
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.counters import defined_in
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.polynomial import Polynomial, Polynomials, constant
+from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.machine.words import signed
 
 _OFFSET_LIMIT = 1 << 15
 

@@ -21,11 +21,11 @@ from vividc.dfg.cfg_edit import (
     with_blocks,
 )
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import Opcode
 from vividc.dfg.transform.clone import Clone, clone_blocks
 from vividc.dfg.transform.nest import Nest, find_nest, forbids_jam
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.unroll import MainLoop, close_main_loop, main_loop, untested
+from vividc.machine.opcodes import Opcode
 
 
 @dataclass(frozen=True)

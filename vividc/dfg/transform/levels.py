@@ -14,7 +14,7 @@ from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Block, Branch, Function, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, fresh_name, redirect_edge, uses
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Type
+from vividc.machine.opcodes import Type
 
 _SINK = ""
 

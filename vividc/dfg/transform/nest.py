@@ -12,9 +12,9 @@ from vividc.dfg.cfg import Const, Function, Input, Instr, Value
 from vividc.dfg.counted import count_loop
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.memory_order import different_elements
-from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.refusal import Refusal
+from vividc.machine.opcodes import MEMORY, Opcode
 
 _WORD_BYTES = 4
 

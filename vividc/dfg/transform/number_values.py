@@ -9,7 +9,7 @@ import networkx as nx
 from vividc.dfg.cfg import Function, Instr, Ref, Value
 from vividc.dfg.cfg_edit import substitute
 from vividc.dfg.loops import block_graph, dominators
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 
 _Key = tuple[Opcode, tuple[Value, ...]]
 

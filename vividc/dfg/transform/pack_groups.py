@@ -14,9 +14,9 @@ from typing import Final
 
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions
-from vividc.dfg.lanes import Lane
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
 from vividc.formats import FORMATS, Format
+from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import OPCODES, Opcode, Type
 
 _ROUNDS: Final = 4
 """How far back the shapes of two operations are compared."""

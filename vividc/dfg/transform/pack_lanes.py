@@ -17,11 +17,11 @@ from typing import Final
 from vividc.dfg.cfg import Block, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions, map_values, next_id
 from vividc.dfg.loops import find_loops
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.dead import without_dead
 from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.dfg.transform.pack_groups import Group, find_groups
 from vividc.formats import Format, join
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 _LOOP_WEIGHT: Final = 16
 """Iterations that a loop is taken to have."""

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from vividc.dfg.affine import signed
 from vividc.dfg.cfg import Const, Function, Input, Instr, Value
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import signed
 
 Monomial = tuple[Value, ...]
 _MAX_TERMS = 12

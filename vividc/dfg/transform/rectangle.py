@@ -14,11 +14,11 @@ from vividc.dfg.cfg import Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import next_id, uses, with_blocks
 from vividc.dfg.counted import count_loop
 from vividc.dfg.loops import Loop, block_graph, dominators
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.counters import Counter, counter_of, defined_in, is_length
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.polynomial import Polynomial, Polynomials
 from vividc.dfg.transform.rotate import can_rotate
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 _INT_MAX = 0x7FFFFFFF
 

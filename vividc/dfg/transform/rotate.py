@@ -22,10 +22,10 @@ from vividc.dfg.cfg_edit import (
     with_blocks,
 )
 from vividc.dfg.loops import Loop
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.clone import clone_blocks, repair_uses
 from vividc.dfg.transform.counters import Counter, counter_of, defined_in, moved_limit
 from vividc.dfg.transform.peel import preheader_of
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 
 def rotate(function: Function, loop: Loop, outer: Loop) -> Function:

@@ -13,8 +13,8 @@ from vividc import time_limit
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import incoming, map_values, rename_incoming
 from vividc.dfg.normalize import remove_unreachable_blocks
-from vividc.dfg.opcodes import OPCODES, Opcode, Type
-from vividc.dfg.semantics import SEMANTICS
+from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.machine.semantics import SEMANTICS
 
 
 def simplify(function: Function) -> Function:

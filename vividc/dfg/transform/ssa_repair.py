@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 from vividc.dfg.cfg import Block, Function, Phi, Ref, Value
 from vividc.dfg.cfg_edit import map_values, next_id
-from vividc.dfg.opcodes import Type
 from vividc.errors import InternalError, SourceLoc
+from vividc.machine.opcodes import Type
 
 
 def repair(

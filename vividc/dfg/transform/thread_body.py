@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from functools import reduce
 
 from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Value
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.chain import Chain
 from vividc.dfg.transform.levels import Edge, Level
 from vividc.dfg.transform.thread_paths import Paths
 from vividc.dfg.transform.uniform import Uniform
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ import networkx as nx
 
 from vividc.dfg.cfg import Branch, Const, Instr, Phi, Ref, Undefined, Value
 from vividc.dfg.cfg_edit import definitions, incoming
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
 from vividc.dfg.transform.levels import Edge, Level
 from vividc.dfg.transform.thread_body import Body, Group, can_test_address
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 
 
 class Form(Enum):

@@ -16,19 +16,8 @@ from dataclasses import dataclass, replace
 
 import networkx as nx
 
-from vividc.dfg.affine import AffineAnalysis, block_of, signed
-from vividc.dfg.cfg import (
-    TRAP,
-    Branch,
-    Const,
-    Function,
-    Input,
-    Instr,
-    LocalArray,
-    Phi,
-    Ref,
-    Value,
-)
+from vividc.dfg.affine import AffineAnalysis, block_of
+from vividc.dfg.cfg import Branch, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import (
     incoming,
     next_id,
@@ -41,8 +30,6 @@ from vividc.dfg.cfg_edit import (
 from vividc.dfg.counted import count_loop
 from vividc.dfg.loops import find_loops
 from vividc.dfg.normalize import canonical_loops
-from vividc.dfg.opcodes import MEMORY, Opcode, Type
-from vividc.dfg.parallel import FIRST, LAST
 from vividc.dfg.transform.chain import Chain
 from vividc.dfg.transform.levels import Level, level_of, with_own_latches
 from vividc.dfg.transform.peel import preheader_of
@@ -50,6 +37,10 @@ from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.thread_body import Body, Group
 from vividc.dfg.transform.thread_loop import ThreadLoop
 from vividc.dfg.transform.uniform import uniform_values
+from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.machine.parallel import FIRST, LAST
+from vividc.machine.params import TRAP, LocalArray
+from vividc.machine.words import signed
 
 MOST_THREADS = 8
 

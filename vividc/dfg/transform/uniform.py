@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from vividc.dfg.cfg import Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import definitions, incoming
-from vividc.dfg.opcodes import MEMORY, Opcode
 from vividc.dfg.transform.levels import Level
+from vividc.machine.opcodes import MEMORY, Opcode
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Valu
 from vividc.dfg.cfg_edit import fresh_name, incoming, next_id, retarget, with_blocks
 from vividc.dfg.counted import count_loop
 from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.opcodes import Opcode, Type
 from vividc.dfg.transform.clone import Clone, clone_blocks, extend_phis, repair_uses
 from vividc.dfg.transform.peel import preheader_of, with_back_edge_to
 from vividc.dfg.transform.refusal import Refusal
+from vividc.machine.opcodes import Opcode, Type
 
 
 @dataclass(frozen=True)

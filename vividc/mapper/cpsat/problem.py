@@ -16,7 +16,7 @@ from functools import cached_property
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds import usable_pes
 from vividc.mapper.dependences import Dependence, dependences, earliest_starts, longest_tails
 from vividc.mapper.distances import cycles_for, hop_distances, hops_a_cycle

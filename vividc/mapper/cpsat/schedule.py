@@ -13,7 +13,7 @@ from itertools import combinations, product
 from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import BASE, Opcode
+from vividc.machine.opcodes import BASE, Opcode
 from vividc.mapper.bounds import hall_sets, usable_pes
 from vividc.mapper.cpsat.objective import carrying_cost
 from vividc.mapper.cpsat.output_cells import cells_suffice

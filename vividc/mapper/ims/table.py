@@ -7,7 +7,7 @@ from collections.abc import Hashable, Iterator
 from typing import Final
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Place
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.dfg.ir import Node
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.dependences import Dependence, dependences
 from vividc.mapper.distances import hop_distances
 from vividc.mapper.mrrg import MRRG, Ints, Rows

@@ -12,8 +12,8 @@ import numpy as np
 
 from vividc.arch.fabric import PE, Controller, Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
 from vividc.errors import InternalError
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.distances import FAR, hop_distances

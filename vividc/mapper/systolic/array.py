@@ -8,8 +8,8 @@ from functools import cached_property
 from itertools import pairwise
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.errors import VividcError
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 
 _LOAD_ROWS = 2
 """Rows in the north that do not multiply: row 0 loads, row 1 stores what comes out."""

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.mapping import Mapping as Placement
 from vividc.mapper.mapping import Place, Step, Subject
 from vividc.mapper.systolic.array import SystolicArray, SystolicError

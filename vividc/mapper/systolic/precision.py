@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final, Literal, get_args
 
-from vividc.dfg.opcodes import Opcode
 from vividc.errors import demand_type
 from vividc.formats import FORMATS
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.systolic.array import SystolicError
 
 Precision = Literal["f32", "f16", "e4m3", "e5m2"]

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import gcd
 
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.mapper.systolic.array import SystolicArray
 
 

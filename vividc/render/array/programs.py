@@ -19,7 +19,7 @@ from vividc.errors import VividcWarning
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
-_COMPILER: Final = ("arch", "dfg", "frontend", "gemm", "mapper", "planning", "program")
+_COMPILER: Final = ("arch", "dfg", "frontend", "gemm", "machine", "mapper", "planning", "program")
 """Rooms whose code decides what a kernel becomes."""
 _KIND: Final = "stage"
 

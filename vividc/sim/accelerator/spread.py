@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.parallel import WIDE_LOW, Reduction
-from vividc.dfg.semantics import evaluate
 from vividc.errors import ArgumentError
+from vividc.machine.opcodes import Opcode
+from vividc.machine.parallel import WIDE_LOW, Reduction
+from vividc.machine.semantics import evaluate
 from vividc.program import WORD_BYTES, Program, joined
 from vividc.sim.accelerator.chunks import Chunk, Cut, Interval, Plan, aligned, plan_chunks, slack
 from vividc.sim.accelerator.job import Job

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import Final
 
 from vividc.arch.fabric import PE, Fabric
-from vividc.dfg.opcodes import LatencyClass
+from vividc.machine.opcodes import LatencyClass
 from vividc.program.layout import word_layout
 
 WORD_BITS: Final = 32

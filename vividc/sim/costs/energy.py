@@ -12,8 +12,8 @@ from typing import Final, TypedDict
 from vividc.arch import Fabric
 from vividc.arch.costs import Cost, CostTable
 from vividc.arch.node_scaling import energy_factor
-from vividc.dfg.kinds import kind_of
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.kinds import kind_of
+from vividc.machine.opcodes import Opcode
 from vividc.sim.costs.area import array_um2
 from vividc.sim.costs.calibration import calibrate
 from vividc.sim.costs.report import ON_CHIP, Item, by_part, item

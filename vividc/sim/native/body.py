@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.program import Use
 from vividc.sim.native.layout import BOUND_OF_WIDTH, Layout
 from vividc.sim.native.operations import lower

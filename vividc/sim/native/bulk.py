@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.sim.native.body import Key, Surroundings
 from vividc.sim.native.bulk_tables import LANES, VECTORS, BulkTables, Kind, Section
 from vividc.sim.native.bulk_vectors import FLAGS, VECTOR_DECLARATIONS, WORDS, multiply_add, splat

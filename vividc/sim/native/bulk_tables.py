@@ -19,7 +19,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.program import Use
 from vividc.sim.native.trace import Constant, Counter, FlowOp, Read, RegionFlow, Result
 

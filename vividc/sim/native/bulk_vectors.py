@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import CANONICAL_NAN, INT_MAX, SIGN_BIT
 from vividc.formats import E4M3, E5M2, F16, Format
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import CANONICAL_NAN, INT_MAX, SIGN_BIT
 from vividc.sim.native.bulk_tables import LANES
 from vividc.sim.native.text import Code
 

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.dfg.opcodes import MEMORY
+from vividc.machine.opcodes import MEMORY
 from vividc.sim.engine import Activity, RegionRun
 from vividc.sim.native.layout import Sum
 from vividc.sim.native.trace import Constant, FlowOp, Move, RegionFlow, Result

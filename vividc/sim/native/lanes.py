@@ -16,9 +16,9 @@ from functools import partial
 from struct import pack, unpack
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import CANONICAL_NAN, INFINITY, INT_MAX
 from vividc.formats import E4M3, FORMATS, Format
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import CANONICAL_NAN, INFINITY, INT_MAX
 from vividc.sim.native.text import Code
 
 LANE_DECLARATIONS: Final = "".join(

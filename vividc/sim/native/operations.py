@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import CANONICAL_NAN, INT_MAX, SIGN_BIT
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import CANONICAL_NAN, INT_MAX, SIGN_BIT
 from vividc.sim.native.lanes import LANE_DECLARATIONS, LANE_LOWERINGS, Lowering
 from vividc.sim.native.text import Code
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from vividc.dfg.opcodes import Opcode
+from vividc.machine.opcodes import Opcode
 from vividc.program import Use
 from vividc.sim.native.trace import Constant, FlowCapture, FlowOp, RegionFlow, Result
 

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.dfg.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.program import Capture, Entry, Issue, Operand, Program, RegionRow, Sel, Select, Use
 
 _MEMORY_NAMES: Final = frozenset(op.value for op in MEMORY)

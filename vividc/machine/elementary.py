@@ -12,9 +12,9 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from vividc.dfg.elementary_float import FLOAT_SEMANTICS
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import (
+from vividc.machine.elementary_float import FLOAT_SEMANTICS
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import (
     CANONICAL_NAN,
     INFINITY,
     SIGN_BIT,

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
-from vividc.dfg.opcodes import OPCODES, Opcode
 from vividc.errors import SourceLoc
+from vividc.machine.opcodes import OPCODES, Opcode
 
 FIRST: Final = "prange.first"
 LAST: Final = "prange.last"

@@ -29,9 +29,9 @@ from collections.abc import Callable
 from functools import cache
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import WORD_MASK, float_of, word_of
 from vividc.formats import FORMATS, Format, join, round_bits, split, values
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_MASK, float_of, word_of
 
 Semantics = Callable[..., int]
 

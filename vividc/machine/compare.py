@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import OPCODES, LatencyClass, Opcode, Type
+from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode, Type
 
 # (operation, whether its operands are swapped); not (a < b) is b <= a, or unordered.
 _PAIRS: Final = (

@@ -23,10 +23,11 @@ from collections.abc import Callable, Sequence
 from struct import Struct
 from typing import Final
 
-from vividc.dfg.elementary import ELEMENTARY_SEMANTICS
-from vividc.dfg.lane_semantics import LANE_SEMANTICS
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import (
+from vividc.errors import InternalError
+from vividc.machine.elementary import ELEMENTARY_SEMANTICS
+from vividc.machine.lane_semantics import LANE_SEMANTICS
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import (
     CANONICAL_NAN,
     INFINITY,
     INT_MAX,
@@ -36,7 +37,6 @@ from vividc.dfg.words import (
     signed,
     word_of,
 )
-from vividc.errors import InternalError
 
 _TWO_31: Final = 2147483648.0
 

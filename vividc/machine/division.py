@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import WORD_MASK
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_MASK
 
 V = TypeVar("V")
 _WORD = 32

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.dfg.opcodes import CLASS_OF_NAME as OWN_CLASSES
-from vividc.dfg.opcodes import LatencyClass, Opcode
+from vividc.machine.opcodes import CLASS_OF_NAME as OWN_CLASSES
+from vividc.machine.opcodes import LatencyClass, Opcode
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,8 +36,8 @@ def word_of(value: float) -> int:
 
 
 def signed(word: int) -> int:
-    """Two's complement value of a word."""
-    return word - ((word & SIGN_BIT) << 1)
+    """Two's complement value of the low 32 bits."""
+    return (word & WORD_MASK) - ((word & SIGN_BIT) << 1)
 
 
 def loaded(word: int, byte: int, width: int, is_signed: bool) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.opcodes import MEMORY, OPCODES, LatencyClass, Opcode, Type
+from vividc.machine.opcodes import MEMORY, OPCODES, LatencyClass, Opcode, Type
 
 _PRECISIONS: Final = (
     *((type_, type_.value) for type_ in (Type.F16, Type.E4M3, Type.E5M2)),

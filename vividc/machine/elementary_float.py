@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from vividc.dfg.opcodes import Opcode
-from vividc.dfg.words import CANONICAL_NAN, INFINITY, SIGN_BIT, float_of, word_of
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import CANONICAL_NAN, INFINITY, SIGN_BIT, float_of, word_of
 
 _MINUS_INFINITY: Final = INFINITY | SIGN_BIT
 
