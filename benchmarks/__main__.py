@@ -35,7 +35,7 @@ from benchmarks import (
 )
 from benchmarks.measured_frames import METHODS
 from benchmarks.workloads import WORKLOADS, Workload
-from vividc.files import write_whole
+from vividc.host.files import write_whole
 
 HEADER = (
     "| kernel | hot loop ops | ResMII | RecMII | II | status | utilisation | all regions (cycles) "

@@ -75,8 +75,8 @@ def measured(text: str, limit_s: float, cache: Path) -> Row:
 def child(path: str, limit_s: float) -> None:
     """Compiles a kernel and prints its row as JSON."""
     import vividc  # noqa: PLC0415 - its time is not the compilation's
-    from vividc import time_limit  # noqa: PLC0415
     from vividc.cli.kernels import load_kernel  # noqa: PLC0415
+    from vividc.host import time_limit  # noqa: PLC0415
 
     warnings.simplefilter("ignore")
     clock = time.perf_counter

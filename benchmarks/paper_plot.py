@@ -9,8 +9,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from vividc.files import write_whole
-from vividc.plot import OKABE_ITO, Picture, Rect, Shape, Text, encode, readable_on, text_width, tint
+from vividc.host.files import write_whole
+from vividc.host.plot import (
+    OKABE_ITO,
+    Picture,
+    Rect,
+    Shape,
+    Text,
+    encode,
+    readable_on,
+    text_width,
+    tint,
+)
 
 _LEFT, _TOP, _WIDTH, _BAR, _PITCH = 90.0, 40.0, 560.0, 26.0, 40.0
 _RIGHT: Final = 110.0

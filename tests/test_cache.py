@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from vividc import cache, store
 from vividc.errors import VividcWarning
+from vividc.host import cache, store
 
 
 @pytest.fixture(autouse=True)

@@ -20,9 +20,9 @@ from vividc.arch.costs import load_costs
 from vividc.cli.kernels import load_kernel
 from vividc.cli.verify_command import _json_of
 from vividc.errors import VividcError
-from vividc.files import write_whole
-from vividc.inputs import ARGUMENT_BYTES, VARIABLE, limit, read_bytes
-from vividc.npz import read_npz
+from vividc.host.files import write_whole
+from vividc.host.inputs import ARGUMENT_BYTES, VARIABLE, limit, read_bytes
+from vividc.host.npz import read_npz
 from vividc.program.bundle import SCHEMA
 from vividc.render import load_cameras, read_scene, read_views
 from vividc.render.views import _read_picture

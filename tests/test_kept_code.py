@@ -17,12 +17,12 @@ import pytest
 from numba.core.registry import cpu_target
 
 import vividc
-from vividc import kept_code, made_of, store
+from vividc.host import kept_code, made_of, store
 
 LOOPS = """
 from typing import NamedTuple
 import numpy as np
-from vividc.machine_code import compiler, inlined
+from vividc.host.machine_code import compiler, inlined
 
 WEIGHT = 10
 
@@ -57,7 +57,7 @@ vividc.__path__ = [sys.argv[1]]
 sys.path.insert(0, sys.argv[2])
 sys.dont_write_bytecode = True
 import numpy as np, loops
-from vividc.made_of import made_of
+from vividc.host.made_of import made_of
 
 def run(names):
     row = loops.Row(np.arange(4), 1)
@@ -125,9 +125,11 @@ def test_an_entry_of_another_form_is_thrown_away(monkeypatch: pytest.MonkeyPatch
 
     code = kept_code.KeptCode(one, "stamp")
     for content in (b"", b"{}\ncode", b"\xff\n", b"[]", b'{"bytes": 3}\nabc'):
-        monkeypatch.setattr(vividc.cache, "read", lambda *_, content=content: content)
+        monkeypatch.setattr(vividc.host.cache, "read", lambda *_, content=content: content)
         thrown = []
-        monkeypatch.setattr(vividc.cache, "discard", lambda *of, thrown=thrown: thrown.append(of))
+        monkeypatch.setattr(
+            vividc.host.cache, "discard", lambda *of, thrown=thrown: thrown.append(of)
+        )
         assert code.load_overload((), cpu_target.target_context) is None
         assert len(thrown) == 1
 

@@ -11,7 +11,7 @@ import pytest
 from numba.core.codegen import CPUCodeLibrary
 from numpy.typing import NDArray
 
-from vividc.machine_code import compiler, inlined
+from vividc.host.machine_code import compiler, inlined
 
 
 class Table(NamedTuple):

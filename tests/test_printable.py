@@ -9,8 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from vividc.cli import main
-from vividc.errors import VividcError
-from vividc.printable import printable, quoted
+from vividc.errors import VividcError, printable, quoted
 
 NAME = "a\nb\x1b[31mred"
 SHOWN = r"a\nb\x1b[31mred"

@@ -20,9 +20,9 @@ import pytest
 
 import vividc
 from tests.fuzz.entries import check_damaged
-from vividc import store
 from vividc.errors import VividcWarning
-from vividc.store import Store
+from vividc.host import store
+from vividc.host.store import Store
 
 ANY = pytest.mark.filterwarnings("ignore::vividc.errors.VividcWarning")
 
@@ -293,7 +293,7 @@ import sys, types
 from pathlib import Path
 vividc = sys.modules["vividc"] = types.ModuleType("vividc")  # the whole takes seconds
 vividc.__path__ = [sys.argv[2]]
-from vividc.store import Store
+from vividc.host.store import Store
 kept = Store(Path(sys.argv[1]), 300_000)
 print(flush=True)
 for turn in range(10**9):

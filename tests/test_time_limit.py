@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import vividc
-from vividc import arch, time_limit
+from vividc import arch
 from vividc.errors import SourceLoc, TimeLimit
+from vividc.host import time_limit
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from vividc.errors import BundleError, VividcError
-from vividc.files import is_written_through, write_whole
+from vividc.host.files import is_written_through, write_whole
 
 
 def test_writes_and_replaces(tmp_path: Path) -> None:
@@ -108,7 +108,7 @@ def test_a_device_is_written_to(minor: int, fails: bool, tmp_path: Path) -> None
 @pytest.mark.parametrize("redirected", [False, True])
 def test_the_process_s_own_output_is_written_in_turn(redirected: bool, tmp_path: Path) -> None:
     code = (
-        "from pathlib import Path; from vividc.files import write_whole; print('a');"
+        "from pathlib import Path; from vividc.host.files import write_whole; print('a');"
         "write_whole(Path('/dev/stdout'), b'b'); print('c')"
     )
     path = tmp_path / "out"

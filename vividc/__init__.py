@@ -13,9 +13,9 @@ from vividc.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
 from vividc.gemm.kernels import simulate
+from vividc.host.time_limit import patient
 from vividc.program import Program, load
 from vividc.sim import Result
-from vividc.time_limit import patient
 
 __version__ = "0.1.0"
 

@@ -6,7 +6,7 @@ import math
 import warnings
 from dataclasses import dataclass, field, replace
 
-from vividc import arch, compiled_files, time_limit
+from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.dfg.build import build_kernel
@@ -37,6 +37,7 @@ from vividc.errors import (
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
+from vividc.host import compiled_files, time_limit
 from vividc.machine.parallel import Parallel
 from vividc.machine.product import Product
 from vividc.map_regions import MapOptions, Progress, guarded, map_kernel, mapping_of

@@ -7,8 +7,8 @@ from functools import cache as once
 from hashlib import sha256
 from pathlib import Path
 
-from vividc import cache
 from vividc.errors import BundleError
+from vividc.host import cache
 from vividc.program import Program, from_bytes
 
 

@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from vividc import time_limit
 from vividc.arch.fabric import Fabric
 from vividc.delivery import deliver, residents, variable_homes, with_homes
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
+from vividc.host import time_limit
 from vividc.mapper import MapProblem, MapResult, map_dfg
 from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.list_schedule import list_schedule

@@ -13,8 +13,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import vividc
-from vividc import compiled_files, store
 from vividc.cli import main
+from vividc.host import compiled_files, store
 
 SOURCE = """\
 import pathlib

@@ -8,7 +8,7 @@ from tests.dfg.programs import Assign, If, lower
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import find_loops, pipelined_loops, predecessors
 from vividc.dfg.normalize import normalize
-from vividc.once import once_each
+from vividc.host.once import once_each
 
 _CHOICE = If(0, 1, (Assign(1, "add", 0, 2, None),), ())
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from vividc.errors import VividcWarning
-from vividc.store import Store
+from vividc.host.store import Store
 
 _KEYS: Final = ("one", "two", "three")
 

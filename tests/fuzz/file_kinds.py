@@ -19,8 +19,9 @@ from PIL import Image
 
 from tests.fuzz.file_scenes import POSE, SCENES, ply_bytes, views
 from tests.mapper.graphs import accumulator
-from vividc import cache, compiled_files, dfg, kept, machine_code, program
+from vividc import dfg, kept, program
 from vividc.cli import main
+from vividc.host import cache, compiled_files, machine_code
 from vividc.render import load_cameras, load_reference_images
 
 ROOT: Final = Path(__file__).parents[2]

@@ -29,13 +29,13 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "cli/verify_command.py": ("mapping",),
     "dfg/load.py": ("graph JSON", "graph DOT", "graph XML", "graph text", "graph to verify"),
     "errors.py": ("graph with lines", "kernel"),
-    "files.py": ("kernel", "graph JSON"),
+    "host/files.py": ("kernel", "graph JSON"),
     "frontend/kernel_source.py": ("kernel",),
     "frontend/ll_source.py": ("kernel in C",),
-    "inputs.py": ("graph JSON",),
+    "host/inputs.py": ("graph JSON",),
     "kept.py": (OWN,),
-    "machine_code.py": (OWN,),
-    "npz.py": ("arguments", "scene: means"),
+    "host/machine_code.py": (OWN,),
+    "host/npz.py": ("arguments", "scene: means"),
     "program/bundle.py": ("program", "program to disassemble"),
     "program/encode.py": ("kernel",),
     "render/archive.py": ("scene: table", "scene: net_index", "scene: density_plane_0"),
@@ -46,7 +46,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "render/views.py": ("views", "views npz", "picture PNG", "picture JPEG", "picture WEBP"),
     "sim/native/compiler.py": (OWN,),
     "frontend/llvm_child/server.py": (OWN,),
-    "store.py": ("entry: engine", "entry: loops", "entry: stage", "entry: compiled"),
+    "host/store.py": ("entry: engine", "entry: loops", "entry: stage", "entry: compiled"),
 }
 """Modules that open files, and kinds that get there."""
 

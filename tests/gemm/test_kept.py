@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from vividc import arch, cache, store
+from vividc import arch
 from vividc.errors import VividcWarning
 from vividc.gemm import chain
 from vividc.gemm.kept import key_of, read_program, write_program
+from vividc.host import cache, store
 from vividc.mapper.systolic import SystolicArray
 
 ARRAY = SystolicArray.of(arch.load_tile("vivid-8x8"))

@@ -16,11 +16,11 @@ from vividc.arch import load
 from vividc.arch.fabric import Link
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
+from vividc.host.plot import Line, Rect, Text, readable_on, text_width, to_svg
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import Mapping, Place, Step, Subject, map_dfg
 from vividc.mapper.draw import draw
 from vividc.mapper.draw_scene import colour_of, pale, scene_of
-from vividc.plot import Line, Rect, Text, readable_on, text_width, to_svg
 
 FABRIC = grid(2, 2)
 

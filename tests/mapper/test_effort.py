@@ -11,8 +11,9 @@ import pytest
 from random_graphs import random_loop
 
 import vividc
-from vividc import patient, time_limit
+from vividc import patient
 from vividc.arch import load
+from vividc.host import time_limit
 from vividc.mapper import deadline, map_dfg
 from vividc.mapper.deadline import Deadline, limited
 from vividc.mapper.mapping import MapResult

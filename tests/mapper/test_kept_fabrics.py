@@ -10,8 +10,8 @@ from random_graphs import random_loop
 
 from vividc.arch import load
 from vividc.arch.fabric import Fabric
+from vividc.host.once import once_each
 from vividc.mapper import map_dfg
-from vividc.once import once_each
 
 
 @pytest.mark.parametrize("name", ["mesh-5x5", "adres-4x4", "openedge-4x4"])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from vividc.errors import VividcError
-from vividc.plot import (
+from vividc.host.plot import (
     OKABE_ITO,
     Circle,
     Line,

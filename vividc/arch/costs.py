@@ -16,7 +16,7 @@ from vividc.arch.layers import is_path
 from vividc.arch.problems import did_you_mean, raise_all, schema_problems
 from vividc.arch.yaml_tree import parse
 from vividc.errors import ArchError, demand_type
-from vividc.inputs import YAML_BYTES, read_text
+from vividc.host.inputs import YAML_BYTES, read_text
 
 DEFAULT_TABLE: Final = "vivid-45nm"
 

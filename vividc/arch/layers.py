@@ -15,7 +15,7 @@ from vividc.arch.schema import LATENCY_GROUPS, MAX_SIDE, Layer
 from vividc.arch.yaml_tree import Path as TreePath
 from vividc.arch.yaml_tree import Plain, Tree, parse
 from vividc.errors import ArchError
-from vividc.inputs import YAML_BYTES, read_text, resolved
+from vividc.host.inputs import YAML_BYTES, read_text, resolved
 
 _SUFFIXES = (".yaml", ".yml")
 _FAMILIES: Final = {

@@ -19,7 +19,7 @@ from vividc.arch.problems import Problem, raise_all, schema_problems
 from vividc.arch.reflect import reflected
 from vividc.arch.yaml_tree import Tree, parse
 from vividc.errors import ArchError, demand_type
-from vividc.inputs import YAML_BYTES, read_text
+from vividc.host.inputs import YAML_BYTES, read_text
 
 
 def accelerator_names() -> tuple[str, ...]:

@@ -10,8 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vividc.arch.yaml_tree import Tree
-from vividc.errors import ArchError
-from vividc.printable import quoted
+from vividc.errors import ArchError, quoted
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import yaml
 
-from vividc.errors import ArchError
-from vividc.inputs import YAML_BYTES, limit, too_large
-from vividc.printable import quoted
+from vividc.errors import ArchError, quoted
+from vividc.host.inputs import YAML_BYTES, limit, too_large
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 Path = tuple[str | int, ...]

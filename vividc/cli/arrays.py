@@ -11,12 +11,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.errors import ArgumentError
-from vividc.files import write_whole
-from vividc.inputs import ARGUMENT_BYTES
+from vividc.errors import ArgumentError, quoted
+from vividc.host.files import write_whole
+from vividc.host.inputs import ARGUMENT_BYTES
+from vividc.host.npz import Header, opened_npz
 from vividc.machine.params import DType, Param
-from vividc.npz import Header, opened_npz
-from vividc.printable import quoted
 
 Array = NDArray[Any]
 RETURN_KEY = "return"

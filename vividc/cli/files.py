@@ -6,9 +6,8 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from vividc.errors import VividcError
-from vividc.files import is_written_through
-from vividc.printable import printable
+from vividc.errors import VividcError, printable
+from vividc.host.files import is_written_through
 
 
 def check_output(path: Path, option: str) -> None:

@@ -14,7 +14,7 @@ from typing import Final
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcError
 from vividc.frontend import KernelFunction, LLKernel, load_ll
-from vividc.inputs import SOURCE_BYTES, demand_utf8_path, read_bytes
+from vividc.host.inputs import SOURCE_BYTES, demand_utf8_path, read_bytes
 
 _SUFFIX: Final = ".py"
 _LL: Final = ".ll"

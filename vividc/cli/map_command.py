@@ -16,8 +16,9 @@ from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.report import percent, plain, print_json, print_table, progress, say
 from vividc.dfg import DFG
-from vividc.errors import MappingFailed, TimeLimit
-from vividc.files import write_whole
+from vividc.errors import MappingFailed, TimeLimit, printable
+from vividc.host.files import write_whole
+from vividc.host.plot import check_picture_path, encode
 from vividc.mapper import (
     OBJECTIVES,
     MapInterrupted,
@@ -28,8 +29,6 @@ from vividc.mapper import (
 )
 from vividc.mapper.deadline import EFFORT_SHARE
 from vividc.mapper.explain import binding, fullest
-from vividc.plot import check_picture_path, encode
-from vividc.printable import printable
 
 SCHEMA = "vividc.map/1"
 

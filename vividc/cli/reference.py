@@ -16,11 +16,10 @@ import numpy as np
 from vividc.cli.arrays import Array, describe
 from vividc.cli.kernels import kernel_file, load_kernel, load_kernel_of
 from vividc.cli.report import say
-from vividc.compiled_files import is_noted
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, printable, quoted
 from vividc.frontend import KernelFunction, LLKernel
+from vividc.host.compiled_files import is_noted
 from vividc.machine.params import Param
-from vividc.printable import printable, quoted
 from vividc.program import Program
 
 _LONGEST: Final = 200

@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from vividc.printable import printable
+from vividc.errors import printable
 
 Plain = None | bool | int | float | str | list["Plain"] | dict[str, "Plain"]
 _FILE_WIDTH: Final = 120

@@ -12,8 +12,8 @@ import click
 from vividc import arch, dfg
 from vividc.cli import options
 from vividc.cli.report import print_json, say
-from vividc.errors import VividcError
-from vividc.inputs import GRAPH_BYTES, demand_few_values, read_text
+from vividc.errors import VividcError, printable, quoted
+from vividc.host.inputs import GRAPH_BYTES, demand_few_values, read_text
 from vividc.mapper import (
     Finding,
     MapResult,
@@ -22,7 +22,6 @@ from vividc.mapper import (
     mapping_from_json,
     read_result,
 )
-from vividc.printable import printable, quoted
 
 SCHEMA: Final = "vividc.verify/1"
 MISMATCH: Final = 5

@@ -17,9 +17,9 @@ from vividc.cli import options
 from vividc.cli.energy_report import print_energy
 from vividc.cli.files import check_output
 from vividc.errors import VividcError
-from vividc.files import write_whole
+from vividc.host.files import write_whole
+from vividc.host.plot import Picture, check_picture_path, encode
 from vividc.launch import JobResult
-from vividc.plot import Picture, check_picture_path, encode
 from vividc.program import Program
 from vividc.sim import Result
 from vividc.sim.costs import EnergyReport, energy, work_of, work_of_job

@@ -13,8 +13,8 @@ from typing import Final
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.order import zero_cycle
+from vividc.errors import printable
 from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode, Type, never_meet
-from vividc.printable import printable
 
 WORD_LIMIT: Final = 1 << 32
 _SHIFT_LIMIT: Final = 32

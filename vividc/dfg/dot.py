@@ -19,9 +19,8 @@ from vividc.dfg.attributes import drawn_edge, drawn_node
 from vividc.dfg.dot_parser import DotGraph, parse_graph
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.dfg.json_form import SCHEMA, from_json, to_json
-from vividc.errors import DFGError, VividcWarning
+from vividc.errors import DFGError, VividcWarning, printable
 from vividc.machine.opcodes import BASE, PRED, LatencyClass, Opcode
-from vividc.printable import printable
 
 _COLOURS: Final = {
     LatencyClass.SOURCE: "white",

@@ -14,9 +14,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final, NoReturn
 
-from vividc.errors import DFGError
-from vividc.inputs import demand_few_parts
-from vividc.printable import printable
+from vividc.errors import DFGError, printable
+from vividc.host.inputs import demand_few_parts
 
 _TOKEN: Final = re.compile(
     r"""(?P<space>\s+|//[^\n]*|\#[^\n]*|/\*.*?\*/)

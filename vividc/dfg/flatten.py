@@ -9,11 +9,10 @@ from typing import Final
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.order import evaluation_order
-from vividc.errors import DFGError, SimulationError
+from vividc.errors import DFGError, SimulationError, printable
 from vividc.machine.opcodes import BASE, PRED, Opcode
 from vividc.machine.semantics import SEMANTICS
 from vividc.machine.words import WORD_MASK, loaded, signed, stored
-from vividc.printable import printable
 
 Step = Callable[[list[int], "memoryview[int]"], None]
 

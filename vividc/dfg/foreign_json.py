@@ -18,10 +18,9 @@ from vividc.dfg.attributes import (
 from vividc.dfg.foreign import ForeignEdge, ForeignNode, foreign_edges, foreign_node
 from vividc.dfg.ir import DFG, EdgeKind, Node
 from vividc.dfg.json_fields import Fields, place_of
-from vividc.errors import VividcWarning
+from vividc.errors import VividcWarning, quoted
 from vividc.machine.opcodes import BASE, PRED
 from vividc.machine.words import WORD_MASK
-from vividc.printable import quoted
 
 _SHOWN: Final = 8
 _NAMED_PORTS: Final = frozenset({PRED, BASE})

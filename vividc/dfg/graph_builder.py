@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from vividc import time_limit
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import InternalError, SourceLoc
+from vividc.host import time_limit
 from vividc.machine.compare import INVERSES
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import BASE, ORDER, PRED, SOURCES, Opcode

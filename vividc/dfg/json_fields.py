@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-from vividc.errors import DFGError, SourceLoc
-from vividc.printable import printable, quoted
+from vividc.errors import DFGError, SourceLoc, printable, quoted
 
 T = TypeVar("T")
 _MAX_DISTANCE: Final = 1 << 20

@@ -26,9 +26,8 @@ from vividc.dfg.foreign_json import (
 )
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.dfg.json_fields import Fields, Problems, fields_of, parse_loc, raise_problems
-from vividc.errors import DFGError
+from vividc.errors import DFGError, quoted
 from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
-from vividc.printable import quoted
 
 SCHEMA: Final = "vividc.dfg/1"
 _PORT_NAMES: Final = {"pred": PRED, "base": BASE}

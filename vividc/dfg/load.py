@@ -19,9 +19,8 @@ from vividc.dfg.json_form import from_json
 from vividc.dfg.json_lines import ElementLines, too_long_number
 from vividc.dfg.morpher_xml import parse_morpher_xml
 from vividc.dfg.text import parse
-from vividc.errors import DFGError, VividcWarning, demand_type
-from vividc.inputs import GRAPH_BYTES, demand_few_values, read_text
-from vividc.printable import printable, quoted
+from vividc.errors import DFGError, VividcWarning, demand_type, printable, quoted
+from vividc.host.inputs import GRAPH_BYTES, demand_few_values, read_text
 
 UnknownOps = Literal["generic", "refuse"]
 _SHOWN: Final = 8

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import networkx as nx
 
-from vividc import time_limit
 from vividc.dfg.cfg import Block, Function
-from vividc.once import once_each
+from vividc.host import time_limit
+from vividc.host.once import once_each
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,8 @@ from typing import Final, NoReturn
 
 from vividc.dfg.ir import DFG
 from vividc.dfg.json_form import from_json
-from vividc.errors import DFGError
-from vividc.inputs import demand_few_parts
-from vividc.printable import quoted
+from vividc.errors import DFGError, quoted
+from vividc.host.inputs import demand_few_parts
 
 _TOKEN: Final = re.compile(
     r"""<!--.*?-->|<\?.*?\?>|<!\w[^>]*>

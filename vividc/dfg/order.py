@@ -6,9 +6,8 @@ import heapq
 from collections.abc import Iterator
 
 from vividc.dfg.ir import DFG, Control
-from vividc.errors import DFGError
+from vividc.errors import DFGError, printable
 from vividc.machine.opcodes import Opcode
-from vividc.printable import printable
 
 
 def evaluation_order(dfg: DFG) -> tuple[int, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from vividc import time_limit
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG
 from vividc.dfg.passes import (
@@ -21,6 +20,7 @@ from vividc.dfg.passes.expand_math import expansion_pass
 from vividc.dfg.precision import Precision
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
+from vividc.host import time_limit
 
 Pass = Callable[[DFG], DFG]
 

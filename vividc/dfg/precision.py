@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from typing import Final
 
 from vividc.dfg.cfg import Function
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, quoted
 from vividc.formats import E4M3, E5M2, F16, Format
 from vividc.machine.opcodes import Opcode
-from vividc.printable import quoted
 
 FUNCTIONS: Final = {"exp": Opcode.EXP, "exp2": Opcode.EXP2}
 """Functions that a policy may name."""

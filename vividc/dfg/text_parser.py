@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from typing import Final, NoReturn
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.errors import DFGError, SourceLoc
-from vividc.inputs import demand_few_parts
+from vividc.errors import DFGError, SourceLoc, quoted
+from vividc.host.inputs import demand_few_parts
 from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
-from vividc.printable import quoted
 
 _TOKEN: Final = re.compile(
     r"""\s*(?:(?P<loc>!.*)

@@ -16,16 +16,15 @@ from numba.core import sigutils, types
 from numba.core.typing import Signature
 
 from vividc.dfg.cfg import Function
-from vividc.errors import KernelError, SourceLoc
+from vividc.errors import KernelError, SourceLoc, quoted
 from vividc.formats import F16
 from vividc.frontend.format_types import TYPES, for_numba, in_arrays
 from vividc.frontend.lower import lower
 from vividc.frontend.numba_target import Callee
 from vividc.frontend.numba_words import plain
 from vividc.frontend.prange import calls_prange, prange_lines
-from vividc.inputs import demand_utf8_path
+from vividc.host.inputs import demand_utf8_path
 from vividc.machine.params import MAX_SPREAD, DType, Param
-from vividc.printable import quoted
 
 _DTYPES = {
     types.float32: DType.F32,

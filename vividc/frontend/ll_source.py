@@ -16,7 +16,7 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.ll_places import nesting
 from vividc.frontend.llvm_child.client import Late, Lost, ask
 from vividc.frontend.llvm_tokens import bare, quoted_global
-from vividc.inputs import SOURCE_BYTES, demand_utf8_path, read_bytes
+from vividc.host.inputs import SOURCE_BYTES, demand_utf8_path, read_bytes
 
 MAX_DEPTH = 100
 """Of brackets within brackets."""

@@ -11,8 +11,8 @@ from typing import Any
 from numba.core import event
 from numba.core.typing import Context
 
-from vividc import time_limit
 from vividc.errors import TimeLimit
+from vividc.host import time_limit
 
 
 class _OutOfTime(BaseException):

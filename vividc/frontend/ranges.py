@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from vividc import time_limit
 from vividc.frontend.interval import (
     BOTTOM,
     Interval,
@@ -35,6 +34,7 @@ from vividc.frontend.ssa import (
     flow_of,
 )
 from vividc.frontend.trips import counter_bounds
+from vividc.host import time_limit
 
 _WIDEN_AFTER = 3
 _NARROWINGS = 4

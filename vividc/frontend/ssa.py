@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from vividc import time_limit
 from vividc.errors import SourceLoc
+from vividc.host import time_limit
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch import Accelerator
-from vividc.errors import ArchError, ArgumentError
+from vividc.errors import ArchError, ArgumentError, quoted
 from vividc.gemm.job import mlp_job
 from vividc.gemm.layer import Layer, Matrix
 from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
 from vividc.gemm.passes import lay_out, with_arrays
 from vividc.machine.product import Factor, Product, Size
 from vividc.mapper.systolic import SystolicError
-from vividc.printable import quoted
 from vividc.program import Program
 from vividc.sim.accelerator import JobResult, spread
 from vividc.sim.bind import arguments

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 from vividc import arch
-from vividc.errors import demand_type
+from vividc.errors import demand_type, quoted
 from vividc.gemm.program import Shape
 from vividc.mapper.systolic import BlockLayout, Precision, SystolicArray, SystolicError, lanes
-from vividc.printable import quoted
 
 Mode = Literal["tpu-unified", "tpu-partitioned"]
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)

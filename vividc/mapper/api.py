@@ -11,7 +11,14 @@ from typing import get_args
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.errors import InternalError, VividcError, demand_callable, demand_type
+from vividc.errors import (
+    InternalError,
+    VividcError,
+    demand_callable,
+    demand_type,
+    printable,
+    quoted,
+)
 from vividc.mapper.certificate import check_certificate
 from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.deadline import limited
@@ -21,7 +28,6 @@ from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_con
 from vividc.mapper.request import Mapper, MapRequest, Progress
 from vividc.mapper.verify import violations
 from vividc.mapper.verify_case import Violation
-from vividc.printable import printable, quoted
 
 _SHOWN = 5
 _MOST_WORKERS = 1000

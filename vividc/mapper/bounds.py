@@ -14,6 +14,7 @@ import networkx as nx
 
 from vividc.dfg.ir import Node
 from vividc.dfg.order import partial_order
+from vividc.errors import printable
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.dependences import (
     Dependence,
@@ -26,7 +27,6 @@ from vividc.mapper.pressure import pressure_bounds
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 from vividc.mapper.reach_bounds import island_bounds, operand_bounds, unreachable_bounds
 from vividc.mapper.refutations import ASSUMED
-from vividc.printable import printable
 
 _MAX_HALL_SETS = 256
 _SHOWN = 6

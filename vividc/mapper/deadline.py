@@ -15,8 +15,8 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from vividc import time_limit
-from vividc.time_limit import Limit
+from vividc.host import time_limit
+from vividc.host.time_limit import Limit
 
 EFFORT_SHARE: Final = 0.8
 """Seconds of effort that a second of the user's limit buys; the rest is for slower machines."""

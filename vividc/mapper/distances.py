@@ -6,7 +6,7 @@ from collections import deque
 from typing import Final
 
 from vividc.arch.fabric import Fabric
-from vividc.once import once_each
+from vividc.host.once import once_each
 
 FAR: Final = 1 << 20
 """Distance to a PE that no links lead to."""

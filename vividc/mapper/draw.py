@@ -7,12 +7,12 @@ from typing import Final
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
+from vividc.host.plot import Line, Picture, Rect, Shape, Text, text_width, translated
 from vividc.mapper.draw_array import CHIP, FRAME, WIRE, ArrayPanel
 from vividc.mapper.draw_label import fitted
 from vividc.mapper.draw_scene import MOVE, Scene, groups_of, scene_of
 from vividc.mapper.draw_table import ReservationTable
 from vividc.mapper.mapping import Mapping
-from vividc.plot import Line, Picture, Rect, Shape, Text, text_width, translated
 
 _MARGIN: Final = 14.0
 _TITLE: Final = 46.0

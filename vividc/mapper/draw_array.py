@@ -9,6 +9,17 @@ from typing import Final
 
 from vividc.arch.fabric import PE
 from vividc.dfg.ir import Node
+from vividc.host.plot import (
+    OKABE_ITO,
+    PAPER,
+    Line,
+    Rect,
+    Shape,
+    Text,
+    readable_on,
+    text_width,
+    tint,
+)
 from vividc.mapper.draw_grid import FULL, HEADER, Detail, Grid
 from vividc.mapper.draw_label import fitted, fitted_id, name_and_id
 from vividc.mapper.draw_scene import (
@@ -21,7 +32,6 @@ from vividc.mapper.draw_scene import (
     pale,
 )
 from vividc.mapper.draw_wires import Wire, wires, wrap_arounds
-from vividc.plot import OKABE_ITO, PAPER, Line, Rect, Shape, Text, readable_on, text_width, tint
 
 WIRE: Final = OKABE_ITO["blue"]
 CHIP: Final = tint(OKABE_ITO["vermilion"], 0.35)

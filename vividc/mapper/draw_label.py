@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vividc.plot import text_width
+from vividc.host.plot import text_width
 
 _ELLIPSIS = "…"
 

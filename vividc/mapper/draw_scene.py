@@ -10,10 +10,10 @@ from typing import Final
 from vividc.arch.fabric import PE, Fabric
 from vividc.dfg.ir import DFG, Node
 from vividc.errors import VividcError
+from vividc.host.plot import OKABE_ITO, tint
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.fu_slots import fu_slots, kept, moved
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.plot import OKABE_ITO, tint
 
 IDLE: Final = "#ffffff"
 MOVE: Final = tint(OKABE_ITO["grey"], 0.45)

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Final
 
 from vividc.arch.fabric import PE
+from vividc.host.plot import Rect, Shape, Text, readable_on, text_width
 from vividc.mapper.draw_array import FAINT, FRAME
 from vividc.mapper.draw_label import fitted_id, name_and_id
 from vividc.mapper.draw_scene import (
@@ -19,7 +20,6 @@ from vividc.mapper.draw_scene import (
     operation_name,
     pale,
 )
-from vividc.plot import Rect, Shape, Text, readable_on, text_width
 
 _HEADER: Final = 36.0
 _ROW: Final = 15.0

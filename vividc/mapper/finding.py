@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from vividc.printable import printable
+from vividc.errors import printable
 
 Verdict = Literal["confirmed", "trusted", "wrong"]
 _MOST_CHARACTERS: Final = 300

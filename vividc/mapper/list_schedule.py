@@ -15,9 +15,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from vividc import time_limit
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.errors import MappingFailed
+from vividc.host import time_limit
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import ConstantKey, MapProblem

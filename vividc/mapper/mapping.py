@@ -12,9 +12,9 @@ from typing import Literal
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError, demand_type
-from vividc.files import write_whole
+from vividc.host.files import write_whole
+from vividc.host.plot import Picture, encode
 from vividc.mapper.problem import ConstantKey
-from vividc.plot import Picture, encode
 
 Status = Literal["optimal", "feasible", "infeasible", "timeout"]
 

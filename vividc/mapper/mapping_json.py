@@ -18,7 +18,7 @@ from vividc.arch import Fabric, load_text
 from vividc.dfg import DFG, check
 from vividc.dfg import from_json as dfg_from_json
 from vividc.dfg import to_json as dfg_to_json
-from vividc.errors import VividcError, demand_type
+from vividc.errors import VividcError, demand_type, quoted
 from vividc.mapper.mapping import (
     Bound,
     Mapping,
@@ -31,7 +31,6 @@ from vividc.mapper.mapping import (
     Subject,
 )
 from vividc.mapper.problem import ConstantKey
-from vividc.printable import quoted
 
 SCHEMA: Final = "vividc.mapping/2"
 _FILE: Final = "mapping file: "

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
+from vividc.host.once import once_each
 from vividc.mapper.distances import FAR
-from vividc.once import once_each
 
 Ints = NDArray[np.int64]
 Bits = NDArray[np.uint8]

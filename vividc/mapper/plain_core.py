@@ -6,10 +6,10 @@ from collections import defaultdict
 from dataclasses import replace
 
 from vividc.arch.fabric import Fabric, Routing
+from vividc.host.once import once_each
 from vividc.mapper.mapping import Mapping, Step
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registers import Stay, allocate
-from vividc.once import once_each
 
 _StepKey = tuple[int, int, int]
 """(producer, PE, cycle) of a word in a register."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Node
+from vividc.errors import printable
 from vividc.mapper.distances import FAR, hop_distances
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
-from vividc.printable import printable
 
 Reach = tuple[frozenset[int], ...]
 """For each PE those that can read a word made there, at some time."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
-from vividc import time_limit
 from vividc.dfg.cfg import Function
 from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.transform.constant_trips import constant_trips
@@ -15,6 +14,7 @@ from vividc.dfg.transform.levels import level_of, with_own_latches
 from vividc.dfg.transform.refusal import Refusal
 from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError, SourceLoc, TimeLimit
+from vividc.host import time_limit
 from vividc.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.planning.estimate import Estimate, Estimator
 from vividc.planning.frequency import expected_trips

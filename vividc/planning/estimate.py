@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from vividc import time_limit
 from vividc.arch.fabric import Fabric
 from vividc.dfg.build import build_kernel
 from vividc.dfg.cfg import Function
@@ -18,6 +17,7 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.dfg.transform.pack_lanes import pack_lanes
 from vividc.dfg.transform.peel import preheader_of
 from vividc.errors import SourceLoc
+from vividc.host import time_limit
 from vividc.mapper.bounds import all_bounds, mii, no_ii
 from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.mapping import Bound

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vividc.dfg.transform.threads import MOST_THREADS
-from vividc.errors import ArgumentError, demand_type
-from vividc.printable import quoted
+from vividc.errors import ArgumentError, demand_type, quoted
 
 Mode = Literal["auto", "none"]
 Factors = Mapping[int, int] | Mapping[str, int]

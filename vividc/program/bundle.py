@@ -21,13 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
-from vividc.errors import BundleError
-from vividc.files import write_whole
-from vividc.inputs import BUNDLE_BYTES, demand_few_values, read_bytes
+from vividc.errors import BundleError, quoted
+from vividc.host.files import write_whole
+from vividc.host.inputs import BUNDLE_BYTES, demand_few_values, read_bytes
 from vividc.machine.parallel import Parallel
 from vividc.machine.params import DType, LocalArray, Param
 from vividc.machine.product import Product
-from vividc.printable import quoted
 from vividc.program.tables import (
     DebugRow,
     Home,

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from vividc.inputs import SCENE_BYTES
-from vividc.npz import read_npz
+from vividc.host.inputs import SCENE_BYTES
+from vividc.host.npz import read_npz
 from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, Int64Array, frozen_float32
 from vividc.render.errors import SceneError
 

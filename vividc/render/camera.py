@@ -11,10 +11,9 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from vividc.errors import demand_type
-from vividc.inputs import SCENE_BYTES
-from vividc.npz import read_npz
-from vividc.printable import quoted
+from vividc.errors import demand_type, quoted
+from vividc.host.inputs import SCENE_BYTES
+from vividc.host.npz import read_npz
 from vividc.render.arrays import Float32Array, frozen_float32
 from vividc.render.errors import SceneError
 

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from vividc.errors import demand_type
-from vividc.files import write_whole
+from vividc.host.files import write_whole
 from vividc.render.arrays import Float32Array, UInt8Array
 from vividc.render.errors import SceneError
 

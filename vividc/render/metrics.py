@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
-from vividc.printable import quoted
+from vividc.errors import quoted
 from vividc.render.errors import SceneError
 
 _WINDOW_PX = 11

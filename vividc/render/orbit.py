@@ -7,8 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from vividc.errors import demand_type
-from vividc.printable import quoted
+from vividc.errors import demand_type, quoted
 from vividc.render.arrays import frozen_float32
 from vividc.render.camera import LARGEST_PX, Camera
 from vividc.render.errors import SceneError

@@ -11,9 +11,8 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from vividc.errors import demand_type
-from vividc.inputs import SCENE_BYTES, read_bytes
-from vividc.printable import quoted
+from vividc.errors import demand_type, quoted
+from vividc.host.inputs import SCENE_BYTES, read_bytes
 from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, frozen_float32
 from vividc.render.errors import SceneError
 

@@ -9,8 +9,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from vividc.errors import ArgumentError, demand_type
-from vividc.printable import printable, quoted
+from vividc.errors import ArgumentError, demand_type, printable, quoted
 from vividc.render.archive import Archive, read_archive
 from vividc.render.arrays import frozen_float32
 from vividc.render.errors import SceneError

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
 from vividc.errors import demand_type
-from vividc.inputs import GRAPH_BYTES, PICTURE_BYTES, demand_few_values, read_bytes, read_text
+from vividc.host.inputs import GRAPH_BYTES, PICTURE_BYTES, demand_few_values, read_bytes, read_text
 from vividc.render.archive import read_archive
 from vividc.render.arrays import LARGEST_FLOAT32, Float32Array, frozen_float32
 from vividc.render.camera import LARGEST_PX, Camera, scaled_camera

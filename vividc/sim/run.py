@@ -7,8 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from vividc.errors import ArgumentError, demand_callable, demand_type
-from vividc.printable import quoted
+from vividc.errors import ArgumentError, demand_callable, demand_type, quoted
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import Launch, Observer, Progress

@@ -6,8 +6,7 @@ from collections import OrderedDict
 from threading import Lock
 from typing import Final
 
-from vividc.errors import ArgumentError
-from vividc.printable import quoted
+from vividc.errors import ArgumentError, quoted
 from vividc.program import Program
 from vividc.sim.auto import AutoEngine
 from vividc.sim.engine import Engine, EngineFactory, Launch, Run

@@ -11,8 +11,8 @@ from unittest.mock import Mock
 import pytest
 
 import vividc
-from vividc import store
 from vividc.errors import VividcWarning
+from vividc.host import store
 from vividc.program import CUT_SHORT
 from vividc.render import SceneError
 from vividc.render.array.programs import Programs, kernel_folder

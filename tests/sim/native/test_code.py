@@ -12,7 +12,7 @@ import pytest
 
 from tests.program.hand_kernels import dot, fabric, saxpy
 from tests.sim.native.agreement import launch
-from vividc import cache
+from vividc.host import cache
 from vividc.sim import NativeEngine
 from vividc.sim.native import code
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.sim.view.test_recording import X, strided_arguments
-from vividc.plot import Circle, Picture, Rect, Text, to_png, to_svg
+from vividc.host.plot import Circle, Picture, Rect, Text, to_png, to_svg
 from vividc.sim.run import simulate
 from vividc.sim.view import (
     Point,

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from vividc import time_limit
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.errors import SourceLoc
+from vividc.host import time_limit
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import BASE, PRED, Opcode, Type, never_meet
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from vividc import time_limit
 from vividc.dfg.affine import block_of
 from vividc.dfg.cfg import Block, Const, Function, Phi, Ref, Value
 from vividc.dfg.cfg_edit import defined_types, incoming
 from vividc.dfg.loops import Loop
 from vividc.dfg.transform.peel import preheader_of
 from vividc.dfg.transform.simplify import constant_value
+from vividc.host import time_limit
 
 _MOST_VISITS = 10_000
 """Of blocks, for one loop: some 64 iterations of 50 blocks."""

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
 
-from vividc import time_limit
 from vividc.dfg.cfg import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.dfg.cfg_edit import incoming, map_values, rename_incoming
 from vividc.dfg.normalize import remove_unreachable_blocks
+from vividc.host import time_limit
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.semantics import SEMANTICS
 

@@ -9,10 +9,9 @@ from typing import Final
 
 from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr, LinearExprT
 
-from vividc.errors import VividcError
+from vividc.errors import VividcError, printable, quoted
 from vividc.mapper.cpsat.problem import Prepared
 from vividc.mapper.cpsat.variables import Variables
-from vividc.printable import printable, quoted
 
 _SHOWN: Final = 12
 

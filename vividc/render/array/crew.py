@@ -25,7 +25,7 @@ from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.scenes import Scene
 
-_LIFELINE: Final = "vividc.lifeline"
+_LIFELINE: Final = "vividc.host.lifeline"
 _HELPER: Final = "vividc.render.array.helper"
 _BATCHES_EACH: Final = 2
 """Least batches of a process: a helper takes some seconds to load its programs."""

@@ -22,7 +22,7 @@ _PLACES = 2
 _PLACE_WORDS = 4096
 _CAMERA_WORDS = 17
 _FILE = "render/splat_project"
-_MAPPING_S = 60.0
+_MAPPING_S = 30.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Final, Protocol
 
 import numpy as np
 
-from vividc.machine_code import Compiler, compiler
+from vividc.host.machine_code import Compiler, compiler
 from vividc.render.arrays import Float32Array
 
 _compiled: Final[Compiler] = compiler(__file__)

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc import cache
+from vividc.host import cache
 from vividc.program import Program
 from vividc.sim.native.compiler import Native, host, loaded, object_code
 from vividc.sim.native.module import Plan, module_text, plan, spill_words

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.plot import OKABE_ITO, PAPER, Line, Picture, Rect, Shape, Text, text_width, tint
+from vividc.host.plot import OKABE_ITO, PAPER, Line, Picture, Rect, Shape, Text, text_width, tint
 from vividc.sim.view.recording import Recording
 
 MOST_COLUMNS: Final = 160

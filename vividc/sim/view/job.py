@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from vividc.arch import Accelerator
+from vividc.host.plot import Picture
 from vividc.machine.opcodes import MEMORY
-from vividc.plot import Picture
 from vividc.sim.accelerator.accounting import JobStats
 from vividc.sim.view.roofline import Point, Roof, roofline
 

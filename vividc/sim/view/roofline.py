@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from vividc.host.plot import OKABE_ITO, Circle, Line, Picture, Rect, Shape, Text, text_width, tint
 from vividc.machine.opcodes import MEMORY
-from vividc.plot import OKABE_ITO, Circle, Line, Picture, Rect, Shape, Text, text_width, tint
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.stats import RegionStats, Stats
 

@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.machine_code import Compiler, compiler
+from vividc.host.machine_code import Compiler, compiler
 
 compiled: Final[Compiler] = compiler(__file__)

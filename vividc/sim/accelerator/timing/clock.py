@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vividc.machine_code import constant
+from vividc.host.machine_code import constant
 from vividc.sim.accelerator.timing.compiled import inlined
 from vividc.sim.accelerator.timing.queues import pop, push
 from vividc.sim.accelerator.timing.state import (

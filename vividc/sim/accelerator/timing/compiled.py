@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.machine_code import Compiler, compiler, inlined
+from vividc.host.machine_code import Compiler, compiler, inlined
 
 __all__ = ["compiled", "inlined"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vividc.machine_code import constant
+from vividc.host.machine_code import constant
 from vividc.sim.accelerator.flat import Ints
 
 MOVE_IN, MOVE_OUT, CONFIGURE, RUN = 0, 1, 2, 3

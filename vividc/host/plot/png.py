@@ -9,9 +9,9 @@ from itertools import pairwise
 from PIL import Image, ImageDraw
 
 from vividc.errors import VividcError
-from vividc.plot.colours import PAPER
-from vividc.plot.geometry import arrow_head, shaft
-from vividc.plot.picture import Circle, Line, Picture, Rect, Shape, Text, font
+from vividc.host.plot.colours import PAPER
+from vividc.host.plot.geometry import arrow_head, shaft
+from vividc.host.plot.picture import Circle, Line, Picture, Rect, Shape, Text, font
 
 _OVERSAMPLE = 2
 _MAX_PIXELS = 150_000_000

@@ -1,7 +1,7 @@
 """Ends this process with the one that started it, however that ends; then runs a module.
 
-`python -m vividc.lifeline FD MODULE ARGS...`: FD is the reading end of a pipe of which the other
-process holds the writing end, and never writes: its end, even by SIGKILL, closes it.
+`python -m vividc.host.lifeline FD MODULE ARGS...`: FD is the reading end of a pipe of which the
+other process holds the writing end, and never writes: its end, even by SIGKILL, closes it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,19 @@
 """Pictures as display lists: shapes on a canvas, written as SVG or PNG from the same list."""
 
-from vividc.plot.colours import INK, OKABE_ITO, PAPER, readable_on, tint
-from vividc.plot.picture import Circle, Line, Picture, Rect, Shape, Text, text_width, translated
-from vividc.plot.png import to_image, to_png
-from vividc.plot.svg import to_svg
-from vividc.plot.write import FORMATS, check_picture_path, encode
+from vividc.host.plot.colours import INK, OKABE_ITO, PAPER, readable_on, tint
+from vividc.host.plot.picture import (
+    Circle,
+    Line,
+    Picture,
+    Rect,
+    Shape,
+    Text,
+    text_width,
+    translated,
+)
+from vividc.host.plot.png import to_image, to_png
+from vividc.host.plot.svg import to_svg
+from vividc.host.plot.write import FORMATS, check_picture_path, encode
 
 __all__ = [
     "FORMATS",

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 from xml.sax.saxutils import escape, quoteattr
 
-from vividc.plot.colours import PAPER
-from vividc.plot.geometry import arrow_head, shaft
-from vividc.plot.picture import Circle, Line, Picture, Rect, Shape, Text
+from vividc.host.plot.colours import PAPER
+from vividc.host.plot.geometry import arrow_head, shaft
+from vividc.host.plot.picture import Circle, Line, Picture, Rect, Shape, Text
 
 _FONT = "Helvetica, Arial, 'DejaVu Sans', sans-serif"
 _BASELINE = 0.35

@@ -23,9 +23,8 @@ from typing import IO, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.errors import VividcError
-from vividc.inputs import limit, read_bytes, size_text, too_large
-from vividc.printable import quoted
+from vividc.errors import VividcError, quoted
+from vividc.host.inputs import limit, read_bytes, size_text, too_large
 
 Array = NDArray[Any]
 

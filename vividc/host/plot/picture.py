@@ -8,7 +8,7 @@ from typing import Literal
 
 from PIL import ImageFont
 
-from vividc.plot.colours import INK
+from vividc.host.plot.colours import INK
 
 Anchor = Literal["start", "middle", "end"]
 

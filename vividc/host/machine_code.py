@@ -22,8 +22,8 @@ from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.dispatcher import Dispatcher
 from numba.core.typed_passes import NativeLowering
 
-from vividc import kept_code, made_of
-from vividc.kept_code import KeptCode, KeyedCompiler
+from vividc.host import kept_code, made_of
+from vividc.host.kept_code import KeptCode, KeyedCompiler
 
 _Function = TypeVar("_Function", bound=Callable[..., object])
 

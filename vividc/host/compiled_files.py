@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from vividc.cache import user_folder
-from vividc.store import Store
+from vividc.host.cache import user_folder
+from vividc.host.store import Store
 
 _KIND: Final = "compiled"
 _LIMIT_BYTES: Final = 8 << 20

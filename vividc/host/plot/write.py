@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Final
 
 from vividc.errors import VividcError
-from vividc.plot.picture import Picture
-from vividc.plot.png import to_png
-from vividc.plot.svg import to_svg
+from vividc.host.plot.picture import Picture
+from vividc.host.plot.png import to_png
+from vividc.host.plot.svg import to_svg
 
 FORMATS: Final = (".svg", ".png")
 

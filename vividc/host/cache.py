@@ -20,7 +20,7 @@ from threading import RLock
 from typing import Final
 
 from vividc.errors import VividcWarning
-from vividc.store import Store
+from vividc.host.store import Store
 
 VARIABLE: Final = "VIVIDC_CACHE_DIR"
 SIZE_VARIABLE: Final = "VIVIDC_CACHE_MB"

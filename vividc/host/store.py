@@ -1,5 +1,5 @@
 """Entries in a folder of the user's own, which are either what was written under their name or are
-not there: the files behind `vividc.cache` and `vividc.compiled_files`.
+not there: the files behind `vividc.host.cache` and `vividc.host.compiled_files`.
 
 What others could have put there is never read: folder and entry must be ours and writable by nobody
 else, and are opened as what they are and not through links. What was damaged or stands under

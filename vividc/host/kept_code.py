@@ -27,8 +27,8 @@ from numba.core.compiler_machinery import PassManager
 from numba.core.environment import Environment, lookup_environment
 from numba.core.funcdesc import PythonFunctionDescriptor
 
-from vividc import cache, time_limit
-from vividc.made_of import made_of
+from vividc.host import cache, time_limit
+from vividc.host.made_of import made_of
 
 _KIND: Final = "loops"
 _RESULTS: Final = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from vividc.plot.picture import Line
+from vividc.host.plot.picture import Line
 
 _LENGTH = 4.0
 _HALF_WIDTH = 1.8
