@@ -24,8 +24,8 @@ from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.errors import ArgumentError, InternalError, KernelError, VividcError, VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.launch import SpreadOptions, spread
+from vividc.launch.result import JobResult
 from vividc.program import Program
-from vividc.sim.accelerator.result import JobResult
 
 COLS = 5
 """Columns of the matrices."""

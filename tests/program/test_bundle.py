@@ -13,8 +13,8 @@ import pytest
 
 from tests.program.hand_kernels import dot, fabric, find, saxpy
 from vividc.errors import BundleError
+from vividc.launch.tiles.simulate import simulate
 from vividc.program import Program, load
-from vividc.sim import simulate
 
 
 @pytest.fixture(scope="module")

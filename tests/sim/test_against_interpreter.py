@@ -11,8 +11,8 @@ from tests.sim.one_pe import map_region, one_pe
 from vividc.arch import Fabric
 from vividc.dfg.build import build_kernel
 from vividc.dfg.interpreter import interpret
+from vividc.launch.tiles.simulate import simulate
 from vividc.program import Program, encode
-from vividc.sim import simulate
 
 FABRICS = {
     "unit": one_pe("{}", 1),

@@ -10,8 +10,8 @@ import pytest
 from tests.program.hand_kernels import Hand, N, O, fabric, find, positive, program, saxpy
 from vividc.dfg.regions import RETURN_VARIABLE, Region
 from vividc.errors import ArgumentError
+from vividc.launch.tiles.simulate import simulate
 from vividc.program import DType, Param, Program
-from vividc.sim import simulate
 from vividc.sim.bind import arguments, bind
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from tests.program.hand_kernels import FILE, O, choose, fabric, find, saxpy
 from vividc.errors import SimulationError, SourceLoc
+from vividc.launch.tiles.simulate import simulate
 from vividc.program import Entry, Operand, Program, Sel, Select, pack, word_layout
-from vividc.sim import simulate
 
 
 def patched(program: Program, context: int, pe: int, change: Callable[[Entry], Entry]) -> Program:

@@ -16,12 +16,12 @@ from vividc.dfg.json_form import from_json, to_json
 from vividc.dfg.regions import Kernel
 from vividc.dfg.text import to_text
 from vividc.dfg.text_parser import parse
+from vividc.launch.tiles.simulate import simulate
 from vividc.machine.lane_semantics import LANE_SEMANTICS
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.params import DType, Param
 from vividc.machine.semantics import evaluate
 from vividc.program import Program, disassemble, encode, load
-from vividc.sim import simulate
 
 ROW = 4  # words of operands
 OPS = sorted(LANE_SEMANTICS, key=lambda op: op.value)

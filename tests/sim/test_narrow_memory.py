@@ -9,9 +9,9 @@ from tests.program.hand_kernels import Hand, N, O, fabric, program, trip_region
 from vividc.dfg.ir import Node
 from vividc.dfg.regions import Region
 from vividc.errors import SimulationError
+from vividc.launch.tiles.simulate import simulate
 from vividc.machine.opcodes import BASE
 from vividc.program import DType, Param, Program, disassemble
-from vividc.sim import simulate
 
 
 def narrow_op(hand: Hand, node: Node, pe: int, time: int, index: int) -> int:

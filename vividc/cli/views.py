@@ -20,13 +20,14 @@ from vividc.errors import VividcError
 from vividc.host.files import write_whole
 from vividc.host.plot import Picture, check_picture_path, encode
 from vividc.launch import JobResult
+from vividc.launch.cost import work_of_job
+from vividc.launch.view import job_roofline
 from vividc.program import Program
 from vividc.sim import Result
-from vividc.sim.costs import EnergyReport, energy, work_of, work_of_job
+from vividc.sim.costs import EnergyReport, energy, work_of
 from vividc.sim.view import (
     Timeline,
     heat_map,
-    job_roofline,
     job_trace,
     record,
     roofline,

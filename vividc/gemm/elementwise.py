@@ -21,13 +21,13 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, TimeLimit
 from vividc.gemm.chain import start_graph
 from vividc.gemm.layer import Apart
+from vividc.launch import At, Job
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
 from vividc.mapper import MapProblem, MapResult, violations
 from vividc.mapper.api import map_dfg
 from vividc.mapper.list_schedule import list_schedule
 from vividc.program import WORD_BYTES, Program, encode
-from vividc.sim.accelerator import At, Job
 
 _ONE: Final = 0x3F800000
 _TIME_LIMITS_S: Final = (5.0, 30.0, 180.0)

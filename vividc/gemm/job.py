@@ -17,9 +17,9 @@ from vividc.gemm.modes import MODES, Mode, check_mode
 from vividc.gemm.packed import packed
 from vividc.gemm.packing import pack_steps
 from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
+from vividc.launch import At, Job, JobResult
 from vividc.mapper.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
 from vividc.program import WORD_BYTES, Program
-from vividc.sim.accelerator import At, Job, JobResult
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
 

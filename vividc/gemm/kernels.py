@@ -17,15 +17,15 @@ from vividc.gemm.job import mlp_job
 from vividc.gemm.layer import Layer, Matrix
 from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
 from vividc.gemm.passes import lay_out, with_arrays
+from vividc.launch import JobResult, spread
+from vividc.launch.tiles.simulate import check_spread
 from vividc.machine.product import Factor, Product, Size
 from vividc.mapper.systolic import SystolicError
 from vividc.program import Program
-from vividc.sim.accelerator import JobResult, spread
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
 from vividc.sim.run import CYCLE_LIMIT, Result
 from vividc.sim.run import simulate as simulate_tile
-from vividc.sim.simulate import check_spread
 
 AUTO: Final = "auto"
 GPU: Final = "gpu"
@@ -162,13 +162,14 @@ def simulate(
     observer: Observer | None = None,
     **kwargs: object,
 ) -> Result | JobResult:
-    """Run a program (see `vividc.sim.simulate`); one that is a matrix product runs on an
+    """Run a program (see `vividc.launch.tiles.simulate`); one that is a matrix product runs on an
     accelerator in the mode that it was compiled for, or that is predicted to be the fastest.
 
     Raises
     ------
     ArgumentError, ArchError, SimulationError
-        As of `vividc.sim.simulate`, or the mode asked for is not possible with these arguments.
+        As of `vividc.launch.tiles.simulate`, or the mode asked for is not possible with these
+        arguments.
     """
     if fabric is None:
         return simulate_tile(

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.gemm.elementwise import loop_program
+from vividc.launch import At, Job
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
 from vividc.mapper.systolic import Precision, lanes
 from vividc.program import WORD_BYTES, Program
-from vividc.sim.accelerator import At, Job
 
 Matrix = NDArray[np.float32]
 

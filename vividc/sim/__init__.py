@@ -4,7 +4,6 @@ from vividc.sim.engine import Activity, Engine, EngineFactory, Launch, Progress,
 from vividc.sim.native import NativeEngine
 from vividc.sim.reference import ReferenceEngine
 from vividc.sim.run import CYCLE_LIMIT, Result
-from vividc.sim.simulate import simulate
 from vividc.sim.stats import RegionStats, Stats, statistics
 from vividc.sim.tile import AUTO, ENGINES, Tile, TileResult
 
@@ -26,6 +25,5 @@ __all__ = [
     "Stats",
     "Tile",
     "TileResult",
-    "simulate",
     "statistics",
 ]

@@ -1,5 +1,5 @@
 """The timing of jobs in plain Python, with a function for each thing that happens: the witness of
-`vividc.sim.accelerator.timing`, written from docs/accelerator.md.
+`vividc.launch.timing`, written from docs/accelerator.md.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from vividc.arch import Accelerator
+from vividc.launch.event import Event
+from vividc.launch.functional import Outcome
+from vividc.launch.steps import Configure, Execute, Pieces, Step, Transfer
 from vividc.program import WORD_BYTES
-from vividc.sim.accelerator.event import Event
-from vividc.sim.accelerator.functional import Outcome
-from vividc.sim.accelerator.steps import Configure, Execute, Pieces, Step, Transfer
 
 Action = Callable[[int], None]
 CAUSES = {Transfer: "dma", Configure: "configuration", Execute: "dependency"}

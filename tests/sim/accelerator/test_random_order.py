@@ -8,8 +8,8 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from vividc.sim.accelerator.flat import flat
-from vividc.sim.accelerator.hazards.races import first_race
+from vividc.launch.flat import flat
+from vividc.launch.hazards.races import first_race
 
 Use = tuple[int, int, int, int, bool]
 

@@ -15,10 +15,10 @@ from tests.sim.accelerator.kernels import double, program, saxpy, total
 from tests.sim.accelerator.plain_timing import PlainTiming
 from vividc import arch
 from vividc.arch import Accelerator, TileGroup
-from vividc.sim.accelerator.functional import Outcome
-from vividc.sim.accelerator.hazards import predecessors
-from vividc.sim.accelerator.steps import Configure, Execute, Pieces, Step, Transfer
-from vividc.sim.accelerator.timing import schedule
+from vividc.launch.functional import Outcome
+from vividc.launch.hazards import predecessors
+from vividc.launch.steps import Configure, Execute, Pieces, Step, Transfer
+from vividc.launch.timing import schedule
 
 CAUSES = ("dma", "configuration", "dependency", "launch", "scratchpad")
 MOVED = ("dram_read", "dram_written", "dram_wanted", "noc", "scratchpad_in", "scratchpad_out")

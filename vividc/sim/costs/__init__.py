@@ -3,7 +3,6 @@
 from vividc.sim.costs.area import AreaReport, area
 from vividc.sim.costs.calibration import Calibration, calibrate
 from vividc.sim.costs.energy import EnergyReport, Work, energy, work_of
-from vividc.sim.costs.job import work_of_job
 from vividc.sim.costs.report import Item
 
 __all__ = [
@@ -16,5 +15,4 @@ __all__ = [
     "calibrate",
     "energy",
     "work_of",
-    "work_of_job",
 ]

@@ -1,7 +1,6 @@
 """Views of a run: recordings of a window of cycles, value change dumps, traces and pictures."""
 
 from vividc.sim.view.heat_map import heat_map, utilization
-from vividc.sim.view.job import job_roofline
 from vividc.sim.view.perfetto import Timeline, job_trace, run_trace
 from vividc.sim.view.recording import Issued, Recording, record
 from vividc.sim.view.roofline import Point, Roof, roof_above, roofline, tile_points, tile_roof
@@ -14,7 +13,6 @@ __all__ = [
     "Roof",
     "Timeline",
     "heat_map",
-    "job_roofline",
     "job_trace",
     "record",
     "roof_above",

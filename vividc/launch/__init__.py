@@ -1,0 +1,26 @@
+"""Launch graphs over the tiles of an accelerator, carried out exactly and timed by events.
+
+In order: `steps` and `job` (a graph of moves and runs, built by hand), `memory`, `own_arrays`,
+`flat` (the graph as arrays), `hazards/` (is its order enough), `functional` (what it computes),
+`timing/` (when; docs/accelerator.md), `accounting`, `event`, `result`, `simulate`; `tiles/` (a
+loop over `prange` on all tiles, and `vividc.simulate`); `cost` and `view` (energy, pictures);
+`kept` (graphs of earlier launches).
+"""
+
+from vividc.launch.accounting import JobStats, TileStats
+from vividc.launch.event import Event
+from vividc.launch.job import At, Job
+from vividc.launch.result import JobResult
+from vividc.launch.tiles.spread import Spread, SpreadOptions, spread
+
+__all__ = [
+    "At",
+    "Event",
+    "Job",
+    "JobResult",
+    "JobStats",
+    "Spread",
+    "SpreadOptions",
+    "TileStats",
+    "spread",
+]

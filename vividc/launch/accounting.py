@@ -1,0 +1,141 @@
+"""Where the cycles of a job went, tile by tile, and the bytes at each level, as plain data."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from typing import TypedDict
+
+from vividc.launch.functional import Outcome
+from vividc.launch.steps import Execute, Step, kind_of
+from vividc.launch.timing import Timing
+from vividc.program import WORD_BYTES, Program
+from vividc.sim.accounting import by_kind, cycles_by_use
+from vividc.sim.engine import Run
+
+
+class TileStats(TypedDict):
+    """One tile. `cycles` (by what the tile did) and `stalls` (by cause) add up to the job's cycles.
+
+    `cycles`: "steady": loops at their II; "prologue_epilogue": of loops; "straight": straight
+    regions; "switch": between regions; "idle": after the tile's last run. `stalls`: "bank":
+    accesses that met in a bank; "scratchpad": DMA had the banks; "dma": waits for transfers;
+    "configuration": waits for a program; "dependency": waits for other tiles; "launch": the
+    controller wrote launch words.
+    """
+
+    tile: int
+    runs: int
+    cycles: dict[str, int]
+    stalls: dict[str, int]
+    issued: int
+    utilization: float
+
+
+class JobStats(TypedDict):
+    """A whole job. `tiles`: those that ran something. `cycles`, `stalls` and `operations` are sums
+    over them, `operations_by_class` the last of these by latency class and precision; `bytes`: at
+    each level; `busy`: cycles that DRAM and NoC were busy.
+    """
+
+    cycles: int
+    engine: str
+    steps: dict[str, int]
+    runs: int
+    tile_cycles: int
+    cycles_by_use: dict[str, int]
+    stalls: dict[str, int]
+    operations: dict[str, int]
+    operations_by_class: dict[str, dict[str, int]]
+    bytes: dict[str, int]
+    busy: dict[str, int]
+    utilization: float
+    tiles: list[TileStats]
+
+
+_USES = ("steady", "prologue_epilogue", "straight", "switch")
+
+
+def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobStats:
+    """Collect the statistics of a job."""
+    runs: dict[int, list[tuple[Program, Run]]] = {}
+    kinds: Counter[str] = Counter()
+    for number, step in enumerate(steps):
+        kinds[kind_of(step)] += 1
+        if isinstance(step, Execute):
+            ran = (step.program, outcome.runs[number])
+            runs.setdefault(step.tile, []).append(ran)
+    tiles = [_tile_stats(tile, runs[tile], timing) for tile in sorted(runs)]
+    operations: Counter[str] = Counter()
+    for region in (r for run in outcome.runs.values() for r in run.regions):
+        operations.update(region.issued)
+    pes = max((len(p.fabric.pes) for rs in runs.values() for p, _ in rs), default=1)
+    whole = pes * len(tiles) * timing.cycles
+    engines = sorted({run.engine for run in outcome.runs.values()})
+    return JobStats(
+        cycles=timing.cycles,
+        engine=", ".join(engines),
+        steps=dict(sorted(kinds.items())),
+        runs=len(outcome.runs),
+        tile_cycles=sum(run.cycles for run in outcome.runs.values()),
+        cycles_by_use=_summed(tile["cycles"] for tile in tiles),
+        stalls=_summed(tile["stalls"] for tile in tiles),
+        operations=dict(sorted(operations.items())),
+        operations_by_class=by_kind(operations),
+        bytes=_bytes(outcome, timing),
+        busy=dict(timing.busy),
+        utilization=operations.total() / whole if whole else 0.0,
+        tiles=tiles,
+    )
+
+
+def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> TileStats:
+    state = timing.tiles[tile]
+    cycles = dict.fromkeys((*_USES, "idle"), 0)
+    stalls = {"bank": 0, **state.stalls}
+    issued = 0
+    for program, run in runs:
+        for use, count in _uses(program, run).items():
+            cycles[use] += count
+        stalls["bank"] += sum(region.bank_stalls for region in run.regions)
+        issued += sum(sum(region.issued.values()) for region in run.regions)
+    cycles["idle"] = timing.cycles - state.free_from
+    slots = len(runs[0][0].fabric.pes) * timing.cycles
+    return TileStats(
+        tile=tile,
+        runs=len(runs),
+        cycles=cycles,
+        stalls=stalls,
+        issued=issued,
+        utilization=issued / slots if slots else 0.0,
+    )
+
+
+def _uses(program: Program, run: Run) -> dict[str, int]:
+    """The cycles of a run, bank stalls left out."""
+    pairs = zip(program.table, run.regions, strict=True)
+    found = _summed(cycles_by_use(row, region) for row, region in pairs)
+    found["switch"] = run.switch_cycles
+    return {use: found[use] for use in _USES}
+
+
+def _bytes(outcome: Outcome, timing: Timing) -> dict[str, int]:
+    activity = [run.activity for run in outcome.runs.values()]
+    words = {
+        "scratchpad_read": sum(a.scratchpad_reads for a in activity),
+        "scratchpad_written": sum(a.scratchpad_writes for a in activity),
+        "links": sum(a.link_words for a in activity),
+        "registers_read": sum(a.register_reads for a in activity),
+        "registers_written": sum(a.register_writes for a in activity),
+        "constants_read": sum(a.constant_reads for a in activity),
+        "constants_written": sum(a.constant_writes for a in activity),
+    }
+    return {**asdict(timing.moved), **{name: WORD_BYTES * n for name, n in words.items()}}
+
+
+def _summed(tables: Iterable[Mapping[str, int]]) -> dict[str, int]:
+    total: Counter[str] = Counter()
+    for table in tables:
+        total.update(table)
+    return dict(total)

@@ -1,0 +1,182 @@
+"""What a job computes: steps in waves that depend on earlier waves only, the tiles of a wave at the
+same time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import defaultdict
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.arch import Accelerator
+from vividc.errors import ArgumentError, InternalError
+from vividc.launch.memory import Buffers, Working
+from vividc.launch.steps import Array, Configure, Execute, Pieces, Step, Transfer
+from vividc.program import WORD_BYTES
+from vividc.sim.engine import Launch, Run
+from vividc.sim.tile import Tile, shared_tile
+
+Memory = NDArray[np.uint32]
+
+
+@dataclass
+class Outcome:
+    """What the timing and the caller need of a job that was carried out.
+
+    Attributes
+    ----------
+    runs
+        What each run of a tile gave, by step.
+    gathered
+        Places of the rows that each gather moved, by step.
+    """
+
+    runs: dict[int, Run] = field(default_factory=dict)
+    gathered: dict[int, Pieces] = field(default_factory=dict)
+
+
+def carry_out(
+    accelerator: Accelerator,
+    steps: Sequence[Step],
+    waits: Sequence[tuple[int, ...]],
+    buffers: Buffers,
+    engine: str,
+    cycle_limit: int,
+    threads: int | None,
+) -> Outcome:
+    """Carry the steps out and write the arrays that are moved out, if all succeed.
+
+    Raises
+    ------
+    SimulationError, ArgumentError
+        From a run, or for a gather's index outside its array; no array is changed.
+    """
+    targets = [s.view for s in steps if isinstance(s, Transfer) and s.kind == "move out"]
+    state = _State(accelerator, buffers, Working(buffers, {buffers.number(v) for v in targets}))
+    state.prepare(steps, engine)
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        for wave in _waves(waits):
+            runs = []
+            for number in wave:
+                step = steps[number]
+                if isinstance(step, Transfer):
+                    state.transfer(number, step)
+                elif isinstance(step, Execute):
+                    runs.append(number)
+            launches = [state.launch(steps[n], cycle_limit) for n in runs]
+            tiles = [state.tile(steps[n]) for n in runs]
+            for number, run in zip(runs, pool.map(Tile.run, tiles, launches), strict=True):
+                state.finish(number, steps[number], run)
+    state.working.commit(targets)
+    return state.outcome
+
+
+def _waves(waits: Sequence[tuple[int, ...]]) -> list[list[int]]:
+    depth: list[int] = []
+    waves: dict[int, list[int]] = defaultdict(list)
+    for number, before in enumerate(waits):
+        depth.append(1 + max((depth[n] for n in before), default=-1))
+        waves[depth[-1]].append(number)
+    return [waves[level] for level in sorted(waves)]
+
+
+class _State:
+    """Scratchpads, DRAM and tiles while a job is carried out."""
+
+    def __init__(self, accelerator: Accelerator, buffers: Buffers, working: Working) -> None:
+        self.working = working
+        self.outcome = Outcome()
+        self._buffers = buffers
+        self._pads = [np.zeros(unit.scratchpad.words, np.uint32) for unit in accelerator.units]
+        self._sharing = accelerator.sharing
+        self._used: set[int] = set()
+        self._tiles: dict[int, Tile] = {}
+
+    def prepare(self, steps: Sequence[Step], engine: str) -> None:
+        """Each program is decoded once."""
+        for step in steps:
+            for program in step.programs if isinstance(step, Configure) else ():
+                if id(program) not in self._tiles:
+                    self._tiles[id(program)] = shared_tile(program, engine)
+
+    def _take(self, unit: int) -> None:
+        """What other forms of the same tiles had in their scratchpads is lost."""
+        for other in self._sharing[unit] & self._used:
+            self._pads[other][:] = 0
+            self._used.remove(other)
+        self._used.add(unit)
+
+    def transfer(self, number: int, step: Transfer) -> None:
+        """Move words; 64-bit elements do not occur."""
+        for tile in step.tiles:
+            self._take(tile)
+        if step.kind == "move out":
+            raw = self._at(step.tiles[0], step, step.view.nbytes).copy().view(np.uint8)
+            if step.view.dtype == np.bool_:
+                raw = (raw != 0).view(np.uint8)
+            self.working.write(step.view, raw)
+            return
+        view = self.working.read(step.view)
+        if step.indices is not None:
+            view = self._chosen(number, step, view)
+        raw = np.ascontiguousarray(view).reshape(-1).view(np.uint8)
+        if view.dtype == np.bool_:
+            raw = (raw != 0).view(np.uint8)
+        for tile in step.tiles:
+            place = self._at(tile, step, raw.size)
+            place[:] = raw.view(place.dtype)
+
+    def _at(self, tile: int, step: Transfer, size: int) -> NDArray[np.generic]:
+        """A view of the bytes, or of the words, of a tile that a transfer moves."""
+        pad: NDArray[np.generic] = self._pads[tile]
+        if step.pitch == WORD_BYTES:
+            pad = pad.view(np.uint8)
+        return pad[step.places(size)]
+
+    def _chosen(self, number: int, step: Transfer, view: Array) -> Array:
+        assert step.indices is not None
+        indices = self.working.read(step.indices).astype(np.int64)
+        wrong = indices[(indices < 0) | (indices >= len(view))]
+        if wrong.size:
+            raise ArgumentError(
+                f"step {number} (gather) asks for row {wrong[0]} of an array of {len(view)} rows"
+            )
+        self.outcome.gathered[number] = self._buffers.rows(step.view, indices)
+        return view[indices]
+
+    def tile(self, step: Step) -> Tile:
+        """The tile that holds the program of a run."""
+        assert isinstance(step, Execute)
+        return self._tiles[id(step.program)]
+
+    def launch(self, step: Step, cycle_limit: int) -> Launch:
+        """What the engine gets."""
+        assert isinstance(step, Execute)
+        self._take(step.tile)
+        memory = self._pads[step.tile]
+        for local in step.program.locals:
+            if local.contents:
+                start = step.extents[local.name][0] // 4
+                memory[start : start + len(local.contents)] = local.contents
+        return Launch(memory.copy(), step.inputs, cycle_limit, step.extents)
+
+    def finish(self, number: int, step: Step, run: Run) -> None:
+        """Keep what the run stored, which is where it was said to be, or in arrays of its own."""
+        assert isinstance(step, Execute)
+        self.outcome.runs[number] = run
+        pad, after = self._pads[step.tile].view(np.uint8), run.memory.view(np.uint8)
+        for start, end in step.stores.values():
+            pad[start:end] = after[start:end]
+        own = {local.name for local in step.program.locals}
+        for name, (start, end) in step.extents.items():
+            if name in own:
+                pad[start:end] = after[start:end]
+            elif not np.array_equal(pad[start:end], after[start:end]):
+                raise InternalError(
+                    f"a chunk of {step.program.name} wrote beyond its part of {name}"
+                )

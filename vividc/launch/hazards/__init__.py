@@ -1,0 +1,6 @@
+"""What steps wait for, and the check that no graph's result depends on timing."""
+
+from vividc.launch.hazards.check import check_order
+from vividc.launch.hazards.waits import predecessors
+
+__all__ = ["check_order", "predecessors"]

@@ -1,0 +1,85 @@
+"""Refuses graphs whose result would depend on timing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from vividc.errors import ArgumentError
+from vividc.launch.flat import Ints, flat
+from vividc.launch.hazards.races import END, PLACE, START, STEP, WRITES, first_race
+from vividc.launch.steps import Execute, Step, Transfer, kind_of
+
+
+def check_order(steps: Sequence[Step], waits: Sequence[tuple[int, ...]]) -> None:
+    """Any two steps that use the same bytes, one of them writing, must be ordered.
+
+    Raises
+    ------
+    ArgumentError
+        Two steps are not.
+    """
+    uses = np.concatenate((_of_scratchpads(steps), _of_dram(steps)))
+    race = first_race(uses[uses[:, END] > uses[:, START]], *flat(waits))
+    if race is None:
+        return
+    early, late, place = race
+    where = f"the scratchpad of tile {place}" if place >= 0 else "one array"
+    raise ArgumentError(
+        f"step {late} ({kind_of(steps[late])}) and step {early} ({kind_of(steps[early])}) use the "
+        f"same bytes of {where}, and nothing says which comes first",
+        hint=f"give step {late} `after=[{early}]`, or other places",
+    )
+
+
+def _of_scratchpads(steps: Sequence[Step]) -> Ints:
+    """What each step uses of scratchpads (see `first_race`); tile t is place t."""
+    rows: list[int] = []
+    own: dict[int, frozenset[str]] = {}
+    for number, step in enumerate(steps):
+        if isinstance(step, Execute):
+            program = step.program
+            if id(program) not in own:
+                own[id(program)] = frozenset(local.name for local in program.locals)
+            for place in _extents(step, own[id(program)]):
+                rows += (step.tile, *place[:2], number, place[2])
+        elif isinstance(step, Transfer):
+            start, end = step.extent(_size(step))
+            for tile in step.tiles:
+                rows += (tile, start, end, number, step.kind != "move out")
+    return np.array(rows, dtype=np.int64).reshape(-1, 5)
+
+
+def _extents(step: Execute, own: frozenset[str]) -> Iterator[tuple[int, int, bool]]:
+    """First byte, end and whether it is written, of each array of a run, and of what it stores."""
+    for name, (start, end) in step.extents.items():
+        yield start, end, name in own
+    for start, end in step.stores.values():
+        yield start, end, True
+
+
+def _size(step: Transfer) -> int:
+    """Bytes in the scratchpad."""
+    if step.kind == "gather" and step.indices is not None:
+        return len(step.indices) * step.view[:1].nbytes
+    return step.view.nbytes
+
+
+def _of_dram(steps: Sequence[Step]) -> Ints:
+    """What each step uses of arrays in DRAM; array n is place -1 - n."""
+    spans: list[Ints] = [np.empty((0, 2), dtype=np.int64)]
+    users: list[tuple[int, int, bool]] = []
+    for number, step in enumerate(steps):
+        if not isinstance(step, Transfer):
+            continue
+        for pieces in (step.pieces, step.index_pieces):
+            if pieces is not None:
+                spans.append(pieces.spans)
+                users.append((-1 - pieces.buffer, number, step.kind == "move out"))
+    counts = [len(part) for part in spans[1:]]
+    used, by = np.concatenate(spans), np.array(users, dtype=np.int64).reshape(-1, 3)
+    uses = np.empty((len(used), 5), dtype=np.int64)
+    uses[:, START], uses[:, END] = used[:, 0], used.sum(axis=1)
+    uses[:, (PLACE, STEP, WRITES)] = np.repeat(by, counts, axis=0)
+    return uses

@@ -1,0 +1,86 @@
+"""Unordered uses of the same bytes, found in flat arrays: compiled functions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.launch.flat import Ints
+from vividc.launch.hazards.compiled import compiled
+
+PLACE, START, END, STEP, WRITES = range(5)
+"""Columns of a list of uses: a memory; first byte and end; the step; whether it writes."""
+
+_BITS = 64
+_NONE = -1
+
+
+def first_race(uses: Ints, wait_begin: Ints, wait_items: Ints) -> tuple[int, int, int] | None:
+    """Return two steps, the earlier first, that use the same bytes of a memory, one of them
+    writing, and of which the later does not wait for the earlier, by no way; and the memory. None:
+    there are none.
+
+    Parameters
+    ----------
+    uses
+        [n, 5], see the columns.
+    wait_begin, wait_items
+        Step s waits for `wait_items[wait_begin[s]:wait_begin[s + 1]]`, which are before it.
+    """
+    writes = np.unique(uses[uses[:, WRITES] > 0, PLACE])
+    uses = uses[np.isin(uses[:, PLACE], writes)]
+    uses = uses[np.lexsort((uses[:, STEP], uses[:, START], uses[:, PLACE]))]
+    steps = len(wait_begin) - 1
+    rows = np.zeros(steps + 1, dtype=np.int64)
+    np.cumsum(np.arange(steps) // _BITS + 1, out=rows[1:])
+    reach = np.zeros(rows[-1], dtype=np.uint64)
+    _reach(reach, rows, wait_begin, wait_items)
+    found = np.full(3, _NONE, dtype=np.int64)
+    _sweep(uses, reach, rows, np.empty(len(uses), dtype=np.int64), found)
+    early, late, place = found.tolist()
+    return None if early == _NONE else (early, late, place)
+
+
+@compiled
+def _reach(reach: NDArray[np.uint64], rows: Ints, wait_begin: Ints, wait_items: Ints) -> None:
+    """For each step the steps before it that it waits for, as bits; its row has no more words than
+    it needs.
+    """
+    for step in range(len(wait_begin) - 1):
+        row = rows[step]
+        for place in range(wait_begin[step], wait_begin[step + 1]):
+            before = wait_items[place]
+            for word in range(rows[before + 1] - rows[before]):
+                reach[row + word] |= reach[rows[before] + word]
+            reach[row + before // _BITS] |= np.uint64(1) << np.uint64(before % _BITS)
+
+
+@compiled
+def _sweep(uses: Ints, reach: NDArray[np.uint64], rows: Ints, open_: Ints, found: Ints) -> None:
+    """Go through the uses, which are in order of place, start and step, and keep those that have
+    not ended in `open_`.
+    """
+    count = 0
+    for number in range(len(uses)):
+        kept = 0
+        for place in range(count):
+            other = open_[place]
+            if uses[other, PLACE] == uses[number, PLACE] and uses[other, END] > uses[number, START]:
+                open_[kept] = other
+                kept += 1
+        for place in range(kept):
+            other = open_[place]
+            one, two = uses[other, STEP], uses[number, STEP]
+            early, late = min(one, two), max(one, two)
+            is_race = uses[other, WRITES] + uses[number, WRITES] > 0 and early != late
+            if is_race and not _follows(reach, rows, early, late):
+                found[0], found[1], found[2] = early, late, uses[number, PLACE]
+                return
+        open_[kept] = number
+        count = kept + 1
+
+
+@compiled
+def _follows(reach: NDArray[np.uint64], rows: Ints, early: int, late: int) -> bool:
+    bit = np.uint64(1) << np.uint64(early % _BITS)
+    return bool(reach[rows[late] + early // _BITS] & bit)

@@ -1,0 +1,438 @@
+"""`Job`: the host's way to say what the accelerator does, step by step, with dependencies."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc import arch
+from vividc.arch import Accelerator, Fabric
+from vividc.arch.accelerator import Orientation
+from vividc.errors import ArgumentError, demand_type
+from vividc.launch.kept import Kept
+from vividc.launch.memory import Buffers
+from vividc.launch.own_arrays import OwnArrays
+from vividc.launch.result import JobResult
+from vividc.launch.simulate import simulate_steps
+from vividc.launch.steps import Configure, Execute, Step, Transfer
+from vividc.program import WORD_BYTES, Program
+from vividc.program.reflect import reflected_program
+from vividc.sim.bind import scalar_inputs
+from vividc.sim.footprint import whole_loop
+from vividc.sim.run import CYCLE_LIMIT, check_run
+from vividc.sim.tile import AUTO, check_engine
+
+_IMAGES: Kept[tuple[Fabric, Fabric, Program]] = Kept(256)
+"""Mirrored programs, by program and corner, with the fabrics between which they were mirrored."""
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """An array argument of a run: where it lies in the tile's scratchpad, and its shape."""
+
+    address: int
+    shape: tuple[int, ...]
+
+
+class Job:
+    """A launch graph under construction. Every method that adds a step returns its number, for the
+    `after` of others.
+
+    Steps of one tile run in the order in which they were added; all else is ordered by `after`
+    only. A graph whose result would depend on timing is refused when it is simulated.
+
+    Parameters
+    ----------
+    fabric
+        An accelerator, a preset's name, or a YAML file.
+    """
+
+    def __init__(self, fabric: str | os.PathLike[str] | Accelerator = "vivid") -> None:
+        self.accelerator: Accelerator = (
+            fabric if isinstance(fabric, Accelerator) else arch.load_accelerator(fabric)
+        )
+        self._steps: list[Step] = []
+        self._buffers = Buffers()
+        self._own = OwnArrays()
+        self._held: dict[int, tuple[Program, int]] = {}
+        self._images: dict[tuple[int, str], Program] = {}
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The steps so far."""
+        return tuple(self._steps)
+
+    def move_in(
+        self,
+        tiles: int | Sequence[int],
+        source: NDArray[np.generic],
+        address: int,
+        *,
+        after: Sequence[int] = (),
+        pitch: int = WORD_BYTES,
+    ) -> int:
+        """Copy an array, contiguous or strided, from DRAM to byte `address` of the scratchpads,
+        each word `pitch` bytes behind the one before.
+
+        Raises
+        ------
+        ArgumentError
+            Tiles, address or array are not such as the accelerator has.
+        """
+        where = self._tiles(tiles)
+        array = _array(source)
+        pieces = self._buffers.pieces(array)
+        step = Transfer(
+            "move in", where, address, pieces, array, after=self._after(after), pitch=pitch
+        )
+        return self._transfer(step)
+
+    def gather(
+        self,
+        tiles: int | Sequence[int],
+        source: NDArray[np.generic],
+        indices: NDArray[np.generic],
+        address: int,
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """Copy `source[indices]`, whole rows of a C-contiguous array, to the scratchpads. The
+        engine reads the indices from DRAM when the step runs.
+
+        Raises
+        ------
+        ArgumentError
+            As for `move_in`, or the indices are not one-dimensional 32-bit integers.
+        """
+        where = self._tiles(tiles)
+        array, chosen = _array(source), _array(indices)
+        if not array.flags.c_contiguous or array.ndim == 0:
+            raise ArgumentError("a gather's source is a C-contiguous array")
+        if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
+            raise ArgumentError("a gather's indices are one dimension of int32 or uint32")
+        row = array[:1].nbytes if len(array) else array.itemsize
+        self._fits(address, row * len(chosen), where)
+        self._own.refill(where, address, address + row * len(chosen))
+        offset = self._buffers.pieces(array)
+        step = Transfer(
+            "gather",
+            where,
+            address,
+            offset,
+            array,
+            self._buffers.pieces(chosen),
+            chosen,
+            self._after(after),
+        )
+        return self._add(step)
+
+    def move_out(
+        self,
+        tile: int,
+        address: int,
+        target: NDArray[np.generic],
+        *,
+        after: Sequence[int] = (),
+        pitch: int = WORD_BYTES,
+    ) -> int:
+        """Copy from byte `address` of a tile's scratchpad, word by word `pitch` bytes apart, to an
+        array, contiguous or strided.
+
+        Raises
+        ------
+        ArgumentError
+            As for `move_in`, or the array is read-only.
+        """
+        where = self._tiles(tile)
+        array = _array(target)
+        if not array.flags.writeable:
+            raise ArgumentError("the target of a move out is read-only", hint="pass a copy")
+        pieces = self._buffers.pieces(array)
+        step = Transfer(
+            "move out", where, address, pieces, array, after=self._after(after), pitch=pitch
+        )
+        return self._transfer(step)
+
+    def configure(
+        self, tiles: int | Sequence[int], program: Program, *, after: Sequence[int] = ()
+    ) -> int:
+        """Load a program into tiles; they switch to it together, at their next run.
+
+        Raises
+        ------
+        ArgumentError
+            The program was not compiled for the accelerator's north-west tile.
+        """
+        where = self._tiles(tiles)
+        images = tuple(self._image(program, tile) for tile in where)
+        number = self._add(Configure(where, images, self._after(after)))
+        for other in chain.from_iterable(self.accelerator.sharing[tile] for tile in where):
+            self._held.pop(other, None)
+        self._held.update({tile: (program, number) for tile in where})
+        return number
+
+    def run(
+        self, tile: int, program: Program, *, after: Sequence[int] = (), **arguments: object
+    ) -> int:
+        """Run a program on a tile; it is loaded first if the tile does not hold it.
+
+        Parameters
+        ----------
+        arguments
+            The kernel's arguments by name: scalars, and `At` for arrays. Arrays that the kernel
+            makes lie behind the last of them, or, if earlier steps put something there, behind
+            all of that. Where there is no room but theirs, a later step that reads what they
+            overwrote is refused.
+
+        Raises
+        ------
+        ArgumentError
+            Arguments are missing, of the wrong kind, or outside the scratchpad, or an array that
+            the kernel writes overlaps another.
+        """
+        demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
+        demand_type(tile, (int, np.integer), "a tile", "give a tile's number, as 0")
+        where = self._tiles(tile)
+        inputs, extents = _bound(program, arguments)
+        arguments_at = dict(extents)
+        own = self._place_own(tile, program, inputs, extents)
+        _refuse_overlap(program, extents)
+        for name, (start, end) in extents.items():
+            if start % WORD_BYTES:
+                raise ArgumentError(f"array {name} starts at {start}, not at a multiple of 4")
+            self._fits(start, end - start, where, f"array {name}")
+        for name, (start, end) in arguments_at.items():
+            if name in program.loaded_arrays:
+                self._own.demand_kept(tile, start, end, f"{name} of {program.name}")
+        self._own.take(tile, self._steps, own, program.name)
+        for name in program.stored_arrays & arguments_at.keys():
+            self._own.refill(where, *arguments_at[name])
+        return self.execute(tile, program, inputs, extents, after=after)
+
+    def _place_own(
+        self,
+        tile: int,
+        program: Program,
+        inputs: dict[str, int],
+        extents: dict[str, tuple[int, int]],
+    ) -> tuple[int, int]:
+        """Add the places of the arrays that a kernel makes; first byte and end of all of them."""
+        sizes = {local.name: WORD_BYTES * local.at_launch(inputs).words for local in program.locals}
+        total = sum(sizes.values())
+        end = max((-(-end // WORD_BYTES) * WORD_BYTES for _, end in extents.values()), default=0)
+        room = self.accelerator.units[tile].scratchpad.size_bytes
+        start = self._own.place(tile, self._steps, total, end, room)
+        place = start
+        for name, size in sizes.items():
+            extents[name] = (place, place + size)
+            inputs[f"&{name}"] = place
+            place += size
+        return start, start + total
+
+    def execute(
+        self,
+        tile: int,
+        program: Program,
+        inputs: ReadOnly[str, int],
+        extents: ReadOnly[str, tuple[int, int]],
+        stores: ReadOnly[str, tuple[int, int]] | None = None,
+        *,
+        after: Sequence[int] = (),
+    ) -> int:
+        """As `run`, with the launch words, the places of all arrays, and of what is written (None:
+        all of each array that the kernel writes) given by the caller.
+        """
+        if stores is None:
+            stores = {name: extents[name] for name in program.stored_arrays & extents.keys()}
+        if tile not in self._held or self._held[tile][0] is not program:
+            self.configure(tile, program)
+        configured = self._held[tile][1]
+        image = self._image(program, tile)
+        return self._add(
+            Execute(tile, image, inputs, extents, stores, configured, self._after(after))
+        )
+
+    def simulate(
+        self, *, engine: str = AUTO, cycle_limit: int = CYCLE_LIMIT, threads: int | None = None
+    ) -> JobResult:
+        """Carry the job out; arrays are written only if all of it succeeds.
+
+        Parameters
+        ----------
+        cycle_limit
+            Cycles after which a run of a tile is given up.
+        threads
+            Tiles simulated at the same time; None: one for each core.
+
+        Raises
+        ------
+        ArgumentError
+            The graph's result would depend on timing: two steps use the same bytes, at least one
+            of them writes, and nothing orders them.
+        SimulationError
+            A program broke a rule of the machine, or ran past `cycle_limit`.
+        """
+        check_run(cycle_limit)
+        check_engine(engine)
+        if threads is not None:
+            hint = "give a whole number from 1 on, or None"
+            demand_type(threads, int, "threads", hint)
+            if threads < 1:
+                raise ArgumentError(f"threads cannot be {threads}", hint=hint)
+        return simulate_steps(
+            self.accelerator, self.steps, self._buffers, engine, cycle_limit, threads
+        )
+
+    def _transfer(self, step: Transfer) -> int:
+        """A move in or out."""
+        demand_type(step.pitch, (int, np.integer), "the pitch", "give a whole number of bytes")
+        demand_type(step.address, (int, np.integer), "the address", "give a whole number of bytes")
+        apart = step.pitch != WORD_BYTES
+        if step.pitch < WORD_BYTES or step.pitch % WORD_BYTES:
+            raise ArgumentError(f"a pitch of {step.pitch} bytes: it is a multiple of {WORD_BYTES}")
+        if apart and (step.view.itemsize != WORD_BYTES or step.address % WORD_BYTES):
+            raise ArgumentError("with a pitch, whole words move, to a multiple of 4")
+        start, end = step.extent(step.view.nbytes)
+        self._fits(start, end - start, step.tiles)
+        if step.kind == "move out":
+            self._own.demand_kept(step.tiles[0], start, end, "a move out")
+        else:
+            self._own.refill(step.tiles, start, end)
+        return self._add(step)
+
+    def _add(self, step: Step) -> int:
+        self._steps.append(step)
+        return len(self._steps) - 1
+
+    def _after(self, after: Sequence[int]) -> tuple[int, ...]:
+        hint = "give a sequence of the numbers of steps"
+        demand_type(after, (tuple, list, range, set, frozenset, np.ndarray), "after", hint)
+        for number in after:
+            demand_type(number, (int, np.integer), "a step in after", hint)
+            if not 0 <= number < len(self._steps):
+                raise ArgumentError(f"there is no step {number} to come after")
+        return tuple(sorted(set(after)))
+
+    def _tiles(self, tiles: int | Sequence[int]) -> tuple[int, ...]:
+        hint = "give a tile's number, or a sequence of them"
+        demand_type(tiles, (int, np.integer, tuple, list, range, np.ndarray), "tiles", hint)
+        chosen = (tiles,) if isinstance(tiles, int | np.integer) else tuple(tiles)
+        for tile in chosen:
+            demand_type(tile, (int, np.integer), "a tile", hint)
+        count = len(self.accelerator.units)
+        if not chosen or len(set(chosen)) < len(chosen):
+            raise ArgumentError("a step names its tiles once each")
+        for tile in chosen:
+            if not 0 <= tile < count:
+                raise ArgumentError(f"there is no tile {tile}: they are 0 to {count - 1}")
+            if not self.accelerator.sharing[tile].isdisjoint(chosen):
+                raise ArgumentError(f"a step names tile {tile} and another form of it")
+        return chosen
+
+    def _fits(
+        self, address: int, size: int, tiles: tuple[int, ...], what: str = "the array"
+    ) -> None:
+        demand_type(address, (int, np.integer), "the address", "give a whole number of bytes")
+        room = min(self.accelerator.units[tile].scratchpad.size_bytes for tile in tiles)
+        if address < 0 or address + size > room:
+            raise ArgumentError(
+                f"{what} would lie at bytes {address} to {address + size}, and the scratchpad has "
+                f"{room}"
+            )
+
+    def _image(self, program: Program, tile: int) -> Program:
+        demand_type(program, Program, "the program", "compile a kernel with vividc.compile")
+        grouped = tile >= len(self.accelerator.tiles)
+        home = self.accelerator.units[tile] if grouped else self.accelerator.fabric
+        corner = self.accelerator.orientation(tile)
+        key = (id(program), f"{corner} {home.name}")
+        if key not in self._images:
+            if not arch.is_isomorphism(program.fabric, home, tuple(range(len(home.pes)))):
+                what = f"unit {tile}" if grouped else "the tiles"
+                raise ArgumentError(
+                    f"{program.name} was compiled for {program.fabric_name}, and {what} of "
+                    f"{self.accelerator.name} {'is' if grouped else 'are'} {home.name}",
+                    hint=f"compile it with fabric={self.accelerator.name!r}",
+                )
+            image = program
+            if not grouped:
+                image = _mirrored(program, home, self.accelerator.tiles[tile], corner)
+            self._images[key] = image
+            self._images[id(program), ""] = program  # keeps the id from being used again
+        return self._images[key]
+
+
+def _mirrored(program: Program, home: Fabric, there: Fabric, corner: Orientation) -> Program:
+    """The program of the tile in a corner; kept for the next job."""
+
+    def mirrored() -> tuple[Fabric, Fabric, Program]:
+        places = arch.reflection(home, corner)
+        return home, there, reflected_program(program, there, places)
+
+    kept = _IMAGES.get(program, corner, mirrored)
+    return (kept if kept[:2] == (home, there) else mirrored())[2]
+
+
+def _array(value: object) -> NDArray[np.generic]:
+    if not isinstance(value, np.ndarray):
+        raise ArgumentError(f"expected a numpy array, got {type(value).__name__}")
+    if value.dtype.kind not in "biuf" or value.itemsize > WORD_BYTES:
+        raise ArgumentError(f"the accelerator has no elements of {value.dtype}")
+    return value
+
+
+def _bound(
+    program: Program, arguments: dict[str, object]
+) -> tuple[dict[str, int], dict[str, tuple[int, int]]]:
+    """Launch words, and places of the arrays that are arguments."""
+    scalars = {name: value for name, value in arguments.items() if not isinstance(value, At)}
+    inputs = scalar_inputs(program, scalars)
+    extents: dict[str, tuple[int, int]] = {}
+    for param in program.params:
+        if not param.ndim:
+            continue
+        place = arguments.get(param.name)
+        if not isinstance(place, At) or not _is_place(place, param.ndim):
+            raise ArgumentError(
+                f"array {param.name} of {program.name} is given as At(address, shape) with "
+                f"{param.ndim} dimension(s)"
+            )
+        size = math.prod(place.shape) * param.dtype.size_bytes
+        extents[param.name] = (place.address, place.address + size)
+        inputs |= _array_words(param.name, place)
+    if program.parallel is not None:
+        inputs |= whole_loop(program.parallel, inputs)
+    return inputs, extents
+
+
+def _is_place(place: At, ndim: int) -> bool:
+    """Whether address and shape are whole numbers, and as many as there are axes."""
+    if not isinstance(place.shape, tuple | list) or len(place.shape) != ndim:
+        return False
+    whole = (isinstance(n, int | np.integer) and n >= 0 for n in (place.address, *place.shape))
+    return all(whole)
+
+
+def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -> None:
+    """A kernel's arrays are apart, as for the compiler, which orders accesses of each only."""
+    places = sorted((start, end, name) for name, (start, end) in extents.items() if end > start)
+    for number, (_, end, name) in enumerate(places):
+        for start, _, other in places[number + 1 :]:
+            if start < end and program.stored_arrays & {name, other}:
+                raise ArgumentError(
+                    f"arrays {name} and {other} of {program.name} overlap in the scratchpad, and "
+                    "it writes one of them",
+                    hint="give them places of their own",
+                )
+
+
+def _array_words(name: str, place: At) -> dict[str, int]:
+    words = {f"{name}.shape{axis}": size for axis, size in enumerate(place.shape)}
+    return {f"&{name}": place.address, **words}

@@ -1,0 +1,77 @@
+"""What happens when, and what serves one at a time: compiled functions."""
+
+from __future__ import annotations
+
+from vividc.host.machine_code import constant
+from vividc.launch.timing.compiled import inlined
+from vividc.launch.timing.queues import pop, push
+from vividc.launch.timing.state import EVENTS, NOTHING, Queues, State
+
+(
+    READY,
+    START_TRANSFERS,
+    START_STREAM,
+    CONFIGURED,
+    ASK,
+    ARRIVE_AT_NOC,
+    ARRIVE_AT_TILE,
+    ARRIVE_AT_DRAM,
+    WRITTEN,
+    END_TRANSFER,
+    END_RUN,
+    GRANT,
+) = map(constant, range(12))
+"""What may happen; the item is a step, a burst, for `GRANT` what serves, and for `END_RUN` tile and
+version.
+"""
+
+_ENGINES_SHIFT = 40
+"""Requests of a cycle are told apart by engine, and then by order."""
+
+
+@inlined
+def at(queues: Queues, cycle: int, what: int, item: int) -> None:
+    """Something arrives in a cycle: what does so in the same cycle comes in order of scheduling."""
+    push(queues, EVENTS, (2 * cycle, queues.pushed[EVENTS], what, item))
+
+
+@inlined
+def granted_at(queues: Queues, cycle: int, what: int, item: int) -> None:
+    """Something is granted in a cycle, when all that arrives in it is known."""
+    push(queues, EVENTS, (2 * cycle + 1, queues.pushed[EVENTS], what, item))
+
+
+@inlined
+def request(
+    queues: Queues, state: State, server: int, cycle: int, who: tuple[int, int, int]
+) -> None:
+    """Ask for channel or NoC: `who` is an engine, for how many cycles, and its burst. The one that
+    waits longest is served first, then that of the engine with the lowest number.
+    """
+    engine, holds, burst = who
+    order = (engine << _ENGINES_SHIFT) + queues.pushed[server]
+    push(queues, server, (cycle, order, holds, burst))
+    look(queues, state, server, max(cycle, state.free_at[server]))
+
+
+@inlined
+def look(queues: Queues, state: State, server: int, cycle: int) -> None:
+    """See who waits in `cycle`, once however many ask for that: one is served a cycle."""
+    if cycle != state.looks_at[server]:
+        state.looks_at[server] = cycle
+        granted_at(queues, cycle, GRANT, server)
+
+
+@inlined
+def serve(queues: Queues, state: State, server: int, cycle: int) -> int:
+    """Who has waited longest, or `NOTHING` if the server is busy or nobody waits."""
+    if cycle == state.looks_at[server]:
+        state.looks_at[server] = NOTHING
+    if queues.length[server] == 0 or cycle < state.free_at[server]:
+        return NOTHING
+    _, _, holds, burst = pop(queues, server)
+    state.free_at[server] = cycle + holds
+    state.busy[server] += holds
+    if queues.length[server]:
+        look(queues, state, server, state.free_at[server])
+    return burst

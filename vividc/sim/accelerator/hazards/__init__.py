@@ -1,6 +1,0 @@
-"""What steps wait for, and the check that no graph's result depends on timing."""
-
-from vividc.sim.accelerator.hazards.check import check_order
-from vividc.sim.accelerator.hazards.waits import predecessors
-
-__all__ = ["check_order", "predecessors"]

@@ -1,8 +1,0 @@
-"""When each step of a job happens: an event simulation of docs/accelerator.md.
-
-What a job computes is known before; here only cycles are counted.
-"""
-
-from vividc.sim.accelerator.timing.schedule import Moved, TileClock, Timing, schedule
-
-__all__ = ["Moved", "TileClock", "Timing", "schedule"]
