@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 import vividc
 from benchmarks.workloads import Workload
-from vividc.dfg.precision import FORMAT_NAMES
 from vividc.formats import to_floats
 from vividc.program.tables import RegionReport
 from vividc.render import View, blend_on_array, psnr, read_scene, read_views
+from vividc.ssa.formats.precision import FORMAT_NAMES
 
 TITLE = "Precision: FP16 and FP8 against FP32"
 NOTES = (

@@ -10,21 +10,9 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
-from vividc.dfg.normalize import normalize
-from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.precision import (
-    FormatChoices,
-    Precision,
-    arithmetic_format,
-    idle_names,
-    parse_precision,
-)
 from vividc.dfg.regions import Kernel
-from vividc.dfg.transform.contract import contract as contract_products
-from vividc.dfg.transform.in_format import in_format
 from vividc.errors import (
     KernelError,
     MappingFailed,
@@ -49,10 +37,23 @@ from vividc.planning.estimate import Estimator, Shape
 from vividc.planning.explain import loop_reports
 from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
-from vividc.planning.products import priced, recognise
+from vividc.planning.price import priced
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encode import check_contexts
 from vividc.program.programmable import demand_programmable
+from vividc.ssa.formats.in_format import in_format
+from vividc.ssa.formats.precision import (
+    FormatChoices,
+    Precision,
+    arithmetic_format,
+    idle_names,
+    parse_precision,
+)
+from vividc.ssa.ir import Function
+from vividc.ssa.parallel.cut import cut_parallel_loop
+from vividc.ssa.parallel.products import recognise
+from vividc.ssa.rewrite.contract import contract as contract_products
+from vividc.ssa.rewrite.normalize import normalize
 
 _GRACE_S, _GRACE_SHARE = 0.5, 0.05
 """What only misses its limit by so little is finished: seconds, and a share of the limit."""

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 from hypothesis import strategies as st
 
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 
 VARIABLES = 3
 WORDS = 16

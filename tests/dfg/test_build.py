@@ -22,8 +22,8 @@ from tests.dfg.programs import (
 from vividc.dfg.build import build_kernel
 from vividc.dfg.check import check
 from vividc.dfg.interpreter import interpret
-from vividc.dfg.loops import find_loops
 from vividc.dfg.regions import Kernel
+from vividc.ssa.flow import find_loops
 
 
 def memory_after(kernel: Kernel) -> list[int]:

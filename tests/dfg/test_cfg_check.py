@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
-from vividc.dfg.cfg_check import check_function
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
+from vividc.ssa.check import check_function
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 
 LOOP = Function(
     "count",

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.interpreter import interpret
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 
 MASK = 0xFFFFFFFF
 

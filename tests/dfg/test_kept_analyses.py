@@ -5,10 +5,10 @@ import weakref
 from dataclasses import replace
 
 from tests.dfg.programs import Assign, If, lower
-from vividc.dfg.cfg import Function
-from vividc.dfg.loops import find_loops, pipelined_loops, predecessors
-from vividc.dfg.normalize import normalize
 from vividc.host.once import once_each
+from vividc.ssa.flow import find_loops, pipelined_loops, predecessors
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.normalize import normalize
 
 _CHOICE = If(0, 1, (Assign(1, "add", 0, 2, None),), ())
 

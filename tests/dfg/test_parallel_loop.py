@@ -10,11 +10,11 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc.dfg.cfg import Input
-from vividc.dfg.cfg_edit import uses
-from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.errors import KernelError
 from vividc.machine.parallel import FIRST, LAST, Parallel
+from vividc.ssa.edit import uses
+from vividc.ssa.ir import Input
+from vividc.ssa.parallel.cut import cut_parallel_loop
 
 
 def cut(kernel: Any) -> tuple[Any, Parallel]:

@@ -12,13 +12,13 @@ import vividc
 from tests.e2e import nest_kernels
 from vividc import arch
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.dfg.transform.flatten import flatten
 from vividc.driver import CompileOptions, map_kernel
 from vividc.mapper import MapResult
 from vividc.program import Program, encode
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.loops.flatten.flatten import flatten
 
 Arguments = tuple[object, ...]
 SHAPES = ((0, 0), (0, 3), (3, 0), (1, 1), (2, 3), (5, 2), (4, 7))

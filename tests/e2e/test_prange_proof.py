@@ -13,8 +13,8 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.errors import KernelError, VividcWarning
+from vividc.ssa.parallel.cut import cut_parallel_loop
 
 
 @vividc.kernel("float32(float32[::1])")

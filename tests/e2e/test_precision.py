@@ -7,9 +7,9 @@ import pytest
 
 import vividc
 from tests.frontend.policy_kernels import chain, chain_in, inner, inner_in
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.precision import FORMAT_NAMES
-from vividc.dfg.transform.in_format import in_format
+from vividc.ssa.check import check_function
+from vividc.ssa.formats.in_format import in_format
+from vividc.ssa.formats.precision import FORMAT_NAMES
 
 X = np.concatenate(
     [np.random.default_rng(4).uniform(-3, 3, 13), [np.nan, np.inf, 1e-6, -0.0, 447.0]]

@@ -1,4 +1,4 @@
-"""Runs a `cfg.Function` on numpy arrays: the oracle of the frontend's tests, independent of the
+"""Runs a `ssa.ir.Function` on numpy arrays: the oracle of the frontend's tests, independent of the
 rest of vividc.
 """
 
@@ -10,9 +10,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Value
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Value
 
 _MASK = 0xFFFFFFFF
 

@@ -11,11 +11,11 @@ import pytest
 
 from tests.frontend import kernels as k
 from tests.frontend.cfg_eval import run
-from vividc.dfg.cfg import Function, Instr
-from vividc.dfg.cfg_check import check_function
 from vividc.errors import VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.check import check_function
+from vividc.ssa.ir import Function, Instr
 
 # numba contracts nothing, and float64 that runs in float32 costs a few units in the last place.
 TOLERANCE = {"rtol": 2e-5, "atol": 2e-6}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Ref, Value
-from vividc.frontend.value_numbering import merge_equal
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType as D
 from vividc.machine.params import Param
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Ref, Value
+from vividc.ssa.rewrite.value_numbering import merge_equal
 
 A, B = Input("a"), Input("b")
 

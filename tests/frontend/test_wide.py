@@ -9,10 +9,10 @@ import pytest
 
 from tests.frontend import wide_kernels
 from tests.frontend.cfg_eval import run
-from vividc.dfg.cfg import Function
 from vividc.frontend import KernelFunction, kernel
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType
+from vividc.ssa.ir import Function
 
 KERNELS = [item for item in vars(wide_kernels).values() if isinstance(item, KernelFunction)]
 BY_NAME = {item.name: item for item in KERNELS}

@@ -6,11 +6,11 @@ from random import Random
 
 import pytest
 
-from vividc.dfg.cfg import Const, Value
 from vividc.frontend import wide_divide
 from vividc.frontend.wide_words import Pair, Words
 from vividc.machine.opcodes import Opcode
 from vividc.machine.semantics import evaluate
+from vividc.ssa.ir import Const, Value
 
 EDGES = (1, 2, 3, 15, 16, 17, 2**30 - 1, 2**30, 2**31, 2**32 - 1, 2**32, 2**32 + 1, 2**44, 2**59)
 EDGES += (2**60, 2**60 + 1, 2**63 - 1, 2**63, 2**63 + 1, 2**64 - 2**44, 2**64 - 2, 2**64 - 1)

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from random import Random
 
 from vividc import arch
-from vividc.dfg.cfg import Function
-from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import PassOptions
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.tidy import tidy
 from vividc.planning.candidates import Candidate, Kind, State, apply
 from vividc.planning.choose import choose
 from vividc.planning.estimate import Estimator
-from vividc.planning.frequency import expected_trips
 from vividc.planning.options import TransformOptions
+from vividc.ssa.analysis.frequency import expected_trips
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 OPTIONS = PassOptions(contract=False)
 """Without contraction the floats must be numba's, too, bit for bit."""

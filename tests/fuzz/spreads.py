@@ -20,12 +20,12 @@ from tests.fuzz.arguments import Difference, compare
 from tests.fuzz.witnesses import Verdict, load, words_in_blocks
 from vividc import arch
 from vividc.arch import Accelerator
-from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.errors import ArgumentError, InternalError, KernelError, VividcError, VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.launch import SpreadOptions, spread
 from vividc.launch.result import JobResult
 from vividc.program import Program
+from vividc.ssa.parallel.cut import cut_parallel_loop
 
 COLS = 5
 """Columns of the matrices."""

@@ -17,17 +17,17 @@ import vividc
 from tests.fuzz.arguments import Difference, compare
 from tests.fuzz.forms import OPTIONS, at_random
 from tests.fuzz.witnesses import load, run_regions, words_in_blocks
-from vividc.dfg.affine import block_of
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.loops import find_loops
-from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.threads import thread
-from vividc.dfg.transform.tidy import tidy
 from vividc.frontend import KernelFunction
+from vividc.ssa.check import check_function
+from vividc.ssa.edit import block_of
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.loops.threads.make import thread
+from vividc.ssa.rewrite.normalize import normalize
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 LOADED = 64
 """Elements of the arrays that nobody writes; indices are cut to them."""

@@ -21,10 +21,7 @@ from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
 from vividc.dfg.interpreter import interpret
-from vividc.dfg.loops import find_loops
-from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.driver import CompileOptions, map_kernel
@@ -32,6 +29,9 @@ from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.machine.params import DType
 from vividc.program import Program, encode
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.normalize import normalize
 
 TRIALS = 3
 MAPPING_S = 4.0

@@ -9,13 +9,13 @@ from tests.dfg.programs import lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from tests.dfg.transform.nests import NestProgram, lower_nest, nest_memory, nest_programs
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.dfg.transform.tidy import tidy
 from vividc.planning.candidates import Candidate, Kind, State, apply
-from vividc.planning.frequency import expected_trips
+from vividc.ssa.analysis.frequency import expected_trips
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.tidy import tidy
 
 KINDS: tuple[Kind, ...] = ("full unrolling", "unrolling", "unroll-and-jam")
 choices = st.lists(

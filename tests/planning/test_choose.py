@@ -7,12 +7,12 @@ import pytest
 
 import vividc
 from vividc import arch
-from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import ArgumentError, KernelError
 from vividc.planning.choose import Plan, choose
 from vividc.planning.estimate import Estimator
 from vividc.planning.options import TransformOptions, transform_options
+from vividc.ssa.flow import find_loops
 
 MACHINE = arch.load("vivid-tile")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tests.dfg.programs import For, If, Load, Store, lower
-from vividc.dfg.loops import find_loops
-from vividc.dfg.transform.tidy import tidy
-from vividc.planning.frequency import SINGLE_LOOP_TRIPS, expected_trips, frequencies
+from vividc.ssa.analysis.frequency import SINGLE_LOOP_TRIPS, expected_trips, frequencies
+from vividc.ssa.flow import find_loops
+from vividc.ssa.rewrite.tidy import tidy
 
 BODY = (Load(1, 0), Store(0, 1))
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import vividc
-from vividc.dfg.normalize import normalize
 from vividc.frontend import KernelFunction
 from vividc.machine.product import Product
-from vividc.planning.products import recognise
+from vividc.ssa.parallel.products import recognise
+from vividc.ssa.rewrite.normalize import normalize
 
 _MATRICES = "void(float32[:, ::1], float32[:, ::1], float32[::1], float32[:, ::1])"
 

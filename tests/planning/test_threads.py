@@ -7,14 +7,14 @@ from numba import prange
 
 import vividc
 from vividc import arch
-from vividc.dfg.loops import find_loops
 from vividc.dfg.pipeline import PassOptions
-from vividc.dfg.transform.independent import meeting_array
-from vividc.dfg.transform.levels import level_of, with_own_latches
-from vividc.dfg.transform.tidy import tidy
 from vividc.planning.choose import Plan, choose
 from vividc.planning.estimate import Estimator
 from vividc.planning.options import TransformOptions
+from vividc.ssa.analysis.levels import level_of, with_own_latches
+from vividc.ssa.flow import find_loops
+from vividc.ssa.parallel.independent import meeting_array
+from vividc.ssa.rewrite.tidy import tidy
 
 ESTIMATOR = Estimator(arch.load("vivid-tile"), PassOptions(contract=False))
 

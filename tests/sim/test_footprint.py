@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 from numba import prange
 
 import vividc
-from vividc.dfg.parallel_loop import cut_parallel_loop
 from vividc.machine.opcodes import OPCODES, Opcode
 from vividc.machine.parallel import Access, Parallel, Term, is_well_formed
 from vividc.machine.semantics import SEMANTICS, evaluate
 from vividc.machine.words import WORD_MASK, signed
 from vividc.sim.footprint import Touch, chunk_inputs, loop_bounds, touched
+from vividc.ssa.parallel.cut import cut_parallel_loop
 
 OPS = [
     op

@@ -10,7 +10,6 @@ import pytest
 from tests.sim.native.agreement import assert_engines_agree, launch
 from tests.sim.one_pe import map_region, one_pe
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 from vividc.dfg.interpreter import interpret
 from vividc.dfg.json_form import from_json, to_json
 from vividc.dfg.regions import Kernel
@@ -22,6 +21,7 @@ from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.params import DType, Param
 from vividc.machine.semantics import evaluate
 from vividc.program import Program, disassemble, encode, load
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 
 ROW = 4  # words of operands
 OPS = sorted(LANE_SEMANTICS, key=lambda op: op.value)

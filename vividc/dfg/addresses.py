@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from vividc.dfg.affine import Affine, AffineAnalysis, block_of
-from vividc.dfg.cfg import Const, Function, Instr, Ref, Value
-from vividc.dfg.cfg_edit import next_id, with_blocks
-from vividc.dfg.loops import Loop
 from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.ssa.analysis.affine import Affine, AffineAnalysis
+from vividc.ssa.edit import block_of, next_id, with_blocks
+from vividc.ssa.flow import Loop
+from vividc.ssa.ir import Const, Function, Instr, Ref, Value
 
 _OFFSET_LIMIT = 1 << 15
 

@@ -13,16 +13,16 @@ from dataclasses import dataclass
 from vividc.dfg.addresses import Address, fold_addresses
 from vividc.dfg.build_loop import LoopParts, build_loop
 from vividc.dfg.build_straight import build_straight
-from vividc.dfg.cfg import Block, Function, Ref, Value
-from vividc.dfg.cfg_edit import defined_types, incoming, uses
-from vividc.dfg.counted import Trip, count_loop
-from vividc.dfg.hoist_loads import hoist_loads
 from vividc.dfg.ir import DFG
-from vividc.dfg.loops import Loop, pipelined_loops
-from vividc.dfg.normalize import copy_exit_values, normalize
 from vividc.dfg.regions import Kernel, Region
-from vividc.dfg.transform.diamonds import merge_diamonds
 from vividc.errors import SourceLoc
+from vividc.ssa.analysis.counted import Trip, count_loop
+from vividc.ssa.edit import defined_types, incoming, uses
+from vividc.ssa.flow import Loop, pipelined_loops
+from vividc.ssa.ir import Block, Function, Ref, Value
+from vividc.ssa.rewrite.diamonds import merge_diamonds
+from vividc.ssa.rewrite.hoist_loads import hoist_loads
+from vividc.ssa.rewrite.normalize import copy_exit_values, normalize
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from vividc.dfg.addresses import Address
-from vividc.dfg.affine import AffineAnalysis
 from vividc.dfg.build_straight import variable
-from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Phi, Ref, Value
-from vividc.dfg.cfg_edit import incoming
-from vividc.dfg.counted import Trip
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.if_convert import Body, Predicates, merge_phi
 from vividc.dfg.ir import DFG, Control, Node
-from vividc.dfg.loops import Loop
 from vividc.dfg.memory_order import Access, order_accesses
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.ssa.analysis.affine import AffineAnalysis
+from vividc.ssa.analysis.counted import Trip
+from vividc.ssa.edit import incoming
+from vividc.ssa.flow import Loop
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
 
 
 @dataclass(frozen=True)

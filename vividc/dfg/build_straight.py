@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import Block, Const, Function, Input, Instr, Ref, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.memory_order import Access, order_accesses
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Ref, Value
 
 
 def variable(ident: int) -> str:

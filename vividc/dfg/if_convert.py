@@ -13,9 +13,9 @@ from functools import cached_property
 
 import networkx as nx
 
-from vividc.dfg.cfg import Block, Function, Phi, Undefined, Value
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Block, Function, Phi, Undefined, Value
 
 _SINK = ""
 

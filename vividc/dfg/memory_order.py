@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.machine.lanes import Lane
+from vividc.ssa.analysis.alias import different_elements
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,16 +96,6 @@ def _dependences(
         yield first, second, int(apart)
     if in_loop:
         yield second, first, 1
-
-
-def different_elements(one: tuple[int | None, ...], other: tuple[int | None, ...]) -> bool:
-    """Whether subscripts of one array differ in some dimension, whatever those unknown are.
-
-    A subscript outside its dimension is undefined: `a[i, 1]` and `a[j, 2]` never meet, although
-    rows of one column would put them at one address.
-    """
-    pairs = zip(one, other, strict=False)
-    return any(None not in pair and pair[0] != pair[1] for pair in pairs)
 
 
 def _step_alike(first: Access, second: Access) -> bool:

@@ -17,10 +17,10 @@ from vividc.dfg.passes import (
 )
 from vividc.dfg.passes.balance import pass_for
 from vividc.dfg.passes.expand_math import expansion_pass
-from vividc.dfg.precision import Precision
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.host import time_limit
+from vividc.ssa.formats.precision import Precision
 
 Pass = Callable[[DFG], DFG]
 

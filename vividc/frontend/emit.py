@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from vividc.dfg.cfg import Const, Input, Instr, Ref, Value
 from vividc.errors import InternalError, KernelError, SourceLoc
 from vividc.frontend.demand import demanded_bits
 from vividc.frontend.interval import S32, U32, Interval, contains
@@ -15,6 +14,7 @@ from vividc.frontend.ssa import Float, Int, Local, Op, Operand, WideFunction, ty
 from vividc.frontend.wide_demand import WordFacts, high_words, types_of
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import HIGH_SUFFIX
+from vividc.ssa.ir import Const, Input, Instr, Ref, Value
 
 # Free in words: the result is the operand (conversions to or from less than a word apart).
 ALIASES = frozenset({"sext", "zext", "trunc", "fpext", "fptrunc", "bitcast", "freeze"})

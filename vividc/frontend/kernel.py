@@ -15,7 +15,6 @@ import numba
 from numba.core import sigutils, types
 from numba.core.typing import Signature
 
-from vividc.dfg.cfg import Function
 from vividc.errors import KernelError, SourceLoc, quoted
 from vividc.formats import F16
 from vividc.frontend.format_types import TYPES, for_numba, in_arrays
@@ -25,6 +24,7 @@ from vividc.frontend.numba_words import plain
 from vividc.frontend.prange import calls_prange, prange_lines
 from vividc.host.inputs import demand_utf8_path
 from vividc.machine.params import MAX_SPREAD, DType, Param
+from vividc.ssa.ir import Function
 
 _DTYPES = {
     types.float32: DType.F32,

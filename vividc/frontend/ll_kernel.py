@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from vividc.dfg.cfg import Function
 from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type
 from vividc.frontend.ll_host import HostFunction
 from vividc.frontend.ll_lower import CModule, declare, lower_c
@@ -20,6 +19,7 @@ from vividc.frontend.ll_reference import reference_text
 from vividc.frontend.ll_source import bodies, located_module, printed, read_ll
 from vividc.frontend.llvm_text import Locations
 from vividc.machine.params import DType, Param
+from vividc.ssa.ir import Function
 
 _ELEMENTS = ("float32", "bool", "int8", "uint8", "int16", "uint16", "int32", "uint32")
 _TYPES = {"ptr": _ELEMENTS, "i64": ("int64", "uint64"), "i32": ("int32", "uint32")}

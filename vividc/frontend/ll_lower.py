@@ -1,4 +1,4 @@
-"""From a `.ll` file's text to `cfg.Function`: the stages before those that Python's share."""
+"""From a `.ll` file's text to `ssa.ir.Function`: the stages before those that Python's share."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import Function
 from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend.length import refuse_long
 from vividc.frontend.ll_checks import check_body, reachable, refuse_own_names, refuse_recursion
@@ -32,6 +31,7 @@ from vividc.frontend.numba_arrays import ALLOCATE
 from vividc.frontend.ssa import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.unrotate import unrotate
 from vividc.machine.params import WIDE_DTYPES, DType, Param
+from vividc.ssa.ir import Function
 
 _LINK_LIMIT_S = 20
 _HINTS = re.compile(

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vividc.dfg.cfg import Function
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.constant_tables import (
     PACKED_BYTES,
@@ -44,6 +43,7 @@ from vividc.frontend.ssa import (
     uses,
 )
 from vividc.machine.params import Formula, LocalArray
+from vividc.ssa.ir import Function
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}

@@ -1,4 +1,4 @@
-"""From a Python function to `cfg.Function`: the frontend's stages in order, and numba's errors as
+"""From a Python function to `ssa.ir.Function`: the frontend's stages in order, and numba's errors as
 the user's.
 """
 
@@ -12,9 +12,6 @@ from typing import Any
 
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.transform.hoist import hoist_invariants
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.counting import word_parameters
 from vividc.frontend.diagnose import behind, construct_at, diagnose, returned_at
@@ -39,8 +36,11 @@ from vividc.frontend.sizes import bounds_of_sizes
 from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
 from vividc.frontend.subword import extend_loads, store_low_bits
 from vividc.frontend.traps import trap_raises
-from vividc.frontend.value_numbering import merge_equal
 from vividc.machine.params import MAX_ELEMENTS, WIDE_DTYPES, DType, Param
+from vividc.ssa.check import check_function
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.hoist import hoist_invariants
+from vividc.ssa.rewrite.value_numbering import merge_equal
 
 # What numba raises for functions that it did not foresee.
 _NUMBA_FAULTS: tuple[type[Exception], ...] = (

@@ -15,7 +15,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import Block, Branch, Function, Input, Instr, Phi, Value
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import narrow_bits, narrow_float, narrow_format, narrow_int
 from vividc.frontend.diagnose import hint_of_raise
@@ -29,6 +28,7 @@ from vividc.frontend.wide_rules import saturates_wide, translate_wide
 from vividc.frontend.wide_words import Words
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import WIDE_DTYPES, DType, Param
+from vividc.ssa.ir import Block, Branch, Function, Input, Instr, Phi, Value
 
 
 @dataclass(frozen=True, slots=True)

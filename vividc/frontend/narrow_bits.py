@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from vividc.dfg.cfg import Const, Value
 from vividc.errors import KernelError
 from vividc.frontend.emit import WORD_HINT, Emitter
 from vividc.frontend.interval import width
 from vividc.frontend.narrow_small import emit_masked, sign_extended
 from vividc.frontend.ssa import Int, Op
 from vividc.machine.opcodes import Opcode, Type
+from vividc.ssa.ir import Const, Value
 
 Rule = Callable[[Emitter, Op], None]
 _WORD = 32

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from vividc.dfg.cfg import Const, Value
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import S32, U32, Interval, contains, width
@@ -23,6 +22,7 @@ from vividc.frontend.narrow_small import sign_extended, signed_range
 from vividc.frontend.ssa import Op, Operand
 from vividc.machine.division import multiplier, quotient_by_constant, remainder_by_constant
 from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.ssa.ir import Const, Value
 
 _WORD = 32
 _MASK = 0xFFFFFFFF

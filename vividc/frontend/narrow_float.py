@@ -7,13 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vividc.dfg.cfg import Const
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import width
 from vividc.frontend.narrow_small import emit_masked, is_small, sign_extended
 from vividc.frontend.ssa import Float, Local, Op, Operand
 from vividc.machine.opcodes import Opcode, Type
+from vividc.ssa.ir import Const
 
 Rule = Callable[[Emitter, Op], None]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from vividc.dfg.cfg import Const, Value
 from vividc.errors import KernelError
 from vividc.frontend.emit import WORD_HINT, Emitter
 from vividc.frontend.floor_division import FLOOR_DIVISIONS
@@ -14,6 +13,7 @@ from vividc.frontend.narrow_divide import divide
 from vividc.frontend.narrow_small import emit_masked, sign_extended
 from vividc.frontend.ssa import Int, Op, Operand
 from vividc.machine.opcodes import Opcode, Type
+from vividc.ssa.ir import Const, Value
 
 Rule = Callable[[Emitter, Op], None]
 

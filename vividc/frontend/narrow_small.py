@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import Const, Value
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import Interval, as_signed, width
 from vividc.frontend.ssa import Int, Op, Operand
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Const, Value
 
 _WORD = 32
 _MASK = 0xFFFFFFFF

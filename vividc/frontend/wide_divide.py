@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vividc.dfg.cfg import Const, Value
 from vividc.frontend.ssa import Int, Op, Operand
 from vividc.frontend.wide_shifts import ashr, lshr
 from vividc.frontend.wide_words import MASK, WORD, ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Const, Value
 
 _BITS = 64
 _LIMIT = 1 << _BITS

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import Value
 from vividc.frontend.ssa import Op
 from vividc.frontend.wide_words import MASK, WORD, ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Value
 
 _SIGN = 0x80000000
 _TWO_24 = 0x4B800000  # as a float32, like the next

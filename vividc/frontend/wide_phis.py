@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vividc.dfg.cfg import Instr, Phi, Value
 from vividc.frontend.emit import Emitter
 from vividc.frontend.ssa import Op, WidePhi
 from vividc.frontend.wide_words import Words
 from vividc.machine.opcodes import Type
+from vividc.ssa.ir import Instr, Phi, Value
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from vividc.dfg.cfg import Const, Value
 from vividc.errors import KernelError
 from vividc.frontend.emit import Emitter
 from vividc.frontend.interval import S32, contains
@@ -18,6 +17,7 @@ from vividc.frontend.wide_float import to_float
 from vividc.frontend.wide_shifts import ashr, funnel_left, funnel_right, lshr, shl
 from vividc.frontend.wide_words import MASK, WORD, ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Const, Value
 
 Rule = Callable[[Words, Op], Pair | Value]
 _MIN = 1 << 31

@@ -6,10 +6,10 @@ and gives 0 for n = 0 where the shift by 32 would give x.
 
 from __future__ import annotations
 
-from vividc.dfg.cfg import Const, Value
 from vividc.frontend.interval import Interval
 from vividc.frontend.wide_words import WORD, ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Const, Value
 
 _LAST = WORD - 1
 _BITS = 64

@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from vividc.dfg.cfg import Const, Instr, Ref, Value
 from vividc.frontend.emit import Emitter, result_type
 from vividc.frontend.interval import Interval
 from vividc.frontend.ssa import Op, Operand
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.semantics import evaluate
+from vividc.ssa.ir import Const, Instr, Ref, Value
 
 WORD = 32
 MASK = 0xFFFFFFFF

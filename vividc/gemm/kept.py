@@ -13,7 +13,7 @@ from vividc.arch.fabric import Fabric
 from vividc.program import Program
 
 _KIND: Final = "product"
-_MADE_BY = ("arch", "dfg", "gemm", "machine", "mapper", "program")
+_MADE_BY = ("arch", "dfg", "gemm", "machine", "mapper", "program", "ssa")
 """Folders of the package whose code makes programs."""
 
 

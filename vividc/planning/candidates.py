@@ -7,19 +7,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from vividc.dfg.affine import block_of
-from vividc.dfg.cfg import Function
-from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.normalize import canonical_loops
-from vividc.dfg.transform.constant_trips import constant_trips
-from vividc.dfg.transform.flatten import flatten, flattened_iterations, nest_at
-from vividc.dfg.transform.jam import jam
-from vividc.dfg.transform.peel import peel
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.threads import thread
-from vividc.dfg.transform.tidy import tidy
-from vividc.dfg.transform.unroll import unroll
 from vividc.errors import SourceLoc
+from vividc.ssa.analysis.constant_trips import constant_trips
+from vividc.ssa.edit import block_of
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest_at
+from vividc.ssa.loops.jam import jam
+from vividc.ssa.loops.threads.make import thread
+from vividc.ssa.loops.unroll import unroll
+from vividc.ssa.rewrite.normalize import canonical_loops
+from vividc.ssa.rewrite.peel import peel
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 Kind = Literal["full unrolling", "unrolling", "unroll-and-jam", "flattening", "threads"]
 

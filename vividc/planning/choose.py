@@ -6,19 +6,19 @@ import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 
-from vividc.dfg.cfg import Function
-from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.transform.constant_trips import constant_trips
-from vividc.dfg.transform.independent import meeting_array
-from vividc.dfg.transform.levels import level_of, with_own_latches
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError, SourceLoc, TimeLimit
 from vividc.host import time_limit
 from vividc.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.planning.estimate import Estimate, Estimator
-from vividc.planning.frequency import expected_trips
 from vividc.planning.options import TransformOptions
+from vividc.ssa.analysis.constant_trips import constant_trips
+from vividc.ssa.analysis.frequency import expected_trips
+from vividc.ssa.analysis.levels import level_of, with_own_latches
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.parallel.independent import meeting_array
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 OPERATIONS_PER_PE = 8
 """A loop's graph may not have more: larger ones take too long to map."""

@@ -8,14 +8,9 @@ from dataclasses import dataclass, field, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
 from vividc.dfg.ir import DFG
-from vividc.dfg.loops import find_loops
-from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.dfg.regions import Kernel, Region
-from vividc.dfg.transform.pack_lanes import pack_lanes
-from vividc.dfg.transform.peel import preheader_of
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.mapper.bounds import all_bounds, mii, no_ii
@@ -23,7 +18,11 @@ from vividc.mapper.dependences import dependences, earliest_starts
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.straight_bounds import straight_lower_bound
-from vividc.planning.frequency import expected_trips, frequencies
+from vividc.ssa.analysis.frequency import expected_trips, frequencies
+from vividc.ssa.flow import find_loops, preheader_of
+from vividc.ssa.formats.pack_lanes import pack_lanes
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.normalize import normalize
 
 _ROUTING = 1.3
 """An iteration's span over its longest path: words travel, and operations wait for PEs."""

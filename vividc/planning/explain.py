@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from vividc.dfg.affine import block_of
-from vividc.dfg.cfg import Function
 from vividc.dfg.ir import Control
-from vividc.dfg.loops import Loop, find_loops
 from vividc.dfg.regions import Region, is_variable
 from vividc.machine.opcodes import Opcode
 from vividc.planning.choose import Decision, Plan
 from vividc.planning.fallback import Settled
 from vividc.program.tables import LoopReport, RegionReport, TransformReport
+from vividc.ssa.edit import block_of
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Function
 
 
 def loop_reports(plan: Plan, settled: Settled) -> tuple[LoopReport, ...]:

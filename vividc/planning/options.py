@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from vividc.dfg.transform.threads import MOST_THREADS
 from vividc.errors import ArgumentError, demand_type, quoted
+from vividc.ssa.loops.threads.make import MOST_THREADS
 
 Mode = Literal["auto", "none"]
 Factors = Mapping[int, int] | Mapping[str, int]

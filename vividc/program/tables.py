@@ -43,7 +43,7 @@ class RegionRow:
 
 @dataclass(frozen=True, slots=True)
 class LaunchRow:
-    """The host writes the word of `key` (see `dfg.cfg.Input`) to `entry` of PE `pe` at launch."""
+    """The host writes the word of `key` (see `ssa.ir.Input`) to `entry` of PE `pe` at launch."""
 
     pe: int
     entry: int

@@ -10,10 +10,10 @@ import pytest
 from tests.dfg.passes.vectorised import graph
 from vividc.dfg.interpreter import interpret_region
 from vividc.dfg.passes.expand_math import expand_math, expansion_pass
-from vividc.dfg.precision import FORMAT_NAMES, parse_precision
 from vividc.errors import ArgumentError
 from vividc.formats import to_floats
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.formats.precision import FORMAT_NAMES, parse_precision
 
 # Largest errors: in units in the last place of normal results, in the least number below them.
 BOUNDS = {"fp16": (0.75, 0.55), "fp8": (0.84, 4.4), "e5m2": (0.65, 2.3)}

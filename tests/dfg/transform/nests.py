@@ -8,10 +8,10 @@ import numpy as np
 from hypothesis import strategies as st
 
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.dfg.interpreter import interpret
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value
 
 WORDS = 64
 

@@ -10,11 +10,11 @@ import pytest
 import vividc
 from tests.fuzz.witnesses import run_regions
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.transform.contract import contract
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.contract import contract
+from vividc.ssa.rewrite.normalize import normalize
 
 
 @vividc.kernel("void(float32[::1], float32[::1], float32, float32)")

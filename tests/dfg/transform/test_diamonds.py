@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from tests.dfg.programs import Assign, For, If, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
-from vividc.dfg.cfg_check import check_function
 from vividc.dfg.check import check
-from vividc.dfg.loops import find_loops
-from vividc.dfg.normalize import normalize
-from vividc.dfg.transform.diamonds import merge_diamonds
 from vividc.machine.opcodes import PRED, Opcode, Type
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref
+from vividc.ssa.rewrite.diamonds import merge_diamonds
+from vividc.ssa.rewrite.normalize import normalize
 
 STORES = If(0, 1, (Store(0, 1), Load(2, 1)), (Store(1, 2), Assign(2, "add", 0, 1, None)))
 

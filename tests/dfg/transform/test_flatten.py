@@ -12,16 +12,16 @@ from tests.dfg.programs import Assign, For, If, Jump, Load, Store, While, lower,
 from tests.dfg.random_nests import nests
 from tests.dfg.test_build import meaning, memory_after
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function, Input, Phi
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.loops import find_loops
-from vividc.dfg.normalize import canonical_loops
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.dfg.transform.counters import Counter, moved_limit
-from vividc.dfg.transform.flatten import flatten, flattened_iterations
-from vividc.dfg.transform.simplify import simplify
 from vividc.errors import InternalError
 from vividc.machine.opcodes import Opcode, Type
+from vividc.ssa.analysis.counters import Counter, moved_limit
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Function, Input, Phi
+from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations
+from vividc.ssa.rewrite.normalize import canonical_loops
+from vividc.ssa.rewrite.simplify import simplify
 
 Program = tuple[object, ...]
 

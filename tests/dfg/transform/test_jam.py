@@ -12,12 +12,12 @@ from tests.dfg.programs import lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from tests.dfg.transform.nests import NestProgram, Step, lower_nest, nest_memory, nest_programs
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.loops import Loop, find_loops
-from vividc.dfg.transform.jam import Jammed, jam
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.tidy import tidy
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.loops.jam import Jammed, jam
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 ROWS = NestProgram(6, 3, (), (Step("load", 1, 4),), (Step("store", 1, 0, 40),), fresh=True)
 

@@ -10,12 +10,12 @@ import pytest
 import vividc
 from benchmarks.workloads import Workload
 from tests.frontend.format_kernels import chains
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.transform.pack_groups import find_groups
-from vividc.dfg.transform.pack_lanes import pack_lanes
 from vividc.formats import FORMATS
 from vividc.program import Program
+from vividc.ssa.check import check_function
+from vividc.ssa.formats.pack_groups import find_groups
+from vividc.ssa.formats.pack_lanes import pack_lanes
+from vividc.ssa.ir import Function
 
 
 def _operations(function: Function, part: str) -> list[str]:

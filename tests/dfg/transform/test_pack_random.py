@@ -11,11 +11,11 @@ import pytest
 
 from tests.fuzz.witnesses import load, run_regions
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.transform.pack_lanes import pack_lanes
+from vividc.ssa.check import check_function
+from vividc.ssa.formats.pack_lanes import pack_lanes
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.normalize import normalize
 
 HEAD = """\
 import numpy as np

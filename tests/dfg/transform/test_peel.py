@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from tests.dfg.programs import Assign, For, Jump, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.loops import find_loops
-from vividc.dfg.normalize import canonical_loops
-from vividc.dfg.transform.peel import peel
-from vividc.dfg.transform.simplify import simplify
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.rewrite.normalize import canonical_loops
+from vividc.ssa.rewrite.peel import peel
+from vividc.ssa.rewrite.simplify import simplify
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

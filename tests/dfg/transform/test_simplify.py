@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from tests.dfg.programs import For, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Block, Branch, Const, Function, Input, Instr, Phi, Ref
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.transform.simplify import simplify
 from vividc.machine.opcodes import Opcode, Type
+from vividc.ssa.check import check_function
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref
+from vividc.ssa.rewrite.simplify import simplify
 
 
 @settings(max_examples=100, deadline=None, derandomize=True)

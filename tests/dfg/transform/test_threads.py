@@ -16,16 +16,16 @@ from benchmarks.workloads import Workload
 from tests.fuzz.threads import threaded
 from tests.fuzz.witnesses import run_regions
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg import Function
-from vividc.dfg.cfg_check import check_function
 from vividc.dfg.ir import DFG, Control
-from vividc.dfg.normalize import normalize
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.tidy import tidy
 from vividc.errors import KernelError
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.check import check_function
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.normalize import normalize
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 PLAIN = PassOptions(contract=False)
 

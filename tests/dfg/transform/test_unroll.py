@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from tests.dfg.programs import Assign, For, Jump, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from vividc.dfg.build import build_kernel
-from vividc.dfg.cfg_check import check_function
-from vividc.dfg.loops import find_loops
-from vividc.dfg.transform.refusal import Refusal
-from vividc.dfg.transform.tidy import tidy
-from vividc.dfg.transform.unroll import unroll
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.loops.unroll import unroll
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
 
 BODY = (Load(1, 0), Assign(1, "add", 1, 0, None), Store(0, 1))
 

@@ -46,8 +46,8 @@ from vividc.dfg.passes.expand_sqrt import square_root
 from vividc.dfg.passes.expand_trigonometric import cosine, sine, tangent
 from vividc.dfg.passes.magnitudes import argument_magnitudes
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
-from vividc.dfg.precision import Precision, formats_of
 from vividc.machine.opcodes import PRED, Opcode
+from vividc.ssa.formats.precision import Precision, formats_of
 
 
 def expand_math(dfg: DFG) -> DFG:

@@ -19,7 +19,17 @@ from vividc.errors import VividcWarning
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
-_COMPILER: Final = ("arch", "dfg", "frontend", "gemm", "machine", "mapper", "planning", "program")
+_COMPILER: Final = (
+    "arch",
+    "dfg",
+    "frontend",
+    "gemm",
+    "machine",
+    "mapper",
+    "planning",
+    "program",
+    "ssa",
+)
 """Rooms whose code decides what a kernel becomes."""
 _KIND: Final = "stage"
 

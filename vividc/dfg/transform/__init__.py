@@ -1,1 +1,0 @@
-"""Loop transformations on kernels in SSA form, before regions are cut."""

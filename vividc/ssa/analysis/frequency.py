@@ -1,0 +1,106 @@
+"""How often each block of a function runs, estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from vividc.machine.opcodes import Opcode
+from vividc.ssa.analysis.constant_trips import constant_trips
+from vividc.ssa.analysis.counters import counter_of
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Block, Function, Ref
+
+UNKNOWN_TRIPS = 16.0
+"""Iterations assumed of a loop whose count is only known when it starts."""
+
+SINGLE_LOOP_TRIPS = 256.0
+"""The same, of a loop that neither contains another nor is contained in one."""
+
+SHORT_TRIPS = 8.0
+"""The same of a loop whose bounds are loaded from memory, like the row of a sparse matrix or the
+edges of a node.
+"""
+
+_MOST_EVALUATED = 64
+
+
+def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, float]:
+    """Iterations of each loop, by header: as hinted, as computed if constant, or assumed.
+
+    The loops are canonical (`normalize.canonical_loops`).
+    """
+    found: dict[str, float] = {}
+    loops = find_loops(function)
+    for loop in loops:
+        if loop.header in hints:
+            found[loop.header] = hints[loop.header]
+            continue
+        constant = constant_trips(function, loop, _MOST_EVALUATED)
+        assumed = SINGLE_LOOP_TRIPS if _is_single(loop, loops) else _assumed(function, loop)
+        found[loop.header] = assumed if constant is None else float(constant.iterations)
+    return found
+
+
+def _assumed(function: Function, loop: Loop) -> float:
+    """Iterations assumed of a loop of unknown length in a nest."""
+    counter = counter_of(function, loop)
+    if counter is None:
+        return UNKNOWN_TRIPS
+    made = {i.id: i.op for block in function.blocks for i in block.instrs}
+    bounds = [value for value in (counter.initial, counter.limit) if isinstance(value, Ref)]
+    loaded = bool(bounds) and all(made.get(value.id) is Opcode.LOAD for value in bounds)
+    return SHORT_TRIPS if loaded else UNKNOWN_TRIPS
+
+
+def _is_single(loop: Loop, loops: tuple[Loop, ...]) -> bool:
+    others = (other for other in loops if other is not loop)
+    return not any(o.header in loop.blocks or loop.header in o.blocks for o in others)
+
+
+def frequencies(function: Function, trips: Mapping[str, float]) -> dict[str, float]:
+    """Runs of each block for one run of the function (Wagner et al. 1994).
+
+    A branch that leaves a loop does so once in as many runs as its loop has iterations; other
+    branches go either way equally often. Blocks are all 1 if no branch ends some loop.
+    """
+    index = {block.name: number for number, block in enumerate(function.blocks)}
+    flow = np.eye(len(index))
+    loops = find_loops(function)
+    for block in function.blocks:
+        for target, probability in _edges(block, loops, trips):
+            flow[index[target], index[block.name]] -= probability
+    entry = np.zeros(len(index))
+    entry[0] = 1.0
+    try:
+        runs = np.linalg.solve(flow, entry)
+    except np.linalg.LinAlgError:
+        runs = np.ones(len(index))
+    return {name: float(runs[number]) for name, number in index.items()}
+
+
+def _edges(
+    block: Block, loops: tuple[Loop, ...], trips: Mapping[str, float]
+) -> Iterator[tuple[str, float]]:
+    targets = tuple(dict.fromkeys(block.branch.successors))
+    if len(targets) == 1:
+        yield targets[0], 1.0
+    elif targets:
+        first = _first_probability(block, targets, loops, trips)
+        yield targets[0], first
+        yield targets[1], 1.0 - first
+
+
+def _first_probability(
+    block: Block, targets: tuple[str, ...], loops: tuple[Loop, ...], trips: Mapping[str, float]
+) -> float:
+    for loop in loops:
+        if block.name not in loop.blocks:
+            continue
+        stays = [target in loop.blocks for target in targets]
+        if stays[0] != stays[1]:
+            runs = trips[loop.header] + (1.0 if block.name == loop.header else 0.0)
+            leave = 1.0 / max(runs, 1.0)
+            return 1.0 - leave if stays[0] else leave
+    return 0.5

@@ -1,0 +1,1 @@
+"""A nest becomes one loop: `rotate`, `rectangle`, `indices`, and `flatten` itself."""

@@ -1,0 +1,264 @@
+"""Cuts a kernel's data-parallel loop: the function then runs the iterations from the input `FIRST`
+to the input `LAST`, and a launch can give each tile its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+
+from vividc.errors import KernelError, SourceLoc
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.parallel import (
+    FIRST,
+    INDEX,
+    LAST,
+    START,
+    WIDE_HIGH,
+    WIDE_LOW,
+    Access,
+    Parallel,
+    Reduction,
+    Term,
+)
+from vividc.ssa.edit import with_blocks
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.ssa.parallel.reductions import FoundReduction, reduction_of
+from vividc.ssa.parallel.spread_proof import (
+    demand_own_arrays_apart,
+    inside,
+    is_exact,
+    returned_reduction,
+    runs_for_certain,
+)
+from vividc.ssa.parallel.terms import TermTable
+from vividc.ssa.parallel.wide_sums import is_wide_sum
+
+_COMBINED = (
+    "only a sum, product, minimum or maximum in one variable, which nothing else in the loop "
+    "reads, can be combined, "
+)
+_INTEGERS = _COMBINED + "and but for a sum it has 32 bits: np.int32 makes such integers"
+_FLOATS = _COMBINED + (
+    "a minimum or maximum with the variable first, min(s, x[i]): with x[i] first, a NaN takes its "
+    "place until the next number"
+)
+_HINT = "write `for i in prange(n)`, or with a start, around everything that the kernel does"
+
+
+def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Function, Parallel]:
+    """Find the loop that `prange` marks, and cut it.
+
+    Parameters
+    ----------
+    lines
+        Lines of the function's file in which a loop over `prange` begins; of nested ones the
+        outermost is cut.
+
+    Raises
+    ------
+    KernelError
+        The loop does not run upwards by one between bounds known before the kernel starts, there
+        are several, or an iteration needs what an earlier one computed, other than by a sum,
+        product, minimum or maximum that the kernel returns.
+    """
+    loop, header = _marked_loop(function, lines)
+    loc = header.branch.loc
+    index, first, last = _bounds(function, loop, header)
+    found = _reductions(function, loop, header, index)
+    result = returned_reduction(function, loop, found)
+    starts: dict[int, Value] = {index.id: Input(FIRST)}
+    starts |= {item.phi: Input(f"{START}{n}") for n, item in enumerate(found)}
+    cut = _with_inputs(function, loop, header, starts)
+    table = TermTable(cut, index.id)
+    demand_own_arrays_apart(cut, loop, table)
+    accesses = tuple(_accesses(cut, loop, table))
+    bounds = (table.of(first), table.of(last))
+    reductions = tuple(_described(item, table) for item in found)
+    terms = tuple(table.terms)
+    for term in bounds:
+        _demand_exact(table, term, loc)
+    for item in reductions:
+        if item.start_word is None:
+            _demand_exact(table, item.start, loc)
+    tests = (instr for instr in header.instrs if Ref(instr.id) == header.branch.cond)
+    is_unsigned = any(test.op is Opcode.ICMP_ULT for test in tests)
+    return cut, Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, loc)
+
+
+def _marked_loop(function: Function, lines: Collection[int]) -> tuple[Loop, Block]:
+    blocks = {block.name: block for block in function.blocks}
+    marked: list[Loop] = []
+    for loop in reversed(find_loops(function)):
+        loc = blocks[loop.header].branch.loc
+        own = loc is not None and loc.file == function.file and loc.line in lines
+        # A `while` around it whose test is at its end begins with what leads to it, in its line.
+        own = own and blocks[loop.header].branch.cond is not None
+        if own and not any(loop.header in outer.blocks for outer in marked):
+            marked.append(loop)
+    if not marked:
+        raise KernelError(
+            "the loop over prange is gone: it runs once at most",
+            loc=SourceLoc(function.file, min(lines)),
+            hint="compile the kernel for one tile",
+        )
+    if len(marked) > 1:
+        raise KernelError(
+            "a second loop over prange",
+            loc=blocks[marked[0].header].branch.loc,
+            hint="make a kernel of each, and run one after the other",
+        )
+    return marked[0], blocks[marked[0].header]
+
+
+def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, Value]:
+    """The loop's variable, its first value, and the limit."""
+    loc = header.branch.loc
+    own = inside(function, loop)
+    instrs = {i.id: i for b in function.blocks for i in b.instrs}
+    cond = header.branch.cond
+    test = instrs.get(cond.id) if isinstance(cond, Ref) else None
+    if len(loop.exits) != 1 or loop.exits[0][0] != header.name:
+        raise KernelError("a loop over prange cannot be left early", loc=loc, hint=_HINT)
+    tests = (Opcode.ICMP_SLT, Opcode.ICMP_ULT)
+    steps = {step for phi in header.phis for step in _steps(phi, loop, instrs)}
+    if steps and Const(1) not in steps:
+        raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
+    if test is None or test.op not in tests or header.branch.target not in loop.blocks:
+        raise KernelError(
+            "the loop over prange does not count up to a limit of one word",
+            loc=loc,
+            hint="give it bounds of 32 bits, as in prange(np.int32(n))",
+        )
+    counter, limit = test.operands
+    for phi in header.phis:
+        starts = {value for source, value in phi.incoming if source not in loop.blocks}
+        again = {value for source, value in phi.incoming if source in loop.blocks}
+        if Ref(phi.id) != counter or len(starts) != 1 or len(again) != 1:
+            continue
+        (start,), (next_,) = starts, again
+        step = instrs.get(next_.id) if isinstance(next_, Ref) else None
+        if step is None or step.op is not Opcode.ADD:
+            continue
+        is_fixed = not (isinstance(limit, Ref) and limit.id in own)
+        if set(step.operands) == {Ref(phi.id), Const(1)} and is_fixed:
+            return phi, start, limit
+    raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
+
+
+def _steps(phi: Phi, loop: Loop, instrs: Mapping[int, Instr]) -> Iterator[Const]:
+    """Constants that an iteration adds to a value."""
+    for source, value in phi.incoming:
+        step = instrs.get(value.id) if source in loop.blocks and isinstance(value, Ref) else None
+        if step is not None and step.op is Opcode.ADD and Ref(phi.id) in step.operands:
+            yield from (operand for operand in step.operands if isinstance(operand, Const))
+
+
+def _reductions(
+    function: Function, loop: Loop, header: Block, index: Phi
+) -> tuple[FoundReduction, ...]:
+    found: list[FoundReduction] = []
+    for phi in header.phis:
+        if phi.id == index.id or any(item.phi == phi.id for item in found):
+            continue
+        item = reduction_of(function, loop, phi)
+        pair = () if item is not None else _wide_sum(function, loop, header, phi)
+        if item is None and not pair:
+            raise KernelError(
+                "an iteration of the loop over prange needs what an earlier one computed",
+                loc=phi.loc or header.branch.loc,
+                hint=_FLOATS if phi.type is Type.F32 else _INTEGERS,
+            )
+        found += pair if item is None else (item,)
+    return tuple(found)
+
+
+def _wide_sum(
+    function: Function, loop: Loop, header: Block, phi: Phi
+) -> tuple[FoundReduction, ...]:
+    """The words, low and high, of the sum of 64 bits that a phi is one of; none if it is not."""
+    for other in header.phis:
+        for low, high in ((phi, other), (other, phi)):
+            if low is not high and is_wide_sum(function, loop, low, high):
+                return (
+                    FoundReduction(low.id, _start(loop, low), Reduction(WIDE_LOW, 0, 0)),
+                    FoundReduction(high.id, _start(loop, high), Reduction(WIDE_HIGH, 0, 0)),
+                )
+    return ()
+
+
+def _start(loop: Loop, phi: Phi) -> Value:
+    return next(value for source, value in phi.incoming if source not in loop.blocks)
+
+
+def _with_inputs(
+    function: Function, loop: Loop, header: Block, starts: dict[int, Value]
+) -> Function:
+    """The function whose loop starts and ends at inputs."""
+
+    def started(phi: Phi) -> Phi:
+        if phi.id not in starts:
+            return phi
+        incoming = tuple(
+            (source, value if source in loop.blocks else starts[phi.id])
+            for source, value in phi.incoming
+        )
+        return replace(phi, incoming=incoming)
+
+    def limited(instr: Instr) -> Instr:
+        if Ref(instr.id) != header.branch.cond:
+            return instr
+        return replace(instr, op=Opcode.ICMP_SLT, operands=(instr.operands[0], Input(LAST)))
+
+    changed = replace(
+        header,
+        phis=tuple(map(started, header.phis)),
+        instrs=tuple(map(limited, header.instrs)),
+    )
+    return with_blocks(function, (changed,))
+
+
+def _accesses(function: Function, loop: Loop, table: TermTable) -> Iterator[Access]:
+    """What is read and written of the arguments; the kernel's own arrays stay on the tile."""
+    runs = runs_for_certain(function, loop)
+    own = {local.name for local in function.locals}
+    for block in function.blocks:
+        in_body = block.name in loop.blocks and block.name != loop.header
+        for instr in block.instrs:
+            if instr.op not in (Opcode.LOAD, Opcode.STORE) or instr.array in own:
+                continue
+            term = table.of(instr.operands[1], table.facts(block.name))
+            if not in_body and _depends_on_index(table.terms, term):
+                term = table.anything()
+            yield Access(
+                array=instr.array,
+                is_store=instr.op is Opcode.STORE,
+                term=term,
+                shift=instr.shift,
+                offset=instr.offset,
+                width=instr.width,
+                counters=table.counters_around(block.name, loop) if in_body and runs else None,
+                loc=instr.loc,
+            )
+
+
+def _depends_on_index(terms: list[Term], number: int) -> bool:
+    term = terms[number]
+    return term.op == INDEX or any(_depends_on_index(terms, arg) for arg in term.args)
+
+
+def _described(item: FoundReduction, table: TermTable) -> Reduction:
+    word = item.start.word if isinstance(item.start, Const) else None
+    return replace(item.how, start=table.of(item.start), start_word=word)
+
+
+def _demand_exact(table: TermTable, number: int, loc: SourceLoc | None) -> None:
+    """What the host must know before the kernel starts comes from arguments only."""
+    if not is_exact(table, number):
+        raise KernelError(
+            "a bound of the loop over prange, or where a reduction starts, is not computed from "
+            "the kernel's arguments alone",
+            loc=loc,
+            hint="pass it as an argument, or start from a constant",
+        )

@@ -1,0 +1,364 @@
+"""From SSA values to `parallel.Term`: which values an index can have, as far as the loops and
+conditions around an access bound it.
+"""
+
+from __future__ import annotations
+
+import networkx as nx
+
+from vividc.machine.opcodes import Opcode
+from vividc.machine.parallel import (
+    ANY,
+    CHOICE,
+    CLAMPS,
+    CONST,
+    COUNTER,
+    INDEX,
+    INPUT,
+    STEPS,
+    UNION,
+    Term,
+)
+from vividc.machine.words import signed
+from vividc.ssa.edit import definitions
+from vividc.ssa.flow import Loop, block_graph, dominators, find_loops
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
+
+Fact = tuple[int, bool]
+"""A condition's id, and how it was decided."""
+
+_ARITHMETIC = frozenset(
+    {
+        Opcode.MOV,
+        Opcode.ADD,
+        Opcode.SUB,
+        Opcode.MUL,
+        Opcode.MULHU,
+        Opcode.AND,
+        Opcode.OR,
+        Opcode.XOR,
+        Opcode.SHL,
+        Opcode.LSHR,
+        Opcode.ASHR,
+        Opcode.SMIN,
+        Opcode.SMAX,
+        Opcode.SDIV,
+        Opcode.UDIV,
+        Opcode.SREM,
+        Opcode.UREM,
+    }
+)
+_PREDICATES = frozenset(op for op in Opcode if op.value.startswith(("icmp", "fcmp")))
+_DECIDED = frozenset(op for op in Opcode if op.value.startswith("icmp"))
+_WORD_BITS = 32
+
+
+class TermTable:
+    """The terms of one function, each made once.
+
+    Parameters
+    ----------
+    index
+        Id of the parallel loop's variable.
+    """
+
+    def __init__(self, function: Function, index: int) -> None:
+        self.terms: list[Term] = []
+        self._index = index
+        self._numbers: dict[Term, int] = {}
+        self._known: dict[tuple[Value, frozenset[Fact]], int] = {}
+        self._open: set[tuple[Value, frozenset[Fact]]] = set()
+        self._blocks = {block.name: block for block in function.blocks}
+        self._home = {i.id: b for b in function.blocks for i in definitions(b)}
+        self._values = {i.id: i for b in function.blocks for i in definitions(b)}
+        self._loops = {loop.header: loop for loop in find_loops(function)}
+        self._facts = _facts_of_blocks(function)
+        self._dominators = dominators(block_graph(function), function.blocks[0].name)
+
+    def facts(self, block: str) -> frozenset[Fact]:
+        """What is decided wherever a block runs."""
+        return self._facts.get(block, frozenset())
+
+    def of(self, value: Value, facts: frozenset[Fact] = frozenset()) -> int:
+        """Number of the term of a value, given what is decided."""
+        key = (value, facts)
+        if key in self._known:
+            return self._known[key]
+        if key in self._open:
+            return self._add(Term(ANY, word=_WORD_BITS))
+        self._open.add(key)
+        number = self._of(value, facts)
+        self._open.remove(key)
+        self._known[key] = number
+        return number
+
+    def anything(self) -> int:
+        """The term of which nothing is known."""
+        return self._add(Term(ANY, word=_WORD_BITS))
+
+    def counters_around(self, block: str, outermost: Loop) -> tuple[int, ...] | None:
+        """Terms of the variables of the loops within `outermost` around a block that runs in every
+        iteration of all of them; None if it does not, or a loop ends otherwise than by its test.
+        """
+        around = [
+            loop
+            for loop in self._loops.values()
+            if block in loop.blocks and loop.blocks < outermost.blocks
+        ]
+        around.sort(key=lambda loop: len(loop.blocks))
+        counters = []
+        inside = block
+        for loop in (*around, outermost):
+            if any(inside not in self._dominators[latch] for latch in loop.latches):
+                return None
+            inside = loop.header
+            if loop is outermost:
+                break
+            counter = self._counter(self._blocks[loop.header], loop)
+            if counter is None or loop.exits != ((loop.header, self._left(loop)),):
+                return None
+            facts = self.facts(loop.header)
+            counters.append(self._unclamped(self.of(Ref(counter[0].id), facts)))
+        return tuple(counters)
+
+    def _left(self, loop: Loop) -> str:
+        return self._blocks[loop.header].branch.otherwise or ""
+
+    def _unclamped(self, number: int) -> int:
+        while self.terms[number].op in CLAMPS:
+            number = self.terms[number].args[0]
+        return number
+
+    def _add(self, term: Term) -> int:
+        if term not in self._numbers:
+            self._numbers[term] = len(self.terms)
+            self.terms.append(term)
+        return self._numbers[term]
+
+    def _of(self, value: Value, facts: frozenset[Fact]) -> int:
+        if isinstance(value, Const):
+            return self._add(Term(CONST, word=signed(value.word)))
+        if isinstance(value, Input):
+            number = self._add(Term(INPUT, key=value.key))
+        elif value.id == self._index:
+            number = self._add(Term(INDEX))
+        else:
+            definition = self._values[value.id]
+            number = (
+                self._phi(definition, facts)
+                if isinstance(definition, Phi)
+                else self._instr(definition, facts)
+            )
+        for fact in sorted(facts):
+            number = self._clamped(number, value, *fact)
+        return number
+
+    def _instr(self, instr: Instr, facts: frozenset[Fact]) -> int:
+        if instr.op is Opcode.LOAD and instr.width < _WORD_BITS // 8 and not instr.signed:
+            return self._add(Term(ANY, word=8 * instr.width))
+        if instr.op in _PREDICATES and instr.op not in _DECIDED:
+            return self._add(Term(ANY, word=1))
+        if instr.op is Opcode.SELECT and isinstance(instr.operands[0], Ref):
+            cond = instr.operands[0].id
+            yes = self.of(instr.operands[1], facts | {(cond, True)})
+            no = self.of(instr.operands[2], facts | {(cond, False)})
+            return self._add(Term(CHOICE, (self.of(instr.operands[0], facts), yes, no)))
+        if instr.op not in _ARITHMETIC and instr.op not in _DECIDED:
+            return self._add(Term(ANY, word=_WORD_BITS))
+        args = tuple(self.of(operand, facts) for operand in instr.operands)
+        return self._add(Term(instr.op.value, args))
+
+    def _phi(self, phi: Phi, facts: frozenset[Fact]) -> int:
+        block = self._home[phi.id]
+        loop = self._loops.get(block.name)
+        if loop is not None:
+            return self._induction(phi, block, loop, facts)
+        parts = tuple(
+            self.of(value, facts | self.facts(source) | _edge(self._blocks[source], block.name))
+            for source, value in phi.incoming
+        )
+        return self._add(Term(UNION, parts))
+
+    def _induction(self, phi: Phi, header: Block, loop: Loop, facts: frozenset[Fact]) -> int:
+        moves = self._moves(phi, loop)
+        counter = self._counter(header, loop)
+        if moves is None or counter is None:
+            return self._add(Term(ANY, word=_WORD_BITS))
+        start, step = moves
+        base, limit, stride, cond = counter
+        around = self.facts(header.name)
+        if phi.id == base.id:
+            bounds = (self.of(start, around), self.of(limit, around), self.of(step))
+            return self._add(Term(COUNTER, bounds))
+        first = self._moves(base, loop)
+        assert first is not None
+        distance = self._distance(first[0], limit, around)
+        count = self._count(distance, stride, (cond, True) in facts)
+        return self._add(Term(STEPS, (self.of(start, around), self.of(step, around), count)))
+
+    def _count(self, distance: int, stride: int, in_body: bool) -> int:
+        """Iterations of a loop; one more where its variable is seen after the last."""
+        if stride < 0:
+            zero = self._add(Term(CONST, word=0))
+            distance = self._add(Term(Opcode.SUB.value, (zero, distance)))
+        by = abs(stride)
+        more = self._add(Term(CONST, word=by - 1 if in_body else 2 * by - 1))
+        total = self._add(Term(Opcode.ADD.value, (distance, more)))
+        return self._add(Term(Opcode.SDIV.value, (total, self._add(Term(CONST, word=by)))))
+
+    def _distance(self, start: Value, limit: Value, around: frozenset[Fact]) -> int:
+        """limit - start; exact if the limit is written as start + something."""
+        definition = self._values.get(limit.id) if isinstance(limit, Ref) else None
+        if isinstance(definition, Instr) and definition.op is Opcode.ADD:
+            left, right = definition.operands
+            if start in (left, right):
+                return self.of(right if left == start else left, around)
+        ends = (self.of(limit, around), self.of(start, around))
+        return self._add(Term(Opcode.SUB.value, ends))
+
+    def _moves(self, phi: Phi, loop: Loop) -> tuple[Value, Value] | None:
+        """Start and step of a variable that moves by the same in each iteration."""
+        starts = {value for source, value in phi.incoming if source not in loop.blocks}
+        again = {value for source, value in phi.incoming if source in loop.blocks}
+        if len(starts) != 1 or len(again) != 1:
+            return None
+        (start,), (next_,) = starts, again
+        definition = self._values.get(next_.id) if isinstance(next_, Ref) else None
+        if not isinstance(definition, Instr) or definition.op is not Opcode.ADD:
+            return None
+        left, right = definition.operands
+        if left != Ref(phi.id):
+            left, right = right, left
+        if left != Ref(phi.id) or not self._is_fixed(right, loop):
+            return None
+        return start, right
+
+    def _is_fixed(self, value: Value, loop: Loop) -> bool:
+        return not isinstance(value, Ref) or self._home[value.id].name not in loop.blocks
+
+    def _counter(self, header: Block, loop: Loop) -> tuple[Phi, Value, int, int] | None:
+        """The variable that ends the loop, its limit, its constant step, and the header's test."""
+        cond = header.branch.cond
+        if not isinstance(cond, Ref) or header.branch.target not in loop.blocks:
+            return None
+        if header.branch.otherwise in loop.blocks:
+            return None
+        less = self._less(self._values[cond.id])
+        if less is None:
+            return None
+        small, large = less
+        for phi in header.phis:
+            moves = self._moves(phi, loop)
+            if moves is None or not isinstance(moves[1], Const):
+                continue
+            step = signed(moves[1].word)
+            limit, moving = (large, small) if step > 0 else (small, large)
+            if moving == Ref(phi.id) and step and self._is_fixed(limit, loop):
+                return phi, limit, step, cond.id
+        return None
+
+    def _less(self, test: Phi | Instr | None) -> tuple[Value, Value] | None:
+        """(small, large) of a signed comparison of words, also where it is made in 64 bits."""
+        if not isinstance(test, Instr):
+            return None
+        if test.op is Opcode.ICMP_SLT:
+            return test.operands[0], test.operands[1]
+        return self._wide_less(test)
+
+    def _wide_less(self, test: Instr) -> tuple[Value, Value] | None:
+        """0 < high or (0 == high and index < word), where `high` is the word's sign: the index is
+        not negative.
+        """
+        above, both = self._parts(test, Opcode.OR, Opcode.ICMP_SLT, Opcode.AND)
+        level, below = self._parts(both, Opcode.AND, Opcode.ICMP_EQ, Opcode.ICMP_ULT)
+        if above is None or level is None or below is None:
+            return None
+        high = self._instruction(above.operands[1])
+        if above.operands != level.operands or above.operands[0] != Const(0) or high is None:
+            return None
+        is_sign = high.op is Opcode.ASHR and high.operands == (below.operands[1], Const(31))
+        return (below.operands[0], below.operands[1]) if is_sign else None
+
+    def _parts(
+        self, instr: Instr | None, op: Opcode, first: Opcode, second: Opcode
+    ) -> tuple[Instr | None, Instr | None]:
+        """The operands of an instruction, if it and they are such."""
+        if instr is None or instr.op is not op:
+            return None, None
+        left, right = (self._instruction(operand) for operand in instr.operands[:2])
+        is_such = left is not None and left.op is first and right is not None and right.op is second
+        return (left, right) if is_such else (None, None)
+
+    def _instruction(self, value: Value) -> Instr | None:
+        found = self._values.get(value.id) if isinstance(value, Ref) else None
+        return found if isinstance(found, Instr) else None
+
+    def _clamped(self, number: int, value: Value, cond: int, taken: bool) -> int:
+        test = self._values.get(cond)
+        if not isinstance(test, Instr):
+            return number
+        less = self._less(test)
+        if less is not None and taken and value in less:
+            is_first = value == less[0]
+            other = self.of(less[1 if is_first else 0], self.facts(self._home[cond].name))
+            return self._add(Term("lt" if is_first else "gt", (number, other)))
+        joins = Opcode.AND if taken else Opcode.OR
+        if test.op is joins:
+            for part in test.operands:
+                if isinstance(part, Ref):
+                    number = self._clamped(number, value, part.id, taken)
+            return number
+        if value not in test.operands or len(test.operands) != 2:  # noqa: PLR2004
+            return number
+        is_first = value == test.operands[0]
+        relation = _relation(test.op, taken, is_first)
+        if relation is None:
+            return number
+        other = self.of(test.operands[1 if is_first else 0], self.facts(self._home[cond].name))
+        return self._add(Term(relation, (number, other)))
+
+
+def _relation(op: Opcode, taken: bool, is_first: bool) -> str | None:
+    """How the value is related to the other operand of a decided comparison."""
+    if op is Opcode.ICMP_EQ:
+        return "eq" if taken else None
+    if op is Opcode.ICMP_NE:
+        return None if taken else "eq"
+    if op is Opcode.ICMP_ULT:
+        return "ult" if taken and is_first else None
+    if op is Opcode.ICMP_SLT:
+        return ("lt" if is_first else "gt") if taken else ("ge" if is_first else "le")
+    if op is Opcode.ICMP_SLE:
+        return ("le" if is_first else "ge") if taken else ("gt" if is_first else "lt")
+    return None
+
+
+def _edge(source: Block, target: str) -> frozenset[Fact]:
+    branch = source.branch
+    if not isinstance(branch.cond, Ref) or branch.target == branch.otherwise:
+        return frozenset()
+    return frozenset({(branch.cond.id, branch.target == target)})
+
+
+def _facts_of_blocks(function: Function) -> dict[str, frozenset[Fact]]:
+    """Conditions decided on the way to each block: those of the branches that dominate it by one
+    of their edges.
+    """
+    graph = block_graph(function)
+    entry = function.blocks[0].name
+    parent = nx.immediate_dominators(graph, entry)
+    blocks = {block.name: block for block in function.blocks}
+    facts: dict[str, frozenset[Fact]] = {}
+
+    def of(name: str) -> frozenset[Fact]:
+        if name not in facts:
+            up = parent.get(name)
+            inherited = frozenset() if up in (None, name) else of(up)
+            sources = list(graph.predecessors(name))
+            own = _edge(blocks[sources[0]], name) if len(sources) == 1 else frozenset()
+            facts[name] = inherited | own
+        return facts[name]
+
+    for name in graph.nodes:
+        of(name)
+    return facts

@@ -1,0 +1,128 @@
+"""Reconstruction of SSA form for a value that has got several definitions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from vividc.errors import InternalError, SourceLoc
+from vividc.machine.opcodes import Type
+from vividc.ssa.edit import map_values, next_id
+from vividc.ssa.ir import Block, Function, Phi, Ref, Value
+
+
+def repair(
+    function: Function,
+    ident: int,
+    type_: Type,
+    definitions: Mapping[str, Value],
+    loc: SourceLoc | None = None,
+) -> Function:
+    """Every use of `ident` outside the defining blocks reads the definition that reaches it.
+
+    Phis are placed on demand, walking back from the uses (Braun et al. 2013, section 2). The
+    function has no unreachable blocks.
+
+    Parameters
+    ----------
+    definitions
+        The value that stands for `ident` at the end of each block that defines it. Uses inside
+        these blocks are left alone, and so are phi inputs that come from them if they do not read
+        `ident` itself.
+
+    Raises
+    ------
+    InternalError
+        If a use can be reached without passing a definition.
+    """
+    walk = _Repair(function, ident, type_, dict(definitions), loc)
+    return walk.run()
+
+
+@dataclass
+class _Repair:
+    function: Function
+    ident: int
+    type: Type
+    at_end: dict[str, Value]
+    loc: SourceLoc | None
+    phis: dict[str, Phi] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.predecessors: dict[str, list[str]] = {b.name: [] for b in self.function.blocks}
+        for block in self.function.blocks:
+            for target in dict.fromkeys(block.branch.successors):
+                self.predecessors[target].append(block.name)
+        self.free = next_id(self.function)
+        self.defining = frozenset(self.at_end)
+        self.at_start: dict[str, Value] = {}
+        self.unfilled: list[str] = []
+
+    def run(self) -> Function:
+        blocks = [self._rewritten(block) for block in self.function.blocks]
+        while self.unfilled:  # filling a phi may ask for more
+            name = self.unfilled.pop()
+            incoming = tuple((source, self._end(source)) for source in self.predecessors[name])
+            self.phis[name] = replace(self.phis[name], incoming=incoming)
+        with_phis = (
+            replace(block, phis=(*block.phis, self.phis[block.name]))
+            if block.name in self.phis
+            else block
+            for block in blocks
+        )
+        return replace(self.function, blocks=tuple(with_phis))
+
+    def _rewritten(self, block: Block) -> Block:
+        mine = Ref(self.ident)
+        phis = tuple(
+            replace(
+                phi,
+                incoming=tuple(
+                    (name, self._end(name) if value == mine else value)
+                    for name, value in phi.incoming
+                ),
+            )
+            for phi in block.phis
+        )
+        block = replace(block, phis=phis)
+        if block.name in self.defining or not self._reads(block):
+            return block
+        value = self._start(block.name)
+        changed = map_values(replace(block, phis=()), lambda v: value if v == mine else v)
+        return replace(changed, phis=phis)
+
+    def _reads(self, block: Block) -> bool:
+        mine = Ref(self.ident)
+        if mine in block.branch.read:
+            return True
+        return any(mine in instr.operands for instr in block.instrs)
+
+    def _end(self, name: str) -> Value:
+        return self.at_end[name] if name in self.at_end else self._start(name)
+
+    def _start(self, name: str) -> Value:
+        """The value at the start of block `name`: a straight walk up, then a phi."""
+        chain: list[str] = []
+        while name not in self.at_start and len(self.predecessors[name]) == 1:
+            chain.append(name)
+            name = self.predecessors[name][0]
+            if name in self.at_end:
+                value = self.at_end[name]
+                break
+        else:
+            value = self._known_or_phi(name)
+        for passed in chain:
+            self.at_start[passed] = value
+        return value
+
+    def _known_or_phi(self, name: str) -> Value:
+        if name in self.at_start:
+            return self.at_start[name]
+        if not self.predecessors[name]:
+            raise InternalError(f"value {self.ident} is used where no definition reaches")
+        phi = Phi(self.free, self.type, (), self.loc)
+        self.free += 1
+        self.phis[name] = phi
+        self.unfilled.append(name)
+        self.at_start[name] = Ref(phi.id)
+        return Ref(phi.id)
