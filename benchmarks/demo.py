@@ -20,8 +20,8 @@ from rich.table import Table
 import vividc
 from benchmarks.workloads import WORKLOADS
 from vividc.cli.program_report import print_regions
+from vividc.dfg.expand import expand as expand_math
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.dfg.passes import expand_math
 from vividc.driver import lower
 from vividc.machine.opcodes import Opcode
 from vividc.render import (

@@ -220,7 +220,7 @@ def _peak_mb() -> float | None:
 def _tasks(place: Path, fabric: str, mappers: Sequence[str]) -> Iterator[tuple[DFG, str, str]]:
     array = vividc.arch.load(fabric)
     for path in sorted(place.glob("*.json")):
-        graph = vividc.dfg.load(path)
+        graph = vividc.dfg.forms.load(path)
         if _gives_work(graph, array):
             yield from ((graph, path.stem, mapper) for mapper in mappers)
 

@@ -14,9 +14,9 @@ import click
 
 import vividc
 from benchmarks.workloads import WORKLOADS
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.expand import expand as expand_math
 from vividc.dfg.ir import DFG, Control, Edge, Node
-from vividc.dfg.passes import expand_math
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import PRED, Opcode

@@ -46,7 +46,7 @@ def plain(x: object) -> object:
         lambda: vividc.mapper.verify(GRAPH, MESH, None),  # type: ignore[arg-type]
         lambda: vividc.load(None),  # type: ignore[arg-type]
         lambda: vividc.arch.load(None),  # type: ignore[arg-type]
-        lambda: vividc.dfg.load(None),  # type: ignore[arg-type]
+        lambda: vividc.dfg.forms.load(None),  # type: ignore[arg-type]
         lambda: vividc.kernel(plain),  # type: ignore[arg-type]
         lambda: vividc.kernel("void(int32[::1])")(KERNEL),
     ],

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel

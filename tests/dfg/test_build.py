@@ -19,9 +19,9 @@ from tests.dfg.programs import (
     programs,
     run,
 )
-from vividc.dfg.build import build_kernel
 from vividc.dfg.check import check
-from vividc.dfg.interpreter import interpret
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
 from vividc.ssa.flow import find_loops
 

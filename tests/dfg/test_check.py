@@ -7,8 +7,8 @@ from hypothesis import given, settings
 
 from tests.strategies import dfgs, foreign_dfgs
 from vividc.dfg.check import check
+from vividc.dfg.forms.text import parse
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.text import parse
 from vividc.machine.opcodes import ORDER, Opcode
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vividc.dfg.build import build_kernel
-from vividc.dfg.interpreter import interpret
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.interpret.interpreter import interpret
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value

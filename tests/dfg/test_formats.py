@@ -13,13 +13,14 @@ import pytest
 from hypothesis import given, settings
 
 from tests.strategies import dfgs, foreign_dfgs
-from vividc.dfg import Opcode, from_networkx, load, parse_dot, to_dot, to_json, to_networkx
-from vividc.dfg.attributes import EDGE_ALIASES, NODE_ALIASES, OPERANDS
+from vividc.dfg import Opcode, from_networkx, parse_dot, to_dot, to_json, to_networkx
+from vividc.dfg.forms import load
+from vividc.dfg.forms.attributes import EDGE_ALIASES, NODE_ALIASES, OPERANDS
+from vividc.dfg.forms.json_form import from_json
+from vividc.dfg.forms.json_lines import ElementLines
+from vividc.dfg.forms.morpher_xml import parse_morpher_xml
+from vividc.dfg.forms.text import to_text
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.json_form import from_json
-from vividc.dfg.json_lines import ElementLines
-from vividc.dfg.morpher_xml import parse_morpher_xml
-from vividc.dfg.text import to_text
 from vividc.errors import DFGError, VividcWarning
 from vividc.machine.foreign_names import NAME_ROWS, is_known, row_of
 from vividc.machine.opcodes import ORDER, PRED, LatencyClass

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vividc
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.machine.opcodes import Opcode
 
 

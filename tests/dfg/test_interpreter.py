@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from vividc.dfg.interpreter import RegionRun, interpret, interpret_region
+from vividc.dfg.forms.text import parse
+from vividc.dfg.interpret.interpreter import RegionRun, interpret, interpret_region
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region
-from vividc.dfg.text import parse
 from vividc.errors import ArgumentError, DFGError, SimulationError
 
 MINUS_ONE = 0xFFFFFFFF

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 
 from tests.strategies import dfgs, foreign_dfgs
-from vividc.dfg.dot import parse_dot, to_dot
+from vividc.dfg.forms.dot import parse_dot, to_dot
+from vividc.dfg.forms.json_form import from_json, original_ids, to_json
+from vividc.dfg.forms.load import load
+from vividc.dfg.forms.text import to_text
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
-from vividc.dfg.json_form import from_json, original_ids, to_json
-from vividc.dfg.load import load
-from vividc.dfg.text import to_text
 from vividc.errors import DFGError, VividcWarning
 from vividc.machine.opcodes import ORDER, PRED, Opcode
 

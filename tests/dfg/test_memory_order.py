@@ -7,9 +7,9 @@ from random import Random
 
 import pytest
 
-from vividc.dfg.graph_builder import GraphBuilder
+from vividc.dfg.builder import GraphBuilder
+from vividc.dfg.cut.memory_order import Access, order_accesses
 from vividc.dfg.ir import Edge, EdgeKind, Node
-from vividc.dfg.memory_order import Access, order_accesses
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode
 

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from tests.strategies import BASES, MEMORY_WORDS, dfgs, words
 from vividc.dfg.check import check
-from vividc.dfg.interpreter import interpret_region
+from vividc.dfg.forms.text import to_text
+from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.dfg.ir import DFG
 from vividc.dfg.passes import PASSES, contract_fma
-from vividc.dfg.text import to_text
 
 TRIP = 5
 EXACT = [step for step in PASSES if step is not contract_fma]

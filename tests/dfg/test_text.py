@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 
 from tests.strategies import dfgs, foreign_dfgs
+from vividc.dfg.forms.text import parse, to_text
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.text import parse, to_text
 from vividc.errors import DFGError, SourceLoc
 from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
 

@@ -11,7 +11,7 @@ import pytest
 import vividc
 from tests.e2e import nest_kernels
 from vividc import arch
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.driver import CompileOptions, map_kernel
 from vividc.mapper import MapResult

@@ -11,7 +11,7 @@ from hypothesis import Phase, given, settings
 import vividc
 from tests.dfg.programs import WORDS, lower, programs, run
 from vividc import arch
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.driver import CompileOptions, map_kernel
 from vividc.program import encode

@@ -1,4 +1,4 @@
-"""Runs a `ssa.ir.Function` on numpy arrays: the oracle of the frontend's tests, independent of the
+"""Runs an `ssa.ir.Function` on numpy arrays: the oracle of the frontend's tests, independent of the
 rest of vividc.
 """
 

@@ -13,8 +13,8 @@ import pytest
 
 from tests.frontend.cfg_eval import run
 from tests.frontend.random_wide import random_wide_kernel
-from vividc.dfg.build import build_kernel
-from vividc.dfg.interpreter import interpret
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.errors import KernelError
 from vividc.frontend import KernelFunction

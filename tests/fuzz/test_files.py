@@ -27,7 +27,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "cli/kernels.py": ("kernel", "kernel in C"),
     "cli/reference.py": ("program to check",),
     "cli/verify_command.py": ("mapping",),
-    "dfg/load.py": ("graph JSON", "graph DOT", "graph XML", "graph text", "graph to verify"),
+    "dfg/forms/load.py": ("graph JSON", "graph DOT", "graph XML", "graph text", "graph to verify"),
     "errors.py": ("graph with lines", "kernel"),
     "host/files.py": ("kernel", "graph JSON"),
     "frontend/kernel_source.py": ("kernel",),

@@ -17,7 +17,7 @@ import vividc
 from tests.fuzz.arguments import Difference, compare
 from tests.fuzz.forms import OPTIONS, at_random
 from tests.fuzz.witnesses import load, run_regions, words_in_blocks
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.frontend import KernelFunction
 from vividc.ssa.check import check_function

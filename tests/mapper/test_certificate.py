@@ -11,7 +11,7 @@ from fabrics import grid
 from graphs import GraphBuilder, accumulator, blending, chain
 
 from vividc import arch
-from vividc.dfg.json_form import from_json
+from vividc.dfg.forms.json_form import from_json
 from vividc.errors import VividcError
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import (

@@ -21,7 +21,7 @@ from replay import Broken, replay
 from vividc import arch
 from vividc.arch import Fabric
 from vividc.dfg import DFG
-from vividc.dfg.json_form import from_json
+from vividc.dfg.forms.json_form import from_json
 from vividc.errors import VividcError
 from vividc.mapper import (
     Finding,

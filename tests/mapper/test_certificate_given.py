@@ -10,7 +10,7 @@ from fabrics import grid
 from graphs import GraphBuilder, accumulator
 
 from vividc import arch
-from vividc.dfg.json_form import from_json
+from vividc.dfg.forms.json_form import from_json
 from vividc.errors import VividcError
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import MapResult, Subject, check_certificate, map_dfg, mapping_from_json

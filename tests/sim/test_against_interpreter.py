@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from tests.dfg.programs import WORDS, lower, programs
 from tests.sim.one_pe import map_region, one_pe
 from vividc.arch import Fabric
-from vividc.dfg.build import build_kernel
-from vividc.dfg.interpreter import interpret
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.interpret.interpreter import interpret
 from vividc.launch.tiles.simulate import simulate
 from vividc.program import Program, encode
 

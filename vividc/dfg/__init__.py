@@ -1,13 +1,24 @@
-"""Dataflow graphs: IR, semantics, interpreter, passes, and their text, JSON and DOT forms."""
+"""Dataflow graphs: the IR, where they come from and go to, passes on them, an interpreter.
+
+In order: `ir` (nodes and edges), `check` (invariants), `order`, `regions` (a kernel: a table of
+regions with a graph each), `builder`; `cut/` (from SSA to regions), `passes/` and `expand/`
+(graph to graph), `pipeline` (their order); `interpret/`; `forms/` (text, JSON, DOT, XML, networkx;
+docs/dfg-formats.md).
+"""
 
 from vividc.dfg.check import check
-from vividc.dfg.dot import parse_dot, to_dot
-from vividc.dfg.interpreter import InterpreterResult, RegionRun, interpret, interpret_region
+from vividc.dfg.forms.dot import parse_dot, to_dot
+from vividc.dfg.forms.json_form import from_json, to_json
+from vividc.dfg.forms.load import UnknownOps, load
+from vividc.dfg.forms.networkx_form import from_networkx, to_networkx
+from vividc.dfg.forms.text import parse, to_text
+from vividc.dfg.interpret.interpreter import (
+    InterpreterResult,
+    RegionRun,
+    interpret,
+    interpret_region,
+)
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.dfg.json_form import from_json, to_json
-from vividc.dfg.load import UnknownOps, load
-from vividc.dfg.networkx_form import from_networkx, to_networkx
-from vividc.dfg.text import parse, to_text
 from vividc.machine.opcodes import BASE, ORDER, PRED, LatencyClass, Opcode, Type
 from vividc.machine.semantics import SEMANTICS, evaluate, evaluate_predicated
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from vividc.dfg.check import check
+from vividc.dfg.expand.expand import expansion_pass
 from vividc.dfg.ir import DFG
 from vividc.dfg.passes import (
     contract_fma,
@@ -16,7 +17,6 @@ from vividc.dfg.passes import (
     remove_dead_nodes,
 )
 from vividc.dfg.passes.balance import pass_for
-from vividc.dfg.passes.expand_math import expansion_pass
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.host import time_limit

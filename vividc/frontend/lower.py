@@ -1,4 +1,4 @@
-"""From a Python function to `ssa.ir.Function`: the frontend's stages in order, and numba's errors as
+"""From a Python function to `ssa.ir.Function`: the stages in order, and numba's errors as
 the user's.
 """
 

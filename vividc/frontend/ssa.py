@@ -1,4 +1,4 @@
-"""LLVM IR as plain data: what the frontend's stages rewrite between the parser and `ssa.ir.Function`.
+"""LLVM IR as plain data: what stages rewrite between the parser and `ssa.ir.Function`.
 
 Types are LLVM's names ("i64", "float", "ptr", ...). Everything is frozen; a stage returns a new
 function.

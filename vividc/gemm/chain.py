@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.dfg.graph_builder import GraphBuilder
+from vividc.dfg.builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.dfg.graph_builder import GraphBuilder, Operand
+from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.pipeline import optimize
 from vividc.dfg.regions import Kernel, Region

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.dfg.graph_builder import GraphBuilder, Operand
+from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.gemm.elementwise import loop_program
 from vividc.launch import At, Job

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from vividc.arch.fabric import Fabric
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.dfg.regions import Kernel, Region

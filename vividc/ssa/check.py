@@ -1,4 +1,4 @@
-"""The invariants of `ssa.ir.Function`: what the frontend promises and the region builder relies on."""
+"""The invariants of `ssa.ir.Function`: what the frontend promises and regions rely on."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ import pytest
 from tests.dfg.test_passes_keep_meaning import run
 from tests.strategies import MEMORY_WORDS
 from vividc import arch
+from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.check import check
-from vividc.dfg.graph_builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.passes import balance_reductions
 from vividc.machine.opcodes import Opcode

@@ -8,9 +8,9 @@ import pytest
 from tests.dfg.passes.test_expand_divide import assert_rounded
 from tests.dfg.passes.vectorised import SPECIALS, by_semantics, evaluate_many, random_words
 from vividc.dfg.check import check
+from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.forms.text import parse
 from vividc.dfg.ir import DFG
-from vividc.dfg.passes import expand_math
-from vividc.dfg.text import parse
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import word_of
 

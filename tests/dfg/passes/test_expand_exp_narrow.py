@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.dfg.passes.vectorised import graph
-from vividc.dfg.interpreter import interpret_region
-from vividc.dfg.passes.expand_math import expand_math, expansion_pass
+from vividc.dfg.expand.expand import expand_math, expansion_pass
+from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.errors import ArgumentError
 from vividc.formats import to_floats
 from vividc.machine.opcodes import Opcode

@@ -14,10 +14,11 @@ from tests.dfg.passes.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
+from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.integer import RECIPROCAL_WORD_MAGIC
+from vividc.dfg.forms.text import parse
 from vividc.dfg.ir import DFG
-from vividc.dfg.passes import eliminate_common_subexpressions, expand_math, remove_dead_nodes
-from vividc.dfg.passes.expand_integer import RECIPROCAL_WORD_MAGIC
-from vividc.dfg.text import parse
+from vividc.dfg.passes import eliminate_common_subexpressions, remove_dead_nodes
 from vividc.machine.opcodes import Opcode
 
 DIVISIONS = (Opcode.UDIV, Opcode.UREM, Opcode.SDIV, Opcode.SREM)

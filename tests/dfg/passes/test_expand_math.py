@@ -9,11 +9,9 @@ import pytest
 
 from tests.dfg.passes.vectorised import fma
 from vividc.dfg.check import check
-from vividc.dfg.interpreter import interpret_region
-from vividc.dfg.ir import DFG, Control
-from vividc.dfg.passes import expand_math
-from vividc.dfg.passes.expand_builder import EXPONENT_SHIFT
-from vividc.dfg.passes.expand_exp import (
+from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.builder import EXPONENT_SHIFT
+from vividc.dfg.expand.exp import (
     LOG2_E,
     MINUS_LN2_HIGH,
     MINUS_LN2_LOW,
@@ -22,7 +20,9 @@ from vividc.dfg.passes.expand_exp import (
     ROUNDING_MAGIC,
     SMALLEST_ARGUMENT,
 )
-from vividc.dfg.text import parse
+from vividc.dfg.forms.text import parse
+from vividc.dfg.interpret.interpreter import interpret_region
+from vividc.dfg.ir import DFG, Control
 from vividc.machine.words import float_of
 
 GRAPH = """dfg "exp"

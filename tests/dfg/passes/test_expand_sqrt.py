@@ -14,7 +14,7 @@ from tests.dfg.passes.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.passes import expand_math
+from vividc.dfg.expand import expand as expand_math
 from vividc.machine.opcodes import Opcode
 
 CHUNK = 1 << 21

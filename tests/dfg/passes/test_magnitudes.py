@@ -9,11 +9,11 @@ import pytest
 
 from tests.dfg.passes.vectorised import SPECIALS, evaluate_many
 from vividc.dfg.check import check
-from vividc.dfg.interpreter import interpret_region
+from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.magnitudes import magnitudes
+from vividc.dfg.forms.text import parse
+from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.dfg.ir import DFG
-from vividc.dfg.passes import expand_math
-from vividc.dfg.passes.magnitudes import magnitudes
-from vividc.dfg.text import parse
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import word_of
 

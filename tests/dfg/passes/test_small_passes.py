@@ -7,6 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from vividc.dfg.check import check
+from vividc.dfg.forms.text import parse, to_text
 from vividc.dfg.ir import DFG
 from vividc.dfg.passes import (
     contract_fma,
@@ -16,7 +17,6 @@ from vividc.dfg.passes import (
     recognize_min_max,
     remove_dead_nodes,
 )
-from vividc.dfg.text import parse, to_text
 
 SOURCES = """%0 = iv
 %1 = live_in "a"

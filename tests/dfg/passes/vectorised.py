@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vividc.dfg.interpreter import interpret_region
+from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.forms.text import parse
+from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.dfg.ir import DFG
 from vividc.dfg.order import evaluation_order
-from vividc.dfg.passes import expand_math
-from vividc.dfg.text import parse
 from vividc.machine.opcodes import OPCODES, PRED, Opcode
 from vividc.machine.semantics import evaluate
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from hypothesis import strategies as st
 
-from vividc.dfg.build import build_kernel
-from vividc.dfg.interpreter import interpret
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.interpret.interpreter import interpret
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, Param
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value

@@ -9,7 +9,7 @@ import pytest
 
 import vividc
 from tests.fuzz.witnesses import run_regions
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.ir import Function

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 
 from tests.dfg.programs import Assign, For, If, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
-from vividc.dfg.build import build_kernel
 from vividc.dfg.check import check
+from vividc.dfg.cut.build import build_kernel
 from vividc.machine.opcodes import PRED, Opcode, Type
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.dfg.programs import Assign, For, If, Jump, Load, Store, While, lower, programs
 from tests.dfg.random_nests import nests
 from tests.dfg.test_build import meaning, memory_after
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.errors import InternalError
 from vividc.machine.opcodes import Opcode, Type

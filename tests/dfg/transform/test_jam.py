@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.dfg.programs import lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from tests.dfg.transform.nests import NestProgram, Step, lower_nest, nest_memory, nest_programs
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.fuzz.witnesses import load, run_regions
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.ssa.check import check_function
 from vividc.ssa.formats.pack_lanes import pack_lanes

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.dfg.programs import Assign, For, Jump, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
 from vividc.ssa.rewrite.normalize import canonical_loops

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 
 from tests.dfg.programs import For, Load, Store, lower, programs
 from tests.dfg.test_build import meaning, memory_after
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.check import check_function
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref

@@ -15,7 +15,7 @@ import vividc
 from benchmarks.workloads import Workload
 from tests.fuzz.threads import threaded
 from tests.fuzz.witnesses import run_regions
-from vividc.dfg.build import build_kernel
+from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.errors import KernelError

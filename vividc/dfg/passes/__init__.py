@@ -1,10 +1,10 @@
 """Passes from DFG to DFG; each returns the same object when nothing changes."""
 
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.passes.balance import balance_reductions
 from vividc.dfg.passes.common_subexpressions import eliminate_common_subexpressions
 from vividc.dfg.passes.contract_fma import contract_fma
 from vividc.dfg.passes.dead_nodes import remove_dead_nodes
-from vividc.dfg.passes.expand_math import expand_math
 from vividc.dfg.passes.fold_constants import fold_constants
 from vividc.dfg.passes.fold_selects import fold_selects
 from vividc.dfg.passes.min_max import recognize_min_max

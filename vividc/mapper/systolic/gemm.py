@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
-from vividc.dfg.graph_builder import GraphBuilder, Operand
+from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.mapping import Mapping as Placement

@@ -1,0 +1,105 @@
+"""The DFG of a straight region: one basic block, its branch, and the variables it writes."""
+
+from __future__ import annotations
+
+from vividc.dfg.builder import GraphBuilder, Operand
+from vividc.dfg.cut.memory_order import Access, order_accesses
+from vividc.dfg.ir import DFG, Control, Node
+from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Ref, Value
+
+
+def variable(ident: int) -> str:
+    """The variable that carries an SSA value between regions."""
+    return f"%{ident}"
+
+
+def build_straight(
+    name: str,
+    function: Function,
+    block: Block,
+    writes: list[tuple[int, Value]],
+    trip: Value | None,
+) -> DFG:
+    """Emits `block` in program order; `writes` are (variable's id, value), `trip` the next loop's
+    trip count.
+    """
+    builder = GraphBuilder(name)
+    own: dict[int, Operand] = {}
+
+    def value(item: Value) -> Operand:
+        if isinstance(item, Const):
+            return builder.const(item.word)
+        if isinstance(item, Input):
+            return builder.live_in(item.key)
+        return own[item.id] if item.id in own else builder.live_in(variable(item.id))
+
+    accesses: list[Access] = []
+    for instr in block.instrs:
+        own[instr.id] = _emit(builder, instr, [value(item) for item in instr.operands], accesses)
+    order_accesses(builder, accesses)
+    branch = block.branch
+    if branch.cond is not None:
+        builder.mark(value(branch.cond), Control.BRANCH, branch.loc)
+    if trip is not None:
+        builder.mark(value(trip), Control.TRIP, branch.loc)
+    for ident, item in writes:
+        _write(builder, variable(ident), value(item))
+    if branch.target is None and branch.value is not None:
+        _write(builder, RETURN_VARIABLE, value(branch.value))
+        if branch.high is not None:
+            _write(builder, RETURN_HIGH, value(branch.high))
+    return builder.build()
+
+
+def _write(builder: GraphBuilder, name: str, operand: Operand) -> None:
+    source = builder.operation(operand)
+    node = builder.node(source)
+    loc = None if node is None else node.loc
+    builder.add_node(Node(0, Opcode.LIVE_OUT, name=name, loc=loc), [source])
+
+
+def _emit(
+    builder: GraphBuilder, instr: Instr, operands: list[Operand], accesses: list[Access]
+) -> Operand:
+    if instr.op not in MEMORY:
+        return builder.add(instr.op, operands, instr.loc, instr.lane)
+    base, index, *rest = operands
+    values = OPCODES[instr.op].arity - 1
+    pred = rest.pop() if len(rest) > values else None
+    if isinstance(instr.operands[0], Ref):
+        # A variable is delivered to where operations read it, but not to load/store units.
+        base = builder.operation(base, instr.loc)
+    base, index, shift = builder.fixed_base(base, index, instr.shift, instr.loc)
+    node = builder.add_node(
+        Node(
+            0,
+            instr.op,
+            name=instr.array,
+            shift=shift,
+            offset=instr.offset,
+            width=instr.width,
+            signed=instr.signed,
+            loc=instr.loc,
+            lane=instr.lane,
+        ),
+        [index, *rest],
+        pred,
+        base,
+    )
+    fixed = instr.operands[1].word if isinstance(instr.operands[1], Const) else None
+    accesses.append(
+        Access(
+            node,
+            instr.array,
+            instr.op is Opcode.STORE,
+            instr.operands[0],
+            None if fixed is not None else (instr.operands[1], instr.shift),
+            instr.offset + (0 if fixed is None else fixed << instr.shift),
+            stride_bytes=0,
+            width=instr.width,
+            subscript=instr.subscript,
+        )
+    )
+    return node

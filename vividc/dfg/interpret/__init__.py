@@ -1,0 +1,1 @@
+"""Runs graphs without an array: `executable` (a graph as a list of steps), `interpreter`."""
