@@ -11,7 +11,7 @@ from vividc import arch
 from vividc.formats import FORMATS, round_array, to_floats
 from vividc.gemm import FABRICS, Layer, LayerShape, Mode, mlp, mlp_job, predict
 from vividc.gemm.program import Shape
-from vividc.mapper.systolic import PRECISIONS, Precision, SystolicArray
+from vividc.gemm.systolic import PRECISIONS, Precision, SystolicArray
 
 TITLE = "Matrix products on systolic arrays"
 NOTES = (

@@ -23,7 +23,7 @@ from vividc.arch import Fabric
 from vividc.dfg.ir import DFG
 from vividc.errors import InternalError, VividcError
 from vividc.mapper import MapResult, all_bounds, map_dfg, mapper_names, mii
-from vividc.mapper.negotiate import prepare
+from vividc.mapper.engines.negotiate import prepare
 from vividc.mapper.problem import MapProblem
 
 FOLDER_VARIABLE: Final = "VIVIDC_DFGS"
@@ -181,7 +181,7 @@ def measured(graph: DFG, name: str, fabric: str, mapper: str, time_limit_s: floa
 
 
 def _measure(pipe: Connection, about: Row, graph: DFG) -> None:
-    fabric = vividc.arch.load(about.fabric)
+    fabric = vividc.arch.yaml.load(about.fabric)
     try:
         with vividc.patient(PATIENCE):
             result = map_dfg(graph, fabric, about.mapper, time_limit_s=about.time_limit_s)
@@ -218,7 +218,7 @@ def _peak_mb() -> float | None:
 
 
 def _tasks(place: Path, fabric: str, mappers: Sequence[str]) -> Iterator[tuple[DFG, str, str]]:
-    array = vividc.arch.load(fabric)
+    array = vividc.arch.yaml.load(fabric)
     for path in sorted(place.glob("*.json")):
         graph = vividc.dfg.forms.load(path)
         if _gives_work(graph, array):

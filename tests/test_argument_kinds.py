@@ -90,7 +90,7 @@ CALLS: dict[str, Callable[[vividc.Program, Any], object]] = {
     "load": lambda p, v: vividc.load(v),
     "patient": lambda p, v: vividc.patient(v).__enter__(),
     "save": lambda p, v: p.save(v),
-    "arch.load": lambda p, v: vividc.arch.load(v),
+    "arch.load": lambda p, v: vividc.arch.yaml.load(v),
     "dfg.load": lambda p, v: vividc.dfg.forms.load(v),
     "map_dfg dfg": lambda p, v: vividc.mapper.map_dfg(v, p.fabric),
     "Job": lambda p, v: Job(v),

@@ -16,7 +16,7 @@ import pytest
 import vividc
 from tests.fuzz.file_kinds import KERNEL
 from vividc import arch, dfg, load_ll, program
-from vividc.arch.costs import load_costs
+from vividc.arch.cost.tables import load_costs
 from vividc.cli.kernels import load_kernel
 from vividc.cli.verify_command import _json_of
 from vividc.errors import VividcError

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from vividc import kept
+from vividc.program import kept
 
 
 def test_a_change_in_any_file_of_a_room_or_above_is_another_source(
@@ -16,8 +16,9 @@ def test_a_change_in_any_file_of_a_room_or_above_is_another_source(
     package = Path(kept.__file__).parent
     (tmp_path / "room" / "inner").mkdir(parents=True)
     (tmp_path / "other").mkdir()
-    shutil.copy(package / "kept.py", tmp_path)
-    monkeypatch.setattr(kept, "__file__", str(tmp_path / "kept.py"))
+    (tmp_path / "program").mkdir()
+    shutil.copy(package / "kept.py", tmp_path / "program")
+    monkeypatch.setattr(kept, "__file__", str(tmp_path / "program" / "kept.py"))
     seen = set()
     for name in ("room/a.py", "room/inner/a.py", "above.py", "room/inner/b.py"):
         (tmp_path / name).write_text("")

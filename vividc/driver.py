@@ -39,8 +39,8 @@ from vividc.planning.fallback import Outcome, settle
 from vividc.planning.options import Choices, Factors, TransformOptions, transform_options
 from vividc.planning.price import priced
 from vividc.program import CUT_SHORT, Program, encode
-from vividc.program.encode import check_contexts
-from vividc.program.programmable import demand_programmable
+from vividc.program.encoder.encode import check_contexts
+from vividc.program.encoder.programmable import demand_programmable
 from vividc.ssa.formats.in_format import in_format
 from vividc.ssa.formats.precision import (
     FormatChoices,

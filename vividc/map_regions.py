@@ -16,11 +16,11 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
 from vividc.host import time_limit
 from vividc.mapper import MapProblem, MapResult, map_dfg
+from vividc.mapper.bounds.straight import straight_lower_bound
+from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline, limited
-from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Status
-from vividc.mapper.straight_bounds import straight_lower_bound
-from vividc.mapper.verify import violations
 
 Progress = Callable[[str], None]
 

@@ -4,8 +4,8 @@ from importlib import resources
 
 import pytest
 
-from vividc.arch.costs import DEFAULT_TABLE, cost_table_names, costs_from_text, load_costs
-from vividc.arch.node_scaling import area_factor, energy_factor
+from vividc.arch.cost.node_scaling import area_factor, energy_factor
+from vividc.arch.cost.tables import DEFAULT_TABLE, cost_table_names, costs_from_text, load_costs
 from vividc.errors import ArchError
 from vividc.machine.kinds import KINDS
 

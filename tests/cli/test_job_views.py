@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from vividc.arch.costs import load_costs
+from vividc.arch.cost.tables import load_costs
 from vividc.cli import main
-from vividc.sim.costs import calibrate
+from vividc.sim.cost import calibrate
 
 KERNEL = """
 import numpy as np

@@ -8,7 +8,8 @@ from click.testing import CliRunner
 
 from vividc import arch, dfg
 from vividc.cli import main, map_command
-from vividc.mapper import MapResult, mapping_from_json, registry, verify
+from vividc.mapper import MapResult, mapping_from_json, registry
+from vividc.mapper.check import verify
 
 CHAIN = {
     "name": "chain",

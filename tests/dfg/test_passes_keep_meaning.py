@@ -11,12 +11,31 @@ from hypothesis import strategies as st
 
 from tests.strategies import BASES, MEMORY_WORDS, dfgs, words
 from vividc.dfg.check import check
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import to_text
 from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.dfg.ir import DFG
-from vividc.dfg.passes import PASSES, contract_fma
+from vividc.dfg.passes import (
+    balance_reductions,
+    contract_fma,
+    eliminate_common_subexpressions,
+    fold_constants,
+    fold_selects,
+    recognize_min_max,
+    remove_dead_nodes,
+)
 
 TRIP = 5
+PASSES = (
+    fold_constants,
+    recognize_min_max,
+    expand_math,
+    eliminate_common_subexpressions,
+    balance_reductions,
+    contract_fma,
+    fold_selects,
+    remove_dead_nodes,
+)
 EXACT = [step for step in PASSES if step is not contract_fma]
 
 

@@ -15,7 +15,7 @@ from tests.frontend.test_subscripts import Load, load  # noqa: F401 - a fixture
 from vividc import arch
 from vividc.driver import lower
 from vividc.mapper import MapProblem
-from vividc.mapper.bounds import all_bounds
+from vividc.mapper.bounds.bounds import all_bounds
 
 MACHINE = arch.load("vivid-tile")
 

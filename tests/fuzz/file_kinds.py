@@ -19,9 +19,10 @@ from PIL import Image
 
 from tests.fuzz.file_scenes import POSE, SCENES, ply_bytes, views
 from tests.mapper.graphs import accumulator
-from vividc import dfg, kept, program
+from vividc import dfg, program
 from vividc.cli import main
 from vividc.host import cache, compiled_files, machine_code
+from vividc.program import kept
 from vividc.render import load_cameras, load_reference_images
 
 ROOT: Final = Path(__file__).parents[2]

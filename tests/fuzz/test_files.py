@@ -19,9 +19,9 @@ from vividc.errors import SourceLoc
 
 OWN: Final = "files of the package itself, and /dev/null"
 READERS: Final[dict[str, tuple[str, ...]]] = {
-    "arch/costs.py": ("costs", "costs of a run"),
-    "arch/layers.py": ("fabric", "base of a fabric", "fabric of a map"),
-    "arch/load_machine.py": ("accelerator", "base of an accelerator"),
+    "arch/cost/tables.py": ("costs", "costs of a run"),
+    "arch/yaml/layers.py": ("fabric", "base of a fabric", "fabric of a map"),
+    "arch/yaml/load_machine.py": ("accelerator", "base of an accelerator"),
     "cli/arrays.py": ("arguments", "npy as arguments"),
     "cli/main.py": (OWN,),
     "cli/kernels.py": ("kernel", "kernel in C"),
@@ -37,7 +37,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "host/machine_code.py": (OWN,),
     "host/npz.py": ("arguments", "scene: means"),
     "program/bundle.py": ("program", "program to disassemble"),
-    "program/encode.py": ("kernel",),
+    "program/encoder/encode.py": ("kernel",),
     "render/archive.py": ("scene: table", "scene: net_index", "scene: density_plane_0"),
     "render/array/programs.py": (OWN,),
     "render/camera.py": ("cameras",),

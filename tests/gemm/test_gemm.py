@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from vividc.errors import ArgumentError
 from vividc.formats import FORMATS, round_array, to_floats
 from vividc.gemm import Layer, LayerShape, choose, gemm, gemm_program, mlp, predict
-from vividc.mapper.systolic import PRECISIONS, Precision, SystolicError
+from vividc.gemm.systolic import PRECISIONS, Precision, SystolicError
 
 U = 2.0**-24
 RNG = np.random.default_rng(7)

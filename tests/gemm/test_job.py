@@ -12,8 +12,8 @@ from vividc import arch
 from vividc.errors import ArchError, ArgumentError
 from vividc.gemm import Layer, LayerShape, gemm, mlp, mlp_job
 from vividc.gemm.passes import lay_out, units, with_arrays
+from vividc.gemm.systolic import Precision, SystolicError
 from vividc.launch import Job
-from vividc.mapper.systolic import Precision, SystolicError
 
 RNG = np.random.default_rng(11)
 VIVID = with_arrays(arch.load_accelerator("vivid"))

@@ -16,7 +16,7 @@ from vividc import arch
 from vividc.errors import ArgumentError, KernelError, SimulationError
 from vividc.gemm.kernels import choose_for, explain
 from vividc.gemm.passes import with_arrays
-from vividc.mapper.systolic import SystolicError
+from vividc.gemm.systolic import SystolicError
 from vividc.program import Program
 
 RNG = np.random.default_rng(5)

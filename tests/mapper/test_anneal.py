@@ -8,16 +8,14 @@ import pytest
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.dependences import dependences, earliest_starts
-from vividc.mapper.mrrg import build_mrrg
-from vividc.mapper.negotiate.anneal import State, anneal, new_heat
-from vividc.mapper.negotiate.arrays import Task, build_task
-from vividc.mapper.negotiate.motion import cost_all, new_motion
-from vividc.mapper.negotiate.places import Places, early, enter, new_places
-from vividc.mapper.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
-from vividc.mapper.negotiate.ways import Router, route_as_shown
-from vividc.mapper.negotiate.words import (
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
+from vividc.mapper.engines.negotiate.arrays import Task, build_task
+from vividc.mapper.engines.negotiate.motion import cost_all, new_motion
+from vividc.mapper.engines.negotiate.places import Places, early, enter, new_places
+from vividc.mapper.engines.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
+from vividc.mapper.engines.negotiate.ways import Router, route_as_shown
+from vividc.mapper.engines.negotiate.words import (
     claim_again,
     clashes_of,
     hide_all,
@@ -26,6 +24,8 @@ from vividc.mapper.negotiate.words import (
     withdraw,
 )
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.dependences import dependences, earliest_starts
+from vividc.mapper.resources.mrrg import build_mrrg
 
 MOVES = 60_000
 

@@ -16,7 +16,7 @@ from vividc import arch
 from vividc.errors import InternalError, VividcError
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapProblem, MapRequest, MapResult, map_dfg, registry, violations
-from vividc.mapper.negotiate import prepare
+from vividc.mapper.engines.negotiate import prepare
 from vividc.mapper.problem import ConstantKey
 
 

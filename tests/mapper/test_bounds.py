@@ -14,9 +14,9 @@ from vividc import arch
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.errors import SourceLoc
 from vividc.machine.opcodes import LatencyClass, Opcode
-from vividc.mapper.bounds import all_bounds, hall_sets, mii, no_ii
-from vividc.mapper.dependences import dependences
+from vividc.mapper.bounds.bounds import all_bounds, hall_sets, mii, no_ii
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.dependences import dependences
 
 SLOW_FP = {LatencyClass.FADD: 4, LatencyClass.IMUL: 3}
 

@@ -28,7 +28,7 @@ from vividc.mapper import (
     mapper_names,
     read_result,
 )
-from vividc.mapper.refutations import (
+from vividc.mapper.bounds.refutations import (
     BY_MODEL,
     BY_SCHEDULE,
     WITHIN_ADDED,

@@ -16,9 +16,9 @@ from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import Bound, MapProblem, Subject, all_bounds
-from vividc.mapper.bounds import mii
-from vividc.mapper.certificate_bounds import check_bounds
-from vividc.mapper.pressure import pressure_bounds
+from vividc.mapper.bounds.bounds import mii
+from vividc.mapper.bounds.pressure import pressure_bounds
+from vividc.mapper.check.bounds import check_bounds
 
 _MEMORY = frozenset({LatencyClass.LOAD, LatencyClass.STORE})
 

@@ -19,7 +19,7 @@ from vividc.mapper import (
     mapping_from_json,
     mapping_to_json,
 )
-from vividc.mapper.cpsat import measure
+from vividc.mapper.engines.cpsat import measure
 from vividc.mapper.problem import MapProblem
 
 EXTENSIBLE = ("auto", "cpsat", "decoupled")

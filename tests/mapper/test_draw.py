@@ -12,15 +12,15 @@ from graphs import accumulator, chain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vividc.arch import load
 from vividc.arch.fabric import Link
+from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
 from vividc.host.plot import Line, Rect, Text, readable_on, text_width, to_svg
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import Mapping, Place, Step, Subject, map_dfg
-from vividc.mapper.draw import draw
-from vividc.mapper.draw_scene import colour_of, pale, scene_of
+from vividc.mapper.report.draw.draw import draw
+from vividc.mapper.report.draw.scene import colour_of, pale, scene_of
 
 FABRIC = grid(2, 2)
 

@@ -7,10 +7,11 @@ from itertools import combinations, pairwise
 import pytest
 from fabrics import grid
 
-from vividc.arch import load, load_text
+from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
-from vividc.mapper.draw_grid import HEADER, Grid, Point
-from vividc.mapper.draw_wires import Wire, wires, wrap_arounds
+from vividc.arch.yaml import load
+from vividc.mapper.report.draw.grid import HEADER, Grid, Point
+from vividc.mapper.report.draw.wires import Wire, wires, wrap_arounds
 
 _ODD = """
 name: odd

@@ -15,7 +15,9 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.machine.opcodes import BASE, LatencyClass, Opcode
-from vividc.mapper.cpsat import (
+from vividc.mapper.check.verify import violations
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.cpsat import (
     CONSTRAINT_FAMILIES,
     JointModel,
     Prepared,
@@ -24,10 +26,8 @@ from vividc.mapper.cpsat import (
     place_and_route,
     windowed,
 )
-from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import violations
 
 # Its docstring says so: on the open timeline the routes imply it.
 _REDUNDANT = {"routed_edges_are_ordered"}

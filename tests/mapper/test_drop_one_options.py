@@ -11,7 +11,7 @@ from option_fabrics import FABRICS
 from ortools.sat.python.cp_model import FEASIBLE, INFEASIBLE, OPTIMAL, CpSolver
 from random_graphs import random_loop
 
-from vividc.mapper.cpsat import Prepared, build, windowed
+from vividc.mapper.engines.cpsat import Prepared, build, windowed
 from vividc.mapper.problem import MapProblem
 
 OPTION_FAMILIES: Final = (

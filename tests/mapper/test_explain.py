@@ -12,7 +12,7 @@ from vividc.dfg.ir import DFG, Edge, EdgeKind
 from vividc.errors import SourceLoc
 from vividc.machine.opcodes import ORDER, Opcode
 from vividc.mapper import map_dfg
-from vividc.mapper.explain import explain
+from vividc.mapper.report.explain import explain
 from vividc.program import BoundReport, RegionReport
 
 MEET = "if accesses that could not be proved apart meet"

@@ -17,8 +17,8 @@ from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapResult, map_dfg
+from vividc.mapper.check.verify import violations
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.mapper.verify import violations
 
 _SEEDS = range(6)
 _ITERATIONS = 8

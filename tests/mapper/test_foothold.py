@@ -10,15 +10,15 @@ from tests.mapper.tiny_fabrics import tiny_fabric
 from vividc import arch
 from vividc.dfg.ir import DFG
 from vividc.mapper import map_dfg
-from vividc.mapper.attempt import OPEN, Attempt
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.campaign import Campaign
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.foothold import gain_foothold, needs_foothold
-from vividc.mapper.portfolio import _climb, ii_limit
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
-from vividc.mapper.verify import verify
+from vividc.mapper.search.attempt import OPEN, Attempt
+from vividc.mapper.search.campaign import Campaign
+from vividc.mapper.search.foothold import gain_foothold, needs_foothold
+from vividc.mapper.search.portfolio import _climb, ii_limit
 
 
 def campaign(fabric: str, dfg: DFG) -> Campaign:

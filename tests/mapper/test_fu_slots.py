@@ -8,11 +8,11 @@ import pytest
 from fabrics import grid
 from graphs import chain
 
-from vividc.arch import load
+from vividc.arch.yaml import load
 from vividc.mapper import Mapping, MapResult, Place, Step, utilization
-from vividc.mapper.draw_scene import scene_of
-from vividc.mapper.fu_slots import fu_slots
 from vividc.mapper.mapping import Subject
+from vividc.mapper.report.draw.scene import scene_of
+from vividc.mapper.resources.fu_slots import fu_slots
 
 
 def test_operations_take_a_slot_each_and_live_outs_none() -> None:

@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 from random_graphs import random_loop
 
-from vividc.arch import load
+from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG
 from vividc.mapper import MapInterrupted, map_dfg
-from vividc.mapper.verify import verify
+from vividc.mapper.check.verify import verify
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = textwrap.dedent(

@@ -7,14 +7,14 @@ import pytest
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.mapper import map_dfg
-from vividc.mapper.attempt import OPEN, Attempt, map_decoupled
-from vividc.mapper.campaign import Campaign
+from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.large import limit_of
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
-from vividc.mapper.verify import verify
+from vividc.mapper.search.attempt import OPEN, Attempt, map_decoupled
+from vividc.mapper.search.campaign import Campaign
+from vividc.mapper.search.large import limit_of
 
 TILE = arch.load("vivid-tile")
 

@@ -6,16 +6,16 @@ import pytest
 from random_graphs import random_region
 from tiny_fabrics import tiny_fabric
 
-from vividc.arch import load
 from vividc.arch.fabric import Fabric
+from vividc.arch.yaml import load
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import MappingFailed, SourceLoc
 from vividc.machine.opcodes import ORDER, PRED, LatencyClass, Opcode
-from vividc.mapper.list_schedule import list_schedule, straight_lower_bound
+from vividc.mapper.check.verify import violations
+from vividc.mapper.engines.list_schedule import list_schedule, straight_lower_bound
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import violations
 
 _SLOW_MUL = {LatencyClass.IMUL: 3}
 

@@ -12,13 +12,13 @@ import pytest
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.arch.fabric import Fabric
-from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
+from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
 from vividc.mapper.mapping import Mapping
-from vividc.mapper.negotiate import Effort, negotiate, prepare
-from vividc.mapper.negotiate.lockstep import Steps, first_result
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import verify
 
 EFFORT = Effort(moves=1500, rounds=20, repairs=60, trials=2)
 
@@ -91,7 +91,9 @@ def specialisations() -> dict[str, int]:
 
 
 def entry_points() -> Iterator[Any]:
-    for name in [name for name in sys.modules if name.startswith("vividc.mapper.negotiate.")]:
+    for name in [
+        name for name in sys.modules if name.startswith("vividc.mapper.engines.negotiate.")
+    ]:
         for one in vars(sys.modules[name]).values():
             if hasattr(one, "signatures"):
                 yield one

@@ -20,7 +20,7 @@ from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import MapResult, map_dfg, registry, violations
-from vividc.mapper.negotiate import prepare
+from vividc.mapper.engines.negotiate import prepare
 
 GUEST = "guest"
 MAPPERS = (*registry.BUILT_IN, GUEST)
@@ -31,7 +31,7 @@ _ITERATIONS = 8
 
 @pytest.fixture(params=MAPPERS)
 def mapper(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    point = EntryPoint(GUEST, "vividc.mapper.spr:spr", registry.ENTRY_POINT_GROUP)
+    point = EntryPoint(GUEST, "vividc.mapper.published.spr:spr", registry.ENTRY_POINT_GROUP)
 
     def installed(name: str | None = None, **_: str) -> EntryPoints:
         return EntryPoints([point] if name in (None, GUEST) else [])

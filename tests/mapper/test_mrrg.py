@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from tiny_fabrics import tiny_fabric
 
-from vividc.arch import load
 from vividc.arch.fabric import Routing
-from vividc.mapper.distances import FAR, hop_distances
-from vividc.mapper.mrrg import MRRG, NONE, build_mrrg
+from vividc.arch.yaml import load
+from vividc.mapper.resources.distances import FAR, hop_distances
+from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
 
 
 def _named(graph: MRRG, origin: int, target: int) -> list[tuple[str, int, int]]:

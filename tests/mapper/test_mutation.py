@@ -16,10 +16,10 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
 from vividc.machine.opcodes import LatencyClass
-from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.check.verify import violations
+from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import ConstantKey, MapProblem
-from vividc.mapper.verify import violations
 
 _LATENCIES = {LatencyClass.IMUL: 3, LatencyClass.LOAD: 2}
 _LOOP_FABRICS = (

@@ -19,13 +19,13 @@ from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import map_dfg
-from vividc.mapper.bounds import all_bounds, mii
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.check.verify import verify
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.mapping import Mapping
-from vividc.mapper.negotiate import Effort, negotiate
-from vividc.mapper.plain_core import unrotated
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import verify
+from vividc.mapper.resources.plain_core import unrotated
 
 TILE = arch.load("vivid-tile")
 QUICK = Effort(moves=1000, rounds=20, repairs=60, trials=2)
@@ -204,7 +204,7 @@ def test_it_runs_where_no_cache_can_be_written(tmp_path: Path) -> None:
     program = (
         "import numba.core.caching as caching\n"
         "caching.CacheImpl._locator_classes = []\n"
-        "from vividc.mapper.negotiate import compiled\n"
+        "from vividc.mapper.engines.negotiate import compiled\n"
         "twice = compiled.compiled(lambda n: 2 * n)\n"
         "print(twice(21))\n"
     )

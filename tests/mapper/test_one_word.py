@@ -12,14 +12,14 @@ from vividc import arch
 from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import Opcode
+from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import Effort
+from vividc.mapper.engines.negotiate.lockstep import first_result
+from vividc.mapper.engines.negotiate.negotiate import Negotiation
+from vividc.mapper.engines.negotiate.places import enter
 from vividc.mapper.mapping import Mapping
-from vividc.mapper.negotiate import Effort
-from vividc.mapper.negotiate.lockstep import first_result
-from vividc.mapper.negotiate.negotiate import Negotiation
-from vividc.mapper.negotiate.places import enter
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import violations
 
 MOST_STAGES = 4
 TWO_DRIVERS = {"openedge-3x3": (2971, 6056), "openedge-2x5": (2407, 4603, 8239, 8987)}

@@ -8,12 +8,13 @@ from dataclasses import replace
 import pytest
 from random_graphs import random_loop
 
-from vividc.arch import load, load_text
+from vividc.arch import load_text
+from vividc.arch.yaml import load
 from vividc.errors import VividcError
 from vividc.mapper import map_dfg
-from vividc.mapper.plain_core import named_anew, plain_core
+from vividc.mapper.check.verify import violations
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import violations
+from vividc.mapper.resources.plain_core import named_anew, plain_core
 
 
 @pytest.mark.parametrize("name", ["hycube-3x3", "adres-3x3", "mesh-3x3"])

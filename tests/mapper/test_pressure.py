@@ -13,10 +13,10 @@ from vividc import arch
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper import map_dfg
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.dependences import dependences, earliest_starts
-from vividc.mapper.pressure import least_life, pressure_bounds
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.bounds.pressure import least_life, pressure_bounds
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.dependences import dependences, earliest_starts
 
 
 def test_words_that_need_not_wait_live_no_longer_than_their_reads_take() -> None:

@@ -7,7 +7,7 @@ from itertools import combinations, product
 
 import pytest
 
-from vividc.mapper.registers import Stay, allocate, conflict
+from vividc.mapper.resources.registers import Stay, allocate, conflict
 
 
 def _slots(stay: Stay, ii: int) -> set[int]:

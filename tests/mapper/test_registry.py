@@ -29,7 +29,7 @@ def _install(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
 
 
 def test_a_guest_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, "guest", "vividc.mapper.portfolio:decoupled")
+    _install(monkeypatch, "guest", "vividc.mapper.search.portfolio:decoupled")
     ours = ("auto", "cpsat", "decoupled", "sat-kms", "ims", "spr")
     assert mapper_names() == (*ours, "guest")
     assert map_dfg(chain(2), grid(1, 2), mapper="guest", workers=1).status == "optimal"
@@ -39,7 +39,7 @@ def test_a_guest_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) ->
     ("value", "message"),
     [
         ("no_such_package:run", "cannot be loaded"),
-        ("vividc.mapper.portfolio:no_such_name", "cannot be loaded"),
+        ("vividc.mapper.search.portfolio:no_such_name", "cannot be loaded"),
         ("vividc.mapper.registry:ENTRY_POINT_GROUP", "not callable"),
     ],
 )
@@ -100,5 +100,5 @@ def test_what_a_guest_does_wrong_is_its_own_fault(
 
 
 def test_a_guest_cannot_take_over_a_built_in_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    _install(monkeypatch, "auto", "vividc.mapper.portfolio:decoupled")
+    _install(monkeypatch, "auto", "vividc.mapper.search.portfolio:decoupled")
     assert find_mapper("auto") is registry.BUILT_IN["auto"]

@@ -10,8 +10,8 @@ from tiny_fabrics import tiny_fabric
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.machine.opcodes import ORDER, LatencyClass, Opcode
+from vividc.mapper.check.verify import verify, violations
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.mapper.verify import verify, violations
 
 # PEs 0 - 1; link 0 leads from 0 to 1, link 1 back.
 PAIR = tiny_fabric(1, 2, registers=2, latencies={LatencyClass.IMUL: 2})

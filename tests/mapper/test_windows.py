@@ -5,20 +5,20 @@ from __future__ import annotations
 import pytest
 from random_graphs import random_loop
 
-from vividc.arch import load
 from vividc.arch.fabric import Fabric
+from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import MapInterrupted, MapResult, map_dfg
-from vividc.mapper.attempt import Attempt
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.campaign import Campaign
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import find_mapper
 from vividc.mapper.request import MapRequest
-from vividc.mapper.verify import violations
-from vividc.mapper.windows import search_windows, window
+from vividc.mapper.search.attempt import Attempt
+from vividc.mapper.search.campaign import Campaign
+from vividc.mapper.search.windows import search_windows, window
 
 _ARRAYS = ("mesh-5x6", "torus-6x5", "king-5x5", "hycube-5x5", "openedge-5x5", "adres-5x5")
 

@@ -14,9 +14,9 @@ from vividc.dfg.ir import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import MapProblem, MapResult
 from vividc.mapper.deadline import EFFORT_SHARE, Deadline
-from vividc.mapper.portfolio import auto
 from vividc.mapper.registry import BUILT_IN
 from vividc.mapper.request import MapRequest
+from vividc.mapper.search.portfolio import auto
 from vividc.planning.choose import Plan, Stage
 from vividc.planning.estimate import Estimate, RegionCost, Shape
 from vividc.planning.fallback import Outcome, settle

@@ -19,13 +19,15 @@ from tests.program.hand_kernels import (
     saxpy,
     trip_region,
 )
-from vividc.arch import Fabric, load
+from vividc.arch import Fabric
+from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region
 from vividc.errors import InternalError, KernelError
 from vividc.machine.opcodes import BASE
 from vividc.machine.params import DType
-from vividc.mapper.mapping import Bound, Mapping, MapResult, Place, Refutation, Step
+from vividc.mapper.mapping import Bound, Mapping, Place, Refutation, Step
+from vividc.mapper.result import MapResult
 from vividc.program import encode
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 import vividc
-from vividc.arch import load, load_text
+from vividc.arch import load_text
+from vividc.arch.yaml import load
 from vividc.errors import ArchError
-from vividc.program.programmable import demand_programmable
+from vividc.program.encoder.programmable import demand_programmable
 
 
 @vividc.kernel("void(float32[::1], int32)")

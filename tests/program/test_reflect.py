@@ -11,7 +11,7 @@ from vividc.arch import Fabric, Orientation
 from vividc.driver import lower
 from vividc.errors import InternalError
 from vividc.mapper.mapping import Mapping, Place, Step
-from vividc.program.reflect import reflected_program
+from vividc.program.encoder.reflect import reflected_program
 
 CORNERS: list[Orientation] = ["nw", "ne", "sw", "se"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from vividc.sim.native import NativeEngine
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.reference.engine import ReferenceEngine
 from vividc.sim.tile import AUTO, ENGINES
 
 

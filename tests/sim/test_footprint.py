@@ -12,7 +12,7 @@ from vividc.machine.opcodes import OPCODES, Opcode
 from vividc.machine.parallel import Access, Parallel, Term, is_well_formed
 from vividc.machine.semantics import SEMANTICS, evaluate
 from vividc.machine.words import WORD_MASK, signed
-from vividc.sim.footprint import Touch, chunk_inputs, loop_bounds, touched
+from vividc.sim.footprint.footprint import Touch, chunk_inputs, loop_bounds, touched
 from vividc.ssa.parallel.cut import cut_parallel_loop
 
 OPS = [

@@ -10,16 +10,16 @@ from vividc.arch.accelerator import (
     TileGroup,
 )
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
-from vividc.arch.layers import family_names, preset_names
-from vividc.arch.load import load as load_tile
-from vividc.arch.load import load_text
-from vividc.arch.load_machine import (
+from vividc.arch.yaml.layers import family_names, preset_names
+from vividc.arch.yaml.load import load as load_tile
+from vividc.arch.yaml.load import load_text
+from vividc.arch.yaml.load_machine import (
     accelerator_names,
     load,
     load_accelerator,
     load_accelerator_text,
 )
-from vividc.arch.reflect import is_isomorphism, reflected, reflection
+from vividc.arch.yaml.reflect import is_isomorphism, reflected, reflection
 
 __all__ = [
     "DMA",

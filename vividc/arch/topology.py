@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
-
-from vividc.arch.schema import Topology
+from typing import Final, Literal
 
 _NORTH, _EAST, _SOUTH, _WEST = (-1, 0), (0, 1), (1, 0), (0, -1)
 _DIRECTIONS: Final[dict[Topology, tuple[tuple[int, int], ...]]] = {
@@ -38,3 +36,6 @@ def topology_links(topology: Topology, rows: int, cols: int) -> tuple[tuple[int,
 
 def _positions(rows: int, cols: int) -> Iterator[tuple[int, int]]:
     return ((row, col) for row in range(rows) for col in range(cols))
+
+
+Topology = Literal["mesh", "torus", "king", "mesh_plus", "none"]

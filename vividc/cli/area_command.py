@@ -6,11 +6,11 @@ import click
 
 from vividc import arch
 from vividc.arch import Accelerator, Fabric
-from vividc.arch.costs import DEFAULT_TABLE, load_costs
+from vividc.arch.cost.tables import DEFAULT_TABLE, load_costs
 from vividc.cli import options
 from vividc.cli.energy_report import print_area
 from vividc.cli.report import print_json
-from vividc.sim.costs import area
+from vividc.sim.cost import area
 
 SCHEMA = "vividc.area/1"
 

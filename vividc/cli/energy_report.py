@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import click
 
 from vividc.cli.report import print_table
-from vividc.sim.costs import AreaReport, EnergyReport, Item
+from vividc.sim.cost import AreaReport, EnergyReport, Item
 
 _PJ_IN_NJ = 1e3
 _UM2_IN_MM2 = 1e6

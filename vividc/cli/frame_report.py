@@ -10,13 +10,13 @@ import click
 import numpy as np
 
 from vividc.arch import Accelerator
-from vividc.arch.costs import DEFAULT_TABLE, load_costs
+from vividc.arch.cost.tables import DEFAULT_TABLE, load_costs
 from vividc.cli.report import percent, print_table
 from vividc.launch.cost import work_of_job
 from vividc.render import psnr, ssim
 from vividc.render.array.frame import ArrayFrame, Stage
 from vividc.render.arrays import Float32Array
-from vividc.sim.costs import energy
+from vividc.sim.cost import energy
 
 _MIN_SSIM_PX = 11
 _PJ_IN_UJ = 1e6

@@ -28,7 +28,7 @@ from vividc.mapper import (
     utilization,
 )
 from vividc.mapper.deadline import EFFORT_SHARE
-from vividc.mapper.explain import binding, fullest
+from vividc.mapper.report.explain import binding, fullest
 
 SCHEMA = "vividc.map/1"
 

@@ -12,7 +12,7 @@ from typing import Any, Final, TypeVar
 import click
 
 from vividc.arch import load_accelerator
-from vividc.arch.costs import DEFAULT_TABLE, CostTable, load_costs
+from vividc.arch.cost.tables import DEFAULT_TABLE, CostTable, load_costs
 from vividc.cli import options
 from vividc.cli.energy_report import print_energy
 from vividc.cli.files import check_output
@@ -24,7 +24,7 @@ from vividc.launch.cost import work_of_job
 from vividc.launch.view import job_roofline
 from vividc.program import Program
 from vividc.sim import Result
-from vividc.sim.costs import EnergyReport, energy, work_of
+from vividc.sim.cost import EnergyReport, energy, work_of
 from vividc.sim.view import (
     Timeline,
     heat_map,

@@ -4,7 +4,7 @@ from vividc.gemm.job import MlpRun, choose_layout, mlp_job
 from vividc.gemm.layer import Activation, GemmResult, Layer, gemm, mlp
 from vividc.gemm.modes import FABRICS, MODES, Choice, LayerShape, Mode, Prediction, choose, predict
 from vividc.gemm.program import GemmProgram, gemm_program
-from vividc.mapper.systolic import Precision, SystolicError
+from vividc.gemm.systolic import Precision, SystolicError
 
 __all__ = [
     "FABRICS",

@@ -18,10 +18,7 @@ from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
 from vividc.gemm.kept import key_of, read_program, write_program
 from vividc.gemm.program import Shape, region_report
-from vividc.machine.params import DType, Param
-from vividc.mapper import Mapping, MapProblem, MapResult, violations
-from vividc.mapper.list_schedule import list_schedule
-from vividc.mapper.systolic import (
+from vividc.gemm.systolic import (
     BUFFER,
     GROUP_BYTES,
     OFFSETS,
@@ -36,6 +33,9 @@ from vividc.mapper.systolic import (
     lanes,
     windows,
 )
+from vividc.machine.params import DType, Param
+from vividc.mapper import Mapping, MapProblem, MapResult, violations
+from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.program import WORD_BYTES, Program, encode
 
 _Form = tuple[int, bool, Precision, Precision]

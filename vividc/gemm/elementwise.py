@@ -26,7 +26,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
 from vividc.mapper import MapProblem, MapResult, violations
 from vividc.mapper.api import map_dfg
-from vividc.mapper.list_schedule import list_schedule
+from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.program import WORD_BYTES, Program, encode
 
 _ONE: Final = 0x3F800000

@@ -17,8 +17,8 @@ from vividc.gemm.modes import MODES, Mode, check_mode
 from vividc.gemm.packed import packed
 from vividc.gemm.packing import pack_steps
 from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
+from vividc.gemm.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
 from vividc.launch import At, Job, JobResult
-from vividc.mapper.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO

@@ -8,9 +8,8 @@ from __future__ import annotations
 from hashlib import sha256
 from typing import Final
 
-from vividc import kept
 from vividc.arch.fabric import Fabric
-from vividc.program import Program
+from vividc.program import Program, kept
 
 _KIND: Final = "product"
 _MADE_BY = ("arch", "dfg", "gemm", "machine", "mapper", "program", "ssa")

@@ -17,10 +17,10 @@ from vividc.gemm.job import mlp_job
 from vividc.gemm.layer import Layer, Matrix
 from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
 from vividc.gemm.passes import lay_out, with_arrays
+from vividc.gemm.systolic import SystolicError
 from vividc.launch import JobResult, spread
 from vividc.launch.tiles.simulate import check_spread
 from vividc.machine.product import Factor, Product, Size
-from vividc.mapper.systolic import SystolicError
 from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress

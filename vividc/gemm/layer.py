@@ -14,7 +14,7 @@ from vividc.errors import ArgumentError, demand_type
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, choose, launches_of, padded, pieces
 from vividc.gemm.packed import packed
 from vividc.gemm.program import GemmProgram, Operands, gemm_program
-from vividc.mapper.systolic import (
+from vividc.gemm.systolic import (
     STREAMS,
     Precision,
     Stream,

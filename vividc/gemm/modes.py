@@ -9,7 +9,7 @@ from typing import Final, Literal, get_args
 from vividc import arch
 from vividc.errors import demand_type, quoted
 from vividc.gemm.program import Shape
-from vividc.mapper.systolic import BlockLayout, Precision, SystolicArray, SystolicError, lanes
+from vividc.gemm.systolic import BlockLayout, Precision, SystolicArray, SystolicError, lanes
 
 Mode = Literal["tpu-unified", "tpu-partitioned"]
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.formats import FORMATS, round_array
-from vividc.mapper.systolic import Precision
+from vividc.gemm.systolic import Precision
 
 Matrix = NDArray[np.float32]
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.gemm.elementwise import loop_program
+from vividc.gemm.systolic import Precision, lanes
 from vividc.launch import At, Job
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
-from vividc.mapper.systolic import Precision, lanes
 from vividc.program import WORD_BYTES, Program
 
 Matrix = NDArray[np.float32]

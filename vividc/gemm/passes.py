@@ -12,7 +12,7 @@ from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError
 from vividc.gemm.chain import Chain, Link
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, check_sizes, padded
-from vividc.mapper.systolic import Precision, SystolicArray, SystolicError
+from vividc.gemm.systolic import Precision, SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
 _FEWEST_BLOCKS = 4

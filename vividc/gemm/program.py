@@ -14,10 +14,7 @@ from vividc.dfg.builder import GraphBuilder
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError
-from vividc.machine.params import DType, Param
-from vividc.mapper import Bound, Mapping, MapProblem, MapResult, Refutation, violations
-from vividc.mapper.list_schedule import list_schedule
-from vividc.mapper.systolic import (
+from vividc.gemm.systolic import (
     BUFFER,
     GROUP_BYTES,
     OFFSETS,
@@ -32,6 +29,9 @@ from vividc.mapper.systolic import (
     plan,
     windows,
 )
+from vividc.machine.params import DType, Param
+from vividc.mapper import Bound, Mapping, MapProblem, MapResult, Refutation, violations
+from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.program import WORD_BYTES, Program, encode
 
 _BLOCKS = "blocks"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vividc.launch.accounting import JobStats
 from vividc.program import WORD_BYTES
-from vividc.sim.costs.energy import Work
+from vividc.sim.cost.energy import Work
 from vividc.sim.engine import Activity
 
 

@@ -23,9 +23,9 @@ from vividc.launch.result import JobResult
 from vividc.launch.simulate import simulate_steps
 from vividc.launch.steps import Configure, Execute, Step, Transfer
 from vividc.program import WORD_BYTES, Program
-from vividc.program.reflect import reflected_program
+from vividc.program.encoder.reflect import reflected_program
 from vividc.sim.bind import scalar_inputs
-from vividc.sim.footprint import whole_loop
+from vividc.sim.footprint.footprint import whole_loop
 from vividc.sim.run import CYCLE_LIMIT, check_run
 from vividc.sim.tile import AUTO, check_engine
 

@@ -3,17 +3,16 @@ of it.
 """
 
 from vividc.mapper.api import check_time_limit, map_dfg
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.certificate import check_certificate
-from vividc.mapper.cpsat import OBJECTIVES, Extension, ModelHandle
+from vividc.mapper.bounds.bounds import all_bounds, mii
+from vividc.mapper.check.case import Violation
+from vividc.mapper.check.certificate import check_certificate
+from vividc.mapper.check.finding import Finding
+from vividc.mapper.check.verify import verify, violations
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.finding import Finding
-from vividc.mapper.fu_slots import utilization
+from vividc.mapper.engines.cpsat import OBJECTIVES, Extension, ModelHandle
 from vividc.mapper.mapping import (
     Bound,
-    MapInterrupted,
     Mapping,
-    MapResult,
     Objective,
     Place,
     Refutation,
@@ -21,12 +20,12 @@ from vividc.mapper.mapping import (
     Step,
     Subject,
 )
-from vividc.mapper.mapping_json import mapping_from_json, mapping_to_json, read_result
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
+from vividc.mapper.report.document import mapping_from_json, mapping_to_json, read_result
 from vividc.mapper.request import Mapper, MapRequest, Progress
-from vividc.mapper.verify import verify, violations
-from vividc.mapper.verify_case import Violation
+from vividc.mapper.resources.fu_slots import utilization
+from vividc.mapper.result import MapInterrupted, MapResult
 
 __all__ = [
     "ENTRY_POINT_GROUP",

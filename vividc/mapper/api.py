@@ -19,15 +19,16 @@ from vividc.errors import (
     printable,
     quoted,
 )
-from vividc.mapper.certificate import check_certificate
-from vividc.mapper.cpsat import OBJECTIVES, Extension, Search, minimise
+from vividc.mapper.check.case import Violation
+from vividc.mapper.check.certificate import check_certificate
+from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import limited
-from vividc.mapper.mapping import MapInterrupted, MapResult, Status, Subject
+from vividc.mapper.engines.cpsat import OBJECTIVES, Extension, Search, minimise
+from vividc.mapper.mapping import Status, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
 from vividc.mapper.request import Mapper, MapRequest, Progress
-from vividc.mapper.verify import violations
-from vividc.mapper.verify_case import Violation
+from vividc.mapper.result import MapInterrupted, MapResult
 
 _SHOWN = 5
 _MOST_WORKERS = 1000
@@ -176,7 +177,7 @@ def check_time_limit(time_limit_s: float) -> None:
 
 def _check(dfg: DFG, fabric: Fabric, ii: int | None, time_limit_s: float, workers: int) -> None:
     demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.forms.load")
-    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
+    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.yaml.load")
     if ii is not None:
         demand_type(ii, int, "the II", "give a whole number of cycles")
         if ii < 1:

@@ -7,13 +7,13 @@ from importlib.metadata import entry_points
 from typing import Final, cast
 
 from vividc.errors import InternalError, VividcError
-from vividc.mapper.ims import ims
-from vividc.mapper.mapping import MapResult
-from vividc.mapper.portfolio import auto, cpsat, decoupled
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.published.ims import ims
+from vividc.mapper.published.sat_kms import sat_kms
+from vividc.mapper.published.spr import spr
 from vividc.mapper.request import Mapper, MapRequest
-from vividc.mapper.sat_kms import sat_kms
-from vividc.mapper.spr import spr
+from vividc.mapper.result import MapResult
+from vividc.mapper.search.portfolio import auto, cpsat, decoupled
 
 ENTRY_POINT_GROUP: Final = "vividc.mappers"
 

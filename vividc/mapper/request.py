@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vividc.mapper.cpsat.handle import Extension
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.mapping import Mapping, MapResult
+from vividc.mapper.engines.cpsat.handle import Extension
+from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.result import MapResult
 
 Progress = Callable[[str], None]
 
@@ -29,7 +30,7 @@ class MapRequest:
     progress
         Called with one line at each step; None: silent.
     thrifty
-        Stop before the deadline where more time is unlikely to help (`mapper/large.py`).
+        Stop before the deadline where more time is unlikely to help (`mapper/search/large.py`).
     extend
         Adds a caller's constraints to every model whose solution becomes a mapping.
     known

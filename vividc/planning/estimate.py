@@ -13,11 +13,11 @@ from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
-from vividc.mapper.bounds import all_bounds, mii, no_ii
-from vividc.mapper.dependences import dependences, earliest_starts
+from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
+from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.straight_bounds import straight_lower_bound
+from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.ssa.analysis.frequency import expected_trips, frequencies
 from vividc.ssa.flow import find_loops, preheader_of
 from vividc.ssa.formats.pack_lanes import pack_lanes

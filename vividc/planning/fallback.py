@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from vividc.dfg.regions import Kernel
 from vividc.errors import VividcError
-from vividc.mapper.mapping import MapResult
+from vividc.mapper.result import MapResult
 from vividc.planning.choose import Plan, Stage
 from vividc.planning.estimate import Estimate
 from vividc.program import Program

@@ -1,11 +1,8 @@
 """Configuration words, region table, memory layout: one versioned bundle."""
 
 from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
-from vividc.program.decode import decode, unpack
 from vividc.program.disasm import disassemble
-from vividc.program.encode import encode
-from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use, Write
-from vividc.program.layout import Field, WordLayout, word_layout
+from vividc.program.encoder.encode import encode
 from vividc.program.memory import WORD_BYTES, place_arrays, trapped
 from vividc.program.program import CUT_SHORT, Program, from_bytes, load
 from vividc.program.tables import (
@@ -19,7 +16,10 @@ from vividc.program.tables import (
     RegionReport,
     RegionRow,
 )
-from vividc.program.words import pack
+from vividc.program.words.decode import decode, unpack
+from vividc.program.words.entry import Capture, Entry, Issue, Operand, Sel, Select, Use, Write
+from vividc.program.words.layout import Field, WordLayout, word_layout
+from vividc.program.words.pack import pack
 
 __all__ = [
     "CUT_SHORT",

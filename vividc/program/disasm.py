@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from vividc.arch.fabric import Fabric
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.program.entry import Capture, Entry, Issue, Operand, Sel, Select, Use
 from vividc.program.memory import WORD_BYTES
 from vividc.program.program import Program
 from vividc.program.tables import RegionRow
+from vividc.program.words.entry import Capture, Entry, Issue, Operand, Sel, Select, Use
 
 
 def disassemble(program: Program) -> str:

@@ -20,9 +20,6 @@ from vividc.machine.parallel import Parallel, is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.machine.product import Product
 from vividc.program.bundle import SCHEMA, BundleReader, Manifest, bundle_bytes, write_bundle
-from vividc.program.decode import decode
-from vividc.program.entry import Entry
-from vividc.program.layout import OPCODE_NUMBERS, word_layout
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -32,6 +29,9 @@ from vividc.program.tables import (
     RegionReport,
     RegionRow,
 )
+from vividc.program.words.decode import decode
+from vividc.program.words.entry import Entry
+from vividc.program.words.layout import OPCODE_NUMBERS, word_layout
 
 CUT_SHORT: Final = (
     "was cut short by the clock; on an idle machine, or with a longer --time-limit, the program "
@@ -155,7 +155,7 @@ class Program:
             raise BundleError(
                 f"the fabric {self.fabric.name} has no YAML text to store",
                 loc=os.fspath(path),
-                hint="build the fabric with vividc.arch.load or load_text",
+                hint="build the fabric with vividc.arch.yaml.load or load_text",
             )
         write_bundle(Path(path), _manifest(self), _arrays(self))
 

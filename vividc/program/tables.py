@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vividc.errors import SourceLoc
-from vividc.mapper.refutations import IF_THEY_MEET, rests_on_assumed
+from vividc.mapper.bounds.refutations import IF_THEY_MEET, rests_on_assumed
 
 RegionKind = Literal["loop", "straight"]
 

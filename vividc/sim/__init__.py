@@ -2,7 +2,7 @@
 
 from vividc.sim.engine import Activity, Engine, EngineFactory, Launch, Progress, RegionRun, Run
 from vividc.sim.native import NativeEngine
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.reference.engine import ReferenceEngine
 from vividc.sim.run import CYCLE_LIMIT, Result
 from vividc.sim.stats import RegionStats, Stats, statistics
 from vividc.sim.tile import AUTO, ENGINES, Tile, TileResult

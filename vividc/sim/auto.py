@@ -10,7 +10,7 @@ from vividc.errors import CycleLimit
 from vividc.program import Program
 from vividc.sim.engine import Engine, Launch, Run
 from vividc.sim.native import NativeEngine
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.reference.engine import ReferenceEngine
 
 TRIAL_CYCLES: Final = 2_500
 """What the reference engine runs in about the time that compiling an ordinary kernel takes (0.04 to

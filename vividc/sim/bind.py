@@ -22,7 +22,7 @@ from vividc.program import (
     Program,
     place_arrays,
 )
-from vividc.sim.footprint import whole_loop
+from vividc.sim.footprint.footprint import whole_loop
 
 Array = NDArray[np.generic]
 

@@ -11,7 +11,7 @@ from vividc.program import Program
 from vividc.sim.auto import AutoEngine
 from vividc.sim.engine import Engine, EngineFactory, Launch, Run
 from vividc.sim.native import NativeEngine
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.reference.engine import ReferenceEngine
 
 TileResult = Run
 """What a launch on a tile gives: memory, cycles, activity; `engine` names what ran it."""

@@ -13,7 +13,7 @@ from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.passes import balance_reductions
 from vividc.machine.opcodes import Opcode
-from vividc.mapper.bounds import recurrence_bounds
+from vividc.mapper.bounds.bounds import recurrence_bounds
 from vividc.mapper.problem import MapProblem
 
 UNIT = arch.load("vivid-tile")

@@ -13,7 +13,8 @@ from test_drop_one_options import OPTION_FAMILIES
 from vividc.arch.fabric import Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Control
 from vividc.machine.opcodes import LatencyClass, Opcode
-from vividc.mapper.cpsat import (
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.cpsat import (
     CONSTRAINT_FAMILIES,
     Prepared,
     Search,
@@ -22,8 +23,7 @@ from vividc.mapper.cpsat import (
     folded,
     windowed,
 )
-from vividc.mapper.cpsat.run import Verdict, run
-from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.cpsat.run import Verdict, run
 from vividc.mapper.problem import MapProblem
 
 SLOW_MUL = {LatencyClass.IMUL: 2, LatencyClass.LOAD: 2}

@@ -9,15 +9,15 @@ import pytest
 from brute_routing import minimum_ii
 from tiny_fabrics import tiny_fabric
 
-from vividc.arch import load
 from vividc.arch.fabric import Fabric, Routing
+from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
-from vividc.mapper.bounds import all_bounds, mii
-from vividc.mapper.cpsat import Search, refute_schedule
-from vividc.mapper.cpsat.output_cells import outputs_are_the_only_way
+from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.negotiate import Effort, negotiate
+from vividc.mapper.engines.cpsat import Search, refute_schedule
+from vividc.mapper.engines.cpsat.output_cells import outputs_are_the_only_way
+from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 
 OPEN = Routing(hops=0, holds=True, shared=True, moves=True)

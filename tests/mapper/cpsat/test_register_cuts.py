@@ -11,7 +11,7 @@ from vividc.arch.fabric import Fabric, Routing
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import map_dfg
-from vividc.mapper.cpsat import solve
+from vividc.mapper.engines.cpsat import solve
 
 
 def _kept_long(seed: int) -> tuple[DFG, Fabric]:

@@ -8,8 +8,10 @@ from graphs import GraphBuilder, accumulator, chain
 from random_graphs import random_loop
 
 from vividc.machine.opcodes import Opcode
-from vividc.mapper.bounds import all_bounds, mii, no_ii
-from vividc.mapper.cpsat import (
+from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
+from vividc.mapper.check.verify import violations
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.cpsat import (
     ScheduleOptions,
     Search,
     complete_slack,
@@ -21,9 +23,7 @@ from vividc.mapper.cpsat import (
     schedule,
     windowed,
 )
-from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.verify import violations
 
 
 def _search() -> Search:
@@ -128,6 +128,6 @@ def test_what_fails_in_the_solvers_thread_fails_in_the_callers(
     def fails(*_: object) -> None:
         raise RuntimeError("Resource temporarily unavailable")
 
-    monkeypatch.setattr("vividc.mapper.cpsat.run.CpSolver.solve", fails)
+    monkeypatch.setattr("vividc.mapper.engines.cpsat.run.CpSolver.solve", fails)
     with pytest.raises(RuntimeError, match="Resource temporarily unavailable"):
         schedule(MapProblem(accumulator(), grid(2, 2)), 2, ScheduleOptions(), _search())

@@ -7,8 +7,7 @@ import pytest
 from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
-from vividc.mapper import violations
-from vividc.mapper.systolic import (
+from vividc.gemm.systolic import (
     Precision,
     SystolicArray,
     SystolicError,
@@ -16,6 +15,7 @@ from vividc.mapper.systolic import (
     least_ii,
     plan,
 )
+from vividc.mapper import violations
 
 SMALL = """
 extends: vivid-8x8

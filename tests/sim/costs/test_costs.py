@@ -4,12 +4,13 @@ from importlib import resources
 
 import pytest
 
-from vividc.arch import load, load_text
-from vividc.arch.costs import costs_from_text, load_costs
-from vividc.arch.node_scaling import area_factor, energy_factor
+from vividc.arch import load_text
+from vividc.arch.cost.node_scaling import area_factor, energy_factor
+from vividc.arch.cost.tables import costs_from_text, load_costs
+from vividc.arch.yaml import load
 from vividc.errors import ArchError
 from vividc.sim import Activity
-from vividc.sim.costs import Work, area, calibrate, energy
+from vividc.sim.cost import Work, area, calibrate, energy
 
 TILES, PES, UNITS = 16, 256, 112
 PUBLISHED_W = {"pe_array": 0.779, "sram": 0.178, "control": 0.043}

@@ -8,7 +8,7 @@ from random import Random
 import numpy as np
 
 from vividc.program import Program, RegionRow, word_layout
-from vividc.program.layout import WORD_BITS, Field
+from vividc.program.words.layout import WORD_BITS, Field
 
 
 def mutated(program: Program, random: Random) -> Program:

@@ -16,7 +16,7 @@ from tests.sim.test_against_interpreter import FABRICS, compiled
 from vividc.errors import BundleError
 from vividc.program import Program
 from vividc.sim import Launch
-from vividc.sim.native import loop
+from vividc.sim.native.write import loop
 
 
 def floats(count: int, seed: int = 0) -> np.ndarray:

@@ -16,10 +16,11 @@ from tests.sim.test_against_interpreter import FABRICS, compiled
 from vividc.errors import BundleError
 from vividc.gemm import GemmProgram, gemm_program
 from vividc.gemm.program import Operands
-from vividc.mapper.systolic import STREAMS, Precision, Stream
+from vividc.gemm.systolic import STREAMS, Precision, Stream
 from vividc.program import Program
 from vividc.sim import Launch
-from vividc.sim.native import bulk_tables, engine
+from vividc.sim.native import engine
+from vividc.sim.native.bulk import tables as bulk_tables
 from vividc.sim.native.code import compiled as native_code
 
 

@@ -11,10 +11,10 @@ import pytest
 from vividc.machine.lane_semantics import LANE_SEMANTICS
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.machine.semantics import SEMANTICS
-from vividc.program.layout import OPCODE_NUMBERS
+from vividc.program.words.layout import OPCODE_NUMBERS
 from vividc.sim.native.compiler import loaded, object_code
-from vividc.sim.native.operations import DECLARATIONS, LOWERED, lower
-from vividc.sim.native.text import Code
+from vividc.sim.native.write.operations import DECLARATIONS, LOWERED, lower
+from vividc.sim.native.write.text import Code
 
 PORTS = 3
 OPS = sorted(LOWERED, key=lambda op: op.value)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.sim.view.test_recording import X, strided_arguments
-from vividc.program.layout import OPCODE_NUMBERS
-from vividc.sim.predecode import StateMap
+from vividc.program.words.layout import OPCODE_NUMBERS
+from vividc.sim.reference.predecode import StateMap
 from vividc.sim.view import record, to_vcd
 
 

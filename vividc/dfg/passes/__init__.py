@@ -1,6 +1,10 @@
-"""Passes from DFG to DFG; each returns the same object when nothing changes."""
+"""Passes from DFG to DFG; each returns the same object when nothing changes.
 
-from vividc.dfg.expand.expand import expand_math
+In order: `rewrite` (a graph being rewritten), `fold_constants` with `identities`, `min_max`,
+`common_subexpressions`, `balance`, `contract_fma`, `fold_selects`, `dead_nodes`; `pipeline` calls
+them, and `expand` between them.
+"""
+
 from vividc.dfg.passes.balance import balance_reductions
 from vividc.dfg.passes.common_subexpressions import eliminate_common_subexpressions
 from vividc.dfg.passes.contract_fma import contract_fma
@@ -9,23 +13,10 @@ from vividc.dfg.passes.fold_constants import fold_constants
 from vividc.dfg.passes.fold_selects import fold_selects
 from vividc.dfg.passes.min_max import recognize_min_max
 
-PASSES = (
-    fold_constants,
-    recognize_min_max,
-    expand_math,
-    eliminate_common_subexpressions,
-    balance_reductions,
-    contract_fma,
-    fold_selects,
-    remove_dead_nodes,
-)
-
 __all__ = [
-    "PASSES",
     "balance_reductions",
     "contract_fma",
     "eliminate_common_subexpressions",
-    "expand_math",
     "fold_constants",
     "fold_selects",
     "recognize_min_max",

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from vividc.arch import Accelerator, Scratchpad
 from vividc.errors import ArgumentError, SourceLoc, VividcWarning
 from vividc.program import WORD_BYTES, Program
-from vividc.sim.coverage import written_whole
-from vividc.sim.footprint import Touch, loop_bounds, touched
+from vividc.sim.footprint.coverage import written_whole
+from vividc.sim.footprint.footprint import Touch, loop_bounds, touched
 
 Interval = tuple[int, int]
 

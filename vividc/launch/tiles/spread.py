@@ -21,7 +21,7 @@ from vividc.machine.parallel import WIDE_LOW, Reduction
 from vividc.machine.semantics import evaluate
 from vividc.program import WORD_BYTES, Program, joined
 from vividc.sim.bind import arguments, returned
-from vividc.sim.footprint import chunk_inputs, start_words
+from vividc.sim.footprint.footprint import chunk_inputs, start_words
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
 

@@ -14,8 +14,8 @@ from types import ModuleType
 from typing import Final
 
 import vividc
-from vividc import kept
 from vividc.errors import VividcWarning
+from vividc.program import kept
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent

@@ -14,12 +14,12 @@ from typing import Final
 from vividc.program import Program
 from vividc.sim.engine import Launch, Run
 from vividc.sim.native.code import Compiled, compiled
-from vividc.sim.native.counts import Totals, activity
 from vividc.sim.native.fallback import Fallback
-from vividc.sim.native.layout import Place, Status
+from vividc.sim.native.plan.counts import Totals, activity
+from vividc.sim.native.plan.layout import Place, Status
 from vividc.sim.native.spans import Spans
 from vividc.sim.native.state import MachineState, initial_state
-from vividc.sim.reference import ReferenceEngine, returned
+from vividc.sim.reference.engine import ReferenceEngine, returned
 
 CYCLES_A_CALL: Final = 4_000_000
 """Cycles between two looks at interrupts and progress: at most some tenths of a second."""

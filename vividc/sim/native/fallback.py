@@ -9,12 +9,12 @@ import numpy as np
 
 from vividc.program import Program
 from vividc.sim.engine import Activity, Launch
-from vividc.sim.native.counts import Totals
-from vividc.sim.native.layout import BITS, Layout, Place
+from vividc.sim.native.plan.counts import Totals
+from vividc.sim.native.plan.layout import BITS, Layout, Place
 from vividc.sim.native.state import MachineState
-from vividc.sim.predecode import RegionCode, State, StateMap, predecode
-from vividc.sim.reference import iterations
-from vividc.sim.region_run import RegionState, Tile
+from vividc.sim.reference.engine import iterations
+from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
+from vividc.sim.reference.region import RegionState, Tile
 
 
 class Fallback:

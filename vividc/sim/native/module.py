@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.program import Program
-from vividc.sim.native import bulk
-from vividc.sim.native.body import Machine
-from vividc.sim.native.bulk_tables import BulkTables, bulk_tables
-from vividc.sim.native.counts import RegionCounts, region_counts
-from vividc.sim.native.layout import Layout, Place, Status, layout
-from vividc.sim.native.operations import DECLARATIONS
+from vividc.sim.native.bulk import write as bulk
+from vividc.sim.native.bulk.tables import BulkTables, bulk_tables
+from vividc.sim.native.plan.counts import RegionCounts, region_counts
+from vividc.sim.native.plan.layout import Layout, Place, Status, layout
+from vividc.sim.native.plan.schedule import schedule
+from vividc.sim.native.plan.trace import RegionFlow, trace
 from vividc.sim.native.region import ARGUMENTS, region_function
-from vividc.sim.native.schedule import schedule
-from vividc.sim.native.text import Code
-from vividc.sim.native.trace import RegionFlow, trace
+from vividc.sim.native.write.body import Machine
+from vividc.sim.native.write.operations import DECLARATIONS
+from vividc.sim.native.write.text import Code
 
 ENTRY: Final = "run"
 _DECLARATIONS: Final = (

@@ -11,17 +11,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from vividc.sim.native.body import Body, Key, Machine, Surroundings
-from vividc.sim.native.bulk import write_bulk
-from vividc.sim.native.bulk_tables import BulkTables
-from vividc.sim.native.counts import CountClass
-from vividc.sim.native.ending import COUNTERS, End, finish
-from vividc.sim.native.frame import Frame
-from vividc.sim.native.layout import BITS, EXTENT_WORDS, Place, Status
-from vividc.sim.native.loop import write_loop
-from vividc.sim.native.schedule import Schedule, constants_read, schedule
-from vividc.sim.native.text import FALSE, TRUE, Code
-from vividc.sim.native.trace import RegionFlow
+from vividc.sim.native.bulk.tables import BulkTables
+from vividc.sim.native.bulk.write import write_bulk
+from vividc.sim.native.plan.counts import CountClass
+from vividc.sim.native.plan.layout import BITS, EXTENT_WORDS, Place, Status
+from vividc.sim.native.plan.schedule import Schedule, constants_read, schedule
+from vividc.sim.native.plan.trace import RegionFlow
+from vividc.sim.native.write.body import Body, Key, Machine, Surroundings
+from vividc.sim.native.write.ending import COUNTERS, End, finish
+from vividc.sim.native.write.frame import Frame
+from vividc.sim.native.write.loop import write_loop
+from vividc.sim.native.write.text import FALSE, TRUE, Code
 
 ARGUMENTS: Final = "ptr noalias %context, ptr noalias %constants, ptr noalias %memory"
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from vividc.sim.engine import Observer, RegionSpan
-from vividc.sim.native.counts import Totals
-from vividc.sim.native.layout import Place, Sum
 from vividc.sim.native.module import Plan
+from vividc.sim.native.plan.counts import Totals
+from vividc.sim.native.plan.layout import Place, Sum
 from vividc.sim.native.state import MachineState
 
 

@@ -13,8 +13,8 @@ from vividc.errors import ArgumentError, CycleLimit, SimulationError, demand_typ
 from vividc.program import Program
 from vividc.sim.bind import bind
 from vividc.sim.engine import Launch, RegionSpan
-from vividc.sim.predecode import RegionCode, Slot, State, StateMap
-from vividc.sim.reference import ReferenceEngine
+from vividc.sim.reference.engine import ReferenceEngine
+from vividc.sim.reference.predecode import RegionCode, Slot, State, StateMap
 
 NOTHING: Final = -1
 """In place of a word: nothing valid."""

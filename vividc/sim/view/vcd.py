@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from vividc.program.layout import OPCODE_NUMBERS
-from vividc.sim.predecode import StateMap
+from vividc.program.words.layout import OPCODE_NUMBERS
+from vividc.sim.reference.predecode import StateMap
 from vividc.sim.view.recording import NOTHING, Recording
 
 _FIRST_PRINTABLE: Final = 33

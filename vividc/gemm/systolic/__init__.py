@@ -1,0 +1,50 @@
+"""Mappings by construction: matrix products as output-stationary systolic arrays."""
+
+from vividc.gemm.systolic.array import SystolicArray, SystolicError
+from vividc.gemm.systolic.layout import (
+    GROUP_BYTES,
+    STREAMS,
+    TABLE_ROW,
+    BlockLayout,
+    Stream,
+    read_blocks,
+    write_blocks,
+)
+from vividc.gemm.systolic.precision import PRECISIONS, PRODUCTS, Precision, check_precision, lanes
+from vividc.gemm.systolic.product import (
+    BUFFER,
+    OFFSETS,
+    GemmRegion,
+    base_name,
+    gemm_region,
+    plan,
+    windows,
+)
+from vividc.gemm.systolic.schedule import SystolicSchedule, drain_slot, least_ii
+
+__all__ = [
+    "BUFFER",
+    "GROUP_BYTES",
+    "OFFSETS",
+    "PRECISIONS",
+    "PRODUCTS",
+    "STREAMS",
+    "TABLE_ROW",
+    "BlockLayout",
+    "GemmRegion",
+    "Precision",
+    "Stream",
+    "SystolicArray",
+    "SystolicError",
+    "SystolicSchedule",
+    "base_name",
+    "check_precision",
+    "drain_slot",
+    "gemm_region",
+    "lanes",
+    "least_ii",
+    "plan",
+    "read_blocks",
+    "windows",
+    "write_blocks",
+]

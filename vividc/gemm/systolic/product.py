@@ -1,0 +1,358 @@
+"""Graph and mapping of a matrix product on a systolic array, output stationary.
+
+C = act(A B + bias) in blocks of rows x cols; each iteration of the loop is one block of C. A table
+in the scratchpad says where the blocks of A, B and C of an iteration lie, so that one loop runs
+over blocks of rows and of columns alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+from vividc.dfg.builder import GraphBuilder, Operand
+from vividc.dfg.ir import DFG, Node
+from vividc.gemm.systolic.array import SystolicArray, SystolicError
+from vividc.gemm.systolic.layout import GROUP_BYTES, TABLE_ROW, BlockLayout, Stream
+from vividc.gemm.systolic.precision import LARGEST, PACKS, PRODUCTS, Precision, lanes
+from vividc.gemm.systolic.schedule import SystolicSchedule, least_ii
+from vividc.machine.opcodes import LatencyClass, Opcode
+from vividc.mapper.mapping import Mapping as Placement
+from vividc.mapper.mapping import Place, Step, Subject
+
+BUFFER = "buffer"
+"""The array that holds all operands in the scratchpad (`BlockLayout`)."""
+
+OFFSETS = 1 << 15
+"""Byte offsets of a load/store unit are below this."""
+
+_START = 2
+"""Contexts for the start of the loop: its trip count goes to the controller."""
+
+
+@dataclass(frozen=True)
+class GemmRegion:
+    """A loop region and its mapping."""
+
+    dfg: DFG
+    mapping: Placement
+    layout: BlockLayout
+
+
+def windows(layout: BlockLayout, stream: Stream) -> int:
+    """Base addresses that the accesses to a stream need."""
+    last = {
+        Stream.A: layout.a(layout.rows - 1, layout.depth - 1),
+        Stream.B: layout.b(layout.cols - 1, layout.depth),
+        Stream.C: layout.c(layout.rows - 1, layout.cols - 1),
+        Stream.TABLE: 0,
+    }[stream]
+    return last * GROUP_BYTES // OFFSETS + 1
+
+
+def base_name(stream: Stream, window: int, name: str | None = None) -> str:
+    """Live-in with the address of element 0 of a stream, `window` times the offsets' range on; the
+    stream goes by `name`, None: its own.
+    """
+    return f"{name or stream.name.lower()}{window}"
+
+
+def gemm_region(
+    array: SystolicArray,
+    depth: int,
+    *,
+    relu: bool = False,
+    words: int | None = None,
+    names: Mapping[Stream, str] | None = None,
+    precision: Precision = "f32",
+    results: Precision = "f32",
+) -> GemmRegion:
+    """The loop over blocks of C, mapped.
+
+    Parameters
+    ----------
+    depth
+        The inner dimension (columns of A, rows of B), 1 or more.
+    relu
+        max(x, 0) of every result on its way out.
+    words
+        Of the part of the scratchpad that holds the operands; None: all of it.
+    names
+        Prefix of each stream's live-ins; None: as of `base_name`.
+    precision
+        Format of the operands; `depth` counts words of them. Sums are FP32.
+    results
+        Format of what is stored: the drains round it and put neighbouring columns into a word, as
+        the next product reads them.
+
+    Raises
+    ------
+    SystolicError
+        The configuration memory is too short for `depth` FMAs a PE, the schedule has more stages
+        than the controller, or one block does not fit the scratchpad.
+    """
+    schedule, layout = plan(
+        array, depth, relu=relu, words=words, precision=precision, results=results
+    )
+    made = _Construction(array, schedule, layout, names or {}, results)
+    made.run()
+    dfg = made.builder.build()
+    mapping = Placement(schedule.ii, made.places, made.routes, Subject(dfg, array.fabric))
+    return GemmRegion(dfg, mapping, layout)
+
+
+def plan(
+    array: SystolicArray,
+    depth: int,
+    *,
+    relu: bool = False,
+    words: int | None = None,
+    precision: Precision = "f32",
+    results: Precision = "f32",
+) -> tuple[SystolicSchedule, BlockLayout]:
+    """Schedule and memory layout of `gemm_region` without its graph.
+
+    Raises
+    ------
+    SystolicError
+        As `gemm_region`.
+    """
+    if depth < 1:
+        raise SystolicError(f"an inner dimension of {depth}", hint="it is 1 or more")
+    ii = least_ii(array, depth, activated=relu)
+    op = PRODUCTS[precision]
+    fault = array.missing_product(op)
+    if fault is not None:
+        raise SystolicError(
+            f"fabric {array.fabric.name} multiplies no {precision}: {fault}",
+            loc=array.fabric.name,
+            hint="choose the precision f32",
+        )
+    fault = array.missing_pack((*PACKS[results], LARGEST[results]), lanes(results))
+    if results != "f32" and fault is not None:
+        raise SystolicError(
+            f"fabric {array.fabric.name} stores no {results}: {fault}",
+            loc=array.fabric.name,
+            hint="choose the precision f32 for the layer behind",
+        )
+    schedule = SystolicSchedule(array, depth, ii, relu, op, lanes(results))
+    room = array.fabric.scratchpad.words if words is None else words
+    layout = BlockLayout(array.rows, array.cols, depth, room)
+    _demand_room(array, schedule, layout)
+    return schedule, layout
+
+
+def _demand_room(array: SystolicArray, schedule: SystolicSchedule, layout: BlockLayout) -> None:
+    fabric, depth = array.fabric, layout.depth
+    contexts = fabric.controller.contexts - _START
+    hint = "split the inner dimension and add the parts"
+    if schedule.ii > contexts:
+        text = f"an inner dimension of {depth} takes {schedule.ii} contexts of a PE; fabric "
+        text += f"{fabric.name} has {contexts} beside the start of the loop"
+        raise SystolicError(text, loc=fabric.name, hint=hint)
+    if (schedule.span - 1) // schedule.ii >= fabric.controller.max_stages:
+        text = f"a block is {schedule.span} cycles in the array, and a new one starts every "
+        text += f"{schedule.ii}: more than {fabric.controller.max_stages} stages"
+        raise SystolicError(text, loc=fabric.name, hint="pad the inner dimension with zeros")
+    if min(layout.blocks(max(depth, array.cols)), layout.room // layout.band) < 1:
+        text = f"one block of {layout.rows}x{depth} by {depth}x{layout.cols} does not fit the "
+        text += f"{4 * layout.words} bytes of the scratchpad of fabric {fabric.name}"
+        raise SystolicError(text, loc=fabric.name, hint=hint)
+
+
+class _Construction:
+    """Nodes with their places, edges with their routes, in one pass over the array."""
+
+    def __init__(
+        self,
+        array: SystolicArray,
+        schedule: SystolicSchedule,
+        layout: BlockLayout,
+        names: Mapping[Stream, str],
+        results: Precision,
+    ) -> None:
+        self.builder = GraphBuilder("gemm")
+        self.places: dict[int, Place] = {}
+        self.routes: dict[int, tuple[Step, ...]] = {}
+        self._array = array
+        self._schedule = schedule
+        self._layout = layout
+        self._names = names
+        self._results = results
+        self._edges = 0
+
+    def run(self) -> None:
+        """Construct everything."""
+        rows, cols = range(self._layout.rows), range(self._layout.cols)
+        a = [self._row(i) for i in rows]
+        b = [self._column(j) for j in cols]
+        count = self._schedule.lanes
+        for first in cols[::count]:
+            where = Place(self._array.drain(first), self._schedule.place_c(first))
+            place = self._place(Stream.C, where)
+            for i in rows:
+                columns = cols[first : first + count]
+                totals = [self._accumulate(i, j, a[i], b[j]) for j in columns]
+                self._leave(i, first, totals, place)
+
+    def _row(self, i: int) -> list[Operand]:
+        """A(i, k) for all k."""
+        pe = self._array.west(i)
+        place = self._place(Stream.A, Place(pe, self._schedule.place_a(i)))
+        times = [self._schedule.load_a(i, k) for k in range(self._layout.depth)]
+        return [
+            self._load(Stream.A, self._layout.a(i, k), place, Place(pe, time))
+            for k, time in enumerate(times)
+        ]
+
+    def _column(self, j: int) -> list[Operand]:
+        """B(k, j) for all k, and the bias last."""
+        pe = self._array.north(j)
+        place = self._place(Stream.B, Place(pe, self._schedule.place_b(j)))
+        times = [self._schedule.load_b(j, k) for k in range(self._layout.depth)]
+        times.append(self._schedule.load_bias(j))
+        return [
+            self._load(Stream.B, self._layout.b(j, k), place, Place(pe, time))
+            for k, time in enumerate(times)
+        ]
+
+    def _place(self, stream: Stream, where: Place) -> Operand:
+        """Where the iteration's block of a matrix lies, from the table."""
+        shift = (TABLE_ROW * GROUP_BYTES).bit_length() - 1
+        node = Node(0, Opcode.LOAD, name=BUFFER, shift=shift, offset=stream * GROUP_BYTES)
+        base = self._base(Stream.TABLE, 0)
+        return self._add(node, [self.builder.iv()], where, base=base)
+
+    def _load(self, stream: Stream, element: int, index: Operand, where: Place) -> Operand:
+        base, offset = self._address(stream, element)
+        node = Node(0, Opcode.LOAD, name=BUFFER, offset=offset)
+        return self._add(node, [index], where, [self._held(index, where)], base)
+
+    def _accumulate(self, i: int, j: int, a: list[Operand], b: list[Operand]) -> Operand:
+        total = b[-1]
+        pe = self._array.multiplier(i, j)
+        for k, (left, right) in enumerate(zip(a, b[:-1], strict=True)):
+            east = self._eastward(i, j, self._schedule.load_a(i, k))
+            south = self._southward(i, j, self._schedule.load_b(j, k))
+            kept = self._kept(i, j, k) if k else self._bias(i, j)
+            where = Place(pe, self._schedule.multiply(i, j, k))
+            node = Node(0, self._schedule.op)
+            total = self._add(node, [left, right, total], where, [east, south, kept])
+        return total
+
+    def _leave(self, i: int, j: int, totals: list[Operand], place: Operand) -> None:
+        """The results of row i, columns j, ..., of a word."""
+        where = Place(self._array.drain(j), self._schedule.leave(i, j))
+        word, route = totals[0], self._northward(i, j)
+        if len(totals) > 1:
+            word, route = self._packed(i, j, totals)
+        if self._schedule.activated:
+            node = Node(0, LARGEST[self._results])
+            word = self._add(node, [word, self.builder.const(0)], where, [route])
+            where, route = Place(where.pe, where.time + 1), ()
+        base, offset = self._address(Stream.C, self._layout.c(i, j // len(totals)))
+        node = Node(0, Opcode.STORE, name=BUFFER, offset=offset)
+        self._add(node, [place, word], where, [self._held(place, where), route], base)
+
+    def _packed(
+        self, i: int, first: int, totals: list[Operand]
+    ) -> tuple[Operand, tuple[Step, ...]]:
+        """The word of two or four results, and its way to the first column's drain."""
+        schedule, ops = self._schedule, PACKS[self._results]
+        drains = [self._array.drain(first + lane) for lane in range(len(totals))]
+        convert = self._array.latency(LatencyClass.CONVERT)
+        come = [self._northward(i, first + lane) for lane in range(len(totals))]
+        for lane in range(0, len(totals), 2):
+            east = drains[lane : lane + 2]
+            come[lane] += self._along(east, schedule.drain(i, first + lane) + 1)
+        where = Place(drains[1], schedule.pack(i, first))
+        word = self._add(Node(0, ops[0]), totals[:2], where, come[:2])
+        if len(ops) > 1:
+            low = self._along(drains[1:], where.time + convert)
+            where = Place(drains[3], schedule.pack_high(i, first))
+            for lane in (2, 3):
+                waits = range(come[lane][-1].time + 1, where.time + 1)
+                come[lane] += tuple(Step("reg", where.pe, lane, time) for time in waits)
+            word = self._add(Node(0, ops[1]), [*totals[2:], word], where, [*come[2:], low])
+        west = drains[drains.index(where.pe) :: -1]
+        return word, self._along(west, where.time + convert)
+
+    def _address(self, stream: Stream, element: int) -> tuple[Operand, int]:
+        """Base and offset of an element: the offset has fewer bits than the scratchpad."""
+        window, offset = divmod(element * GROUP_BYTES, OFFSETS)
+        return self._base(stream, window), offset
+
+    def _base(self, stream: Stream, window: int) -> Operand:
+        return self.builder.live_in(base_name(stream, window, self._names.get(stream)))
+
+    def _add(
+        self,
+        node: Node,
+        operands: list[Operand],
+        where: Place,
+        routes: list[tuple[Step, ...]] | None = None,
+        base: Operand | None = None,
+    ) -> Operand:
+        """A placed node; `routes` of its first operands, which are operations."""
+        made = self.builder.add_node(node, operands, base=base)
+        self.places[made.node] = where
+        for port, route in enumerate(routes or ()):
+            self.routes[self._edges + port] = route
+        self._edges += len(operands) + (base is not None)
+        return made
+
+    # --- routes -----------------------------------------------------------------------------------
+
+    def _eastward(self, i: int, j: int, time: int) -> tuple[Step, ...]:
+        """What row i's PE in the west loads in cycle `time`."""
+        pes = [self._array.west(i), *(self._array.multiplier(i, col) for col in range(j + 1))]
+        return self._along(pes, time + self._array.latency(LatencyClass.LOAD))
+
+    def _southward(self, i: int, j: int, time: int) -> tuple[Step, ...]:
+        """What column j's PE in the north loads in cycle `time`."""
+        pes = [self._array.north(j), self._array.drain(j)]
+        pes += [self._array.multiplier(row, j) for row in range(i + 1)]
+        return self._along(pes, time + self._array.latency(LatencyClass.LOAD))
+
+    def _northward(self, i: int, j: int) -> tuple[Step, ...]:
+        pes = [self._array.multiplier(row, j) for row in range(i, -1, -1)]
+        return self._along([*pes, self._array.drain(j)], self._schedule.result(i, j))
+
+    def _along(self, pes: list[int], time: int) -> tuple[Step, ...]:
+        """From PE to PE, readable on the second in cycle `time`."""
+        hops = pairwise(pes)
+        return tuple(
+            Step("link", dst, self._array.link(src, dst), time + number)
+            for number, (src, dst) in enumerate(hops)
+        )
+
+    def _held(self, word: Operand, reader: Place) -> tuple[Step, ...]:
+        """A loaded word on its PE. It leaves each register for the next before that iteration's
+        word comes; as each stay is a cycle shorter than the II, no two moves share a slot.
+        """
+        ready = self.places[word.node].time + self._array.latency(LatencyClass.LOAD)
+        return tuple(
+            Step("reg", reader.pe, (time - ready) // (self._schedule.ii - 1), time)
+            for time in range(ready, reader.time + 1)
+        )
+
+    def _bias(self, i: int, j: int) -> tuple[Step, ...]:
+        """The bias waits in the last register for the first FMA."""
+        way = self._southward(i, j, self._schedule.load_bias(j))
+        pe = self._array.multiplier(i, j)
+        register = self._array.fabric.pes[pe].registers - 1
+        waits = range(way[-1].time + 1, self._schedule.multiply(i, j, 0) + 1)
+        return (*way, *(Step("reg", pe, register, time) for time in waits))
+
+    def _kept(self, i: int, j: int, k: int) -> tuple[Step, ...]:
+        """The sum on its PE: from the output register, or where the next FMA comes a cycle later
+        through a register, each time another one: these words of several blocks meet.
+        """
+        fma = self._schedule.product_latency
+        start = self._schedule.multiply(i, j, k - 1) + fma
+        read = self._schedule.multiply(i, j, k)
+        if read == start:
+            return ()
+        pe, register = self._array.multiplier(i, j), self._schedule.turn(k) - 1
+        return tuple(Step("reg", pe, register, time) for time in range(start, read + 1))

@@ -1,0 +1,211 @@
+"""How long a straight region must be at least: longest paths with forced hops, and shared PEs."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import Edge, EdgeKind, Node
+from vividc.errors import MappingFailed
+from vividc.machine.opcodes import Opcode
+from vividc.mapper.mapping import Bound
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.distances import cycles_for
+
+
+def straight_lower_bound(problem: MapProblem) -> Bound:
+    """The sharpest lower bound on the length of a straight region, at least 1.
+
+    Longest dependence path with the hops that candidate PEs force; and for operations that share
+    PEs, one issue per PE and cycle between the earliest start and the shortest tail (Carlier 1982).
+
+    Raises
+    ------
+    MappingFailed
+        Edges of distance 0 form a cycle.
+    """
+    heights = Heights(problem)
+    heads = _heads(problem, heights)
+    bounds = [_path_bound(problem, heights), *_shared_bounds(problem, heights, heads)]
+    return max(bounds, key=lambda bound: bound.ii)
+
+
+def end_after_start(fabric: Fabric, node: Node) -> int:
+    """Cycles of the region that `node` needs from its issue on, itself alone."""
+    if node.op is Opcode.LIVE_OUT:
+        return 1
+    latency = max(fabric.latency(node), fabric.occupancy(node))
+    if node.control is None:
+        return latency
+    return max(latency, fabric.latency(node) + fabric.controller.control_latency)
+
+
+class Heights:
+    """Longest paths from each node's issue to the end of the region, forced hops included.
+
+    Attributes
+    ----------
+    of
+        Height of each placed node: no legal schedule has fewer cycles from its issue to its end.
+    order
+        Placed nodes, producers first.
+    """
+
+    def __init__(self, problem: MapProblem) -> None:
+        self._problem = problem
+        self._hops = _hops(problem.fabric)
+        self._candidates = {n.id: problem.candidates(n) for n in problem.dfg.placed}
+        self._nearest: dict[tuple[int, tuple[int, ...]], int] = {}
+        self.order = _topological(problem)
+        self.of: dict[int, int] = {}
+        self._after: dict[tuple[int, int], int] = {}
+        for node in reversed(self.order):
+            here = self._candidates[node]
+            own = end_after_start(problem.fabric, problem.dfg.by_id[node])
+            self.of[node] = min((self.after(node, pe) for pe in here), default=own)
+
+    def after(self, node: int, pe: int) -> int:
+        """Height of `node` if it lies on `pe`."""
+        known = self._after.get((node, pe))
+        if known is None:
+            known = end_after_start(self._problem.fabric, self._problem.dfg.by_id[node])
+            for edge in self._problem.dfg.out_edges[node]:
+                known = max(known, self.separation(edge, pe) + self.of[edge.dst])
+            self._after[node, pe] = known
+        return known
+
+    def separation(self, edge: Edge, pe: int | None = None) -> int:
+        """Least start[dst] - start[src], with the producer on `pe` or on its best candidate."""
+        fabric = self._problem.fabric
+        latency = fabric.latency(self._problem.dfg.by_id[edge.src])
+        if edge.kind is EdgeKind.ORDER:
+            return 1
+        if edge.kind is EdgeKind.CONTROL:
+            return latency + fabric.controller.control_latency
+        sources = self._candidates[edge.src] if pe is None else (pe,)
+        targets = self._candidates[edge.dst]
+        hops = min((self._distance(source, targets) for source in sources), default=0)
+        return latency + max(0, hops - 1)
+
+    def _distance(self, source: int, targets: tuple[int, ...]) -> int:
+        key = (source, targets)
+        if key not in self._nearest:
+            self._nearest[key] = min((self._hops[source][pe] for pe in targets), default=0)
+        return self._nearest[key]
+
+
+def _path_bound(problem: MapProblem, heights: Heights) -> Bound:
+    if not heights.of:
+        return Bound("critical path", 1, "the region is empty")
+    node = max(heights.order, key=lambda item: heights.of[item])
+    path = [node]
+    while True:
+        tight = [
+            edge.dst
+            for edge in problem.dfg.out_edges[path[-1]]
+            if heights.separation(edge) + heights.of[edge.dst] >= heights.of[path[-1]]
+        ]
+        if not tight:
+            break
+        path.append(tight[0])
+    text = " -> ".join(str(item) for item in path)
+    return Bound("critical path", max(1, heights.of[node]), f"nodes {text}", tuple(path))
+
+
+def _heads(problem: MapProblem, heights: Heights) -> dict[int, int]:
+    heads = dict.fromkeys(heights.order, 0)
+    for node in heights.order:
+        for edge in problem.dfg.out_edges[node]:
+            heads[edge.dst] = max(heads[edge.dst], heads[node] + heights.separation(edge))
+    return heads
+
+
+def _shared_bounds(problem: MapProblem, heights: Heights, heads: dict[int, int]) -> Iterator[Bound]:
+    operations: dict[frozenset[int], list[int]] = defaultdict(list)
+    live_outs: dict[frozenset[int], list[int]] = defaultdict(list)
+    for node in problem.dfg.placed:
+        groups = live_outs if node.op is Opcode.LIVE_OUT else operations
+        groups[frozenset(problem.candidates(node))].append(node.id)
+    for groups, what in ((operations, "operations"), (live_outs, "live-outs")):
+        for pes in _unions(groups):
+            users = [n for group, nodes in groups.items() if group <= pes for n in nodes]
+            length = _shared_length(users, len(pes), heads, heights.of)
+            reason = f"{len(users)} {what} share {len(pes)} PEs"
+            yield Bound("shared PEs", length, reason, tuple(sorted(users)))
+    accesses = [node.id for node in problem.dfg.placed if node.is_memory]
+    if accesses:
+        banks = problem.fabric.scratchpad.banks
+        length = _shared_length(accesses, banks, heads, heights.of)
+        yield Bound("banks", length, f"{banks} accesses a cycle", tuple(accesses))
+    controls = [node.id for node in problem.dfg.placed if node.control is not None]
+    if controls:
+        length = _shared_length(controls, 1, _results(problem, controls, heads), _ends(problem))
+        yield Bound("control port", length, "one control result a cycle", tuple(controls))
+
+
+def _unions(groups: Iterable[frozenset[int]]) -> list[frozenset[int]]:
+    """The groups with candidates, and the union of all."""
+    known = [group for group in groups if group]
+    return list(dict.fromkeys([*known, frozenset().union(*known)])) if known else []
+
+
+def _shared_length(users: list[int], pes: int, heads: dict[int, int], tails: dict[int, int]) -> int:
+    """Max over sets {head >= h, tail >= t} of h + t + cycles to issue all but the last of them."""
+    length = 1
+    latest_first = sorted(users, key=heads.__getitem__, reverse=True)
+    head = np.array([heads[node] for node in latest_first])
+    tail = np.array([tails[node] for node in latest_first])
+    for least_tail in sorted(set(tail.tolist())):
+        inside = head[tail >= least_tail]
+        issued = np.arange(len(inside)) // pes
+        length = max(length, int((inside + issued).max()) + least_tail)
+    return length
+
+
+def _results(problem: MapProblem, nodes: list[int], heads: dict[int, int]) -> dict[int, int]:
+    return {n: heads[n] + problem.fabric.latency(problem.dfg.by_id[n]) for n in nodes}
+
+
+def _ends(problem: MapProblem) -> dict[int, int]:
+    return dict.fromkeys(
+        (node.id for node in problem.dfg.placed), problem.fabric.controller.control_latency
+    )
+
+
+def _hops(fabric: Fabric) -> list[list[int]]:
+    """Cycles between PEs, links passed one a cycle or as many as the fabric permits; as many as
+    there are PEs where no links lead.
+    """
+    count = len(fabric.pes)
+    hops = [[0 if a == b else count for b in range(count)] for a in range(count)]
+    for start in range(count):
+        frontier = [start]
+        while frontier:
+            reached = dict.fromkeys(k.dst for pe in frontier for k in fabric.links_from[pe])
+            distance = hops[start][frontier[0]] + 1
+            frontier = [pe for pe in reached if hops[start][pe] > distance]
+            for pe in frontier:
+                hops[start][pe] = distance
+    a_cycle = fabric.routing.hops
+    return [[h if h == count else cycles_for(h, a_cycle) for h in row] for row in hops]
+
+
+def _topological(problem: MapProblem) -> tuple[int, ...]:
+    waits = {node.id: 0 for node in problem.dfg.placed}
+    for edge in problem.dfg.edges:
+        if edge.src in waits and edge.distance == 0:
+            waits[edge.dst] += 1
+    order = [node for node, count in waits.items() if not count]
+    for node in order:  # grows while it is walked
+        for edge in problem.dfg.out_edges[node]:
+            if edge.distance:
+                continue
+            waits[edge.dst] -= 1
+            if not waits[edge.dst]:
+                order.append(edge.dst)
+    if len(order) < len(waits):
+        raise MappingFailed(f"{problem.dfg.name}: edges of distance 0 form a cycle")
+    return tuple(order)

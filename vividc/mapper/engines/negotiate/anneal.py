@@ -1,0 +1,281 @@
+"""Simulated annealing of places and times (Kirkpatrick et al. 1983; for CGRAs Mei et al. 2002).
+
+The cost of a state is what it breaks (claims beyond capacity, words that cannot be there in time)
+and, far less, what words take: over links the cycles that each word lives, counted once however
+many read it, and the hops of its ways; over output registers the moves that show it (`words`).
+Which link or register is the router's part.
+
+A node moves alone, changes places with another, or pushes in time all that its move makes too
+early: where a schedule has no slack, none of its nodes can move alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from vividc.mapper.engines.negotiate.arrays import Floats, Task
+from vividc.mapper.engines.negotiate.compiled import compiled, inlined
+from vividc.mapper.engines.negotiate.motion import (
+    BROKEN,
+    CLASH,
+    NODES,
+    Motion,
+    begin,
+    claims_cost,
+    clashes,
+    cost_all,
+    exchange,
+    hide_words,
+    keep_costs,
+    list_affected,
+    nodes_change,
+    occupant,
+    put,
+    restore_words,
+    show_words,
+    swap,
+    withdraw_words,
+)
+from vividc.mapper.engines.negotiate.places import Places, draw, window
+from vividc.mapper.engines.negotiate.words import Words
+from vividc.mapper.resources.mrrg import Ints
+
+_PUSH_BELOW = 8
+"""Of 100 moves, which push others in time."""
+_MOVE_PE_BELOW, _MOVE_TIME_FROM = 65, 45
+"""Of 100 other moves, which change the PE and which the time."""
+_ANY, _LEAST_ANY, _SMALL_ARRAY = 50, 5, 16
+"""Of 100 PEs that are proposed, how many are any, on an array of so many; on larger ones fewer."""
+_BY_GRAPH_BELOW = 70
+"""Of 100, below which number the others are near a neighbour in the graph and not near its own."""
+_MOST_TURNS = 16
+"""Rounds over the nodes of a push: around a recurrence some are pushed again and again."""
+
+
+class Heat(NamedTuple):
+    """`value[0]`: temperature; each move multiplies it with `cooling`."""
+
+    value: Floats
+    cooling: float
+    scratch: Ints
+
+
+class State(NamedTuple):
+    """What moves change, and their work space."""
+
+    places: Places
+    words: Words
+    motion: Motion
+
+
+def new_heat(hot: float, cold: float, moves: int) -> Heat:
+    """From hot to cold within so many moves."""
+    cooling = (cold / hot) ** (1.0 / max(moves, 1))
+    return Heat(np.array([hot]), cooling, np.zeros(2, dtype=np.int64))
+
+
+@compiled
+def anneal(task: Task, state: State, heat: Heat, moves: int) -> None:
+    """Make `moves` moves."""
+    places, motion = state.places, state.motion
+    nodes = len(task.nodes.latency)
+    cost_all(task, places, motion)
+    for _ in range(moves):
+        begin(motion)
+        node = draw(places.random, nodes)
+        if draw(places.random, 100) < _PUSH_BELOW:
+            possible = _propose_push(task, places, motion, node)
+        else:
+            possible = _propose_one(task, places, motion, node, heat.scratch)
+        if possible:
+            _consider(task, state, heat.value[0])
+        heat.value[0] *= heat.cooling
+
+
+@inlined
+def _consider(task: Task, state: State, heat: float) -> None:
+    """Make the proposed move, and take it back if it costs more than what is drawn for it first
+    (Metropolis et al. 1953).
+
+    Most moves are refused by what nodes alone cost, before moves of words are claimed anew.
+    """
+    places, words, motion = state
+    list_affected(task, motion)
+    price = -heat * math.log((1 + draw(places.random, 1 << 24)) / (1 << 24))
+    most = claims_cost(task, places, words, motion) + price
+    exchange(task, places, motion)
+    most -= nodes_change(task, places, motion)
+    if not task.array.moves:
+        if BROKEN * places.over[0] <= most:
+            keep_costs(motion)
+        else:
+            exchange(task, places, motion)
+        return
+    swap(places, motion)
+    relief = clashes(task, places, words, motion)
+    if CLASH * (places.over[0] - relief) > most:
+        swap(places, motion)
+        exchange(task, places, motion)
+        return
+    hide_words(task, places, words, motion)
+    swap(places, motion)
+    if show_words(task, places, words, motion, most):
+        keep_costs(motion)
+        return
+    withdraw_words(task, places, words, motion)
+    exchange(task, places, motion)
+    restore_words(task, places, words, motion)
+
+
+@inlined
+def _propose_one(task: Task, places: Places, motion: Motion, node: int, scratch: Ints) -> bool:
+    """One node goes elsewhere; who is there takes its PE, and its slot there where FUs move words:
+    arrays are fuller there, while elsewhere fewer tries come out free of clashes so.
+    """
+    pe, time = propose(task, places, node, scratch)
+    if pe == places.pe[node] and time == places.time[node]:
+        return False
+    other = occupant(task, places, node, pe, time)
+    if other >= 0:
+        its_time = places.time[other]
+        if task.array.moves:
+            its_time += places.time[node] - time
+        if not task.nodes.can[other, places.pe[node]] or not 0 <= its_time <= task.array.latest:
+            return False
+        put(motion, other, places.pe[node], its_time)
+    put(motion, node, pe, time)
+    return True
+
+
+@inlined
+def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool:
+    """A node goes some cycles later, or to another PE when it can be there, or earlier, and pushes
+    others as far as it must. False: something would leave the schedule.
+    """
+    array, random = task.array, places.random
+    sign = 1 if draw(random, 2) == 0 else -1
+    pe, time = places.pe[node], places.time[node]
+    if draw(random, 2) == 0:
+        pe = draw_pe(task, places, node)
+        time = _next_to_those_before(task, places, node, pe, sign)
+    if pe == places.pe[node]:
+        time = places.time[node] + sign * (1 + draw(random, max(1, array.ii // 2)))
+    if time < 0 or time > array.latest:
+        return False
+    put(motion, node, pe, time)
+    return _push(task, places, motion, sign)
+
+
+@inlined
+def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: int) -> int:
+    """The time nearest to its own at which a node can follow (sign 1) or precede (-1) its
+    neighbours from another PE.
+    """
+    edges, array = task.edges, task.array
+    time = places.time[node]
+    for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+        edge = edges.of_items[at]
+        src, dst = edges.src[edge], edges.dst[edge]
+        if sign > 0 and dst == node:
+            time = max(time, places.time[src] + _apart(task, edge, places.pe[src], pe))
+        elif sign < 0 and src == node:
+            time = min(time, places.time[dst] - _apart(task, edge, pe, places.pe[dst]))
+    return int(min(max(time, -1), array.latest + 1))
+
+
+@inlined
+def _apart(task: Task, edge: int, src_pe: int, dst_pe: int) -> int:
+    """Least cycles between the ends of an edge on these PEs."""
+    edges = task.edges
+    if edges.routed[edge]:
+        return int(edges.ready[edge] + task.array.reach[src_pe, dst_pe])
+    return int(edges.shift[edge])
+
+
+@inlined
+def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
+    """Push what follows (sign 1) or precedes (-1) the nodes of a move out of their way; False: out
+    of the schedule, or around a recurrence without end.
+    """
+    edges = task.edges
+    turns, clean = 0, False
+    while not clean:
+        clean = True
+        listed = 0
+        while listed < motion.listed[NODES]:
+            node = motion.nodes[listed]
+            for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+                edge = edges.of_items[at]
+                other = edges.dst[edge] if sign > 0 else edges.src[edge]
+                pe, time = _where(places, motion, other)
+                pushed = _pushed(task, places, motion, edge, sign)
+                if other == node or pushed == time:
+                    continue
+                if pushed < 0 or pushed > task.array.latest:
+                    return False
+                put(motion, other, pe, pushed)
+                clean = False
+            listed += 1
+        turns += 1
+        if turns > _MOST_TURNS:
+            return False
+    return True
+
+
+@inlined
+def _where(places: Places, motion: Motion, node: int) -> tuple[int, int]:
+    """PE and time of a node after the move so far."""
+    if motion.node_in[node]:
+        return int(motion.pe[node]), int(motion.time[node])
+    return int(places.pe[node]), int(places.time[node])
+
+
+@inlined
+def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) -> int:
+    """The time of the edge's end (sign 1) or beginning (-1) when its other end has pushed it."""
+    src_pe, src_time = _where(places, motion, task.edges.src[edge])
+    dst_pe, dst_time = _where(places, motion, task.edges.dst[edge])
+    apart = _apart(task, edge, src_pe, dst_pe)
+    return max(dst_time, src_time + apart) if sign > 0 else min(src_time, dst_time - apart)
+
+
+@inlined
+def draw_pe(task: Task, places: Places, node: int) -> int:
+    """A PE for `node`: any, or one near a neighbour in the graph, or near its own."""
+    nodes, edges, array = task
+    random = places.random
+    first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
+    pe = nodes.pe_items[first + draw(random, end - first)]
+    others = edges.of_begin[node + 1] - edges.of_begin[node]
+    kind = draw(random, 100)
+    if others == 0 or kind < max(_LEAST_ANY, _ANY * _SMALL_ARRAY // max(array.pes, _SMALL_ARRAY)):
+        return int(pe)
+    beside = places.pe[node]
+    if array.pes <= _SMALL_ARRAY or kind < _BY_GRAPH_BELOW:
+        edge = edges.of_items[edges.of_begin[node] + draw(random, others)]
+        beside = places.pe[edges.src[edge] + edges.dst[edge] - node]
+    row = array.near_begin[beside]
+    near = array.near_items[row + draw(random, array.near_begin[beside + 1] - row)]
+    return int(near if nodes.can[node, near] else pe)
+
+
+@inlined
+def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
+    """A PE (`draw_pe`) or a time, or both, for `node`."""
+    edges, array = task.edges, task.array
+    random = places.random
+    pe, time = places.pe[node], places.time[node]
+    kind = draw(random, 100)
+    if kind < _MOVE_PE_BELOW:
+        pe = draw_pe(task, places, node)
+    if kind >= _MOVE_TIME_FROM:
+        window(edges, array, places, node, scratch)
+        first, last = scratch[0], scratch[1]
+        if first <= last:
+            time = first + draw(random, last - first + 1)
+        else:
+            time = max(0, min(array.latest, last + draw(random, first - last + 1)))
+    return pe, time

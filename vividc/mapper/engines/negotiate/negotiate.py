@@ -1,0 +1,470 @@
+"""From a graph to a mapping: anneal places and times, negotiate routes, name registers."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from vividc.arch.fabric import PE, Controller, Fabric, Scratchpad
+from vividc.dfg.ir import DFG, Node
+from vividc.errors import InternalError
+from vividc.machine.opcodes import LatencyClass, Opcode
+from vividc.mapper.check.verify import violations
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
+from vividc.mapper.engines.negotiate.arrays import Task, build_task
+from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
+from vividc.mapper.engines.negotiate.motion import new_motion
+from vividc.mapper.engines.negotiate.places import broken, enter, new_places
+from vividc.mapper.engines.negotiate.repair import new_undo, repair
+from vividc.mapper.engines.negotiate.traffic import (
+    DIRECT,
+    OVER,
+    PRESSURE,
+    new_graph,
+    new_scratch,
+    new_traffic,
+    raise_prices,
+    reprice_all,
+)
+from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_round
+from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
+from vividc.mapper.mapping import Mapping, Place, Step
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.dependences import dependences, earliest_starts
+from vividc.mapper.resources.distances import FAR, hop_distances
+from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
+from vividc.mapper.resources.registers import Stay, allocate
+
+_MOVES_PER_NODE: Final = 8000
+_ROUNDS: Final = 30
+_REPAIRS_PER_NODE: Final = 150
+_TRIALS: Final = 2
+_NAMING_ROUNDS: Final = 12
+_WARM, _COOL = 5.0, 1.0
+_OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
+_SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
+_SHOWN_MOVES: Final = 3
+"""More annealing where moves of words are claimed, since little is left to routes."""
+_LITTLE: Final = 8
+"""As much as this, if broken, is annealed again."""
+_QUENCH, _QUENCH_HOT, _QUENCH_COLD = 0.25, 2.0, 0.2
+_OUTPUT_REPAIRS: Final = 25
+_OUTPUT_NODES: Final = 100
+"""Where words go through output registers, annealing without routes sees little of what they cost,
+and a move with routes takes a twentieth of the time that it takes over links: so many times the
+moves, of graphs up to so many nodes.
+"""
+_SLICE: Final = 10_000
+_BEGIN_S: Final = 0.005
+_MOVE_S, _SHOWN_MOVE_S = 3e-7, 5e-7
+_REPAIR_S, _OUTPUT_REPAIR_S = 1e-4, 1e-5
+_ROUTED_S: Final = 2e-5
+_TYPICAL_EDGES: Final = 1.3
+"""Effort of an attempt's arrays, of a move without and with moves of words claimed, of a move with
+routes (where words go through output registers), and of routing the words of a node, in graphs of
+so many edges a node; denser ones take as much more.
+"""
+_REPAIR_SLICE: Final = 64
+_HOPELESS: Final = ((0.0, 1 / 4), (0.1, 1 / 8))
+"""From such a part of the moves with routes on, crowding of more than such a part of the nodes is
+given up: of 170 such repairs on public graphs none came from above a sixteenth to nothing, and of
+a graph of 293 nodes all moves halve it at best.
+"""
+_FEW: Final = 8
+"""So much crowding is never given up."""
+_SEED_STEP: Final = 1000
+"""Between the seeds of attempts that run side by side."""
+_HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
+_REPAIR_PRESSURE: Final = 3.0
+_MOST_CELLS: Final = 20_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class _Cooling:
+    """Of annealing: heats, and the parts of the first with which it is done again."""
+
+    hot: float
+    cold: float
+    again: tuple[float, ...]
+
+
+_FREELY: Final = _Cooling(30.0, 0.2, (0.25, 0.25))
+_SHOWN: Final = _Cooling(12.0, 1.5, (0.6, 0.6))
+"""Where moves of words are claimed: from about as much broken as there are operations to where
+nothing that is broken changes any more.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
+    node with routes, and how often all that is tried; `shown`: how many times the annealing moves
+    where moves of words are claimed.
+    """
+
+    moves: int = _MOVES_PER_NODE
+    rounds: int = _ROUNDS
+    repairs: int = _REPAIRS_PER_NODE
+    trials: int = _TRIALS
+    shown: int = _SHOWN_MOVES
+
+
+def prepare(tell: Callable[[str], None]) -> None:
+    """Have everything compiled: the time that takes, once an installation, counts in no limit."""
+    if not _prepared:
+        tell("annealer and router: loading, or compiling once (up to a minute)")
+        _compile_all()
+        _prepared.append(True)
+
+
+_prepared: list[bool] = []
+
+
+def negotiate(
+    problem: MapProblem,
+    ii: int,
+    seed: int,
+    deadline: Deadline,
+    effort: Effort | None = None,
+    sides: int = 1,
+    threads: int = 1,
+) -> Mapping | None:
+    """A mapping at `ii`, or None, which refutes nothing.
+
+    Trials are shared out among so many `sides`, each with a seed of its own, that go on in step.
+    Deterministic for a seed and so many sides; threads only make it faster.
+    """
+    effort = effort or Effort()
+    deadline.charge(_BEGIN_S)
+    nodes = tuple(node.id for node in problem.dfg.placed)
+    start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
+    if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
+        return None
+    latest = max(start.values(), default=0) + _slack(problem, ii)
+    latest = min(latest, ii * problem.fabric.controller.max_stages - 1)
+    if any(time > latest for time in start.values()):
+        return None
+    begin = _with_room(problem, start, latest)
+    seeds = range(seed, seed + _SEED_STEP * sides, _SEED_STEP)
+    attempts = [Negotiation(problem, ii, begin, latest, one) for one in seeds]
+    if not attempts[0].fits:
+        return None
+    share = replace(effort, trials=-(-effort.trials // sides))
+    going = [attempt.run(share, deadline) for attempt in attempts]
+    mapping = first_result(going, deadline.charge, threads)
+    return None if mapping is None else _checked(mapping, problem)
+
+
+def _slack(problem: MapProblem, ii: int) -> int:
+    """Cycles by which the schedule may be longer than the longest path."""
+    if problem.fabric.routing.hops:
+        return ii
+    widest = max(hops for row in hop_distances(problem.fabric) for hops in row if hops < FAR)
+    return max(ii, 2 * widest)
+
+
+def _with_room(problem: MapProblem, start: ReadOnly[int, int], latest: int) -> ReadOnly[int, int]:
+    """The schedule to begin with. Where words go through output registers nothing draws nodes
+    together in time, and one that comes too early cannot push all that follows: so there is room
+    before the first.
+    """
+    if problem.fabric.routing.hops:
+        return start
+    later = (latest - max(start.values(), default=0)) // 2
+    return {node: time + later for node, time in start.items()}
+
+
+def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
+    found = violations(task.dfg, task.fabric, mapping, allowed=task.allowed, resident=task.resident)
+    if found:
+        raise InternalError(f"negotiated mapping of {task.dfg.name}: {found[0].message}")
+    return mapping
+
+
+def _compile_all() -> None:
+    """Call every entry point once, with one operation on one PE."""
+    compute = LatencyClass.GENERIC
+    pe = PE(0, 0, 0, frozenset({compute}), 1, 1, 1, 1)
+    controller = Controller(1, 1, 1, 1)
+    fabric = Fabric(
+        "one", 1, 1, (pe,), (), {compute: 1}, Scratchpad(4, 1), controller, clock_ghz=1.0
+    )
+    node = Node(0, Opcode.GENERIC, name="op")
+    problem = MapProblem(DFG("one", (node,), ()), fabric)
+    attempt = Negotiation(problem, 1, {0: 0}, 0, 1)
+    never = Deadline.after(3600.0)
+    first_result([attempt.run(Effort(1, 1, 1, 1), never)], never.charge)
+    raise_prices(attempt.traffic, 1, _HISTORY, _GROWTH, _MOST_PRESSURE)
+    attempt.traffic.totals[OVER] = 1
+    repair(attempt.router, new_undo(attempt.task, attempt.traffic), new_heat(1.0, 1.0, 1), 1)
+    route_as_shown(attempt.router, attempt.words)
+
+
+class Negotiation:
+    """The arrays of one II and what the compiled functions do with them."""
+
+    def __init__(
+        self, problem: MapProblem, ii: int, start: ReadOnly[int, int], latest: int, seed: int
+    ) -> None:
+        self.problem, self.ii = problem, ii
+        self.mrrg: MRRG = build_mrrg(problem.fabric)
+        self.task: Task
+        self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
+        self.density = max(len(self.task.edges.src) / len(self.ids) / _TYPICAL_EDGES, 1.0)
+        self.places = new_places(self.task, seed)
+        self.words = new_words(self.task)
+        self.cooling = _SHOWN if self.task.array.moves else _FREELY
+        self._put(start)
+        self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
+        sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
+        self.room = self.cycles + min(self.cycles, 4 * ii) + 8 * sinks
+
+    @property
+    def fits(self) -> bool:
+        """Whether the work space is of a sensible size."""
+        return max(self.cycles * self.mrrg.locations, self.room * len(self.ids)) <= _MOST_CELLS
+
+    def _put(self, start: ReadOnly[int, int]) -> None:
+        nodes = self.task.nodes
+        for node, name in enumerate(self.ids):
+            first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
+            self.places.pe[node] = nodes.pe_items[first + node % (end - first)]
+            self.places.time[node] = start[name]
+            enter(nodes, self.task.array, self.places, node, 1)
+
+    def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
+        """Try until something maps, or all trials have failed."""
+        times = effort.shown if self.task.array.moves else 1
+        for _ in range(effort.trials):
+            if (yield from self._anneal(effort.moves * len(self.ids) * times, deadline)):
+                mapping = yield from self._routed(effort, deadline)
+                if mapping is not None:
+                    return mapping
+            if deadline.passed:
+                return None
+        return None
+
+    def _anneal(self, moves: int, deadline: Deadline) -> Steps[bool]:
+        """Anneal from where nodes are, and again less hot where little is left broken; True when
+        nothing is in the end but what moves of words break.
+        """
+        task, places, words = self.task, self.places, self.words
+        show_all(task, places, words)
+        for part in (1.0, *self.cooling.again):
+            yield from self._cool(part, int(moves * part**0.5), deadline)
+            if not 0 < broken(task, places) <= _LITTLE:
+                break
+        hide_all(task, places, words)
+        return broken(task, places) == 0
+
+    def _cool(self, part: float, moves: int, deadline: Deadline) -> Steps[None]:
+        """Anneal once, from a part of the heat. Where moves are claimed, what crowds nothing any
+        more is only quenched, so that words wait less: registers are not claimed.
+        """
+        state = State(self.places, self.words, new_motion(self.task, self.words))
+        heat, end = new_heat(part * self.cooling.hot, self.cooling.cold, moves), moves
+        done, quenched = 0, not self.task.array.moves
+        while done < end and not deadline.passed:
+            moves_now = min(_SLICE, end - done)
+            anneal(self.task, state, heat, moves_now)
+            done += _SLICE
+            move_s = _SHOWN_MOVE_S if self.task.array.moves else _MOVE_S
+            yield self.density * moves_now * move_s
+            if not quenched and broken(self.task, self.places) == 0:
+                quenched, end = True, min(end, done + int(_QUENCH * moves))
+                hot = min(float(heat.value[0]), _QUENCH_HOT)
+                heat = new_heat(hot, _QUENCH_COLD, end - done)
+
+    def _routed(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
+        """Route and name registers; where a file's words fit but have no allocation, again with
+        one register less there.
+        """
+        self.traffic = new_traffic(self.mrrg, self.task, self.room)
+        scratch = new_scratch(self.mrrg, self.cycles)
+        graph = new_graph(self.mrrg, self.problem.fabric)
+        self.router = Router(graph, self.task, self.places, self.traffic, scratch)
+        for turn in range(_NAMING_ROUNDS):
+            moves = effort.repairs * len(self.ids)
+            if turn == 0 and self._as_shown():
+                free = yield from self._repaired(moves, _SHOWN_WARM, _SHOWN_COOL, deadline)
+            else:
+                free = yield from self._negotiate(effort.rounds, deadline, fresh=turn == 0)
+                free = free or (yield from self._repair(moves, deadline))
+            if not free:
+                return None
+            registers, crowded = self._name_registers()
+            if not crowded:
+                return self._mapping(registers)
+            if not all(self._shrink(pe) for pe in crowded):
+                return None
+        return None
+
+    def _as_shown(self) -> bool:
+        """Route words as the annealer claimed moves for them; False if some have no way so."""
+        if not self.task.array.moves:
+            return False
+        return bool(route_as_shown(self.router, self.words) == 0)
+
+    def _negotiate(self, rounds: int, deadline: Deadline, *, fresh: bool) -> Steps[bool]:
+        """Rounds of rip-up and re-route; True when nothing is crowded."""
+        traffic = self.traffic
+        for turn in range(rounds):
+            lost = route_round(self.router, fresh and turn == 0)
+            if lost or deadline.passed:
+                return False
+            if traffic.totals[OVER] == 0:
+                return True
+            raise_prices(traffic, self.ii, _HISTORY, _GROWTH, _MOST_PRESSURE)
+            yield self.density * _ROUTED_S * len(self.ids)
+        return False
+
+    def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
+        """Route all afresh, then move nodes with their routes; True when nothing is crowded."""
+        traffic = self.traffic
+        traffic.history[:] = 1.0
+        traffic.totals[PRESSURE] = _REPAIR_PRESSURE
+        reprice_all(traffic, self.ii)
+        if route_round(self.router, True):
+            return False
+        warm, cool = _WARM, _COOL
+        if self.task.array.outputs:
+            warm, cool = _OUTPUT_WARM, _OUTPUT_COOL
+            moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
+        return (yield from self._repaired(moves, warm, cool, deadline))
+
+    def _repaired(self, moves: int, warm: float, cool: float, deadline: Deadline) -> Steps[bool]:
+        """Move nodes with their routes; True when nothing is crowded."""
+        undo = new_undo(self.task, self.traffic)
+        heat = new_heat(warm, cool, moves)
+        for done in range(0, moves, _REPAIR_SLICE):
+            crowding = int(self.traffic.totals[OVER])
+            if deadline.passed or crowding == 0 or self._is_hopeless(crowding, done / moves):
+                break
+            moves_now = min(_REPAIR_SLICE, moves - done)
+            repair(self.router, undo, heat, moves_now)
+            repair_s = _OUTPUT_REPAIR_S if self.task.array.outputs else _REPAIR_S
+            yield self.density * moves_now * repair_s
+        return bool(self.traffic.totals[OVER] == 0)
+
+    def _is_hopeless(self, crowding: int, share: float) -> bool:
+        """Whether so much crowding is too much after this share of the moves."""
+        least = min(part for start, part in _HOPELESS if start <= share)
+        return crowding > max(_FEW, least * len(self.ids))
+
+    def _shrink(self, pe: int) -> bool:
+        """Let the words of a register file do with one register less; False if it has none left."""
+        for number, resource in enumerate(self.mrrg.resources):
+            if resource.kind == "registers" and resource.index == pe:
+                slots = slice(number * self.ii, (number + 1) * self.ii)
+                if self.traffic.capacity[slots.start] <= 1:
+                    return False
+                self.traffic.capacity[slots] -= 1
+        reprice_all(self.traffic, self.ii)
+        return True
+
+    # --- from arrays to a mapping ---
+
+    def _cells(self, producer: int) -> list[tuple[int, int, int]]:
+        """(location, cycle of the producer's iteration, location before) of one word, sorted."""
+        count = self.traffic.size[producer, 0]
+        ready = self._ready(producer)
+        rows = self.traffic.cell[producer, :count].tolist()
+        return sorted((location, ready + cycle, before) for cycle, location, before in rows)
+
+    def _ready(self, producer: int) -> int:
+        return int(self.places.time[producer] + self.task.nodes.latency[producer])
+
+    def _cuts(self, producer: int) -> set[tuple[int, int]]:
+        """(register file, cycle) from which on a word that stays there is in another register."""
+        count, ready = self.traffic.size[producer, 2], self._ready(producer)
+        rows = self.traffic.cut[producer, :count].tolist()
+        return {(location, ready + cycle) for cycle, location in rows}
+
+    def _stays(self, producer: int) -> list[tuple[int, Stay]]:
+        """(PE, stay) of a word in each register that it is in."""
+        cuts = self._cuts(producer)
+        found: list[tuple[int, Stay]] = []
+        for location, cycle, before in self._cells(producer):
+            if self.mrrg.spots[location].kind != "reg":
+                continue
+            pe = int(self.mrrg.owner[location])
+            if before == location and (location, cycle) not in cuts:
+                found[-1] = (pe, Stay(producer, found[-1][1].first, cycle))
+            else:
+                found.append((pe, Stay(producer, cycle, cycle)))
+        return found
+
+    def _name_registers(self) -> tuple[_Held, list[int]]:
+        """Registers of all stays, and the PEs whose words do not fit theirs."""
+        stays: dict[int, list[Stay]] = defaultdict(list)
+        for producer in range(len(self.ids)):
+            for pe, stay in self._stays(producer):
+                stays[pe].append(stay)
+        registers: _Held = {}
+        crowded: list[int] = []
+        for pe, here in stays.items():
+            chosen = allocate(here, self.ii, self.problem.fabric.pes[pe].registers)
+            if chosen is None:
+                crowded.append(pe)
+                continue
+            for stay, register in zip(here, chosen, strict=True):
+                for cycle in range(stay.first, stay.last + 1):
+                    registers[stay.word, pe, cycle] = register
+        return registers, crowded
+
+    def _mapping(self, registers: _Held) -> Mapping:
+        places = {
+            name: Place(int(self.places.pe[node]), int(self.places.time[node]))
+            for node, name in enumerate(self.ids)
+        }
+        routed = np.flatnonzero(self.task.edges.routed).tolist()
+        routes = {
+            index: self._route(edge, registers)
+            for (index, _), edge in zip(self.problem.dfg.routed_edges(), routed, strict=True)
+        }
+        return Mapping(self.ii, places, routes)
+
+    def _route(self, edge: int, registers: _Held) -> tuple[Step, ...]:
+        """Steps from the result to the read, found backwards through the tree."""
+        edges = self.task.edges
+        location = int(self.traffic.end[edge])
+        if location == DIRECT:
+            return ()
+        producer = int(edges.src[edge])
+        before = {(at, cycle): origin for at, cycle, origin in self._cells(producer)}
+        for at, cycle in self._cuts(producer):
+            if (self.router.graph.renew[at], cycle) in before:  # shown there, for another read
+                before[at, cycle] = int(self.router.graph.renew[at])
+        cycle = int(self.places.time[edges.dst[edge]] + edges.ahead[edge])
+        steps = []
+        while location >= 0:
+            pe, spot = int(self.mrrg.owner[location]), self.mrrg.spots[location]
+            index = spot.index if spot.kind == "link" else 0
+            if spot.kind == "reg":
+                index = registers[producer, pe, cycle]
+            steps.append(Step(spot.kind, pe, index, cycle))
+            location, cycle = self._driver(before, location, cycle)
+        return tuple(reversed(steps))
+
+    def _driver(
+        self, before: ReadOnly[tuple[int, int], int], location: int, cycle: int
+    ) -> tuple[int, int]:
+        """The step before; a result that goes to registers through an output register has none
+        there.
+        """
+        origin = before[location, cycle]
+        if not self.mrrg.aside[location] or origin in (location, NONE):
+            return origin, cycle - 1
+        if self.mrrg.spots[location].kind == "link":
+            return origin, cycle
+        return before[origin, cycle], cycle - 1
+
+
+_Held = dict[tuple[int, int, int], int]
+"""Register of (producer, PE, cycle)."""

@@ -1,0 +1,190 @@
+"""Places and times of all nodes, and what they claim: compiled functions over `Places`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from vividc.mapper.engines.negotiate.arrays import (
+    CONTROL,
+    FU,
+    MEMORY,
+    RESIDENT,
+    WRITTEN,
+    Array,
+    Edges,
+    Nodes,
+    Task,
+)
+from vividc.mapper.engines.negotiate.compiled import compiled, inlined
+from vividc.mapper.resources.mrrg import Ints
+
+
+class Places(NamedTuple):
+    """The state: `pe` and `time` of each node; `counts` of claims: issue, completion and live-out
+    slots by PE, then banks and controller by slot; `over`: claims beyond capacity, one int64;
+    `at`: a node that issues in a slot, or -1; `held` and `stored`: uses of constant-store entries
+    by PE; `random`: one int64.
+    """
+
+    pe: Ints
+    time: Ints
+    counts: Ints
+    over: Ints
+    at: Ints
+    held: Ints
+    stored: Ints
+    random: Ints
+
+
+def new_places(task: Task, seed: int) -> Places:
+    """Nothing is placed yet: PE -1."""
+    count, array = len(task.nodes.latency), task.array
+    grid = array.pes * array.ii
+    return Places(
+        np.full(count, -1, dtype=np.int64),
+        np.zeros(count, dtype=np.int64),
+        np.zeros(3 * grid + 2 * array.ii, dtype=np.int64),
+        np.zeros(1, dtype=np.int64),
+        np.full(grid, -1, dtype=np.int64),
+        array.held.copy(),
+        array.stored.copy(),
+        np.array([seed * 2_654_435_769 + 1], dtype=np.int64),
+    )
+
+
+@inlined
+def draw(random: Ints, below: int) -> int:
+    """The next number of a 64-bit linear congruential generator (Knuth), in 0 .. below - 1."""
+    random[0] = random[0] * 6364136223846793005 + 1442695040888963407
+    return int((random[0] >> 33) & 0x3FFFFFFF) % below
+
+
+@inlined
+def count(places: Places, at: int, by: int, room: int) -> None:
+    """Add `by` to the claims of `counts[at]`, of which there is room for `room`."""
+    old = places.counts[at]
+    places.counts[at] = old + by
+    places.over[0] += max(0, old + by - room) - max(0, old - room)
+
+
+@compiled
+def enter(nodes: Nodes, array: Array, places: Places, node: int, by: int) -> None:
+    """Add `by` (1 or -1) to all that `node` claims where it is."""
+    ii, grid = array.ii, array.pes * array.ii
+    pe = places.pe[node]
+    row, slot = pe * ii, places.time[node] % ii
+    kind = nodes.kind[node]
+    if kind & FU:
+        done = (places.time[node] + nodes.latency[node] - 1) % ii
+        for cycle in range(nodes.busy[node]):
+            count(places, row + (slot + cycle) % ii, by, 1)
+        count(places, grid + row + done, by, 1)
+        if by > 0:
+            places.at[row + slot] = node
+        elif places.at[row + slot] == node:
+            places.at[row + slot] = -1
+        if kind & MEMORY:
+            count(places, 3 * grid + slot, by, array.banks)
+        if kind & CONTROL:
+            count(places, 3 * grid + ii + done, by, 1)
+    else:
+        count(places, 2 * grid + row + slot, by, 1)
+    stored = places.stored[pe]
+    for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
+        key = nodes.key_items[at]
+        old = places.held[pe, key]
+        places.held[pe, key] = old + by * nodes.key_uses[at]
+        if old == 0:
+            places.stored[pe] += 1
+        elif places.held[pe, key] == 0:
+            places.stored[pe] -= 1
+        places.over[0] += contested(places.held[pe, key]) - contested(old)
+    room = array.room[pe]
+    places.over[0] += max(0, places.stored[pe] - room) - max(0, stored - room)
+
+
+@inlined
+def excess(nodes: Nodes, array: Array, places: Places, node: int) -> int:
+    """Claims beyond capacity in the slots and the store that `node`, entered, claims."""
+    ii, grid = array.ii, array.pes * array.ii
+    pe = places.pe[node]
+    row, slot = pe * ii, places.time[node] % ii
+    kind = nodes.kind[node]
+    over = max(0, places.stored[pe] - array.room[pe])
+    if array.rivals:
+        over += _rivals(nodes, places, node)
+    if kind & FU:
+        done = (places.time[node] + nodes.latency[node] - 1) % ii
+        over += places.counts[grid + row + done] - 1
+        for cycle in range(nodes.busy[node]):
+            over += places.counts[row + (slot + cycle) % ii] - 1
+        if kind & MEMORY:
+            over += max(0, places.counts[3 * grid + slot] - array.banks)
+        if kind & CONTROL:
+            over += places.counts[3 * grid + ii + done] - 1
+    else:
+        over += places.counts[2 * grid + row + slot] - 1
+    return int(over)
+
+
+@inlined
+def _rivals(nodes: Nodes, places: Places, node: int) -> int:
+    """Contested entries of the node's on its PE."""
+    both = 0
+    for at in range(nodes.key_begin[node], nodes.key_begin[node + 1]):
+        both += contested(places.held[places.pe[node], nodes.key_items[at]])
+    return both
+
+
+@inlined
+def contested(uses: int) -> int:
+    """1 if an entry is both read and written on its PE: iterations overlap, so a live-out would
+    take from its readers the word they want.
+    """
+    here = uses % RESIDENT
+    return int(here >= WRITTEN and here % WRITTEN > 0)
+
+
+@compiled
+def broken(task: Task, places: Places) -> int:
+    """How much is wrong: claims beyond capacity and cycles that words or nodes come too early."""
+    wrong = places.over[0]
+    for edge in range(len(task.edges.src)):
+        wrong += early(task.edges, task.array, places, edge)
+    return int(wrong)
+
+
+@compiled
+def early(edges: Edges, array: Array, places: Places, edge: int) -> int:
+    """Cycles by which the end of an edge comes too early for its beginning."""
+    src, dst = edges.src[edge], edges.dst[edge]
+    gap = places.time[dst] - places.time[src]
+    if edges.routed[edge]:
+        return int(max(0, edges.ready[edge] + array.reach[places.pe[src], places.pe[dst]] - gap))
+    return int(max(0, edges.shift[edge] - gap))
+
+
+@inlined
+def window(edges: Edges, array: Array, places: Places, node: int, result: Ints) -> None:
+    """First and last time that keep all dependences as the other nodes lie, into `result`.
+
+    Without a limit on one side, II times are enough: they are all the slots.
+    """
+    first, last = 0, array.latest
+    free_below, free_above = True, True
+    for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
+        edge = edges.of_items[at]
+        src, dst = edges.src[edge], edges.dst[edge]
+        if dst == node:
+            first = max(first, places.time[src] + edges.shift[edge])
+            free_below = False
+        else:
+            last = min(last, places.time[dst] - edges.shift[edge])
+            free_above = False
+    if free_above and not free_below:
+        last = min(last, first + array.ii + 1)
+    if free_below and not free_above:
+        first = max(first, last - array.ii - 1)
+    result[0], result[1] = first, last

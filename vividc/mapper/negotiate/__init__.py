@@ -1,5 +1,0 @@
-"""Place and route by annealing and negotiation: for graphs too large to be solved in time."""
-
-from vividc.mapper.negotiate.negotiate import Effort, negotiate, prepare
-
-__all__ = ["Effort", "negotiate", "prepare"]

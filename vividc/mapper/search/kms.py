@@ -1,0 +1,49 @@
+"""One II by the kernel mobility schedule: Booleans of time and place, then routes and registers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.cpsat import MobilityModel, Search, fixed, place_and_route
+from vividc.mapper.mapping import Place
+from vividc.mapper.problem import MapProblem
+from vividc.mapper.request import MapRequest
+from vividc.mapper.search.attempt import OPEN, Attempt
+
+_PLACEMENTS: Final = 20
+_EXTRA_STAGES: Final = (0, 1)
+"""Stages by which the mobility schedule may be longer than the longest path, in turn."""
+
+
+def map_by_mobility(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
+) -> Attempt:
+    """Placements in turn until one has routes; nothing is refuted, since moves and lives beyond the
+    II are left out.
+    """
+    for stages in _EXTRA_STAGES:
+        part = deadline.within(deadline.remaining_s / (len(_EXTRA_STAGES) - stages))
+        model = MobilityModel.of(problem, ii, stages * ii, part)
+        if model is None:
+            continue
+        for number in range(_PLACEMENTS):
+            request.tell(f"II {ii}: kernel mobility schedule, placement {number + 1}")
+            places = model.solve(Search(part, request.workers, number + tries, light=True))
+            if places is None:
+                break
+            attempt = _route(problem, ii, places, part)
+            if attempt.mapping is not None:
+                return attempt
+            model.exclude(places)
+    return OPEN
+
+
+def _route(problem: MapProblem, ii: int, places: dict[int, Place], deadline: Deadline) -> Attempt:
+    """Links and registers for fixed times and places."""
+    here = {node: frozenset({place.pe}) for node, place in places.items()}
+    times = {node: place.time for node, place in places.items()}
+    task = replace(problem, allowed=here)
+    outcome = place_and_route(fixed(task, ii, times), Search(deadline, 1, light=True))
+    return Attempt(mapping=outcome.value)

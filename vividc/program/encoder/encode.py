@@ -1,0 +1,248 @@
+"""A kernel and the mappings of its regions to a `Program`."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.arch.fabric import Fabric
+from vividc.dfg.ir import Control
+from vividc.dfg.regions import Kernel, Region
+from vividc.errors import InternalError, KernelError
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.resources.fu_slots import utilization
+from vividc.mapper.result import MapResult
+from vividc.program.encoder.banks import choose_banks
+from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
+from vividc.program.encoder.constants import allocate, return_high, return_home
+from vividc.program.encoder.lower import LoweredRegion, lower_region
+from vividc.program.program import Program
+from vividc.program.tables import (
+    BoundReport,
+    Option,
+    Provenance,
+    RefutationReport,
+    RegionReport,
+    RegionRow,
+)
+from vividc.program.words.layout import WordLayout, word_layout
+from vividc.program.words.pack import pack
+
+_PACKAGES = ("vividc", "numba", "llvmlite", "ortools", "numpy")
+
+
+def encode(
+    kernel: Kernel,
+    fabric: Fabric,
+    mappings: ReadOnly[int, Mapping],
+    *,
+    reports: ReadOnly[int, MapResult] | None = None,
+    options: ReadOnly[str, str | int | float | bool | None] | None = None,
+    warnings: Sequence[str] = (),
+) -> Program:
+    """Configuration words and tables of a mapped kernel.
+
+    Parameters
+    ----------
+    mappings
+        Mapping of each region, by index. A region that places nothing needs none.
+    reports
+        What the mapper found and proved, by region index, for the program's reports.
+    options
+        The compiler's options, for the provenance.
+    warnings
+        Messages the compiler gave.
+
+    Raises
+    ------
+    KernelError
+        The regions together need more contexts than the fabric has, or an address immediate is too
+        large.
+    InternalError
+        A mapping breaks a rule of the machine (docs/machine.md), or mappings contradict each other.
+    """
+    mappings = {i: _mapping(i, region, mappings) for i, region in enumerate(kernel.regions)}
+    for index, region in enumerate(kernel.regions):
+        check_region(region, mappings[index], fabric)
+    table = _table(kernel, fabric, mappings)
+    check_contexts(kernel, fabric, sum(row.ii for row in table))
+    _check_locals(kernel, fabric)
+    found = _reports(kernel, fabric, table, mappings, reports or {})
+    program = _program(kernel, fabric, mappings, table, found, _provenance(kernel, options or {}))
+    return replace(program, warnings=tuple(warnings))
+
+
+def _program(
+    kernel: Kernel,
+    fabric: Fabric,
+    mappings: ReadOnly[int, Mapping],
+    table: tuple[RegionRow, ...],
+    regions: tuple[RegionReport, ...],
+    provenance: Provenance,
+) -> Program:
+    """What the machine reads, words, constant stores and tables, with its reports."""
+    stores = allocate(kernel, fabric, mappings)
+    layout = word_layout(fabric)
+    lowered = [
+        lower_region(index, region, mappings[index], fabric, stores, layout)
+        for index, region in enumerate(kernel.regions)
+    ]
+    images, images_set = stores.images(fabric)
+    return Program(
+        name=kernel.name,
+        params=kernel.params,
+        returns=kernel.returns,
+        fabric=fabric,
+        words=_words(table, lowered, fabric, layout),
+        table=table,
+        images=images,
+        images_set=images_set,
+        launch=stores.launch(),
+        return_home=return_home(kernel, mappings, stores),
+        return_high=return_high(kernel, mappings, stores),
+        banks=choose_banks(kernel, fabric, mappings),
+        debug=tuple(row for region in lowered for row in region.debug),
+        regions=regions,
+        provenance=provenance,
+        locals=kernel.locals,
+    )
+
+
+def _mapping(index: int, region: Region, mappings: ReadOnly[int, Mapping]) -> Mapping:
+    if index in mappings:
+        return mappings[index]
+    if region.dfg.placed:
+        raise InternalError(f"region {region.name} has no mapping")
+    return Mapping(1, {}, {})
+
+
+def _table(
+    kernel: Kernel, fabric: Fabric, mappings: ReadOnly[int, Mapping]
+) -> tuple[RegionRow, ...]:
+    rows = []
+    context = 0
+    for index, region in enumerate(kernel.regions):
+        mapping = mappings[index]
+        rows.append(
+            RegionRow(
+                kind=region.kind,
+                context=context,
+                ii=mapping.ii,
+                span=span_of(region, mapping, fabric),
+                stages=stages_of(region, mapping),
+                counted=region.counted,
+                has_exit=control_node(region, Control.EXIT) is not None,
+                next=region.next,
+                branch=region.branch,
+            )
+        )
+        context += mapping.ii
+    return tuple(rows)
+
+
+def check_contexts(kernel: Kernel, fabric: Fabric, used: int, at_least: str = "") -> None:
+    """Refuse a kernel that needs more contexts than the fabric has, or `at_least` more.
+
+    Raises
+    ------
+    KernelError
+        It does.
+    """
+    if used > fabric.controller.contexts:
+        raise KernelError(
+            f"{kernel.name} needs {at_least}{used} contexts and fabric {fabric.name} has "
+            f"{fabric.controller.contexts}",
+            loc=kernel.file or None,
+            hint="split the kernel, unroll less, or raise `controller.contexts` of the fabric",
+        )
+
+
+def _check_locals(kernel: Kernel, fabric: Fabric) -> None:
+    used = sum(local.words for local in kernel.locals)
+    if used > fabric.scratchpad.words:
+        raise KernelError(
+            f"the arrays that {kernel.name} makes and its constant tables need {4 * used} bytes, "
+            f"and the scratchpad of fabric {fabric.name} has {fabric.scratchpad.size_bytes}",
+            loc=kernel.file or None,
+            hint="make smaller arrays, or work on pieces",
+        )
+
+
+def _words(
+    table: Sequence[RegionRow], lowered: Sequence[LoweredRegion], fabric: Fabric, layout: WordLayout
+) -> NDArray[np.uint32]:
+    contexts = sum(row.ii for row in table)
+    words = np.zeros((contexts, len(fabric.pes), layout.words_per_entry), np.uint32)
+    for row, region in zip(table, lowered, strict=True):
+        for (slot, pe), entry in region.entries.items():
+            words[row.context + slot, pe] = pack(layout, entry)
+    return words
+
+
+def _reports(
+    kernel: Kernel,
+    fabric: Fabric,
+    table: Sequence[RegionRow],
+    mappings: ReadOnly[int, Mapping],
+    results: ReadOnly[int, MapResult],
+) -> tuple[RegionReport, ...]:
+    return tuple(
+        _report(region, row, utilization(region.dfg, fabric, mappings[index]), results.get(index))
+        for index, (region, row) in enumerate(zip(kernel.regions, table, strict=True))
+    )
+
+
+def _report(region: Region, row: RegionRow, used: float, result: MapResult | None) -> RegionReport:
+    bounds = () if result is None else result.bounds
+    lower_bound = 1 if result is None else result.lower_bound
+    return RegionReport(
+        name=region.name,
+        kind=region.kind,
+        ii=row.ii,
+        mii=max((bound.ii for bound in bounds), default=lower_bound),
+        lower_bound=lower_bound,
+        status="optimal" if result is not None and result.status == "optimal" else "feasible",
+        utilization=used,
+        operations=len(region.dfg.operations),
+        span=row.span,
+        stages=row.stages,
+        mapper="" if result is None else result.mapper,
+        bounds=tuple(BoundReport(bound.name, bound.ii, bound.reason) for bound in bounds),
+        refuted=()
+        if result is None
+        else tuple(RefutationReport(item.ii, item.by) for item in result.refuted),
+        loc=region.loc,
+        wall_s=None if result is None else result.wall_s,
+    )
+
+
+def _provenance(
+    kernel: Kernel, options: ReadOnly[str, str | int | float | bool | None]
+) -> Provenance:
+    return Provenance(
+        versions=tuple((package, _version(package)) for package in _PACKAGES),
+        kernel_file=kernel.file,
+        kernel_sha256=_sha256(kernel.file),
+        options=tuple(Option(name, value) for name, value in sorted(options.items())),
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def _sha256(file: str) -> str:
+    try:
+        return hashlib.sha256(Path(file).read_bytes()).hexdigest() if file else ""
+    except OSError:
+        return ""

@@ -1,0 +1,1 @@
+"""Which bytes iterations of a parallel loop touch: `footprint`, `coverage`."""

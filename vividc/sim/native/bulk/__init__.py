@@ -1,0 +1,1 @@
+"""Loops of many operations by tables: `tables`, `vectors`, `write`."""

@@ -1,0 +1,217 @@
+"""Activity without counting: how often an operation issues and a word moves follows from the number
+of live iterations of each run of a region.
+
+With n live iterations of which the last one ends the loop, an operation at `time` has issued
+n + extra times: speculative iterations issue until the exit acts. A word that moves `age` cycles
+after its operation issues moves with every issue whose move is before the region ends.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.machine.opcodes import MEMORY
+from vividc.sim.engine import Activity, RegionRun
+from vividc.sim.native.plan.layout import Sum
+from vividc.sim.native.plan.trace import Constant, FlowOp, Move, RegionFlow, Result
+
+
+@dataclass(frozen=True, slots=True)
+class Speculation:
+    """Sum over the runs of the extra issues, at most `most` in a run."""
+
+    most: int
+
+
+@dataclass(frozen=True, slots=True)
+class Tail:
+    """Sum over the runs of max(0, n + min(extra, last)), the extra issues being at most `most`."""
+
+    most: int
+    last: int
+
+
+CountClass = Speculation | Tail
+Vector = NDArray[np.int64]
+
+_ISSUED: Final = "issued "
+_DIRECT: Final = {
+    "entries": Sum.ENTRIES,
+    "iterations": Sum.ITERATIONS,
+    "cycles": Sum.CYCLES,
+    "stalls": Sum.STALLS,
+    "constant_writes": Sum.CONSTANT_WRITES,
+    "register_reads": Sum.CAPTURE_READS,
+    "scratchpad_reads": Sum.READS,
+    "scratchpad_writes": Sum.WRITES,
+}
+
+
+_TIMES: Final = ("entries", "iterations", "cycles", "stalls")
+_ACTIVITY: Final = tuple(Activity.__dataclass_fields__)
+_FIELDS: Final = (*_TIMES, *_ACTIVITY)
+
+
+class Totals:
+    """Sums over all runs of one region, however they were run.
+
+    Parameters
+    ----------
+    fields
+        Values of `_FIELDS`: entries, iterations, cycles, stalls, and the fields of `Activity`.
+    issued
+        Issues by opcode name, all positive.
+    """
+
+    __slots__ = ("fields", "issued")
+
+    def __init__(
+        self, fields: Sequence[int] = (0,) * len(_FIELDS), issued: Mapping[str, int] | None = None
+    ) -> None:
+        self.fields = fields
+        self.issued = {} if issued is None else issued
+
+    def __add__(self, other: Totals) -> Totals:
+        fields = [a + b for a, b in zip(self.fields, other.fields, strict=True)]
+        return Totals(fields, Counter(self.issued) + Counter(other.issued))
+
+    def region_run(self) -> RegionRun:
+        """The part of a run's result."""
+        entries, iterations, cycles, stalls = self.fields[: len(_TIMES)]
+        issued = dict(sorted(self.issued.items()))
+        return RegionRun(entries, iterations, cycles, stalls, issued, activity([self]))
+
+
+@dataclass(frozen=True, slots=True)
+class RegionCounts:
+    """Counts of a region as linear functions of its sums.
+
+    Attributes
+    ----------
+    classes
+        Sums beside the fixed ones.
+    ops
+        Names of the opcodes that issue.
+    matrix
+        int64 [`_FIELDS` and opcodes, sums].
+    """
+
+    classes: tuple[CountClass, ...]
+    ops: tuple[str, ...]
+    matrix: NDArray[np.int64]
+
+    def totals(self, sums: Vector) -> Totals:
+        """What the code of the region counted; `sums` begins with the region's."""
+        values = (self.matrix @ sums[: self.matrix.shape[1]]).tolist()
+        issues = zip(self.ops, values[len(_FIELDS) :], strict=True)
+        return Totals(values[: len(_FIELDS)], {op: count for op, count in issues if count})
+
+
+def count_classes(flow: RegionFlow) -> tuple[CountClass, ...]:
+    """The sums that a region's code keeps beside the fixed ones."""
+    found: dict[CountClass, None] = {}
+    for op in flow.ops:
+        if _most(flow, op):
+            found[Speculation(_most(flow, op))] = None
+    for move in flow.moves:
+        tail = _tail(flow, move)
+        if tail is not None and flow.row.kind == "loop":
+            found[tail] = None
+    return tuple(found)
+
+
+def region_counts(flow: RegionFlow) -> RegionCounts:
+    """What the sums of a region tell."""
+    classes = count_classes(flow)
+    unit = np.identity(len(Sum) + len(classes), np.int64)
+    found: dict[str, Vector] = dict.fromkeys(_FIELDS, 0 * unit[0])
+    found |= {name: unit[place] for name, place in _DIRECT.items()}
+    of_class = dict(zip(classes, unit[len(Sum) :], strict=True))
+    _Counter(flow, unit, of_class, found).count()
+    ops = tuple(name.removeprefix(_ISSUED) for name in found if name.startswith(_ISSUED))
+    return RegionCounts(classes, ops, np.array([*found.values()]))
+
+
+class _Counter:
+    """Every count as a vector of coefficients of the sums."""
+
+    def __init__(
+        self,
+        flow: RegionFlow,
+        unit: NDArray[np.int64],
+        of_class: dict[CountClass, Vector],
+        found: dict[str, Vector],
+    ) -> None:
+        self._flow = flow
+        self._nothing: Vector = 0 * unit[0]
+        self._runs, self._iterations = unit[Sum.NONEMPTY], unit[Sum.ITERATIONS]
+        self._of_class = of_class
+        self._found = found
+
+    def count(self) -> None:
+        """Count operations and moves."""
+        for op in self._flow.ops:
+            issues = self._issues(op)
+            self._add(_ISSUED + op.issue.op.value, issues)
+            self._add_reads(op, issues - self._runs)
+        for move in self._flow.moves:
+            words = self._words(move)
+            self._add("link_words" if move.is_link else "register_writes", words)
+            if move.from_register:
+                self._add("register_reads", words)
+
+    def _add(self, name: str, times: Vector) -> None:
+        self._found[name] = np.add(self._found.get(name, self._nothing), times)
+
+    def _issues(self, op: FlowOp) -> Vector:
+        most = _most(self._flow, op)
+        extra = self._of_class[Speculation(most)] if most else self._nothing
+        issues: Vector = self._iterations + extra
+        return issues
+
+    def _words(self, move: Move) -> Vector:
+        tail = _tail(self._flow, move)
+        if tail is None:
+            return self._issues(self._flow.ops[move.op])
+        return self._of_class.get(tail, self._nothing)
+
+    def _add_reads(self, op: FlowOp, later: Vector) -> None:
+        issues = later + self._runs
+        if op.issue.op in MEMORY:
+            self._add("constant_reads", issues)
+        for read in (*op.reads, *(() if op.predicate is None else (op.predicate,))):
+            times = issues
+            if read.first is not None:
+                self._add("constant_reads", self._runs)
+                times = later
+            if isinstance(read.source, Constant):
+                self._add("constant_reads", times)
+            elif isinstance(read.source, Result) and read.from_register:
+                self._add("register_reads", times)
+
+
+def activity(totals: Sequence[Totals]) -> Activity:
+    """The activity of a whole run."""
+    columns = zip(*(total.fields[len(_TIMES) :] for total in totals), strict=True)
+    return Activity(*map(sum, columns))
+
+
+def _most(flow: RegionFlow, op: FlowOp) -> int:
+    """Iterations after the exiting one that may have issued `op` before the exit acts."""
+    if flow.exit is None:
+        return 0
+    return max(0, -((op.time - flow.exit_delay) // flow.row.ii) - 1)
+
+
+def _tail(flow: RegionFlow, move: Move) -> Tail | None:
+    """Class of a move; None: it happens with every issue."""
+    op = flow.ops[move.op]
+    most = _most(flow, op)
+    last = -((op.time + move.age - flow.row.span) // flow.row.ii) - 1
+    return None if last >= most else Tail(most, last)

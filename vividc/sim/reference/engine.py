@@ -1,0 +1,163 @@
+"""The reference engine: the rules of docs/machine.md, cycle by cycle, in plain Python.
+
+It is what other engines and the hardware are compared with, so it favours clarity; it is fast only
+in that idle parts of the machine cost nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from vividc.errors import SimulationError
+from vividc.program import Home, Program, RegionRow, joined
+from vividc.sim.engine import Activity, Launch, RegionRun, RegionSpan, Run
+from vividc.sim.reference.predecode import RegionCode, State, StateMap, predecode
+from vividc.sim.reference.region import RegionState, Tile, Watch
+
+_UNBOUNDED: Final = sys.maxsize
+
+
+class ReferenceEngine:
+    """Runs the decoded words of one program; `watch` sees every cycle."""
+
+    def __init__(self, program: Program, watch: Watch | None = None) -> None:
+        self._program = program
+        self._watch = watch
+        self._cells = StateMap(program.fabric)
+        self._regions = predecode(program, self._cells)
+
+    def run(self, launch: Launch) -> Run:
+        """Run the program once (see `Engine.run`)."""
+        tile = Tile(
+            program=self._program,
+            cells=self._cells,
+            state=self._initial_state(launch),
+            memory=launch.memory.tolist(),
+            cycle_limit=launch.cycle_limit,
+            progress=launch.progress,
+            extents=launch.extents,
+            watch=self._watch,
+        )
+        totals = [_Totals() for _ in self._regions]
+        index: int | None = 0
+        switches = 0
+        while index is not None:
+            region = self._regions[index]
+            start = tile.cycle
+            done = self._run_region(tile, region)
+            totals[index].add(done, region, tile.take_activity())
+            if launch.observer is not None:
+                spent = (start, tile.cycle, done.iterations, done.stalls)
+                launch.observer(RegionSpan(index, *spent))
+            index = region.row.branch if done.branch else region.row.next
+            if index is not None:
+                switches += self._program.fabric.controller.switch_cycles
+                tile.cycle += self._program.fabric.controller.switch_cycles
+                tile.check_limit(region.index)
+        regions = tuple(total.region_run() for total in totals)
+        return Run(
+            cycles=tile.cycle,
+            switch_cycles=switches,
+            memory=np.array(tile.memory, np.uint32),
+            value=returned(
+                self._program, lambda home: tile.state[self._cells.constant(home.pe, home.entry)]
+            ),
+            regions=regions,
+            activity=Activity.total(region.activity for region in regions),
+        )
+
+    def _run_region(self, tile: Tile, region: RegionCode) -> RegionState:
+        tile.state[: self._cells.volatile] = [None] * self._cells.volatile
+        tile.entries += 1
+        state = RegionState(tile, region, iterations(region.row, tile.trip))
+        state.run()
+        return state
+
+    def _initial_state(self, launch: Launch) -> State:
+        program, cells = self._program, self._cells
+        state: State = [None] * cells.size
+        state[cells.true] = 1
+        images = program.images.tolist()
+        for pe, entry in np.argwhere(program.images_set).tolist():
+            state[cells.constant(pe, entry)] = images[pe][entry]
+        for row in program.launch:
+            state[cells.constant(row.pe, row.entry)] = launch.inputs[row.key]
+        return state
+
+
+def returned(program: Program, word_at: Callable[[Home], int | None]) -> int | None:
+    """The word of the returned scalar, of two words joined; None if nothing is returned.
+
+    Parameters
+    ----------
+    word_at
+        The word of a constant-store entry at the end; None: nothing was written there.
+
+    Raises
+    ------
+    SimulationError
+        The program ended without writing it.
+    """
+    if program.return_home is None:
+        return None
+    low = _written(program, word_at(program.return_home))
+    high = program.return_high
+    return joined(program.returns, low, None if high is None else _written(program, word_at(high)))
+
+
+def _written(program: Program, word: int | None) -> int:
+    if word is None:
+        raise SimulationError(
+            f"{program.name} ended without writing its return value",
+            loc=program.provenance.kernel_file or None,
+        )
+    return word
+
+
+def iterations(row: RegionRow, trip: int) -> int:
+    """Iterations to issue if no exit node stops the region."""
+    if row.kind == "straight":
+        return 1
+    return max(trip, 0) if row.counted else _UNBOUNDED
+
+
+class _Totals:
+    """Sums over the runs of one region."""
+
+    def __init__(self) -> None:
+        self.entries = 0
+        self.iterations = 0
+        self.cycles = 0
+        self.stalls = 0
+        self.issued: Counter[str] = Counter()
+        self.activity = Activity()
+        self.register_reads = 0
+        self.constant_reads = 0
+
+    def add(self, done: RegionState, region: RegionCode, moved: Activity) -> None:
+        """Count one run of the region; `moved`: what the tile counted meanwhile."""
+        self.entries += 1
+        self.iterations += done.iterations
+        self.cycles += done.cycle + done.stalls
+        self.stalls += done.stalls
+        self.activity = Activity.total((self.activity, moved))
+        for count in region.counts:
+            issues = done.issues_of(count.time)
+            if issues == 0:
+                continue
+            self.issued[count.op] += issues
+            later = issues - 1
+            self.register_reads += count.first_register_reads + later * count.register_reads
+            self.constant_reads += count.first_constant_reads + later * count.constant_reads
+
+    def region_run(self) -> RegionRun:
+        """The sums as a result."""
+        issued = dict(sorted(self.issued.items()))
+        operands = Activity(register_reads=self.register_reads, constant_reads=self.constant_reads)
+        activity = Activity.total((self.activity, operands))
+        return RegionRun(self.entries, self.iterations, self.cycles, self.stalls, issued, activity)
