@@ -19,7 +19,7 @@ from vividc import arch
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
 from vividc.driver import CompileOptions, lower, map_kernel
-from vividc.frontend.ll_source import bodies
+from vividc.frontend.c.source import bodies
 from vividc.program import Program, encode
 from vividc.sim.bind import bind
 from vividc.sim.engine import Launch

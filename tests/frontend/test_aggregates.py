@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from vividc.frontend.llvm_text import read_function
-from vividc.frontend.ssa import Float, Int, Local, Op, WideFunction, WidePhi
+from vividc.frontend.llvm.ir import Float, Int, Local, Op, WideFunction, WidePhi
+from vividc.frontend.llvm.reader import read_function
 
 JOINED = """
 define i32 @f(i32 %a, i1 %c, i32 %n) {{

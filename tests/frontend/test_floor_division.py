@@ -6,10 +6,10 @@ import itertools
 
 import pytest
 
-from vividc.frontend.floor_division import FLOOR_DIVISIONS, recover_divisions, sign_quotients
-from vividc.frontend.numba_integer import FLOOR_PREFIX
-from vividc.frontend.ranges import Ranges
-from vividc.frontend.ssa import Exit, Int, Local, Op, Operand, WideBlock, WideFunction
+from vividc.frontend.llvm.calls import FLOOR_PREFIX
+from vividc.frontend.llvm.ir import Exit, Int, Local, Op, Operand, WideBlock, WideFunction
+from vividc.frontend.narrow.floor_division import FLOOR_DIVISIONS, recover_divisions, sign_quotients
+from vividc.frontend.ranges.ranges import Ranges
 
 VALUES = (0, 1, -1, 2, -2, 7, -7, 10**12, -(10**12), 2**62, -(2**63) + 1)
 KINDS = ("sdiv", "srem", "udiv", "urem")

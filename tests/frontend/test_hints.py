@@ -14,7 +14,7 @@ import pytest
 from tests.e2e.constructs.registry import Construct
 from tests.e2e.test_constructs import interpreted
 from vividc.frontend import KernelFunction
-from vividc.frontend.numpy_refused import hints
+from vividc.frontend.refused.numpy import hints
 
 X = np.array([3, 1, 4, 1, 5, 9, 2, 6], np.float32)
 Y = np.array([2, 7, 1, 8], np.float32)

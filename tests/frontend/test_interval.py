@@ -5,7 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vividc.frontend.interval import (
+from vividc.frontend.llvm.ir import Op
+from vividc.frontend.ranges.interval import (
     BOTTOM,
     Interval,
     compare,
@@ -17,7 +18,6 @@ from vividc.frontend.interval import (
     widen,
     width,
 )
-from vividc.frontend.ssa import Op
 
 BINARY = ("add", "sub", "mul", "and", "or", "xor", "shl", "lshr", "ashr")
 FLOORS = ("sfloordiv", "sfloorrem", "ufloordiv", "ufloorrem")

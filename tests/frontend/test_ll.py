@@ -10,8 +10,8 @@ import pytest
 import vividc
 from tests.frontend.cfg_eval import run
 from vividc.errors import ArgumentError, KernelError, VividcWarning
-from vividc.frontend import ll_source
-from vividc.frontend.llvm_child.client import Lost
+from vividc.frontend.c import source as ll_source
+from vividc.frontend.llvm.child.client import Lost
 from vividc.machine.params import DType
 
 LOOP = """

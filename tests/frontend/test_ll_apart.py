@@ -11,8 +11,8 @@ import pytest
 import vividc
 from tests.frontend.cfg_eval import run
 from vividc.errors import KernelError, SimulationError, TimeLimit, VividcError
-from vividc.frontend import ll_host
-from vividc.frontend.constant_tables import tables_of
+from vividc.frontend.c import host as ll_host
+from vividc.frontend.memory.tables import tables_of
 
 HEAD = "define void @f(ptr %x, i32 %n) {\n"
 BLOCKS = """

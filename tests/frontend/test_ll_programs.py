@@ -10,7 +10,7 @@ import pytest
 
 import vividc
 from tests.frontend.cfg_eval import run
-from vividc.frontend.ll_source import bodies
+from vividc.frontend.c.source import bodies
 
 FOLDER = Path(__file__).parent / "c"
 LOOPS = [body.name for body in bodies((FOLDER / "loops.ll").read_text())]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.frontend.cfg_eval import run
-from vividc.frontend.llvm_text import read_function
-from vividc.frontend.narrow import narrow
-from vividc.frontend.ranges import Ranges
+from vividc.frontend.llvm.reader import read_function
+from vividc.frontend.narrow.narrow import narrow
+from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.params import DType, Param
 
 VALUES = (0, 1, 2, 7, 8, 31, 127, 128, 255, 256, 32768, 65535, 2**31 - 1, 2**31, 2**32 - 1)

@@ -6,8 +6,8 @@ from random import Random
 
 import pytest
 
-from vividc.frontend import wide_divide
-from vividc.frontend.wide_words import Pair, Words
+from vividc.frontend.narrow.wide import divide as wide_divide
+from vividc.frontend.narrow.wide.words import Pair, Words
 from vividc.machine.opcodes import Opcode
 from vividc.machine.semantics import evaluate
 from vividc.ssa.ir import Const, Value

@@ -21,7 +21,8 @@ import vividc
 from tests.fuzz.module_text import WORDS, random_module
 from tests.fuzz.witnesses import Verdict, words_in_blocks
 from vividc.errors import VividcError, VividcWarning
-from vividc.frontend import LLKernel, ll_host
+from vividc.frontend import LLKernel
+from vividc.frontend.c import host as ll_host
 
 _CYCLES = 200_000
 _LIMIT_S = 30.0

@@ -30,8 +30,8 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "dfg/forms/load.py": ("graph JSON", "graph DOT", "graph XML", "graph text", "graph to verify"),
     "errors.py": ("graph with lines", "kernel"),
     "host/files.py": ("kernel", "graph JSON"),
-    "frontend/kernel_source.py": ("kernel",),
-    "frontend/ll_source.py": ("kernel in C",),
+    "frontend/refused/source.py": ("kernel",),
+    "frontend/c/source.py": ("kernel in C",),
     "host/inputs.py": ("graph JSON",),
     "kept.py": (OWN,),
     "host/machine_code.py": (OWN,),
@@ -45,7 +45,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "render/scenes.py": ("scene without an ending",),
     "render/views.py": ("views", "views npz", "picture PNG", "picture JPEG", "picture WEBP"),
     "sim/native/compiler.py": (OWN,),
-    "frontend/llvm_child/server.py": (OWN,),
+    "frontend/llvm/child/server.py": (OWN,),
     "host/store.py": ("entry: engine", "entry: loops", "entry: stage", "entry: compiled"),
 }
 """Modules that open files, and kinds that get there."""

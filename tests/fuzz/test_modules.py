@@ -8,7 +8,7 @@ import pytest
 
 from tests.fuzz import modules
 from tests.fuzz.modules import judge
-from vividc.frontend import ll_host
+from vividc.frontend.c import host as ll_host
 
 
 def check(seed: int, folder: Path) -> None:

@@ -1,6 +1,12 @@
-"""From a function to SSA: `@kernel` and `load_ll`, and what they give."""
+"""From a Python function or a `.ll` file to SSA: `@kernel` and `load_ll`, and what they give.
 
+In order: `kernel`; `numba/` (a function typed by numba) and `c/` (a file of clang's); `llvm/`
+(passes, and the reader of what they leave); `memory/` (pointers become accesses of arrays),
+`ranges/` (which values integers have), `narrow/` (64 bits become words); `lower`, the stages in
+order; `refused/` (what numba refuses, in the user's words).
+"""
+
+from vividc.frontend.c.kernel import LLKernel, load_ll
 from vividc.frontend.kernel import KernelFunction, kernel
-from vividc.frontend.ll_kernel import LLKernel, load_ll
 
 __all__ = ["KernelFunction", "LLKernel", "kernel", "load_ll"]

@@ -17,12 +17,12 @@ from numba.core.typing import Signature
 
 from vividc.errors import KernelError, SourceLoc, quoted
 from vividc.formats import F16
-from vividc.frontend.format_types import TYPES, for_numba, in_arrays
 from vividc.frontend.lower import lower
-from vividc.frontend.numba_target import Callee
-from vividc.frontend.numba_words import plain
-from vividc.frontend.prange import calls_prange, prange_lines
+from vividc.frontend.numba.prange import calls_prange, prange_lines
+from vividc.frontend.numba.target import Callee
 from vividc.host.inputs import demand_utf8_path
+from vividc.lang.numba_types import TYPES, for_numba, in_arrays
+from vividc.lang.numba_words import plain
 from vividc.machine.params import MAX_SPREAD, DType, Param
 from vividc.ssa.ir import Function
 

@@ -13,29 +13,29 @@ from typing import Any
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
-from vividc.frontend.counting import word_parameters
-from vividc.frontend.diagnose import behind, construct_at, diagnose, returned_at
-from vividc.frontend.flags import load_flags
-from vividc.frontend.floor_division import recover_divisions, sign_quotients
-from vividc.frontend.interval import Interval
-from vividc.frontend.length import refuse_long, refuse_long_code
-from vividc.frontend.llvm import optimised_ir
-from vividc.frontend.llvm_passes import ENTRY
-from vividc.frontend.llvm_text import read_function
-from vividc.frontend.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
-from vividc.frontend.memory import resolve_memory
-from vividc.frontend.narrow import Narrowed, narrow, refuse_calls
-from vividc.frontend.null_choices import drop_null_choices
-from vividc.frontend.numba_target import NumbaModule, numba_module
-from vividc.frontend.numba_words import is_numbas, plain
-from vividc.frontend.overlap import fold_overlaps
-from vividc.frontend.ranges import Ranges
-from vividc.frontend.simplify import fold_by_ranges, recover_extensions
-from vividc.frontend.single_trip import straighten_single_trips
-from vividc.frontend.sizes import bounds_of_sizes
-from vividc.frontend.ssa import WideFunction, remove_dead, remove_unreachable
-from vividc.frontend.subword import extend_loads, store_low_bits
-from vividc.frontend.traps import trap_raises
+from vividc.frontend.llvm.ir import WideFunction, remove_dead, remove_unreachable
+from vividc.frontend.llvm.passes import ENTRY
+from vividc.frontend.llvm.reader import read_function
+from vividc.frontend.memory.flags import load_flags
+from vividc.frontend.memory.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
+from vividc.frontend.memory.null_choices import drop_null_choices
+from vividc.frontend.memory.overlap import fold_overlaps
+from vividc.frontend.memory.resolve import resolve_memory
+from vividc.frontend.memory.subword import extend_loads, store_low_bits
+from vividc.frontend.memory.traps import trap_raises
+from vividc.frontend.narrow.counting import word_parameters
+from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotients
+from vividc.frontend.narrow.narrow import Narrowed, narrow, refuse_calls
+from vividc.frontend.narrow.single_trip import straighten_single_trips
+from vividc.frontend.numba.entry import optimised_ir
+from vividc.frontend.numba.length import refuse_long, refuse_long_code
+from vividc.frontend.numba.target import NumbaModule, numba_module
+from vividc.frontend.ranges.fold import fold_by_ranges, recover_extensions
+from vividc.frontend.ranges.interval import Interval
+from vividc.frontend.ranges.ranges import Ranges
+from vividc.frontend.ranges.sizes import bounds_of_sizes
+from vividc.frontend.refused.diagnose import behind, construct_at, diagnose, returned_at
+from vividc.lang.numba_words import is_numbas, plain
 from vividc.machine.params import MAX_ELEMENTS, WIDE_DTYPES, DType, Param
 from vividc.ssa.check import check_function
 from vividc.ssa.ir import Function

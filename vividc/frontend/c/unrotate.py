@@ -1,0 +1,376 @@
+"""Give loops that clang rotated their `while` form back: `if (a < b) do ... while (++i != b)`
+becomes `while (i < b) ...`, which the tile controller can count.
+
+A rotated loop tests for its next iteration at its end. The test may be moved to the start if it is
+known to hold when the loop is entered: by the ranges of the values, by a comparison on the way to
+the loop, or because the loop's counter would overflow otherwise, which C leaves undefined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from vividc.errors import SourceLoc
+from vividc.frontend.llvm.ir import (
+    Exit,
+    Float,
+    Flow,
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideBlock,
+    WideFunction,
+    WidePhi,
+    flow_of,
+    map_operands,
+    type_of,
+    uses,
+)
+from vividc.frontend.ranges.interval import compare
+from vividc.frontend.ranges.ranges import Ranges
+
+_SWAPPED = {"eq": "eq", "ne": "ne", "slt": "sgt", "sle": "sge", "ult": "ugt", "ule": "uge"}
+_SWAPPED |= {v: k for k, v in _SWAPPED.items()}
+_NEGATED = {"eq": "ne", "slt": "sge", "sgt": "sle", "ult": "uge", "ugt": "ule"}
+_NEGATED |= {v: k for k, v in _NEGATED.items()}
+_IMPLIED_BY = {
+    "slt": ("slt",),
+    "sle": ("slt", "sle", "eq"),
+    "sgt": ("sgt",),
+    "sge": ("sgt", "sge", "eq"),
+    "ult": ("ult",),
+    "ule": ("ult", "ule", "eq"),
+    "ugt": ("ugt",),
+    "uge": ("ugt", "uge", "eq"),
+}
+
+
+_After = dict[str, dict[Operand, Operand]]
+"""What replaces values in each block."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Test:
+    """The loop goes on while `next pred limit`, where `next` is the latch's value of `phi`."""
+
+    phi: WidePhi
+    step: int
+    pred: str
+    limit: Operand
+    op: Op
+    flags: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class _Rotated:
+    """A loop whose test can be moved from its latch to its start."""
+
+    header: WideBlock
+    latch: WideBlock
+    body: frozenset[str]
+    outside: str
+    only_exit: bool
+    test: _Test
+
+
+def unrotate(function: WideFunction) -> WideFunction:
+    """The function with every loop in `while` form whose first iteration is sure to be run.
+
+    Parameters
+    ----------
+    function
+        A function without unreachable blocks and without pointers.
+    """
+    refused: set[str] = set()
+    while True:
+        ranges = Ranges(function, {})
+        flow = flow_of(function)
+        for rotated in _rotated_loops(function, flow, refused):
+            changed = _with_test_first(function, flow, ranges, rotated)
+            if changed is not None:
+                function = changed
+                break
+            refused.add(rotated.header.name)
+        else:
+            return function
+
+
+def _rotated_loops(function: WideFunction, flow: Flow, refused: set[str]) -> Iterator[_Rotated]:
+    for header, body in flow.loops.items():
+        latches = [name for name in flow.predecessors[header] if name in body]
+        if header in refused or header == flow.entry or len(latches) != 1:
+            continue
+        latch = function.by_name[latches[0]]
+        outside = [name for name in latch.exit.targets if name not in body]
+        if len(outside) != 1 or header not in latch.exit.targets:
+            continue
+        test = _test(function, function.by_name[header], latch, body)
+        if test is not None:
+            exits = [t for n in body for t in flow.successors[n] if t not in body]
+            only = len(exits) == 1
+            yield _Rotated(function.by_name[header], latch, body, outside[0], only, test)
+
+
+def _test(
+    function: WideFunction, header: WideBlock, latch: WideBlock, body: frozenset[str]
+) -> _Test | None:
+    op = _definition(function, latch.exit.cond)
+    if not isinstance(op, Op) or op.op != "icmp" or op.type not in ("i32", "i64"):
+        return None
+    stays = op.pred if latch.exit.targets[0] == header.name else _NEGATED[op.pred]
+    left, right = op.args
+    for value, limit, pred in ((left, right, stays), (right, left, _SWAPPED[stays])):
+        if not _is_invariant(function, limit, body):
+            continue
+        for phi in header.phis:
+            found = _test_of_phi(function, phi, latch.name, (value, pred, limit, op))
+            if found is not None:
+                return found
+    return None
+
+
+def _test_of_phi(
+    function: WideFunction,
+    phi: WidePhi,
+    latch: str,
+    comparison: tuple[Operand, str, Operand, Op],
+) -> _Test | None:
+    value, pred, limit, op = comparison
+    following = dict(phi.incoming)[latch]
+    step = _definition(function, following)
+    if not isinstance(step, Op) or step.op != "add" or step.args[0] != Local(phi.name):
+        return None
+    if not isinstance(step.args[1], Int):
+        return None
+    by = step.args[1].value
+    if value == following:
+        return _Test(phi, by, pred, limit, op, step.flags)
+    if value == Local(phi.name) and isinstance(limit, Int) and "nsw" in step.flags:
+        # `phi pred limit` is `phi + by pred limit + by` where neither sum wraps.
+        moved = limit.value + by
+        bits = 31 if op.type == "i32" else 63
+        if pred[0] == "s" and -(1 << bits) <= moved < 1 << bits:
+            return _Test(phi, by, pred, Int(moved), op, step.flags)
+    return None
+
+
+def _with_test_first(
+    function: WideFunction, flow: Flow, ranges: Ranges, rotated: _Rotated
+) -> WideFunction | None:
+    pred = _moved_predicate(function, flow, ranges, rotated)
+    if pred is None:
+        return None
+    carried = _Carried(function, rotated)
+    replaced = _values_after(function, flow, rotated, carried)
+    return None if replaced is None else _rebuilt(function, rotated, pred, carried, replaced)
+
+
+def _moved_predicate(
+    function: WideFunction, flow: Flow, ranges: Ranges, rotated: _Rotated
+) -> str | None:
+    """How the counter compares with the limit before each iteration, the first included."""
+    test = rotated.test
+    if test.pred == "eq":
+        return None
+    if test.pred != "ne":
+        return test.pred if _holds_first(function, flow, ranges, rotated, test.pred) else None
+    up = test.step > 0
+    signed, unsigned = ("slt", "ult") if up else ("sgt", "ugt")
+    if rotated.only_exit and ("nsw" in test.flags or (up and "nuw" in test.flags)):
+        return signed if "nsw" in test.flags else unsigned
+    # Another step may miss the limit.
+    preds = (signed, unsigned) if abs(test.step) == 1 else ()
+    return next((p for p in preds if _holds_first(function, flow, ranges, rotated, p)), None)
+
+
+def _holds_first(
+    function: WideFunction, flow: Flow, ranges: Ranges, rotated: _Rotated, pred: str
+) -> bool:
+    """Whether the counter's first value compares so with the limit, on every way into the loop."""
+    limit = rotated.test.limit
+    for source, start in rotated.test.phi.incoming:
+        if source == rotated.latch.name:
+            continue
+        known = compare(pred, ranges.at(start, source), ranges.at(limit, source))
+        if known is not True and not _compared_before(
+            function, flow, ranges, source, (start, pred, limit)
+        ):
+            return False
+    return True
+
+
+def _compared_before(
+    function: WideFunction,
+    flow: Flow,
+    ranges: Ranges,
+    block: str,
+    claim: tuple[Operand, str, Operand],
+) -> bool:
+    """Whether a branch that leads to the block has compared the same two values."""
+    start, pred, limit = claim
+    wanted = [
+        (_unextended(function, ranges, start, block), _unextended(function, ranges, limit, block))
+    ]
+    for fact in ranges.facts(block):
+        left = _unextended(function, ranges, fact.value, block)
+        right = _unextended(function, ranges, fact.other, block)
+        if (left, right) in wanted and fact.pred in _IMPLIED_BY[pred]:
+            return True
+        if (right, left) in wanted and _SWAPPED[fact.pred] in _IMPLIED_BY[pred]:
+            return True
+    return False
+
+
+def _unextended(function: WideFunction, ranges: Ranges, operand: Operand, block: str) -> Operand:
+    """The word that was extended, where extending it keeps the signed order."""
+    while isinstance(operand, Local):
+        definition = _definition(function, operand)
+        if not isinstance(definition, Op) or definition.source != "i32":
+            return operand
+        if definition.op == "zext" and ranges.at(definition.args[0], block)[0] < 0:
+            return operand
+        if definition.op not in ("sext", "zext"):
+            return operand
+        operand = definition.args[0]
+    return operand
+
+
+class _Carried:
+    """Values of the loop as they are when its test, moved to the start, fails."""
+
+    def __init__(self, function: WideFunction, rotated: _Rotated) -> None:
+        self.phis: list[WidePhi] = []
+        self._function = function
+        self._rotated = rotated
+        latch = rotated.latch.name
+        self._known = {dict(phi.incoming)[latch]: phi.name for phi in rotated.header.phis}
+
+    def value(self, value: Local) -> Operand:
+        """Of the iteration that was the last one."""
+        if value not in self._known:
+            type_ = type_of(self._function, value)
+            nothing: Operand = Float(0.0) if type_ in ("float", "double") else Int(0)
+            latch = self._rotated.latch.name
+            before = [s for s, _ in self._rotated.header.phis[0].incoming if s != latch]
+            incoming = (*((source, nothing) for source in before), (latch, value))
+            name = f"{value.name}.after.{self._rotated.header.name}"
+            self.phis.append(WidePhi(name, type_, incoming, _place(self._function, value)))
+            self._known[value] = name
+        return Local(self._known[value])
+
+
+def _values_after(
+    function: WideFunction, flow: Flow, rotated: _Rotated, carried: _Carried
+) -> _After | None:
+    """What replaces the loop's values in each block after it, and on the edge from the latch; None
+    if a value is used where the loop's ways out have met.
+    """
+    latch = rotated.latch.name
+    found: _After = {latch: {v: carried.value(v) for v in _handed_out(function, rotated)}}
+    only_way = flow.predecessors[rotated.outside] == (latch,)
+    reached = _reached(flow, rotated.outside)
+    for block in function.blocks:
+        if block.name in rotated.body or block.name not in reached:
+            continue
+        used = list(_used_outside(function, block, rotated.body))
+        dominated = only_way and flow.dominates(rotated.outside, block.name)
+        if used and not rotated.only_exit and not dominated:
+            return None
+        found[block.name] = {value: carried.value(value) for value in used}
+    return found
+
+
+def _handed_out(function: WideFunction, rotated: _Rotated) -> Iterator[Local]:
+    for phi in function.by_name[rotated.outside].phis:
+        for source, value in phi.incoming:
+            if source == rotated.latch.name and _is_of(function, value, rotated.body):
+                assert isinstance(value, Local)
+                yield value
+
+
+def _used_outside(
+    function: WideFunction, block: WideBlock, body: frozenset[str]
+) -> Iterator[Local]:
+    """Values of the loop that the block uses, or hands to phis of its successors."""
+    handed = [
+        value
+        for target in block.exit.targets
+        for phi in function.by_name[target].phis
+        for source, value in phi.incoming
+        if source == block.name
+    ]
+    for operand in (*uses(replace(block, phis=())), *handed):
+        if isinstance(operand, Local) and _is_of(function, operand, body):
+            yield operand
+
+
+def _is_of(function: WideFunction, value: Operand, body: frozenset[str]) -> bool:
+    return isinstance(value, Local) and function.block_of.get(value.name) in body
+
+
+def _reached(flow: Flow, source: str) -> set[str]:
+    """Blocks that may run after `source`, and itself."""
+    seen = {source}
+    pending = [source]
+    while pending:
+        new = [target for target in flow.successors[pending.pop()] if target not in seen]
+        seen.update(new)
+        pending.extend(new)
+    return seen
+
+
+def _rebuilt(
+    function: WideFunction,
+    rotated: _Rotated,
+    pred: str,
+    carried: _Carried,
+    after: _After,
+) -> WideFunction:
+    header, latch, test = rotated.header, rotated.latch, rotated.test
+    first, end = f"{header.name}.while", f"{header.name}.end"
+    blocks: list[WideBlock] = []
+    for old in function.blocks:
+        known = {} if old.name == latch.name else after.get(old.name, {})
+        block = map_operands(old, _replacer(known))
+        from_latch = end if old.name == rotated.outside else latch.name
+        phis = tuple(_incoming(phi, after, {latch.name: from_latch}) for phi in old.phis)
+        block = replace(block, phis=() if old.name == header.name else phis)
+        targets = tuple(first if name == header.name else name for name in block.exit.targets)
+        leave = replace(block.exit, targets=targets)
+        if old.name == latch.name:
+            leave = Exit((first,), loc=old.exit.loc)
+        blocks.append(replace(block, exit=leave))
+    name = f"{first}.test"
+    args = (Local(test.phi.name), test.limit)
+    compared = Op(name, "icmp", test.op.type, args, pred, loc=test.op.loc)
+    way = Exit((header.name, end), Local(name), loc=latch.exit.loc)
+    blocks.append(WideBlock(first, (*header.phis, *carried.phis), (compared,), way))
+    blocks.append(WideBlock(end, (), (), Exit((rotated.outside,), loc=latch.exit.loc)))
+    return replace(function, blocks=tuple(blocks))
+
+
+def _replacer(known: dict[Operand, Operand]) -> Callable[[Operand], Operand]:
+    return lambda operand: known.get(operand, operand)
+
+
+def _incoming(phi: WidePhi, after: _After, renamed: dict[str, str]) -> WidePhi:
+    incoming = tuple(
+        (renamed.get(source, source), after.get(source, {}).get(value, value))
+        for source, value in phi.incoming
+    )
+    return replace(phi, incoming=incoming)
+
+
+def _definition(function: WideFunction, operand: Operand | None) -> Op | WidePhi | None:
+    return function.definitions.get(operand.name) if isinstance(operand, Local) else None
+
+
+def _is_invariant(function: WideFunction, operand: Operand, body: frozenset[str]) -> bool:
+    return isinstance(operand, Int | Local) and not _is_of(function, operand, body)
+
+
+def _place(function: WideFunction, value: Local) -> SourceLoc | None:
+    definition = function.definitions.get(value.name)
+    return None if definition is None else definition.loc

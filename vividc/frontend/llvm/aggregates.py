@@ -1,0 +1,178 @@
+"""Tuples in SSA: a phi or a choice of an array or a structure becomes one of each of its elements.
+
+Numba's tuples are LLVM's aggregates. Where they are made and read in one place LLVM takes them
+apart; where paths join it leaves phis of whole aggregates.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import accumulate
+
+from vividc.frontend.llvm.ir import (
+    Float,
+    Int,
+    Local,
+    Op,
+    Operand,
+    Parts,
+    WideBlock,
+    WideFunction,
+    WidePhi,
+    substitute,
+)
+from vividc.frontend.llvm.layout import members
+from vividc.frontend.llvm.tokens import Structs
+
+_ARRAY = re.compile(r"\[(\d+)x(.*)\]")
+_MOST = 1024
+"""Elements of an aggregate that is taken apart: one of more is refused where it is used."""
+_PARTS = frozenset({"insertvalue", "extractvalue"})
+_JOINS = frozenset({"select", "freeze"})
+
+
+def split_aggregates(function: WideFunction, structs: Structs) -> WideFunction:
+    """Replace phis, choices and parts of aggregates by those of their elements.
+
+    What comes out of a call or a load stays whole, with all that is made of it.
+    """
+    if not any(op.op in _PARTS for block in function.blocks for op in block.ops):
+        return function
+    splitter = _Splitter(function, structs)
+    blocks = tuple(splitter.block(block) for block in function.blocks)
+    return substitute(replace(function, blocks=blocks), splitter.known)
+
+
+class _Splitter:
+    """Elements of a function's aggregates; `known`: what each `extractvalue` gives."""
+
+    def __init__(self, function: WideFunction, structs: Structs) -> None:
+        self.known: dict[str, Operand] = {}
+        self._definitions = function.definitions
+        self._structs = structs
+        self._whole = self._unknown()
+
+    def block(self, block: WideBlock) -> WideBlock:
+        """The block without aggregates that could be taken apart."""
+        phis = tuple(part for phi in block.phis for part in self._phi(phi))
+        ops = tuple(part for op in block.ops for part in self._op(op))
+        return replace(block, phis=phis, ops=ops)
+
+    def _unknown(self) -> set[str]:
+        """Aggregates that stay whole."""
+        whole = {
+            name
+            for name, item in self._definitions.items()
+            if not self._types(item.type)
+            or (
+                isinstance(item, Op) and _is_aggregate(item.type) and item.op not in _PARTS | _JOINS
+            )
+        }
+        while True:
+            more = {
+                name
+                for name, item in self._definitions.items()
+                if name not in whole
+                and any(isinstance(arg, Local) and arg.name in whole for arg in _aggregates(item))
+            }
+            if not more:
+                return whole
+            whole |= more
+
+    def _phi(self, phi: WidePhi) -> Iterator[WidePhi]:
+        if phi.name in self._whole or not _is_aggregate(phi.type):
+            yield phi
+            return
+        columns = [self._elements(value, phi.type) for _, value in phi.incoming]
+        for number, type_ in enumerate(self._types(phi.type)):
+            values = (column[number] for column in columns)
+            incoming = tuple(zip((pred for pred, _ in phi.incoming), values, strict=True))
+            yield WidePhi(_part(phi.name, number), type_, incoming, phi.loc)
+
+    def _op(self, op: Op) -> Iterator[Op]:
+        if op.name in self._whole or not (op.op in _PARTS or _is_aggregate(op.type)):
+            yield op
+        elif op.op == "extractvalue" and not _is_aggregate(op.type):
+            self.known[op.name] = self._picked(op)[0]
+        elif op.op in _JOINS:
+            first = len(op.args) - len(_aggregates(op))
+            columns = [self._elements(arg, op.type) for arg in op.args[first:]]
+            for number, type_ in enumerate(self._types(op.type)):
+                args = (*op.args[:first], *(column[number] for column in columns))
+                yield replace(op, name=_part(op.name, number), type=type_, args=args)
+
+    def _elements(self, operand: Operand, type_: str) -> tuple[Operand, ...]:
+        """The elements of an aggregate in order."""
+        if isinstance(operand, Parts):
+            return tuple(self._constants(operand, type_))
+        assert isinstance(operand, Local)
+        definition = self._definitions[operand.name]
+        if isinstance(definition, Op) and definition.op == "extractvalue":
+            return self._picked(definition)
+        if isinstance(definition, Op) and definition.op == "insertvalue":
+            return self._inserted(definition)
+        return tuple(Local(_part(operand.name, n)) for n in range(len(self._types(type_))))
+
+    def _inserted(self, op: Op) -> tuple[Operand, ...]:
+        whole = self._elements(op.args[0], op.type)
+        start, stop = self._span(op.type, op.strides)
+        is_aggregate = _is_aggregate(op.source)
+        value = self._elements(op.args[1], op.source) if is_aggregate else (op.args[1],)
+        return (*whole[:start], *value, *whole[stop:])
+
+    def _picked(self, op: Op) -> tuple[Operand, ...]:
+        start, stop = self._span(op.source, op.strides)
+        return self._elements(op.args[0], op.source)[start:stop]
+
+    def _span(self, type_: str, indices: tuple[int, ...]) -> tuple[int, int]:
+        """First and end of the elements at `indices`."""
+        start, stop = 0, len(self._types(type_))
+        for index in indices:
+            inner = self._inner(type_)
+            ends = list(accumulate((len(self._types(one)) for one in inner), initial=start))
+            type_, start, stop = inner[index], ends[index], ends[index + 1]
+        return start, stop
+
+    def _types(self, type_: str) -> tuple[str, ...]:
+        """Types of the elements, however deep; of what is no aggregate itself; () of too many."""
+        if not _is_aggregate(type_):
+            return (type_,)
+        found = tuple(leaf for one in self._inner(type_) for leaf in self._types(one))
+        return found if len(found) <= _MOST else ()
+
+    def _inner(self, type_: str) -> list[str]:
+        array = _ARRAY.fullmatch(type_)
+        if array is not None:
+            return [array[2]] * min(int(array[1]), _MOST + 1)
+        return list(members(type_, self._structs))
+
+    def _constants(self, parts: Parts, type_: str) -> Iterator[Operand]:
+        """Without values: of an aggregate that is zero, or undefined."""
+        if not parts.values:
+            for leaf in self._types(type_):
+                yield Float(0.0) if leaf in ("float", "double") else Int(0)
+            return
+        for value, inner in zip(parts.values, self._inner(type_), strict=True):
+            if isinstance(value, Parts):
+                yield from self._constants(value, inner)
+            else:
+                yield value
+
+
+def _part(name: str, number: int) -> str:
+    return f"{name}.part{number}"
+
+
+def _is_aggregate(type_: str) -> bool:
+    return type_[:1] in ("[", "{", "%")
+
+
+def _aggregates(item: Op | WidePhi) -> tuple[Operand, ...]:
+    """Operands whose elements make those of the result."""
+    if isinstance(item, WidePhi):
+        return tuple(value for _, value in item.incoming)
+    if item.op == "select":
+        return item.args[1:]
+    return item.args if item.op in _PARTS | {"freeze"} else ()

@@ -1,0 +1,49 @@
+"""Names of calls that pass LLVM: what is meant by them is written out behind it."""
+
+from __future__ import annotations
+
+_FLAG = "the array has no exceptions: return or store a flag instead"
+
+
+_RAISES = (
+    ("range()", "test the step before the loop: if step < 1: return"),
+    ("zero-size", "start from the first element and write the loop: best = x[0]"),
+    ("empty sequence", "start from the first element and write the loop: best = x[0]"),
+    ("cannot assign slice", "write the loop over the elements"),
+    ("total size of new array", "index with i * columns + j instead"),
+    ("axis", "name an axis that the array has"),
+    ("division", "test the divisor before"),
+    ("truth value", "ask for one element, x[0] > 0, or for some, (x > 0).any()"),
+    ("None", "give the variable a number on every way"),
+    ("tuple index", "index by constants, or choose by if and elif"),
+    ("item()", "take an element: x[0]"),
+    ("AssertionError", "test the condition on the host, or return a flag"),
+)
+
+
+def hint_of_raise(what: str) -> str:
+    """What to write instead of what raises `what`, an exception's name and text."""
+    return next((hint for text, hint in _RAISES if text in what), _FLAG)
+
+
+ALLOCATE = "vividc.allocate "
+
+
+COPY = "a temporary copy"
+"""Stands for the element type of an allocation in bytes, whose accesses tell the type."""
+
+
+TABLE = "vividc.table "
+
+
+PICK = "vividc.pick "
+
+
+FLOOR_PREFIX = "vividc.floor "
+"""Callees that divide as Python does: with "sdiv", "srem", "udiv" or "urem" of i64; by zero 0."""
+
+
+RAISE_PREFIX = "vividc.raise "
+
+
+OVERLAP = "vividc.overlap"

@@ -1,0 +1,374 @@
+"""Read the text of LLVM IR into `ssa.WideFunction`: as much of the language as kernels use.
+
+Debug locations are read from the metadata once. Of a chain of inlined calls the innermost line in
+the user's own file counts: a fault inside a helper or inside numba is reported where the kernel
+asked for it.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from vividc.errors import InternalError, SourceLoc
+from vividc.frontend.llvm.aggregates import split_aggregates
+from vividc.frontend.llvm.ir import Exit, Op, Operand, WideBlock, WideFunction, WidePhi
+from vividc.frontend.llvm.layout import offsets, part_type, structs_of
+from vividc.frontend.llvm.subscripts import Subscripts
+from vividc.frontend.llvm.tokens import CASTS, Cursor, Structs, bare
+
+_DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILINE)
+_LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
+_METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
+_FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
+_LINE = re.compile(r"[1-9][0-9]{0,9}")
+
+
+def read_function(text: str, name: str, file: str) -> WideFunction:
+    """Read one function of a module.
+
+    Parameters
+    ----------
+    text
+        The module, as LLVM prints it.
+    name
+        The function's name.
+    file
+        The user's source file: lines in it take precedence.
+
+    Raises
+    ------
+    InternalError
+        The text holds a construct that is not known here.
+    """
+    start, end = _function_span(text, name)
+    header, *lines = text[start:end].split("\n")
+    params, returns = signature(header)
+    locations = Locations(text, file)
+    structs = structs_of(text)
+    blocks = tuple(_blocks(lines, locations, structs, Subscripts(text)))
+    return split_aggregates(WideFunction(params, blocks, returns), structs)
+
+
+def _function_span(text: str, name: str) -> tuple[int, int]:
+    for match in _DEFINE.finditer(text):
+        if bare(match["name"]) == name:
+            return match.start(), text.index("\n}", match.start())
+    raise InternalError(f"LLVM lost the function {name}")
+
+
+def signature(header: str) -> tuple[tuple[tuple[str, str], ...], str]:
+    """Names and types of the parameters of a `define` line, and the type that it returns."""
+    cursor, returns = Cursor(header), ""
+    while cursor.peek[:1] != "@":
+        returns = cursor.type()
+        if cursor.peek == "(":
+            cursor.skip_parentheses()
+    cursor.take()
+    cursor.expect("(")
+    return tuple(_params(cursor)), returns
+
+
+def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
+    while not cursor.accept(")"):
+        if cursor.accept("..."):
+            continue
+        type_ = cursor.type()
+        while cursor.peek[:1] != "%":
+            cursor.take()
+            cursor.skip_parentheses()
+        yield bare(cursor.take()), type_
+        cursor.accept(",")
+
+
+_MADE = "__numba_"
+
+
+class Locations:
+    """Source lines of `!dbg` attachments. LLVM does not check where nodes point: one that leads
+    nowhere, or in a circle, gives no line.
+    """
+
+    def __init__(self, text: str, file: str) -> None:
+        self._file = file
+        self._nodes = {
+            match[1]: (match[2], {f[1]: f[2] or f[3] or "" for f in _FIELD.finditer(match[3])})
+            for match in _METADATA.finditer(text)
+        }
+
+    def __call__(self, line: str) -> SourceLoc | None:
+        match = re.search(r", !dbg (!\d+)", line)
+        if match is None:
+            return None
+        chain = list(self._chain(match[1]))
+        own = [loc for loc in chain if loc.file == self._file]
+        return own[0] if own else next(iter(chain), None)
+
+    def definition(self, header: str) -> SourceLoc | None:
+        """Where the function of a `define` line is defined."""
+        match = re.search(r"!dbg (!\d+)", header)
+        if match is None:
+            return None
+        return self._place(match[1], self._fields(match[1]))
+
+    def _chain(self, node: str) -> Iterator[SourceLoc]:
+        for fields in self._path(node, "inlinedAt"):
+            scope = fields.get("scope", "")
+            found = self._place(scope, fields)
+            # A function that numba makes of an array expression has the kernel's file, and lines
+            # of its own.
+            if found is not None and not self._fields(scope).get("name", "").startswith(_MADE):
+                yield found
+
+    def _place(self, scope: str, fields: dict[str, str]) -> SourceLoc | None:
+        line, file = fields.get("line", ""), self._file_of(scope)
+        if file is None or not _LINE.fullmatch(line):  # line 0 is LLVM's mark of merged code
+            return None
+        return SourceLoc(file, int(line))
+
+    def _path(self, node: str, way: str) -> Iterator[dict[str, str]]:
+        """The fields of a node, and of those that it leads to by the field `way`."""
+        seen: set[str] = set()
+        while node in self._nodes and node not in seen:
+            seen.add(node)
+            yield self._fields(node)
+            node = self._fields(node).get(way, "")
+
+    def _fields(self, node: str) -> dict[str, str]:
+        return self._nodes[node][1] if node in self._nodes else {}
+
+    def _file_of(self, scope: str) -> str | None:
+        file_nodes = (fields["file"] for fields in self._path(scope, "scope") if "file" in fields)
+        file = self._fields(next(file_nodes, ""))
+        if "filename" not in file:
+            return None
+        name = re.sub(r"\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), file["filename"])
+        directory = file.get("directory", "")
+        inside = not directory or name.startswith(("/", directory))
+        return os.path.abspath(name if inside else f"{directory}/{name}")
+
+
+def _blocks(
+    lines: list[str], locations: Locations, structs: Structs, subscripts: Subscripts
+) -> Iterator[WideBlock]:
+    name = ""
+    phis: list[WidePhi] = []
+    ops: list[Op] = []
+    for line in joined(lines):
+        label = label_of(line)
+        if label:
+            name = label
+            continue
+        stripped = line.strip()
+        if not stripped or stripped.startswith((";", "#dbg")):
+            continue
+        item = _instruction(Cursor(stripped, structs), locations(stripped))
+        if isinstance(item, WidePhi):
+            phis.append(item)
+        elif isinstance(item, Op):
+            subscript = subscripts(stripped)
+            ops.append(replace(item, subscript=subscript) if subscript else item)
+        else:
+            yield WideBlock(name, tuple(phis), tuple(ops), item)
+            phis, ops = [], []
+
+
+def label_of(line: str) -> str:
+    """The block that a line begins, else ""."""
+    label = _LABEL.match(line)
+    return bare("%" + label["name"]) if label is not None else ""
+
+
+def joined(lines: list[str]) -> Iterator[str]:
+    """A switch is printed over several lines; all else on one."""
+    pending = ""
+    for line in lines:
+        pending += line
+        if pending.rstrip().endswith("[") or (
+            pending.count("[") > pending.count("]") and "switch" in pending
+        ):
+            continue
+        yield pending
+        pending = ""
+
+
+def _instruction(cursor: Cursor, loc: SourceLoc | None) -> Op | WidePhi | Exit:
+    name = ""
+    if cursor.peek[:1] == "%":
+        name = bare(cursor.take())
+        cursor.expect("=")
+    cursor.skip_flags()
+    opcode = cursor.take()
+    flags = cursor.skip_flags()
+    reader = _READERS.get(opcode, _read_other)
+    item = reader(cursor, name, opcode, loc)
+    return replace(item, flags=flags) if flags and isinstance(item, Op) else item
+
+
+def _read_phi(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> WidePhi:
+    type_ = cursor.type()
+    incoming: list[tuple[str, Operand]] = []
+    while cursor.accept("["):
+        value = cursor.operand(type_)
+        cursor.expect(",")
+        incoming.append((bare(cursor.take()), value))
+        cursor.expect("]")
+        if not cursor.accept(","):
+            break
+    # A predecessor with two edges is listed twice.
+    return WidePhi(name, type_, tuple(dict.fromkeys(incoming)), loc)
+
+
+def _read_br(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+    if cursor.accept("label"):
+        return Exit((bare(cursor.take()),), loc=loc)
+    _, cond = cursor.typed_operand()
+    targets = []
+    while cursor.accept(","):
+        if not cursor.accept("label"):
+            break
+        targets.append(bare(cursor.take()))
+    if targets[0] == targets[1]:
+        return Exit((targets[0],), loc=loc)
+    return Exit((targets[0], targets[1]), cond, loc=loc)
+
+
+def _read_ret(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+    if cursor.peek == "void":
+        return Exit(loc=loc)
+    return Exit(value=cursor.typed_operand()[1], loc=loc)
+
+
+def _read_unreachable(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+    return Exit(unreachable=True, loc=loc)
+
+
+def _read_compare(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    pred = cursor.take()
+    type_, left = cursor.typed_operand()
+    cursor.expect(",")
+    return Op(name, opcode, type_, (left, cursor.operand(type_)), pred=pred, loc=loc)
+
+
+def _read_select(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    _, cond = cursor.typed_operand()
+    cursor.expect(",")
+    type_, left = cursor.typed_operand()
+    cursor.expect(",")
+    _, right = cursor.typed_operand()
+    return Op(name, opcode, type_, (cond, left, right), loc=loc)
+
+
+def _read_cast(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    source, value = cursor.typed_operand()
+    cursor.expect("to")
+    return Op(name, opcode, cursor.type(), (value,), source=source, loc=loc)
+
+
+def _read_load(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    type_ = cursor.type()
+    cursor.expect(",")
+    return Op(name, opcode, type_, (cursor.typed_operand()[1],), loc=loc)
+
+
+def _read_store(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    type_, value = cursor.typed_operand()
+    cursor.expect(",")
+    return Op("", opcode, type_, (value, cursor.typed_operand()[1]), loc=loc)
+
+
+def _read_gep(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    element, args = cursor.address()
+    found = offsets(element, args[1:], cursor.structs)
+    indices, strides = found or (args[1:], ())
+    operands = (args[0], *indices)
+    return Op(name, opcode, "ptr", operands, source=element, strides=strides, loc=loc)
+
+
+def _read_call(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    type_ = cursor.type()
+    while cursor.peek[:1] not in ("@", "%", ""):
+        type_ = cursor.type()
+        cursor.skip_parentheses()
+    callee = cursor.take()
+    args: list[Operand] = []
+    cursor.expect("(")
+    while not cursor.accept(")"):
+        args.append(cursor.typed_operand()[1])
+        cursor.accept(",")
+    return Op(name, "call", type_, tuple(args), pred=bare(callee), loc=loc)
+
+
+def _read_part(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    """`extractvalue` and `insertvalue`, with constant indices."""
+    type_, whole = cursor.typed_operand()
+    args, source = [whole], type_
+    if opcode == "insertvalue":
+        cursor.expect(",")
+        source, value = cursor.typed_operand()
+        args.append(value)
+    indices: list[int] = []
+    while cursor.accept(",") and cursor.peek[:1] != "!":
+        indices.append(int(cursor.take()))
+    if opcode == "extractvalue":
+        type_ = part_type(type_, tuple(indices), cursor.structs)
+    return Op(name, opcode, type_, tuple(args), source=source, strides=tuple(indices), loc=loc)
+
+
+def _read_other(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+    """Arithmetic: `op type a[, b]`. What the kernel may not use is refused later, by opcode, with
+    its line.
+    """
+    type_ = cursor.type()
+    args: list[Operand] = []
+    if opcode in ARITHMETIC:
+        args.append(cursor.operand(type_))
+        while cursor.accept(",") and cursor.peek[:1] != "!":
+            args.append(cursor.operand(type_))
+    return Op(name, opcode, type_, tuple(args), loc=loc)
+
+
+ARITHMETIC = frozenset(
+    [
+        "add",
+        "sub",
+        "mul",
+        "sdiv",
+        "udiv",
+        "srem",
+        "urem",
+        "shl",
+        "lshr",
+        "ashr",
+        "and",
+        "or",
+        "xor",
+        "fadd",
+        "fsub",
+        "fmul",
+        "fdiv",
+        "frem",
+        "fneg",
+        "freeze",
+    ]
+)
+_Item = Op | WidePhi | Exit
+_Reader = Callable[[Cursor, str, str, SourceLoc | None], _Item]
+_READERS: dict[str, _Reader] = {
+    "phi": _read_phi,
+    "br": _read_br,
+    "ret": _read_ret,
+    "unreachable": _read_unreachable,
+    "icmp": _read_compare,
+    "fcmp": _read_compare,
+    "select": _read_select,
+    "load": _read_load,
+    "store": _read_store,
+    "getelementptr": _read_gep,
+    "call": _read_call,
+    "extractvalue": _read_part,
+    "insertvalue": _read_part,
+    **dict.fromkeys(CASTS, _read_cast),
+}

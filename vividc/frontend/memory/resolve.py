@@ -1,0 +1,268 @@
+"""Turn pointers into array accesses: an array, an index, a shift and an offset for every load and
+store.
+
+After this stage no pointer is left. Pointer phis and selects within one array become phis and
+selects of byte offsets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.llvm.ir import (
+    Global,
+    Int,
+    Local,
+    Op,
+    Operand,
+    WideBlock,
+    WideFunction,
+    WidePhi,
+    remove_dead,
+)
+from vividc.frontend.memory.local_arrays import Held, as_words, in_words, wide_access
+from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
+from vividc.frontend.memory.unmerge import split_merged_loads
+
+_SUFFIX = ".bytes"
+_BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
+_LOCAL_HINT = "use scalar variables, or an array of constant size: np.zeros(16, np.float32)"
+_GLOBAL_HINT = "pass it as a parameter: constants are numbers, tuples of them, and arrays"
+
+
+@dataclass(frozen=True, slots=True)
+class _Address:
+    """Byte address: base of `array` + sum of value * stride + offset."""
+
+    array: str
+    terms: tuple[tuple[Operand, int], ...] = ()
+    offset: int = 0
+
+
+def resolve_memory(function: WideFunction, own: dict[str, Held] | None = None) -> WideFunction:
+    """Give every load and store its array, and drop all pointers; `own`: the kernel's own arrays.
+
+    Raises
+    ------
+    KernelError
+        A pointer does not come from an array parameter.
+    """
+    function = remove_dead(split_merged_loads(without_freezes(function)))
+    return _Resolver(function, own or {}).run()
+
+
+class _Resolver:
+    """One function's pointers, resolved on demand."""
+
+    def __init__(self, function: WideFunction, own: dict[str, Held]) -> None:
+        self._function = function
+        self._own = own
+        self._definitions = function.definitions
+        self._arrays: dict[str, str] = {}
+        self._stores = 0
+        for name, type_ in function.params:
+            if type_ == "ptr":
+                self._arrays[name] = name.removeprefix("&")
+        self._find_arrays_of_merges()
+        self._differences = differences(function, self._root)
+
+    def run(self) -> WideFunction:
+        blocks = tuple(self._block(block) for block in self._function.blocks)
+        return replace(self._function, blocks=blocks)
+
+    def _find_arrays_of_merges(self) -> None:
+        """Arrays of pointer phis and selects: a fixpoint, since phis may depend on each other."""
+        merges = [d for d in self._definitions.values() if _merged(d)]
+        changed = True
+        while changed:
+            changed = False
+            for merge in merges:
+                roots = [self._root(pointer) for pointer in _merged(merge)]
+                known = next((root for root in roots if root), "")
+                if known and merge.name not in self._arrays:
+                    self._arrays[merge.name] = known
+                    changed = True
+        for merge in merges:
+            if len({self._root(pointer) for pointer in _merged(merge)}) > 1:
+                raise KernelError(
+                    "one access to different arrays, chosen by a condition",
+                    loc=merge.loc,
+                    hint="write an `if` with an access in each branch",
+                )
+
+    def _root(self, pointer: Operand) -> str:
+        while isinstance(pointer, Local) and pointer.name not in self._arrays:
+            definition = self._definitions.get(pointer.name)
+            if not isinstance(definition, Op) or definition.op != "getelementptr":
+                return ""
+            pointer = definition.args[0]
+        return self._arrays[pointer.name] if isinstance(pointer, Local) else ""
+
+    def _block(self, block: WideBlock) -> WideBlock:
+        ops = tuple(new for op in block.ops for new in self._rewrite(op))
+        return replace(block, phis=tuple(self._phi(phi) for phi in block.phis), ops=ops)
+
+    def _phi(self, phi: WidePhi) -> WidePhi:
+        if phi.type != "ptr":
+            return phi
+        incoming = tuple((pred, self._bytes(value, phi.loc)) for pred, value in phi.incoming)
+        return WidePhi(phi.name + _SUFFIX, "i32", incoming, phi.loc)
+
+    def _rewrite(self, op: Op) -> Iterator[Op]:
+        if op.op == "load":
+            yield from self._access(op, op.args[0])
+        elif op.op == "store":
+            yield from self._access(op, op.args[1])
+        elif op.op == "getelementptr":
+            yield from self._gep_bytes(op)
+        elif op.op == "select" and op.type == "ptr":
+            chosen = tuple(self._bytes(pointer, op.loc) for pointer in op.args[1:])
+            yield replace(op, name=op.name + _SUFFIX, type="i32", args=(op.args[0], *chosen))
+        elif op.op == "alloca":
+            raise KernelError("a local array or tuple", loc=op.loc, hint=_LOCAL_HINT)
+        elif op.op == "icmp" and op.type == "ptr":
+            yield compare_pointers(op, self._root, lambda p: self._bytes(p, op.loc))
+        elif op.name in self._differences:
+            yield self._as_offset(op)
+        elif op.op in ("ptrtoint", "ptrtoaddr", "inttoptr"):
+            raise KernelError("arithmetic on addresses", loc=op.loc, hint="use indices")
+        else:
+            yield op
+
+    def _access(self, op: Op, pointer: Operand) -> Iterator[Op]:
+        address = self._address(pointer, op.loc)
+        held = self._own.get(address.array)
+        if held is None or held.packed:
+            yield from self._word_access(op, address)
+            return
+        terms, offset = in_words(self._function, address.terms, address.offset, held, op.loc)
+        self._stores += 1
+        if held.is_wide:
+            yield from self._wide_access(op, _Address(address.array, terms, offset), held)
+            return
+        before, access, after = as_words(op, held, self._stores)
+        yield from before
+        yield from self._word_access(access, _Address(address.array, terms, offset))
+        yield from after
+
+    def _wide_access(self, op: Op, address: _Address, held: Held) -> Iterator[Op]:
+        first, second = wide_access(op, held, self._stores)
+        for new in (*first, *second):
+            if new.op not in ("load", "store"):
+                yield new
+                continue
+            is_high = new is (first if op.op == "load" else second)[1]
+            place = replace(address, offset=address.offset + _BYTES["i32"] * is_high)
+            yield from self._word_access(new, place)
+
+    def _word_access(self, op: Op, address: _Address) -> Iterator[Op]:
+        if op.type not in _BYTES:
+            raise KernelError(
+                f"an array access of type {op.type}",
+                loc=op.loc,
+                hint="arrays hold float32, bool, or integers of 8, 16 or 32 bits",
+            )
+        index: Operand = Int(0)
+        shift = _BYTES[op.type].bit_length() - 1
+        if address.terms:
+            unit = min(stride & -stride for _, stride in address.terms)
+            shift = unit.bit_length() - 1
+            self._stores += 1
+            name = op.name or f".store{self._stores}"
+            computed, index = _sum(name + ".index", address.terms, unit, op.loc)
+            yield from computed
+        yield replace(
+            op,
+            args=(*op.args[:-1], index),
+            array=address.array,
+            shift=shift,
+            offset=address.offset,
+            width=_BYTES[op.type],
+        )
+
+    def _gep_bytes(self, op: Op) -> Iterator[Op]:
+        """The byte offset as a value, for phis and selects of pointers; dead otherwise."""
+        if not op.strides or not self._root(Local(op.name)):
+            return
+        address = self._address(Local(op.name), op.loc)
+        terms = (*address.terms, (Int(address.offset), 1))
+        computed, total = _sum(op.name + _SUFFIX, terms, 1, op.loc)
+        yield from computed
+        if total != Local(op.name + _SUFFIX):
+            yield Op(op.name + _SUFFIX, "add", "i32", (total, Int(0)), loc=op.loc)
+
+    def _as_offset(self, op: Op) -> Op:
+        """An address as an integer: the byte offset will do, where only differences are taken."""
+        offset = self._bytes(self._differences[op.name], op.loc)
+        if op.type == "i64":
+            return Op(op.name, "sext", "i64", (offset,), source="i32", loc=op.loc)
+        return Op(op.name, "add", "i32", (offset, Int(0)), loc=op.loc)
+
+    def _bytes(self, pointer: Operand, loc: SourceLoc | None) -> Operand:
+        if isinstance(pointer, Local) and pointer.name in self._definitions:
+            return Local(pointer.name + _SUFFIX)
+        self._address(pointer, loc)
+        return Int(0)
+
+    def _address(self, pointer: Operand, loc: SourceLoc | None) -> _Address:
+        if isinstance(pointer, Global):
+            raise KernelError(
+                "an access to a global that is no constant", loc=loc, hint=_GLOBAL_HINT
+            )
+        if not isinstance(pointer, Local):
+            raise KernelError("an access through a null pointer", loc=loc, hint=_LOCAL_HINT)
+        definition = self._definitions.get(pointer.name)
+        if definition is None:
+            return _Address(self._arrays[pointer.name])
+        if _merged(definition):
+            return _Address(self._arrays[pointer.name], ((Local(pointer.name + _SUFFIX), 1),))
+        if (
+            not isinstance(definition, Op)
+            or definition.op != "getelementptr"
+            or not definition.strides
+        ):
+            raise KernelError("a pointer that is no array parameter", loc=loc, hint=_LOCAL_HINT)
+        return _extend(self._address(definition.args[0], loc), definition)
+
+
+def _merged(definition: Op | WidePhi | None) -> tuple[Operand, ...]:
+    """The pointers that a pointer phi or select chooses from."""
+    if definition is None or definition.type != "ptr":
+        return ()
+    if isinstance(definition, WidePhi):
+        return tuple(value for _, value in definition.incoming)
+    return definition.args[1:] if definition.op == "select" else ()
+
+
+def _extend(base: _Address, gep: Op) -> _Address:
+    terms = list(base.terms)
+    offset = base.offset
+    for index, stride in zip(gep.args[1:], gep.strides, strict=True):
+        if isinstance(index, Int):
+            offset += index.value * stride
+        else:
+            terms.append((index, stride))
+    return _Address(base.array, tuple(terms), offset)
+
+
+def _sum(
+    name: str, terms: tuple[tuple[Operand, int], ...], unit: int, loc: SourceLoc | None
+) -> tuple[list[Op], Operand]:
+    """Instructions that add up value * (stride / unit), and the operand that holds the sum."""
+    out: list[Op] = []
+    total: Operand | None = None
+    for position, (value, stride) in enumerate(terms):
+        term = value
+        if stride != unit:
+            scaled = f"{name}.mul{position}"
+            out.append(Op(scaled, "mul", "i32", (value, Int(stride // unit)), loc=loc))
+            term = Local(scaled)
+        if total is not None:
+            sum_name = name if position == len(terms) - 1 else f"{name}.add{position}"
+            out.append(Op(sum_name, "add", "i32", (total, term), loc=loc))
+            term = Local(sum_name)
+        total = term
+    assert total is not None
+    return out, total

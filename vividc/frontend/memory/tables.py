@@ -1,0 +1,127 @@
+"""Constant arrays in a module's text: `@name = ... constant [4 x i32] [i32 1, ...]`."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from vividc.errors import InternalError, KernelError, SourceLoc
+from vividc.frontend.llvm.ir import Float, Int
+from vividc.frontend.llvm.tokens import Cursor, bare, unescaped
+from vividc.frontend.ranges.interval import S32, U32
+
+_GLOBAL = re.compile(r'^(@(?:"(?:[^"\\]|\\.)*"|[-\w.$]+)) = .*?\bconstant (\[.*)$', re.MULTILINE)
+_ARRAY = re.compile(r"\[(\d+)x(.*)\]")
+_SCALARS = frozenset({"i8", "i16", "i32", "i64", "float", "double"})
+_MAX_LENGTH = 1 << 24
+_UNDEFINED = frozenset({"zeroinitializer", "poison", "undef"})
+_MASK = 0xFFFFFFFF
+
+PACKED_BYTES = {"i8": 1, "i16": 2}
+
+Number = int | float
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A constant array, flattened in C order: LLVM type of the elements, and their values."""
+
+    element: str
+    values: tuple[Number, ...]
+
+
+def tables_of(text: str) -> dict[str, Table]:
+    """Constant arrays of numbers by name; nested arrays are flattened, others are left out."""
+    found: dict[str, Table] = {}
+    for match in _GLOBAL.finditer(text):
+        cursor = Cursor(match[2])
+        type_ = cursor.type()
+        element = _scalar_of(type_)
+        if _length(type_) > _MAX_LENGTH:
+            reason = f"a constant array of {_length(type_)} elements"
+            raise KernelError(reason, hint="pass it as a parameter")
+        if element in _SCALARS and cursor.peek not in ("", ","):  # else another file has it
+            values = _values(cursor, type_)
+            if None not in values:
+                found[bare(match[1])] = Table(element, tuple(v for v in values if v is not None))
+    return found
+
+
+def words_of(table: Table, loc: SourceLoc | None) -> tuple[int, ...]:
+    """The table's elements as words.
+
+    Raises
+    ------
+    KernelError
+        An element has no word of the same value.
+    """
+    if table.element in ("float", "double"):
+        return tuple(_float_word(float(value), table, loc) for value in table.values)
+    if table.element == "i64" and not any(
+        all(low <= value <= high for value in table.values) for low, high in (S32, U32)
+    ):
+        raise KernelError(
+            "a constant array of int64 holds integers that do not fit in 32 bits",
+            loc=loc,
+            hint="keep its numbers within int32, or within uint32",
+        )
+    return tuple(int(value) & _MASK for value in table.values)
+
+
+def packed_words_of(table: Table) -> tuple[int, ...]:
+    """A table of bytes or halves as C's memory has it, four or two in a word."""
+    size = PACKED_BYTES[table.element]
+    mask = (1 << 8 * size) - 1
+    raw = b"".join((int(value) & mask).to_bytes(size, "little") for value in table.values)
+    raw += bytes(-len(raw) % 4)
+    return tuple(int.from_bytes(raw[at : at + 4], "little") for at in range(0, len(raw), 4))
+
+
+def _float_word(value: float, table: Table, loc: SourceLoc | None) -> int:
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        narrow = np.float32(value)
+    if table.element == "double" and float(narrow) != value and value == value:  # noqa: PLR0124
+        raise KernelError(
+            f"a constant array of float64 holds {value!r}, which is no float32",
+            loc=loc,
+            hint="make it of float32: np.array([...], np.float32), or table.astype(np.float32)",
+        )
+    return int(narrow.view(np.uint32))
+
+
+def _scalar_of(type_: str) -> str:
+    match = _ARRAY.fullmatch(type_)
+    return type_ if match is None else _scalar_of(match[2])
+
+
+def _length(type_: str) -> int:
+    match = _ARRAY.fullmatch(type_)
+    return 1 if match is None else int(match[1]) * _length(match[2])
+
+
+def _values(cursor: Cursor, type_: str) -> list[Number | None]:
+    """The numbers of a constant; None for an address."""
+    match = _ARRAY.fullmatch(type_)
+    if match is None:
+        operand = cursor.operand(type_)
+        return [operand.value if isinstance(operand, Int | Float) else None]
+    if cursor.peek in _UNDEFINED:
+        cursor.take()
+        return [0] * _length(type_)
+    if cursor.peek.startswith('c"'):
+        return _checked(list(unescaped(cursor.take()[2:-1])), type_)
+    values: list[Number | None] = []
+    cursor.expect("[")
+    while not cursor.accept("]"):
+        values += _values(cursor, cursor.type())
+        cursor.accept(",")
+    return _checked(values, type_)
+
+
+def _checked(values: list[Number | None], type_: str) -> list[Number | None]:
+    """A reader that lost its place must not give a table of other values."""
+    if len(values) != _length(type_):
+        raise InternalError(f"read {len(values)} constants of {type_}")
+    return values

@@ -1,0 +1,67 @@
+"""Exceptions that numba's own functions raise: accesses that the simulator reports.
+
+The array has no exceptions. Where `max` of an empty array or slices of different sizes would raise,
+the kernel stores to an array of no words, whose name says what happened: no witness runs on.
+What a user raises is refused beforehand.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from vividc.frontend.llvm.calls import RAISE_PREFIX
+from vividc.frontend.llvm.ir import Exit, Float, Int, Op, Operand, WideFunction
+from vividc.frontend.memory.local_arrays import Held
+from vividc.machine.params import TRAP, LocalArray
+
+_TRAPPED = (
+    "zero-size",
+    "empty sequence",
+    "cannot assign slice",
+    "unable to broadcast",
+    "total size of new array",
+    "StopIteration",
+    "incompatible",
+    "negative dimensions",
+    "RuntimeError: unreachable",
+)
+"""What exceptions of numba's functions say, of conditions that only the launch decides."""
+_FAR = 0x7FFFFFFC
+"""No array has a byte here."""
+_NOTHING: dict[str, Operand | None] = {"void": None, "float": Float(0.0), "double": Float(0.0)}
+_PATH = re.compile(r"File '.*")
+_NAMELESS = re.compile(r"\W+")
+
+
+def trap_raises(function: WideFunction) -> tuple[WideFunction, dict[str, Held]]:
+    """Make stores of the raises, and the arrays by name that they store to."""
+    held: dict[str, Held] = {}
+    blocks = []
+    for block in function.blocks:
+        names = {op.pred: _name(op.pred) for op in block.ops if _is_trap(op)}
+        held |= {name: Held(LocalArray(name, 0), "i32") for name in names.values()}
+        ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.ops)
+        leave = Exit(value=_NOTHING.get(function.returns, Int(0)), loc=block.exit.loc)
+        blocks.append(replace(block, ops=ops, exit=leave if names else block.exit))
+    if not held:
+        return function, held
+    return replace(function, blocks=tuple(blocks)), held
+
+
+def _is_trap(op: Op) -> bool:
+    return (
+        op.op == "call"
+        and op.pred.startswith(RAISE_PREFIX)
+        and any(text in op.pred for text in _TRAPPED)
+    )
+
+
+def _name(callee: str) -> str:
+    kind, _, text = _PATH.sub("", callee.removeprefix(RAISE_PREFIX)).partition(":")
+    return f"{TRAP}{kind}.{_NAMELESS.sub('_', text).strip('_')}".rstrip(".")
+
+
+def _store(op: Op, name: str) -> Op:
+    """Resolved already: no pointer is needed."""
+    return Op("", "store", "i32", (Int(0), Int(_FAR)), array=name, loc=op.loc)

@@ -1,0 +1,61 @@
+"""64-bit integers to float32, rounded once."""
+
+from __future__ import annotations
+
+from vividc.frontend.llvm.ir import Op
+from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
+from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Value
+
+_SIGN = 0x80000000
+_TWO_24 = 0x4B800000  # as a float32, like the next
+_EXACT = 24  # integers up to 2**24 are float32
+_EXPONENT_SHIFT = 23
+_BIAS = 127
+
+
+def to_float(w: Words, op: Op) -> Value:
+    """sitofp, uitofp: correctly rounded to nearest even (a double runs in float32)."""
+    [operand] = op.args
+    low, high = w.range(operand)
+    if op.type == "double":
+        w.emitter.demote(op)
+    value = w.pair(operand)
+    signed = op.op == "sitofp"
+    if max(-low, high) <= 1 << 2 * _EXACT and (signed or low >= 0):
+        return _of_48_bits(w, value)
+    if not signed or low >= 0:
+        return _of_magnitude(w, value)
+    sign = w.sign(value)
+    magnitude = _of_magnitude(w, w.negate_if(value, sign))
+    return w.op(Opcode.OR, magnitude, w.op(Opcode.AND, sign, _SIGN))
+
+
+def _of_48_bits(w: Words, value: Pair) -> Value:
+    """Two exact floats, and one FMA that rounds their sum."""
+    top = w.op(Opcode.SHL, value.high, WORD - _EXACT)
+    top = w.op(Opcode.OR, top, w.op(Opcode.LSHR, value.low, _EXACT))
+    rest = w.op(Opcode.AND, value.low, (1 << _EXACT) - 1)
+    upper, lower = w.op(Opcode.SITOFP, top), w.op(Opcode.SITOFP, rest)
+    return w.op(Opcode.FMA, upper, _TWO_24, lower)
+
+
+def _of_magnitude(w: Words, value: Pair) -> Value:
+    """The upper 32 bits from the first 1 on, the last of them set if any below is (von Neumann's
+    rounding to odd): converting that word rounds as the whole integer would, and the scale is a
+    power of two.
+    """
+    low, high = value
+    # Without the bit below its first 1 no word rounds up to the next power of two.
+    first = w.op(Opcode.AND, high, w.op(Opcode.XOR, w.op(Opcode.LSHR, high, 1), MASK))
+    exponent = w.op(Opcode.LSHR, w.op(Opcode.UITOFP, first), _EXPONENT_SHIFT)
+    zeros = w.op(Opcode.SUB, _BIAS + WORD - 1, exponent)
+    rest = w.op(Opcode.XOR, zeros, WORD - 1)
+    carried = w.op(Opcode.LSHR, w.op(Opcode.LSHR, low, 1), rest)
+    top = w.op(Opcode.OR, w.op(Opcode.SHL, high, zeros), carried)
+    lost = w.op(Opcode.ICMP_NE, w.op(Opcode.SHL, low, zeros), ZERO)
+    word = w.op(Opcode.UITOFP, w.op(Opcode.OR, top, lost))
+    scale = w.op(Opcode.SUB, _BIAS + WORD, zeros)
+    scaled = w.op(Opcode.FMUL, word, w.op(Opcode.SHL, scale, _EXPONENT_SHIFT))
+    small = w.op(Opcode.ICMP_EQ, high, ZERO)
+    return w.choose(small, w.op(Opcode.UITOFP, low), scaled)

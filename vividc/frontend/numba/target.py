@@ -1,0 +1,499 @@
+"""Unoptimised LLVM IR of a Python function, typed and lowered by a numba target of our own.
+
+Relies on numba's internals, as do its helpers in this folder and `machine_code`. The target is
+numba's CPU without everything that an array has not: code generation, reference counting, Python
+wrappers, exceptions. A raise becomes a call of a function named after it, so that a reachable one
+can be reported with its line. `range` iterates by comparing with its stop value: numba's own trip
+counter needs a division. An array index is taken as a 32-bit word, since any other is outside its
+array, which numba leaves undefined.
+"""
+
+from __future__ import annotations
+
+import functools
+import operator
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+from llvmlite import binding, ir
+from numba.core import callconv, cgutils, compiler, cpu, errors, sigutils, types
+from numba.core.codegen import Codegen, CodeLibrary
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.descriptors import TargetDescriptor
+from numba.core.dispatcher import Dispatcher
+from numba.core.imputils import RefType, iternext_impl
+from numba.core.registry import cpu_target
+from numba.core.runtime import rtsys
+from numba.core.target_extension import (
+    CPU,
+    dispatcher_registry,
+    jit_registry,
+    target_override,
+    target_registry,
+)
+from numba.np import arrayobj, npyimpl
+
+import vividc.frontend.numba.linalg
+import vividc.frontend.numba.where  # noqa: F401 - all register functions with numba
+from vividc.frontend.llvm.calls import RAISE_PREFIX
+from vividc.frontend.llvm.passes import DATA_LAYOUT
+from vividc.frontend.numba.arrays import (
+    NoRuntime,
+    arrays_are_ours,
+    broadcast_onto,
+    constant_array,
+    pick,
+    reshape,
+)
+from vividc.frontend.numba.integer import integer_loops, integer_operator
+from vividc.frontend.numba.math import float_loops
+from vividc.frontend.numba.prange import parallel_range
+from vividc.frontend.numba.real import real_division
+from vividc.frontend.numba.sort import is_sort, sort
+from vividc.frontend.numba.subscripts import marked_subscripts
+from vividc.frontend.numba.time import TimedTyping, ask, in_time
+
+TARGET_NAME = "vividc"
+
+
+class Callee:
+    """What a kernel must be that another one calls.
+
+    Attributes
+    ----------
+    py_func
+        The Python function.
+    numba_signature
+        Its numba signature, or the tuple of its argument types: a call casts to them.
+    """
+
+    py_func: Callable[..., Any]
+    numba_signature: Any
+
+
+@dataclass(frozen=True, slots=True)
+class NumbaModule:
+    """What numba made of a function.
+
+    Attributes
+    ----------
+    texts
+        LLVM IR modules as text, the kernel's first, then all it needs.
+    symbol
+        Name of the kernel in the first module: `i32 (ptr retval, flattened arguments...)`.
+    return_type
+        Numba's name of the return type ("none" if it returns nothing).
+    """
+
+    texts: tuple[str, ...]
+    symbol: str
+    return_type: str
+
+
+class _Target(CPU):  # type: ignore[misc]
+    """Numba's name tag of the target: inherits all overloads made for CPUs."""
+
+
+class _Library(CodeLibrary):  # type: ignore[misc]
+    """Keeps the modules' text; links, optimises and compiles nothing."""
+
+    def __init__(self, codegen: Codegen, name: str) -> None:
+        super().__init__(codegen, name)
+        self.texts: list[str] = []
+        self.linked: dict[str, _Library] = {}
+
+    def add_ir_module(self, ir_module: ir.Module) -> None:
+        self.texts.append(cgutils.normalize_ir_text(str(ir_module)))
+
+    def add_linking_library(self, library: _Library) -> None:
+        self.linked[f"{library.name} {id(library)}"] = library
+
+    def finalize(self) -> None:
+        self._finalized = True
+
+    def get_function(self, name: str) -> Any:
+        raise KeyError(name)
+
+    def get_llvm_str(self) -> str:
+        return "\n".join(self.texts)
+
+    def get_asm_str(self) -> str:
+        return ""
+
+    def all_texts(self) -> tuple[str, ...]:
+        """Texts of this library and, once each, of all it links."""
+        seen: dict[int, _Library] = {}
+        pending = [self]
+        while pending:
+            library = pending.pop(0)
+            if id(library) not in seen:
+                seen[id(library)] = library
+                pending.extend(library.linked.values())
+        return tuple(text for library in seen.values() for text in library.texts)
+
+
+class _Codegen(Codegen):  # type: ignore[misc]
+    _library_class = _Library
+
+    def __init__(self) -> None:
+        self._data_layout = DATA_LAYOUT
+        self._target_data = binding.create_target_data(DATA_LAYOUT)
+
+    def _create_empty_module(self, name: str) -> ir.Module:
+        module = ir.Module(cgutils.normalize_ir_text(name))
+        module.data_layout = DATA_LAYOUT
+        return module
+
+    def _add_module(self, module: Any) -> None:
+        """There is no engine to add to."""
+
+    def magic_tuple(self) -> tuple[str, ...]:
+        """Numba's key of the code generator in caches."""
+        return (TARGET_NAME,)
+
+    def insert_unresolved_ref(self, *_: Any) -> None:
+        """Numba asks for it to lower a recursive call."""
+        raise errors.UnsupportedError("a recursive call cannot run on the array")
+
+
+class _CallConv(callconv.MinimalCallConv):  # type: ignore[misc]
+    """Status is the result: calls do not fail; a raise is a call of an undefined function."""
+
+    def _emit_raise(self, builder: ir.IRBuilder, exc: Any, exc_args: Any) -> None:
+        name = getattr(exc, "__name__", "exception")
+        text = ", ".join(str(arg) for arg in exc_args or ())
+        printable = "".join(c for c in f"{name}: {text}" if c.isascii() and c.isprintable())
+        symbol = RAISE_PREFIX + printable.replace('"', "'").replace("\\", "/")
+        callee = cgutils.get_or_insert_function(
+            builder.module, ir.FunctionType(ir.VoidType(), ()), symbol
+        )
+        builder.call(callee, ())
+        builder.unreachable()
+
+    def return_user_exc(
+        self, builder: Any, exc: Any, exc_args: Any = None, loc: Any = None, func_name: Any = None
+    ) -> None:
+        self._emit_raise(builder, exc, exc_args)
+
+    def return_dynamic_user_exc(
+        self,
+        builder: Any,
+        exc: Any,
+        exc_args: Any,
+        nb_types: Any,
+        loc: Any = None,
+        func_name: Any = None,
+    ) -> None:
+        self._emit_raise(builder, exc, ("...",))
+
+    def set_static_user_exc(self, *_: Any, **__: Any) -> None:
+        """Numba asks for it to lower a raise inside `try`."""
+        raise errors.UnsupportedError("`try` cannot run on the array")
+
+    def check_try_status(self, *_: Any) -> None:
+        """Numba asks for it to lower `try`."""
+        raise errors.UnsupportedError("`try` cannot run on the array")
+
+    set_try_status = unset_try_status = check_try_status
+
+    def return_status_propagate(self, builder: Any, status: Any) -> None:
+        builder.ret(status.code)
+
+    def _get_return_status(self, builder: Any, code: Any) -> callconv.Status:
+        none = builder.icmp_signed("==", code, callconv.RETCODE_NONE)
+        true, false = cgutils.true_bit, cgutils.false_bit
+        return callconv.Status(
+            code=code,
+            is_ok=true,
+            is_none=none,
+            is_error=false,
+            is_stop_iteration=false,
+            is_python_exc=false,
+            is_user_exc=false,
+            excinfoptr=None,
+        )
+
+
+class _TypingContext(TimedTyping):
+    def resolve_value_type(self, val: Any) -> Any:
+        """A jitted helper or another kernel becomes a function of this target, typed anew."""
+        if isinstance(val, Callee):
+            val = _own_dispatcher(val, val.py_func, (val.numba_signature,))
+        elif isinstance(val, Dispatcher) and not isinstance(val, _Dispatcher):
+            fixed = () if val._can_compile else tuple(val.nopython_signatures)
+            val = _own_dispatcher(val, val.py_func, fixed, val.locals)
+        return super().resolve_value_type(val)
+
+
+class _Context(cpu.CPUContext):  # type: ignore[misc]
+    enable_boundscheck = False
+    # Without it numba types no function that returns an array, such as np.empty.
+    enable_nrt = True
+
+    def init(self) -> None:
+        self.is32bit = False
+        self._internal_codegen = _Codegen()
+
+    def load_additional_registries(self) -> None:
+        # The runtime belongs to the host's context: were it made with this one, numba itself would
+        # break.
+        rtsys.initialize(cpu_target.target_context)
+        super().load_additional_registries()
+
+    @functools.cached_property
+    def nrt(self) -> NoRuntime:
+        """Nothing is counted; what needs the heap is an error."""
+        return NoRuntime(self, False)
+
+    @property
+    def call_conv(self) -> _CallConv:
+        return _CallConv(self)
+
+    def apply_target_attributes(self, *_: Any, **__: Any) -> None:
+        """No host, no attributes."""
+
+    def post_lowering(self, mod: Any, library: Any) -> None:
+        """Numba links its runtime here."""
+
+    def compile_internal(
+        self, builder: Any, impl: Any, sig: Any, args: Any, locals: Any = None
+    ) -> Any:
+        """As numba's; the shape that arrays are broadcast to is straight code."""
+        if impl is npyimpl._broadcast_onto:
+            return broadcast_onto(builder, args)
+        return super().compile_internal(builder, impl, sig, args, locals or {})
+
+    def make_constant_array(self, builder: Any, typ: Any, ary: Any) -> Any:
+        """Constant arrays are typed globals; numba's are bytes."""
+        return constant_array(self, builder, typ, ary)
+
+    def get_ufunc_info(self, ufunc_key: Any) -> Any:
+        """As numba's, but integer powers stay integers, and roots are those of the array."""
+        numbas = super().get_ufunc_info(ufunc_key)
+        return {**numbas, **integer_loops(ufunc_key), **float_loops(ufunc_key)}
+
+    def get_function(self, fn: Any, sig: Any, _firstcall: bool = True) -> Any:
+        """As numba's, except for ranges, tuples, integer operators and float remainders."""
+        ask()
+        iteration = _RANGE_RULES.get((fn, type(sig.args[0]))) if isinstance(fn, str) else None
+        if iteration is not None:
+            return functools.partial(iteration, self, sig)
+        operation = getattr(fn, "typing_key", fn)  # numba's own lowering asks for operators
+        division = real_division(operation, sig.args)
+        if division is not None:
+            return functools.partial(division, self, sig)
+        if operation is numba.prange:
+            general = super().get_function(fn, sig, _firstcall)
+            return functools.partial(parallel_range, sig, general)
+        rule = _our_rule(fn, operation, sig)
+        if rule is not None:
+            return functools.partial(_ours, rule, self, sig if rule is sort else sig.as_function())
+        general = super().get_function(fn, sig, _firstcall)
+        return integer_operator(self, fn, sig, general)
+
+
+def _our_rule(fn: Any, operation: Any, sig: Any) -> Any:
+    """What stands in for numba's lowering of a call on tuples and arrays; None: nothing."""
+    if operation is operator.getitem and isinstance(sig.args[0], types.UniTuple):
+        return pick
+    if "array.reshape" in (fn, operation) and isinstance(sig.args[-1], types.BaseTuple):
+        return reshape
+    return sort if is_sort(operation, sig) else None
+
+
+def _ours(rule: Any, context: _Context, sig: Any, builder: ir.IRBuilder, args: Any, *_: Any) -> Any:
+    return rule(context, builder, sig, args)
+
+
+_I64 = ir.IntType(64)
+_RANGE = ir.LiteralStructType([_I64, _I64, _I64])
+
+
+def _range_iterator(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    """Start, stop and step, widened, behind the first pointer of numba's iterator; its other fields
+    stay unused.
+    """
+    dtype = sig.args[0].dtype
+    slot = cgutils.alloca_once(builder, _RANGE)
+    for position in range(3):
+        word = builder.extract_value(args[0], position)
+        if word.type.width < _I64.width:
+            word = builder.sext(word, _I64) if dtype.signed else builder.zext(word, _I64)
+        builder.store(word, cgutils.gep_inbounds(builder, slot, 0, position))
+    step = builder.load(cgutils.gep_inbounds(builder, slot, 0, 2))
+    with cgutils.if_unlikely(builder, builder.icmp_signed("==", step, _I64(0))):
+        context.call_conv.return_user_exc(builder, ValueError, ("range() arg 3 must not be zero",))
+    iterator = cgutils.create_struct_proxy(sig.return_type)(context, builder)
+    iterator.iter = builder.bitcast(slot, iterator.iter.type)
+    return iterator._getvalue()
+
+
+def _range_next(context: _Context, sig: Any, builder: ir.IRBuilder, args: Any) -> Any:
+    implementation = iternext_impl(RefType.UNTRACKED)(_range_step)
+    return implementation(context, builder, sig, args)
+
+
+def _range_step(context: _Context, builder: ir.IRBuilder, sig: Any, args: Any, result: Any) -> None:
+    slot = builder.bitcast(builder.extract_value(args[0], 0), _RANGE.as_pointer())
+    field = [cgutils.gep_inbounds(builder, slot, 0, position) for position in range(3)]
+    value, stop, step = (builder.load(pointer) for pointer in field)
+    up = builder.icmp_signed("<", value, stop)
+    down = builder.icmp_signed(">", value, stop)
+    valid = builder.select(builder.icmp_signed(">", step, _I64(0)), up, down)
+    result.set_valid(valid)
+    item = context.get_value_type(sig.args[0].yield_type)
+    result.yield_(value if item == _I64 else builder.trunc(value, item))
+    # Unconditional, so that the loop keeps one plain induction: nobody looks at an exhausted
+    # iterator.
+    builder.store(builder.add(value, step, flags=["nsw"]), field[0])
+
+
+_RANGE_RULES: dict[tuple[str, type], Any] = {
+    ("getiter", types.RangeType): _range_iterator,
+    ("iternext", types.RangeIteratorType): _range_next,
+}
+
+
+class _Descriptor(TargetDescriptor):  # type: ignore[misc]
+    options = cpu.CPUTargetOptions
+
+    @functools.cached_property
+    def typing_context(self) -> _TypingContext:
+        return _TypingContext()
+
+    @functools.cached_property
+    def target_context(self) -> _Context:
+        return _Context(self.typing_context, TARGET_NAME)
+
+
+def _flags() -> compiler.Flags:
+    flags = compiler.Flags()
+    flags.no_compile = True
+    flags.no_cpython_wrapper = True
+    flags.no_cfunc_wrapper = True
+    flags.debuginfo = True
+    flags.dbg_directives_only = True
+    flags.error_model = "numpy"
+    return flags
+
+
+class _Dispatcher(Dispatcher):  # type: ignore[misc]
+    """A helper function of the target, compiled on demand for the types of each call."""
+
+    targetdescr = _Descriptor(TARGET_NAME)
+
+    def compile(self, sig: Any) -> object:
+        args, return_type = sigutils.normalize_signature(sig)
+        existing = self.overloads.get(tuple(args))
+        if existing is not None:
+            return existing.entry_point
+        with self._compiling_counter:
+            result = _compile(self.py_func, args, return_type, self.locals)
+        # Numba keys a helper's lowering by its address; it has none, so any unique object serves.
+        result = result._replace(entry_point=_EntryPoint())
+        self.targetctx.insert_user_function(result.entry_point, result.fndesc, [result.library])
+        self.overloads[tuple(args)] = result
+        return result.entry_point
+
+
+class _EntryPoint:
+    """Stands for the address of a function that is never loaded."""
+
+
+def _own_dispatcher(
+    host: Any, py_func: Callable[..., Any], signatures: tuple[Any, ...], locals_: Any = None
+) -> _Dispatcher:
+    """The dispatcher of our target for what the host calls `host`, limited to `signatures`."""
+    own: _Dispatcher | None = getattr(host, "_vividc_dispatcher", None)
+    if own is None:
+        own = _Dispatcher(py_func, locals_ or {})
+        host._vividc_dispatcher = own
+        try:
+            for signature in signatures:
+                own.compile(signature)
+        except errors.NumbaError:
+            del host._vividc_dispatcher
+            raise
+        if signatures:
+            own.disable_compile()
+    return own
+
+
+def _jit(*_: Any, **__: Any) -> Callable[[Any], _Dispatcher]:
+    """What numba calls to make a function of this target out of an overload's implementation."""
+    return _Dispatcher
+
+
+def _compile(py_func: Any, args: Any, return_type: Any, locals_: Any = None) -> Any:
+    descriptor = _Dispatcher.targetdescr
+    return compiler.compile_extra(
+        descriptor.typing_context,
+        descriptor.target_context,
+        py_func,
+        args=args,
+        return_type=return_type,
+        flags=_flags(),
+        locals=locals_ or {},
+    )
+
+
+def _word_index(context: Any, builder: ir.IRBuilder, type_: Any, index: Any, size: Any) -> Any:
+    """Numba's `fix_integer_index` on words: a negative index counts from the end."""
+    if not type_.signed:
+        return context.cast(builder, index, type_, types.uintp)
+    wide = context.cast(builder, index, type_, types.intp)
+    word = builder.trunc(wide, ir.IntType(32))
+    from_end = builder.add(word, builder.trunc(size, ir.IntType(32)))
+    is_negative = builder.icmp_signed("<", word, ir.Constant(word.type, 0))
+    return builder.sext(builder.select(is_negative, from_end, word), wide.type)
+
+
+@contextmanager
+def _indices_are_words() -> Iterator[None]:
+    """Numba looks the function up in its module whenever it lowers an index."""
+    original = arrayobj.fix_integer_index
+    arrayobj.fix_integer_index = _word_index
+    try:
+        yield
+    finally:
+        arrayobj.fix_integer_index = original
+
+
+def _register() -> None:
+    target_registry[TARGET_NAME] = _Target
+    dispatcher_registry[_Target] = _Dispatcher
+    jit_registry[_Target] = _jit
+
+
+_register()
+
+
+def numba_module(
+    py_func: Callable[..., object], args: tuple[Any, ...], return_type: Any
+) -> NumbaModule:
+    """Type and lower `py_func` with numba, without optimisation.
+
+    Parameters
+    ----------
+    args, return_type
+        Numba types; a `return_type` of None is inferred.
+
+    Raises
+    ------
+    numba.core.errors.NumbaError
+        Numba cannot type or lower the function.
+    TimeLimit
+        Time is up (`time_limit`).
+    """
+    with global_compiler_lock, target_override(TARGET_NAME), warnings.catch_warnings():
+        # A helper without a source file has inexact lines: that is no matter of the user's.
+        warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
+        warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
+        with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func):
+            result = _compile(py_func, args, return_type)
+    texts, described = result.library.all_texts(), result.fndesc
+    return NumbaModule(texts, described.llvm_func_name, str(result.signature.return_type))

@@ -1,0 +1,221 @@
+"""Sizes that are known at launch: an upper bound of an integer as a formula over launch inputs.
+
+An array of the kernel's own whose size follows from shapes and scalar parameters gets its place
+when the program is launched. The bound is exact for sums, products and quotients of them; of a
+choice it is the larger branch, of a difference the smaller subtrahend that the ranges prove, of a
+loop's counter its start or its limit.
+"""
+
+from __future__ import annotations
+
+from vividc.frontend.llvm.ir import Int, Local, Op, Operand, WideFunction, WidePhi
+from vividc.frontend.ranges.ranges import Ranges
+from vividc.machine.params import MAX_DIMENSION, Formula
+
+_LARGEST = 1 << 31
+"""What no counter goes below."""
+_ALIASES = frozenset({"zext", "sext", "trunc", "freeze", "udiv", "lshr"})
+"""What gives its operand, or less of one that is not negative."""
+_FEW = 1 << 10
+"""A constant bound is taken where there is no other up to here."""
+_DEPTH = 24
+_LONGEST = 200
+
+
+class LaunchSizes:
+    """Upper bounds of a function's integers."""
+
+    def __init__(self, function: WideFunction) -> None:
+        self._definitions = function.definitions
+        self._params = dict(function.params)
+        bounds = {name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name}
+        self._ranges = Ranges(function, bounds)
+        self._loops = self._ranges.flow.loops
+        self._by_name = function.by_name
+        self._counters = {
+            phi.name: name for name in self._loops for phi in function.by_name[name].phis
+        }
+
+    def bound(self, operand: Operand, block: str) -> Formula | None:
+        """What `operand` is at most while `block` runs; None: nothing known at launch bounds it."""
+        formula = self._bound(operand, block, False, _DEPTH)
+        return None if formula is None or len(formula) > _LONGEST else formula
+
+    def _bound(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+        formula = self._formula(operand, block, signed, depth)
+        if formula is None and depth:
+            high = self._ranges.at(operand, block)[1]
+            return (high,) if high <= _FEW else None
+        return formula
+
+    def _formula(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+        if isinstance(operand, Int):
+            return (operand.value,)
+        if not isinstance(operand, Local) or not depth:
+            return None
+        if operand.name in self._params:
+            wide = self._params[operand.name] == "i64"
+            return (("s:" if signed or wide else "u:") + operand.name,)
+        definition = self._definitions.get(operand.name)
+        if isinstance(definition, WidePhi):
+            return self._joined(definition, block, depth)
+        if isinstance(definition, Op):
+            return self._of(definition, block, signed, depth)
+        return None
+
+    def _joined(self, phi: WidePhi, block: str, depth: int) -> Formula | None:
+        if phi.name in self._counters:
+            return self._counter(phi, depth)
+        return self._all("max", [value for _, value in phi.incoming], block, depth)
+
+    def _of(self, op: Op, block: str, signed: bool, depth: int) -> Formula | None:
+        if op.source == "i1":
+            return (0,) if op.op == "sext" else (1,)
+        if op.op in ("sdiv", "udiv") and isinstance(op.args[1], Int) and op.args[1].value:
+            return self._quotient(op.args[0], op.args[1].value, block, depth)
+        if op.op in _ALIASES:
+            given = op.op == "sext" or "nneg" in op.flags
+            return self._bound(op.args[0], block, given, depth - 1)
+        if op.op == "add" and signed and "nsw" in op.flags:
+            return self._all("+", op.args, block, depth, signed=True)
+        rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
+        rules |= dict.fromkeys(("sdiv", "sfloordiv", "ufloordiv", "ashr"), self._divided)
+        rules |= {"add": self._sum, "or": self._sum, "select": self._choice, "call": self._call}
+        rule = rules.get(op.op)
+        return None if rule is None else rule(op, block, depth)
+
+    def _sum(self, op: Op, block: str, depth: int) -> Formula | None:
+        """A sum; of a disjunction with a constant the sum is a bound."""
+        right = op.args[1]
+        if op.op == "or" and not (isinstance(right, Int) and right.value >= 0):
+            return None
+        return self._all("+", op.args, block, depth)
+
+    def _difference(self, op: Op, block: str, depth: int) -> Formula | None:
+        left = self._bound(op.args[0], block, False, depth - 1)
+        less = self._negative(op.args[1], block, depth - 1)
+        return None if left is None or less is None else (*left, *less, "+")
+
+    def _divided(self, op: Op, block: str, depth: int) -> Formula | None:
+        """Of a division by a positive constant, of which what is negative has none above 0; by
+        anything else an input is no more than itself without its sign.
+        """
+        by = op.args[1]
+        left = self._bound(op.args[0], block, op.op != "ufloordiv", depth - 1)
+        if left is None:
+            return None
+        if isinstance(by, Int) and by.value > 0:
+            divisor = 1 << by.value if op.op == "ashr" else by.value
+            return (*left, 0, "max", divisor, "//")
+        if op.op == "ashr" or not _is_input(left):
+            return None
+        return (*left, *left, -1, "*", "max")
+
+    def _quotient(self, dividend: Operand, divisor: int, block: str, depth: int) -> Formula | None:
+        """A quotient that rounds to zero, by a constant: of a negative one 0 is a bound."""
+        most = self._bound(dividend, block, False, depth - 1)
+        if divisor < 0:
+            most = self._negative(dividend, block, depth - 1)
+        return None if most is None else (*most, 0, "max", abs(divisor), "//")
+
+    def _negative(self, operand: Operand, block: str, depth: int) -> Formula | None:
+        """What minus `operand` is at most: a constant, or of a difference its other sign."""
+        op = self._definitions.get(operand.name) if isinstance(operand, Local) else None
+        if isinstance(op, Op) and op.op == "sub" and depth:
+            right = self._bound(op.args[1], block, False, depth - 1)
+            less = self._negative(op.args[0], block, depth - 1)
+            if right is not None and less is not None:
+                return (*right, *less, "+")
+        low = self._ranges.at(operand, block)[0]
+        # That a dimension is no longer than a scratchpad is no size for an array.
+        return (-low,) if low > -MAX_DIMENSION else None
+
+    def _counter(self, phi: WidePhi, depth: int) -> Formula | None:
+        """A loop's counter: its start or, if it grows, the limit that its header tests."""
+        header = self._counters[phi.name]
+        body = self._loops[header]
+        steps = [self._step(phi, value) for pred, value in phi.incoming if pred in body]
+        starts = [value for pred, value in phi.incoming if pred not in body]
+        first = self._all("max", starts, header, depth)
+        known = [step for step in steps if step is not None]
+        if first is None or len(known) < len(steps):
+            return None
+        if max(known) <= 0:
+            is_word = self._ranges.at(Local(phi.name), header)[0] >= -_LARGEST
+            return first if is_word else None
+        limit = self._limit(phi, header, depth)
+        return None if limit is None else (*first, *limit, max(known) - 1, "+", "max")
+
+    def _step(self, phi: WidePhi, again: Operand) -> int | None:
+        op = self._definitions.get(again.name) if isinstance(again, Local) else None
+        if not isinstance(op, Op) or op.op != "add" or op.args[0] != Local(phi.name):
+            return None
+        return op.args[1].value if isinstance(op.args[1], Int) else None
+
+    def _limit(self, phi: WidePhi, header: str, depth: int) -> Formula | None:
+        """What the counter is below of, when the loop goes on."""
+        leave = self._by_name[header].exit
+        test = self._definitions.get(leave.cond.name) if isinstance(leave.cond, Local) else None
+        inside = [target in self._loops[header] for target in leave.targets]
+        if not isinstance(test, Op) or inside != [True, False] or test.args[0] != Local(phi.name):
+            return None
+        limit = test.args[1]
+        if test.pred != "slt" and (test.pred != "ult" or self._ranges.at(limit, header)[0] < 0):
+            return None
+        return self._bound(limit, header, test.pred == "slt", depth - 1)
+
+    def _choice(self, op: Op, block: str, depth: int) -> Formula | None:
+        return self._all("max", op.args[1:], block, depth)
+
+    def _call(self, op: Op, block: str, depth: int) -> Formula | None:
+        signed = op.pred.startswith(("llvm.smax", "llvm.smin"))
+        if op.pred.startswith(("llvm.smax", "llvm.umax")):
+            return self._all("max", op.args, block, depth, signed=signed)
+        if op.pred.startswith(("llvm.smin", "llvm.umin")):
+            known = [self._bound(arg, block, signed, depth - 1) for arg in op.args]
+            one, other = known
+            if one is None or other is None:
+                return one or other
+            return (*one, *other, "min")
+        return None
+
+    def _product(self, op: Op, block: str, depth: int) -> Formula | None:
+        left, right = op.args
+        if op.op == "shl":
+            if not isinstance(right, Int):
+                return None
+            right = Int(1 << right.value)
+        one, other = (self._bound(arg, block, False, depth - 1) for arg in (left, right))
+        if one is None or other is None:
+            return None
+        scaled = isinstance(right, Int) and right.value > 0
+        exact = _is_input(one) and _is_input(other)
+        least = [self._ranges.at(arg, block)[0] for arg in (left, right)]
+        if scaled or exact or min(least) >= 0:
+            return (*one, *other, "*")
+        if min(least) < -_FEW:
+            return None
+        both = least[0] * least[1] if max(least) < 0 else 0  # the product of the negative ones
+        return (*one, 0, "max", *other, 0, "max", "*", both, "max")
+
+    def _all(
+        self,
+        operator: str,
+        operands: list[Operand] | tuple[Operand, ...],
+        block: str,
+        depth: int,
+        *,
+        signed: bool = False,
+    ) -> Formula | None:
+        formula: Formula = ()
+        for operand in operands:
+            bound = self._bound(operand, block, signed, depth - 1)
+            if bound is None:
+                return None
+            formula = (*formula, *bound, operator) if formula else bound
+        return formula
+
+
+def _is_input(formula: Formula) -> bool:
+    """Whether the formula is an input itself: exact, not only a bound."""
+    return len(formula) == 1 and isinstance(formula[0], str)

@@ -1,0 +1,1 @@
+"""What numba refuses, in the user's words: `source`, `numpy`, `refusals`, `diagnose`."""
