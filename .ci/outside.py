@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import vividc
-from vividc.render.array.programs import Programs, kernel_folder
+from vividc.render.array.device.programs import Programs, kernel_folder
 
 
 @vividc.kernel("void(float32[::1], float32[::1], int32)")

@@ -19,10 +19,10 @@ from rich.table import Table
 
 import vividc
 from benchmarks.workloads import WORKLOADS
-from vividc.cli.program_report import print_regions
+from vividc.cli.reports.program import print_regions
+from vividc.compiler.driver import lower
 from vividc.dfg.expand import expand as expand_math
 from vividc.dfg.ir import DFG, Edge, Node
-from vividc.driver import lower
 from vividc.machine.opcodes import Opcode
 from vividc.render import (
     Blended,

@@ -23,7 +23,7 @@ import numpy as np
 
 from benchmarks.quality import MODELS, SHARED, compare
 from vividc import arch
-from vividc.cli.frame_report import avoided, frame_body
+from vividc.cli.reports.frame import avoided, frame_body
 from vividc.errors import VividcError
 from vividc.render import (
     Camera,

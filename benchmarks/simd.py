@@ -18,9 +18,9 @@ from benchmarks.workloads import Arguments, Workload
 from vividc import arch
 from vividc.errors import VividcError
 from vividc.render import Gaussians, read_scene, read_views, scaled_camera
-from vividc.render.blocks import cut_small_launches
 from vividc.render.crop import Crop
-from vividc.render.splat import tile_lists
+from vividc.render.splat.blocks import cut_small_launches
+from vividc.render.splat.splat import tile_lists
 
 TITLE = "Threads of a tile"
 NOTES = (

@@ -24,8 +24,8 @@ from vividc.render import (
     scaled_camera,
 )
 from vividc.render.array import ArrayFrame, Device, open_device
-from vividc.render.array.splat_blend import Culling, blend_program
-from vividc.render.array.splats import render_splats
+from vividc.render.array.splats.blend import Culling, blend_program
+from vividc.render.array.splats.frame import render_splats
 
 TITLE = "3D Gaussian Splatting rendered by the array"
 NOTES = (

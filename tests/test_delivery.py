@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vividc.delivery import with_homes
+from vividc.compiler.delivery import with_homes
 
 
 def test_homes_take_room_before_they_are_written() -> None:

@@ -17,8 +17,8 @@ import vividc
 from tests.fuzz.file_kinds import KERNEL
 from vividc import arch, dfg, load_ll, program
 from vividc.arch.cost.tables import load_costs
+from vividc.cli.commands.verify import _json_of
 from vividc.cli.kernels import load_kernel
-from vividc.cli.verify_command import _json_of
 from vividc.errors import VividcError
 from vividc.host.files import write_whole
 from vividc.host.inputs import ARGUMENT_BYTES, VARIABLE, limit, read_bytes

@@ -148,7 +148,7 @@ def test_without_time_loops_run_block_by_block_and_the_program_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(time_limit, "remaining_s", lambda: 0.0)
-    monkeypatch.setattr("vividc.map_regions._LEAST_S", 0.0)
+    monkeypatch.setattr("vividc.compiler.map_regions._LEAST_S", 0.0)
     with pytest.warns(vividc.VividcWarning, match="runs block by block"):
         program = vividc.compile(nested, transform="none")
     assert {region.kind for region in program.regions} == {"straight"}
@@ -162,7 +162,7 @@ def test_a_kernel_too_long_for_its_fabric_is_refused_before_anything_is_mapped(
 ) -> None:
     machine = arch.load("vivid-tile")
     short = replace(machine, controller=replace(machine.controller, contexts=2))
-    monkeypatch.setattr("vividc.driver.map_kernel", None)
+    monkeypatch.setattr("vividc.compiler.driver.map_kernel", None)
     with pytest.raises(vividc.VividcError, match=r"needs at least \d+ contexts") as caught:
         vividc.compile(nested, short, transform="none")
     assert caught.value.exit_code == 2

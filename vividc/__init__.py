@@ -9,7 +9,7 @@ if sys.argv[:1] == ["-m"] and "vividc" in sys.orig_argv[1:4]:
     vividc_main.leave_on_interrupt()
 
 from vividc import arch, dfg, lang, launch, mapper, program
-from vividc.driver import compile
+from vividc.compiler.driver import compile
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
 from vividc.gemm.kernels import simulate

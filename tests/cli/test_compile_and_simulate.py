@@ -279,7 +279,7 @@ def test_access_outside_an_array_is_refused_before_the_host_makes_it(own, monkey
     def run_reference(kernel, arguments):
         raise AssertionError("the host would write outside its array")
 
-    monkeypatch.setattr("vividc.cli.simulate_command.run_reference", run_reference)
+    monkeypatch.setattr("vividc.cli.commands.simulate.run_reference", run_reference)
     np.savez(own / "short.npz", x=np.ones(8, np.int32), y=np.ones(2, np.float32), n=8)
     result = run("simulate", own / "k.vivid", "--inputs", own / "short.npz", "--check")
     assert result.exit_code == 2

@@ -13,7 +13,7 @@ from PIL import Image
 from vividc.cli import main
 from vividc.render import Camera, Scene, read_views
 from vividc.render.array import ArrayFrame, ArrayOptions, Ledger, open_device
-from vividc.render.array.launches import Launch, Move, run_launches
+from vividc.render.array.device.launches import Launch, Move, run_launches
 
 MIC = Path(__file__).parents[2] / "scenes" / "mic"
 
@@ -142,7 +142,7 @@ def test_mistakes_are_messages(args: tuple[object, ...], text: str) -> None:
 
 
 def test_a_frame_of_the_array_is_told_stage_by_stage(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vividc.cli.render_command.render_array", drawn)
+    monkeypatch.setattr("vividc.cli.commands.render.render_array", drawn)
     args = (MIC / "mic_kilonerf.npz", "--engine", "array", "--size", "16x16", "--sample", "0.5")
     printed = run(*args, "--json")
     assert (printed.exit_code, printed.stderr) == (0, "compiling saxpy\n")

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from vividc.cli.report import plain, print_json, print_table
+from vividc.cli.reports.report import plain, print_json, print_table
 
 
 class Colour(Enum):

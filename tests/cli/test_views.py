@@ -11,7 +11,7 @@ from rich.console import Console
 import vividc
 from tests.sim.view import small_kernels
 from vividc.cli import main
-from vividc.cli.cycle_progress import cycle_progress, rate
+from vividc.cli.reports.cycle_progress import cycle_progress, rate
 
 
 def run(*args):

@@ -16,9 +16,9 @@ from tests.e2e.test_general import copies
 from tests.e2e.test_kernels import assert_close
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
+from vividc.compiler.driver import CompileOptions, lower, map_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
-from vividc.driver import CompileOptions, lower, map_kernel
 from vividc.frontend.c.source import bodies
 from vividc.program import Program, encode
 from vividc.sim.bind import bind

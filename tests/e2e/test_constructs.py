@@ -12,8 +12,8 @@ from tests.e2e.constructs import arrays, calls, control, numbers, tables, whole_
 from tests.e2e.constructs.registry import CONSTRUCTS, Construct
 from tests.e2e.test_kernels import assert_close
 from vividc import arch
+from vividc.compiler.driver import lower
 from vividc.dfg.interpret.interpreter import interpret
-from vividc.driver import lower
 from vividc.sim.bind import bind, returned
 
 pytestmark = pytest.mark.filterwarnings("ignore::vividc.VividcWarning")

@@ -11,9 +11,9 @@ import pytest
 import vividc
 from tests.e2e import nest_kernels
 from vividc import arch
+from vividc.compiler.driver import CompileOptions, map_kernel
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.driver import CompileOptions, map_kernel
 from vividc.mapper import MapResult
 from vividc.program import Program, encode
 from vividc.ssa.flow import find_loops

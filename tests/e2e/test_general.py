@@ -13,9 +13,9 @@ from benchmarks.workloads import Arguments
 from tests.e2e.test_kernels import assert_close
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
+from vividc.compiler.driver import CompileOptions, lower, map_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
-from vividc.driver import CompileOptions, lower, map_kernel
 from vividc.program import Program, encode
 from vividc.sim.bind import bind
 from vividc.sim.engine import Launch

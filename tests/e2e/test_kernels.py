@@ -11,8 +11,8 @@ import vividc
 from benchmarks.workloads import WORKLOADS, Workload
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
+from vividc.compiler.driver import CompileOptions, lower, map_kernel
 from vividc.dfg.interpret.interpreter import interpret
-from vividc.driver import CompileOptions, lower, map_kernel
 from vividc.program import Program, encode
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import Launch

@@ -11,9 +11,9 @@ from hypothesis import Phase, given, settings
 import vividc
 from tests.dfg.programs import WORDS, lower, programs, run
 from vividc import arch
+from vividc.compiler.driver import CompileOptions, map_kernel
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.driver import CompileOptions, map_kernel
 from vividc.program import encode
 
 # Shrinking a program compiles it hundreds of times; the failing program itself says enough.

@@ -13,7 +13,7 @@ from kernels.render.gaussians import covariance_3d
 from tests.frontend import subscript_kernels as k
 from tests.frontend.test_subscripts import Load, load  # noqa: F401 - a fixture
 from vividc import arch
-from vividc.driver import lower
+from vividc.compiler.driver import lower
 from vividc.mapper import MapProblem
 from vividc.mapper.bounds.bounds import all_bounds
 

@@ -9,7 +9,7 @@ import pytest
 
 import vividc
 from tests.fuzz.witnesses import judge, run_regions
-from vividc.driver import lower
+from vividc.compiler.driver import lower
 from vividc.errors import SimulationError
 from vividc.frontend import KernelFunction
 from vividc.machine.params import LocalArray, evaluate_formula

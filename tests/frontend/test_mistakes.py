@@ -8,7 +8,7 @@ import pytest
 
 from tests.frontend import misled, mistakes
 from tests.frontend.mistake_registry import MISTAKES
-from vividc.driver import lower
+from vividc.compiler.driver import lower
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import KernelFunction
 

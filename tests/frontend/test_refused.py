@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from vividc.driver import lower
+from vividc.compiler.driver import lower
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend import KernelFunction
 

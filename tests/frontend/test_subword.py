@@ -10,7 +10,7 @@ import pytest
 
 from tests.frontend import narrow_kernels
 from tests.frontend.cfg_eval import run
-from vividc.driver import lower
+from vividc.compiler.driver import lower
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import MEMORY, Opcode
 

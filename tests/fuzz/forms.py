@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from random import Random
 
 from vividc import arch
+from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
+from vividc.compiler.planning.choose import choose
+from vividc.compiler.planning.estimate import Estimator
+from vividc.compiler.planning.options import TransformOptions
 from vividc.dfg.pipeline import PassOptions
-from vividc.planning.candidates import Candidate, Kind, State, apply
-from vividc.planning.choose import choose
-from vividc.planning.estimate import Estimator
-from vividc.planning.options import TransformOptions
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Function

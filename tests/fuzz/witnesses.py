@@ -20,11 +20,11 @@ from tests.fuzz.arguments import Difference, Shapes, arguments, compare
 from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
+from vividc.compiler.driver import CompileOptions, map_kernel
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
-from vividc.driver import CompileOptions, map_kernel
 from vividc.errors import KernelError, MappingFailed, TimeLimit, VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.machine.params import DType

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from vividc.compiler.planning.budget import Budget
 from vividc.errors import TimeLimit
 from vividc.mapper.deadline import Deadline
-from vividc.planning.budget import Budget
 
 
 @pytest.mark.parametrize("limit_s", [1.0, 20.0, 60.0, 600.0])

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from tests.dfg.programs import lower, programs
 from tests.dfg.test_build import meaning, memory_after
 from tests.dfg.transform.nests import NestProgram, lower_nest, nest_memory, nest_programs
+from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
-from vividc.planning.candidates import Candidate, Kind, State, apply
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops

@@ -7,11 +7,11 @@ import pytest
 
 import vividc
 from vividc import arch
+from vividc.compiler.planning.choose import Plan, choose
+from vividc.compiler.planning.estimate import Estimator
+from vividc.compiler.planning.options import TransformOptions, transform_options
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import ArgumentError, KernelError
-from vividc.planning.choose import Plan, choose
-from vividc.planning.estimate import Estimator
-from vividc.planning.options import TransformOptions, transform_options
 from vividc.ssa.flow import find_loops
 
 MACHINE = arch.load("vivid-tile")

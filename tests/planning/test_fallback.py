@@ -9,7 +9,10 @@ import pytest
 
 import vividc
 from tests.planning.test_choose import MACHINE, plan, product
-from vividc import driver
+from vividc.compiler import driver
+from vividc.compiler.planning.choose import Plan, Stage
+from vividc.compiler.planning.estimate import Estimate, RegionCost, Shape
+from vividc.compiler.planning.fallback import Outcome, settle
 from vividc.dfg.ir import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import MapProblem, MapResult
@@ -17,9 +20,6 @@ from vividc.mapper.deadline import EFFORT_SHARE, Deadline
 from vividc.mapper.registry import BUILT_IN
 from vividc.mapper.request import MapRequest
 from vividc.mapper.search.portfolio import auto
-from vividc.planning.choose import Plan, Stage
-from vividc.planning.estimate import Estimate, RegionCost, Shape
-from vividc.planning.fallback import Outcome, settle
 
 
 def fake(stage: Stage, cycles: float) -> Outcome:

@@ -7,10 +7,10 @@ from numba import prange
 
 import vividc
 from vividc import arch
+from vividc.compiler.planning.choose import Plan, choose
+from vividc.compiler.planning.estimate import Estimator
+from vividc.compiler.planning.options import TransformOptions
 from vividc.dfg.pipeline import PassOptions
-from vividc.planning.choose import Plan, choose
-from vividc.planning.estimate import Estimator
-from vividc.planning.options import TransformOptions
 from vividc.ssa.analysis.levels import level_of, with_own_latches
 from vividc.ssa.flow import find_loops
 from vividc.ssa.parallel.independent import meeting_array

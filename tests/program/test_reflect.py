@@ -8,7 +8,7 @@ import pytest
 import vividc
 from vividc import arch, mapper
 from vividc.arch import Fabric, Orientation
-from vividc.driver import lower
+from vividc.compiler.driver import lower
 from vividc.errors import InternalError
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.program.encoder.reflect import reflected_program

@@ -7,7 +7,7 @@ import pytest
 
 from vividc.render import BlendOptions, Crop, Splats, TileLists, blend_block, blend_image, seen_in
 from vividc.render.arrays import frozen_float32
-from vividc.render.blend_reference import ALPHA_MIN, exponent_threshold
+from vividc.render.splat.blend_reference import ALPHA_MIN, exponent_threshold
 
 
 def random_splats(rng: np.random.Generator, count: int) -> Splats:

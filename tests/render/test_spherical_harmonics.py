@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vividc.render.spherical_harmonics import sh_basis, sh_colour
+from vividc.render.splat.spherical_harmonics import sh_basis, sh_colour
 
 
 def sphere_quadrature() -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,8 @@
-"""The command line: one module a command; logic lives in the rooms below."""
+"""The command line: what a user gives, one module a command, and what is printed.
+
+In order: `files`, `arrays`, `kernels`, `precision`, `reference` (`--check`), `options` (shared by
+commands); `reports/`, `commands/`; `main`.
+"""
 
 from vividc.cli.main import main
 

@@ -18,16 +18,28 @@ from typing import Any, Final, NoReturn, TextIO
 import click
 
 from vividc import __version__
-from vividc.cli import (
-    area_command,
-    compile_command,
-    disasm_command,
-    map_command,
-    render_command,
-    simulate_command,
-    verify_command,
+from vividc.cli.commands import (
+    area as area_command,
 )
-from vividc.cli.report import say
+from vividc.cli.commands import (
+    compile as compile_command,
+)
+from vividc.cli.commands import (
+    disasm as disasm_command,
+)
+from vividc.cli.commands import (
+    map as map_command,
+)
+from vividc.cli.commands import (
+    render as render_command,
+)
+from vividc.cli.commands import (
+    simulate as simulate_command,
+)
+from vividc.cli.commands import (
+    verify as verify_command,
+)
+from vividc.cli.reports.report import say
 from vividc.errors import InternalError, VividcError, VividcWarning
 
 INTERRUPTED: Final = 130

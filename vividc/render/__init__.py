@@ -1,15 +1,11 @@
-"""Scenes, cameras and float32 reference renderers: what the rendering kernels must equal."""
+"""Scenes, cameras and float32 reference renderers, and frames of which every stage is the array's.
 
-from vividc.render.array.blend import ArrayPicture, blend_on_array
-from vividc.render.blend_reference import (
-    Blended,
-    BlendOptions,
-    blend_block,
-    blend_image,
-    over_background,
-)
-from vividc.render.block_cull import seen_in
-from vividc.render.blocks import SPM_WORDS, BlendLaunch, assemble, cut_launches, cut_small_launches
+In order: `errors`, `arrays`, `archive`, `ply`, `scenes` (files of all four methods); `camera`,
+`orbit`, `views`, `crop`; `splat/` and `radiance/` (float32 references), `reference`; `image`,
+`metrics`; `array/` (docs/rendering.md).
+"""
+
+from vividc.render.array.splats.blend_only import ArrayPicture, blend_on_array
 from vividc.render.camera import Camera, load_cameras, load_reference_images, scaled_camera
 from vividc.render.crop import TILE_PX, Crop
 from vividc.render.errors import SceneError
@@ -19,7 +15,29 @@ from vividc.render.orbit import orbit_camera
 from vividc.render.ply import Gaussians, read_gaussians
 from vividc.render.reference import Picture, ReferenceOptions, render_reference
 from vividc.render.scenes import METHODS, Scene, read_scene
-from vividc.render.splat import Projection, Splats, TileLists, bin_and_sort, project, tile_lists
+from vividc.render.splat.blend_reference import (
+    Blended,
+    BlendOptions,
+    blend_block,
+    blend_image,
+    over_background,
+)
+from vividc.render.splat.block_cull import seen_in
+from vividc.render.splat.blocks import (
+    SPM_WORDS,
+    BlendLaunch,
+    assemble,
+    cut_launches,
+    cut_small_launches,
+)
+from vividc.render.splat.splat import (
+    Projection,
+    Splats,
+    TileLists,
+    bin_and_sort,
+    project,
+    tile_lists,
+)
 from vividc.render.views import View, read_views
 
 __all__ = [

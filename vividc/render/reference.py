@@ -10,13 +10,13 @@ import numpy as np
 
 from vividc.errors import demand_callable, demand_type
 from vividc.render.arrays import Float32Array
-from vividc.render.blend_reference import EXACT, BlendOptions, blend_image, over_background
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import Layer, RadianceField, linear, render_field
 from vividc.render.scenes import Scene, demand_scene
-from vividc.render.splat import tile_lists
+from vividc.render.splat.blend_reference import EXACT, BlendOptions, blend_image, over_background
+from vividc.render.splat.splat import tile_lists
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,8 +8,8 @@ import numpy as np
 
 from vividc import KernelFunction
 from vividc.render.array import Ledger
-from vividc.render.array.launches import Gathered, Launch
-from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.device.launches import Gathered, Launch
+from vividc.render.array.device.programs import _module, kernel_folder
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March
 

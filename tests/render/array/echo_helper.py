@@ -1,4 +1,4 @@
-"""Stands in for `vividc.render.array.helper`: what it is sent as `work` says how it behaves."""
+"""Stands in for `render.array.march.helper`: what it is sent as `work` says how it behaves."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from multiprocessing.connection import Connection
 
 import numpy as np
 
-from vividc.render.array.frame import Ledger
+from vividc.render.array.device.frame import Ledger
 
 
 def serve(pipe: Connection) -> None:

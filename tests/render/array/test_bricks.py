@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vividc.render.array.bricks import Bricks, pack_bricks
+from vividc.render.array.march.bricks import Bricks, pack_bricks
 
 
 def cell(bricks: Bricks, x: int, y: int, z: int) -> bool:

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 from vividc.render import read_scene, read_views, scaled_camera
-from vividc.render.array import ArrayOptions, Ledger, batches, crew, render_array
-from vividc.render.array.crew import Batch, Work, processes_for, share_out
-from vividc.render.array.frame import Stage
+from vividc.render.array import ArrayOptions, Ledger, render_array
+from vividc.render.array.device.frame import Stage
+from vividc.render.array.march import batches, crew
+from vividc.render.array.march.crew import Batch, Work, processes_for, share_out
 from vividc.render.arrays import Int32Array
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"

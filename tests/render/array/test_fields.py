@@ -20,22 +20,14 @@ from vividc.render import (
     render_reference,
     scaled_camera,
 )
-from vividc.render.array import (
-    ArrayField,
-    ArrayOptions,
-    Device,
-    Ledger,
-    block_map,
-    factors,
-    hash_encoding,
-    open_device,
-    render_array,
-)
-from vividc.render.array.hash_encoding import hash_encoding as encoding_of
-from vividc.render.array.instant_ngp import InstantNGPField
-from vividc.render.array.networks import dense_layer, run_network, tpu_mode
-from vividc.render.array.systolic import run_systolic
-from vividc.render.array.tensorf import TensoRFField
+from vividc.render.array import ArrayField, ArrayOptions, Device, Ledger, open_device, render_array
+from vividc.render.array.device import block_map
+from vividc.render.array.models import factors, hash_encoding
+from vividc.render.array.models.hash_encoding import hash_encoding as encoding_of
+from vividc.render.array.models.instant_ngp import InstantNGPField
+from vividc.render.array.models.tensorf import TensoRFField
+from vividc.render.array.network.networks import dense_layer, run_network, tpu_mode
+from vividc.render.array.network.systolic import run_systolic
 from vividc.render.radiance.layers import linear
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"

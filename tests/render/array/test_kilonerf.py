@@ -11,8 +11,8 @@ import pytest
 from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, Ledger, open_device, render_array
-from vividc.render.array.kilonerf import _CHUNK, KiloNeRFOnArray, _by_coordinate, _pieces
-from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.device.programs import _module, kernel_folder
+from vividc.render.array.models.kilonerf import _CHUNK, KiloNeRFOnArray, _by_coordinate, _pieces
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 

@@ -12,8 +12,8 @@ import vividc
 from vividc.formats import E4M3, round_array, to_floats
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, render_array
-from vividc.render.array.kilonerf_words import CHUNK_WORDS, _in_words, _scale, fp8_words
-from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.device.programs import _module, kernel_folder
+from vividc.render.array.models.kilonerf_words import CHUNK_WORDS, _in_words, _scale, fp8_words
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 from vividc.render.radiance.layers import relu, sigmoid

@@ -9,8 +9,8 @@ import pytest
 
 from vividc.render import SceneError
 from vividc.render.array import Device, Ledger, open_device
-from vividc.render.array.gather import gather_rows
-from vividc.render.array.launches import Launch, Move, _Places, dealt, run_launches
+from vividc.render.array.device.gather import gather_rows
+from vividc.render.array.device.launches import Launch, Move, _Places, dealt, run_launches
 
 KERNEL = "saxpy:saxpy"
 

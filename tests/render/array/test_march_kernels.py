@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vividc.render import Camera
-from vividc.render.array.bricks import pack_bricks
-from vividc.render.array.marching import _geometry
-from vividc.render.array.programs import _module, kernel_folder
+from vividc.render.array.device.programs import _module, kernel_folder
+from vividc.render.array.march.bricks import pack_bricks
+from vividc.render.array.march.marching import _geometry
 from vividc.render.radiance import March, pixel_rays
 from vividc.render.radiance.occupancy import occupied_samples
 

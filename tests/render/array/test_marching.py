@@ -11,11 +11,10 @@ import pytest
 import vividc
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
 from vividc.render.array import Device, Ledger, Programs
-from vividc.render.array.batches import render_blocks
-from vividc.render.array.marching import SIDE, block_corners
+from vividc.render.array.march.batches import render_blocks
+from vividc.render.array.march.marching import SIDE, block_corners
 from vividc.render.array.render import pixels_of
 from vividc.render.array.sampling import expected_samples, sampled
-from vividc.render.blend_reference import over_background
 from vividc.render.radiance import (
     KiloNeRF,
     March,
@@ -25,6 +24,7 @@ from vividc.render.radiance import (
     pixel_rays,
     render_field,
 )
+from vividc.render.splat.blend_reference import over_background
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
 

@@ -26,19 +26,18 @@ from vividc.render.array import (
     ArrayOptions,
     Ledger,
     RenderPrecision,
-    block_map,
-    factors,
-    hash_encoding,
-    narrow,
     open_device,
     render_array,
 )
-from vividc.render.array.calibration import exponents, largest_inputs
-from vividc.render.array.instant_ngp import InstantNGPField
-from vividc.render.array.narrow import Network, network
-from vividc.render.array.networks import dense_layer
-from vividc.render.array.systolic import Choice
-from vividc.render.array.tensorf import TensoRFField
+from vividc.render.array.device import block_map
+from vividc.render.array.models import factors, hash_encoding
+from vividc.render.array.models.instant_ngp import InstantNGPField
+from vividc.render.array.models.tensorf import TensoRFField
+from vividc.render.array.network import narrow
+from vividc.render.array.network.calibration import exponents, largest_inputs
+from vividc.render.array.network.narrow import Network, network
+from vividc.render.array.network.networks import dense_layer
+from vividc.render.array.network.systolic import Choice
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance.layers import linear
 

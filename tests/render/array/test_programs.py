@@ -15,7 +15,7 @@ from vividc.errors import VividcWarning
 from vividc.host import store
 from vividc.program import CUT_SHORT
 from vividc.render import SceneError
-from vividc.render.array.programs import Programs, kernel_folder
+from vividc.render.array.device.programs import Programs, kernel_folder
 
 FIR = "prefix_sum:prefix_sum"
 

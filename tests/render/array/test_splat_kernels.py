@@ -18,10 +18,10 @@ from vividc.render import (
     project,
     scaled_camera,
 )
-from vividc.render.array.programs import kernel_folder
-from vividc.render.array.splat_scene import camera_words, device_scene, screen_tiles
-from vividc.render.spherical_harmonics import sh_colour
-from vividc.render.splat import Splats
+from vividc.render.array.device.programs import kernel_folder
+from vividc.render.array.splats.scene import camera_words, device_scene, screen_tiles
+from vividc.render.splat.spherical_harmonics import sh_colour
+from vividc.render.splat.splat import Splats
 
 PART = 160
 BESIDE = ("mean_x", "mean_y", "conic_a", "conic_b", "conic_c", "opacity")

@@ -9,9 +9,9 @@ import pytest
 
 from vividc.render import Projection, SceneError, bin_and_sort
 from vividc.render.array import Device, Ledger, open_device
-from vividc.render.array.splat_project import DeviceSplats
-from vividc.render.array.splat_sort import sort_on_array
-from vividc.render.splat import Splats
+from vividc.render.array.splats.project import DeviceSplats
+from vividc.render.array.splats.sort import sort_on_array
+from vividc.render.splat.splat import Splats
 
 CHUNK = 170
 

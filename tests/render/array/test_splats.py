@@ -18,8 +18,8 @@ from vividc.render.array import (
     open_device,
     render_array,
 )
-from vividc.render.array.splat_blend import EXP_EXCESS
-from vividc.render.array.splats import render_splats
+from vividc.render.array.splats.blend import EXP_EXCESS
+from vividc.render.array.splats.frame import render_splats
 
 
 @pytest.fixture(scope="module")

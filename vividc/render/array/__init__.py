@@ -1,8 +1,9 @@
 """The renderers on the array: stages are compiled kernels, the host makes launch graphs."""
 
-from vividc.render.array.device import Device, open_device
-from vividc.render.array.field import ArrayField
-from vividc.render.array.frame import ArrayFrame, Ledger, Stage
+from vividc.render.array.device.device import Device, open_device
+from vividc.render.array.device.frame import ArrayFrame, Ledger, Stage
+from vividc.render.array.device.programs import Programs
+from vividc.render.array.march.field import ArrayField
 from vividc.render.array.options import (
     NETWORK_MODES,
     PRECISIONS,
@@ -10,7 +11,6 @@ from vividc.render.array.options import (
     NetworkMode,
     RenderPrecision,
 )
-from vividc.render.array.programs import Programs
 from vividc.render.array.render import render_array
 
 __all__ = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
-from vividc.render.blend_reference import BlendOptions
+from vividc.render.splat.blend_reference import BlendOptions
 
 RenderPrecision = Literal["fp32", "fp16", "fp8"]
 PRECISIONS: Final[tuple[RenderPrecision, ...]] = get_args(RenderPrecision)

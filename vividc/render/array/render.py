@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.errors import demand_callable, demand_type
-from vividc.render.array.batches import render_blocks
-from vividc.render.array.crew import Work
-from vividc.render.array.device import open_device
-from vividc.render.array.fields import open_field
-from vividc.render.array.frame import ArrayFrame, Ledger
-from vividc.render.array.marching import SIDE, block_corners
+from vividc.render.array.device.device import open_device
+from vividc.render.array.device.frame import ArrayFrame, Ledger
+from vividc.render.array.march.batches import render_blocks
+from vividc.render.array.march.crew import Work
+from vividc.render.array.march.fields import open_field
+from vividc.render.array.march.marching import SIDE, block_corners
 from vividc.render.array.options import (
     NETWORK_MODES,
     PRECISIONS,
@@ -21,7 +21,7 @@ from vividc.render.array.options import (
     RenderPrecision,
 )
 from vividc.render.array.sampling import expected_samples, sampled
-from vividc.render.array.splats import render_splats
+from vividc.render.array.splats.frame import render_splats
 from vividc.render.arrays import Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError

@@ -10,7 +10,7 @@ from vividc.render.archive import Archive
 from vividc.render.arrays import Float32Array, Int64Array, frozen_float32
 from vividc.render.radiance.layers import Layer, in_blocks, relu, sigmoid
 from vividc.render.radiance.occupancy import March, read_march
-from vividc.render.spherical_harmonics import sh_basis
+from vividc.render.splat.spherical_harmonics import sh_basis
 
 _PRIMES = np.array([1, 2654435761, 805459861], dtype=np.uint32)
 _CORNERS = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)], dtype=np.int64)

@@ -1,0 +1,1 @@
+"""One module a command: `compile`, `simulate`, `map`, `verify`, `disasm`, `area`, `render`."""

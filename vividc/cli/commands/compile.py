@@ -1,0 +1,192 @@
+"""`vividc compile`: from a kernel in a Python or `.ll` file to a `.vivid` program."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+import vividc
+from vividc.cli import options
+from vividc.cli.files import check_apart, check_output
+from vividc.cli.kernels import kernel_file, load_kernel
+from vividc.cli.precision import formats
+from vividc.cli.reports.loop import factors, print_loops, print_product
+from vividc.cli.reports.program import print_regions
+from vividc.cli.reports.report import print_json, progress
+from vividc.gemm.modes import MODES
+from vividc.program import Program
+
+SCHEMA = "vividc.compile/1"
+
+
+@click.command("compile")
+@click.argument("kernel", metavar="FILE[:KERNEL]")
+@options.fabric
+@options.mapper
+@options.time_limit
+@click.option(
+    "--strict-fp", is_flag=True, help="Refuse float64 arithmetic instead of narrowing it."
+)
+@click.option(
+    "--contract/--no-contract",
+    default=True,
+    show_default=True,
+    help="Fuse a multiplication and an addition into one operation with one rounding.",
+)
+@click.option(
+    "--reassociate", is_flag=True, help="Balance sums of floats, which changes their rounding."
+)
+@click.option(
+    "--transform/--no-transform",
+    default=True,
+    show_default=True,
+    help="Unroll, jam and flatten loops where an estimate says that it pays.",
+)
+@click.option(
+    "--unroll",
+    multiple=True,
+    metavar="LINE=N",
+    callback=factors,
+    help="Unroll the loop in this line by N; 1 leaves it as it is.",
+)
+@click.option(
+    "--jam",
+    multiple=True,
+    metavar="LINE=N",
+    callback=factors,
+    help="Run N iterations of the loop in this line together in the loop inside it.",
+)
+@click.option(
+    "--flatten",
+    multiple=True,
+    type=int,
+    metavar="LINE",
+    help="Make one loop of the loop in this line and the loop inside it.",
+)
+@click.option(
+    "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
+)
+@click.option(
+    "--threads",
+    type=int,
+    metavar="N",
+    help="Run N iterations of the loop over prange side by side, 1 to 8.  [default: what pays]",
+)
+@click.option(
+    "--precision",
+    multiple=True,
+    metavar="FUNCTION=FORMAT",
+    callback=formats,
+    help="Compute exp, exp2, fma (arithmetic) or all in fp16, fp8, e5m2 or fp32.",
+)
+@click.option(
+    "--mode",
+    type=click.Choice(["auto", "gpu", *MODES]),
+    default="auto",
+    show_default=True,
+    help="How an accelerator runs a kernel that is a matrix product.",
+)
+@click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
+@click.option(
+    "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
+)
+@options.as_json
+def command(
+    kernel: str,
+    fabric: str,
+    mapper: str,
+    time_limit_s: float,
+    strict_fp: bool,
+    contract: bool,
+    reassociate: bool,
+    transform: bool,
+    unroll: dict[int, int],
+    jam: dict[int, int],
+    flatten: tuple[int, ...],
+    no_flatten: tuple[int, ...],
+    threads: int | None,
+    precision: dict[str, str],
+    mode: str,
+    explain: bool,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Compile a kernel for a fabric and write the program.
+
+    FILE is a Python file, which is run to find its kernels, or a `.ll` file, as `clang -O1 -g
+    -emit-llvm -S` writes it, and KERNEL a C function in it. KERNEL may be left out if there is one.
+    """
+    function = load_kernel(kernel)
+    path = Path(f"{function.name}.vivid") if output is None else output
+    check_output(path, "--output")
+    check_apart({"--output": path}, [kernel_file(kernel), Path(fabric)])
+    with progress(f"compiling {function.name}") as report:
+        program = vividc.compile(
+            function,
+            fabric=fabric,
+            mapper=mapper,
+            time_limit_s=time_limit_s,
+            strict_fp=strict_fp,
+            contract=contract,
+            reassociate=reassociate,
+            transform="auto" if transform else "none",
+            unroll=unroll,
+            jam=jam,
+            flatten=_flatten_choices(flatten, no_flatten),
+            threads=threads,
+            precision=precision,
+            progress=report,
+            mode=mode,
+        )
+    program.save(path)
+    if as_json:
+        print_json(SCHEMA, _as_object(program, path))
+    else:
+        print_regions(program)
+        if explain:
+            print_loops(program)
+            print_product(program, function, fabric)
+        click.echo(f"written: {path}")
+
+
+def _as_object(program: Program, path: Path) -> dict[str, object]:
+    return {
+        "kernel": program.name,
+        "fabric": program.fabric_name,
+        "output": str(path),
+        "regions": [
+            {
+                "name": region.name,
+                "kind": region.kind,
+                "loc": None if region.loc is None else str(region.loc),
+                "ii": region.ii,
+                "mii": region.mii,
+                "lower_bound": region.lower_bound,
+                "status": region.status,
+                "utilization": region.utilization,
+                "operations": region.operations,
+                "bounds": [
+                    {"name": bound.name, "ii": bound.ii, "reason": bound.reason}
+                    for bound in region.bounds
+                ],
+                "wall_s": region.wall_s,
+            }
+            for region in program.regions
+        ],
+        "loops": [
+            {**asdict(loop), "loc": None if loop.loc is None else str(loop.loc)}
+            for loop in program.loops
+        ],
+        "product": None if program.product is None else asdict(program.product),
+        "stopped_by_clock": program.hurried,
+        "warnings": [str(warning) for warning in program.warnings],
+    }
+
+
+def _flatten_choices(wanted: tuple[int, ...], unwanted: tuple[int, ...]) -> dict[int, bool]:
+    both = sorted({*wanted} & {*unwanted})
+    if both:
+        raise click.UsageError(f"--flatten {both[0]} and --no-flatten {both[0]}: choose one")
+    return dict.fromkeys(wanted, True) | dict.fromkeys(unwanted, False)

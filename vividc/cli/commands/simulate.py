@@ -1,0 +1,269 @@
+"""`vividc simulate`: runs a program on the machine, and compares it with the host if asked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import click
+import numpy as np
+
+import vividc
+from vividc.cli import options
+from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
+from vividc.cli.files import check_apart, check_output
+from vividc.cli.reference import (
+    Mismatch,
+    Tolerance,
+    find_kernel,
+    mismatches,
+    run_reference,
+    scalars_unpacked,
+)
+from vividc.cli.reports.cycle_progress import cycle_progress
+from vividc.cli.reports.job import print_job
+from vividc.cli.reports.report import percent, print_json, print_table, progress
+from vividc.cli.reports.views import Views, view_options
+from vividc.launch import JobResult
+from vividc.program import CUT_SHORT, Program
+from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
+from vividc.sim.run import simulate
+
+SCHEMA = "vividc.simulate/1"
+MISMATCH: Final = 5
+
+
+@click.command("simulate")
+@click.argument("program", metavar="P.vivid", type=options.FILE)
+@click.option(
+    "--inputs",
+    type=options.FILE,
+    required=True,
+    metavar="IN.npz",
+    help="The kernel's arguments, by parameter name.",
+)
+@click.option(
+    "--outputs",
+    type=options.FILE,
+    metavar="OUT.npz",
+    help="Write the arrays after the run, and the returned value as `return`.",
+)
+@click.option(
+    "--check",
+    is_flag=True,
+    help="Run the kernel's source on this computer (numba, or LLVM for C), and compare.",
+)
+@click.option(
+    "--source",
+    "--kernel",
+    "source",
+    metavar="FILE[:KERNEL]",
+    help="The file that --check runs, where it is not the one that you compiled.",
+)
+@click.option(
+    "--rtol", type=float, callback=options.finite, default=1e-5, show_default=True, metavar="R"
+)
+@click.option(
+    "--atol", type=float, callback=options.finite, default=1e-6, show_default=True, metavar="A"
+)
+@click.option(
+    "--cycle-limit",
+    type=click.IntRange(min=1),
+    default=CYCLE_LIMIT,
+    show_default=True,
+    metavar="N",
+    help="Give the run up after N cycles.",
+)
+@click.option(
+    "--engine",
+    type=click.Choice([*ENGINES]),
+    default=AUTO,
+    show_default=True,
+    help="What runs the words: native code, the reference engine, or what is done first.",
+)
+@view_options
+@click.option(
+    "--fabric",
+    metavar="F",
+    help="An accelerator (vivid, vivid-unit, or a YAML file): spread the loop over prange over its "
+    "tiles. [default: one tile]",
+)
+@options.as_json
+def command(
+    program: Path,
+    inputs: Path,
+    outputs: Path | None,
+    check: bool,
+    source: str | None,
+    rtol: float,
+    atol: float,
+    cycle_limit: int,
+    engine: str,
+    fabric: str | None,
+    as_json: bool,
+    views: Views,
+) -> None:
+    """Run a program on the machine, cycle by cycle.
+
+    Nothing in P.vivid is executed on this computer. With --check, the kernel's source is: the file
+    that P.vivid names, if you compiled it here and it has not changed since, or the one that
+    --source names; which one is said first. Floats may differ by ATOL + RTOL * |reference| and
+    integers not at all; a mismatch gives exit code 5.
+    """
+    _refuse_nonsense(source, check, fabric, views)
+    _check_outputs(outputs, views, (program, inputs))
+    loaded = vividc.load(program)
+    arguments = read_arguments(inputs, loaded.params)
+    host = find_kernel(loaded, program, source) if check else None
+    # The run changes the arguments in place, and the host needs them as they were.
+    given = {name: array.copy() for name, array in arguments.items()}
+    job = None if fabric is None else _simulate_job(loaded, arguments, cycle_limit, engine, fabric)
+    result = _simulate(loaded, arguments, cycle_limit, engine, views) if job is None else job
+    # Last: the host checks no index, and an access that the run refuses would destroy its memory.
+    expected = None if host is None else _with_value(*run_reference(host, given))
+    if outputs is not None:
+        write_results(outputs, arguments, result.value)
+    views.write(loaded, result, fabric)
+    wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
+    if as_json:
+        body = _as_object(loaded, result, outputs, expected is not None, wrong)
+        print_json(SCHEMA, {**body, **_shown(loaded, result, fabric, views)})
+    else:
+        _print(loaded, result, fabric, views)
+        _print_outcome(loaded, result, outputs, expected is not None, wrong)
+    for item in wrong:
+        click.echo(f"vividc: mismatch: {item}", err=True)
+    if wrong:
+        raise click.exceptions.Exit(MISMATCH)
+
+
+def _refuse_nonsense(source: str | None, check: bool, fabric: str | None, views: Views) -> None:
+    if source is not None and not check:
+        raise click.UsageError("--source needs --check")
+    if fabric is not None and {"vcd", "plot"} & views.files.keys():
+        raise click.UsageError("--vcd and --plot show the cycles of one tile, not --fabric's")
+
+
+def _check_outputs(outputs: Path | None, views: Views, inputs: tuple[Path, ...]) -> None:
+    written = {f"--{name}": path for name, path in views.files.items()}
+    if outputs is not None:
+        check_output(outputs, "--outputs")
+        written["--outputs"] = outputs
+    check_apart(written, inputs)
+
+
+def _shown(
+    program: Program, result: Result | JobResult, fabric: str | None, views: Views
+) -> dict[str, object]:
+    shown = views.as_object(program, result, fabric)
+    return {**shown, "fabric": fabric} if isinstance(result, JobResult) else shown
+
+
+def _print(program: Program, result: Result | JobResult, fabric: str | None, views: Views) -> None:
+    if isinstance(result, JobResult):
+        print_job(program, str(fabric), result)
+    else:
+        _print_regions(program, result)
+    if program.hurried:
+        click.echo(f"compiling {CUT_SHORT}")
+    views.print(program, result, fabric)
+
+
+def _simulate(
+    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, views: Views
+) -> Result:
+    values = scalars_unpacked(arguments, program.params)
+    views.record(program, values)
+    observer = None if views.trace is None else views.timeline.add
+    with cycle_progress(f"simulating {program.name}") as report:
+        return simulate(
+            program,
+            *values,
+            progress=report,
+            cycle_limit=cycle_limit,
+            engine=engine,
+            observer=observer,
+        )
+
+
+def _simulate_job(
+    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, fabric: str
+) -> JobResult:
+    values = scalars_unpacked(arguments, program.params)
+    with progress(f"simulating {program.name} on {fabric}"):
+        return vividc.simulate(
+            program, *values, fabric=fabric, cycle_limit=cycle_limit, engine=engine
+        )
+
+
+def _with_value(arguments: dict[str, Array], value: object) -> dict[str, Array]:
+    return arguments if value is None else {**arguments, RETURN_KEY: np.asarray(value)}
+
+
+def _compare(
+    arguments: dict[str, Array],
+    result: Result | JobResult,
+    expected: dict[str, Array] | None,
+    tolerance: Tolerance,
+) -> list[Mismatch]:
+    if expected is None:
+        return []
+    return mismatches(_with_value(arguments, result.value), expected, tolerance)
+
+
+def _as_object(
+    program: Program,
+    result: Result | JobResult,
+    outputs: Path | None,
+    checked: bool,
+    wrong: list[Mismatch],
+) -> dict[str, object]:
+    return {
+        "kernel": program.name,
+        "fabric": program.fabric_name,
+        "stopped_by_clock": program.hurried,
+        "cycles": result.cycles,
+        "value": result.value,
+        "stats": result.stats,
+        "check": {"passed": not wrong, "mismatches": wrong} if checked else None,
+        "outputs": None if outputs is None else str(outputs),
+    }
+
+
+def _print_regions(program: Program, result: Result) -> None:
+    stats = result.stats
+    columns = ("region", "kind", "II", "entries", "iterations", "cycles", "stalls", "use")
+    rows = [
+        (
+            region["name"],
+            region["kind"],
+            region["ii"],
+            region["entries"],
+            region["iterations"],
+            region["cycles"],
+            sum(region["stalls"].values()),
+            percent(region["utilization"]),
+        )
+        for region in stats["regions"]
+    ]
+    title = f"{program.name} on {program.fabric_name}"
+    print_table(
+        title, columns, rows, numeric=("II", "entries", "iterations", "cycles", "stalls", "use")
+    )
+    click.echo(f"cycles: {result.cycles} ({stats['switch_cycles']} between regions)")
+
+
+def _print_outcome(
+    program: Program,
+    result: Result | JobResult,
+    outputs: Path | None,
+    checked: bool,
+    wrong: list[Mismatch],
+) -> None:
+    if result.value is not None:
+        click.echo(f"value: {result.value}")
+    if checked and not wrong:
+        in_c = program.provenance.kernel_file.endswith(".ll")
+        click.echo(f"check: agrees with {'LLVM on this computer' if in_c else 'numba'}")
+    if outputs is not None:
+        click.echo(f"written: {outputs}")

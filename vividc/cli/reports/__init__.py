@@ -1,0 +1,5 @@
+"""What commands print.
+
+In order: `report` (JSON, tables, progress), `program`, `loop`, `energy`, `job`, `frame`, `views`
+(traces and pictures), `cycle_progress`.
+"""

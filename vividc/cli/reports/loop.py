@@ -1,0 +1,89 @@
+"""Loop transformations on the command line: factors by line, and what became of each loop."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import click
+
+from vividc import arch
+from vividc.arch import Accelerator
+from vividc.cli.reports.report import print_table
+from vividc.compiler.driver import why_no_product
+from vividc.frontend import KernelFunction, LLKernel
+from vividc.gemm.kernels import explain
+from vividc.program import Program
+from vividc.program.tables import LoopReport, TransformReport
+
+_FACTOR = re.compile(r"(?P<line>\d+)=(?P<factor>\d+)")
+
+
+def factors(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> dict[int, int]:
+    """Factors by source line, from options of the form LINE=N."""
+    found: dict[int, int] = {}
+    for text in value:
+        match = _FACTOR.fullmatch(text)
+        if match is None:
+            raise click.BadParameter(f"{text!r} is not of the form LINE=N, as in 12=4.")
+        found[int(match["line"])] = int(match["factor"])
+    return found
+
+
+def print_loops(program: Program) -> None:
+    """Print how each loop of the source runs, what binds it, and what was tried on it."""
+    print_table(
+        "Loops of the source",
+        ("line", "runs", "cycles as written", "cycles now", "binds", "notes"),
+        (_loop(loop) for loop in program.loops),
+        numeric=("line",),
+    )
+    tried = [row for loop in program.loops for row in _transforms(loop)]
+    if tried:
+        print_table(
+            "Transformations, with estimated cycles of the kernel",
+            ("line", "transformation", "by", "before", "after", "verdict"),
+            tried,
+            numeric=("line", "by", "before", "after"),
+        )
+
+
+def print_product(program: Program, kernel: KernelFunction | LLKernel, fabric: str) -> None:
+    """Print in which mode an accelerator runs a kernel that is a matrix product, or why it is
+    none.
+    """
+    machine = arch.load(fabric)
+    if not isinstance(machine, Accelerator):
+        return
+    click.echo(explain(program, machine) or f"no matrix product: {why_no_product(kernel)}")
+
+
+def _loop(loop: LoopReport) -> tuple[object, ...]:
+    return (
+        None if loop.loc is None else loop.loc.line,
+        loop.outcome,
+        _number(loop.cycles_before),
+        _number(loop.cycles_after),
+        loop.binds or None,
+        "; ".join(loop.notes) or None,
+    )
+
+
+def _transforms(loop: LoopReport) -> Iterator[tuple[object, ...]]:
+    for item in loop.transforms:
+        yield (
+            None if loop.loc is None else loop.loc.line,
+            item.kind,
+            item.factor or None,
+            f"{item.before:,.0f}",
+            None if item.after is None else f"{item.after:,.0f}",
+            _verdict(item),
+        )
+
+
+def _verdict(item: TransformReport) -> str:
+    return "chosen" if item.chosen else item.reason
+
+
+def _number(cycles: float | None) -> str | None:
+    return None if cycles is None else f"{cycles:.4g}"

@@ -1,0 +1,407 @@
+"""Compiles a kernel: frontend, regions, passes, mapping of every region, configuration words."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass, field, replace
+
+from vividc import arch
+from vividc.arch import Accelerator
+from vividc.arch.fabric import Fabric
+from vividc.compiler.map_regions import MapOptions, Progress, guarded, map_kernel, mapping_of
+from vividc.compiler.planning.budget import Budget
+from vividc.compiler.planning.choose import Stage, choose
+from vividc.compiler.planning.estimate import Estimator, Shape
+from vividc.compiler.planning.explain import loop_reports
+from vividc.compiler.planning.fallback import Outcome, settle
+from vividc.compiler.planning.options import Choices, Factors, TransformOptions, transform_options
+from vividc.compiler.planning.price import priced
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.ir import DFG
+from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.regions import Kernel
+from vividc.errors import (
+    KernelError,
+    MappingFailed,
+    SourceLoc,
+    TimeLimit,
+    VividcWarning,
+    demand_callable,
+    demand_type,
+)
+from vividc.frontend import KernelFunction, LLKernel
+from vividc.gemm.kernels import AUTO, check_kernel_mode
+from vividc.gemm.modes import MODES as GEMM_MODES
+from vividc.host import compiled_files, time_limit
+from vividc.machine.parallel import Parallel
+from vividc.machine.product import Product
+from vividc.mapper import MapResult, check_time_limit
+from vividc.mapper.deadline import limited
+from vividc.program import CUT_SHORT, Program, encode
+from vividc.program.encoder.encode import check_contexts
+from vividc.program.encoder.programmable import demand_programmable
+from vividc.ssa.formats.in_format import in_format
+from vividc.ssa.formats.precision import (
+    FormatChoices,
+    Precision,
+    arithmetic_format,
+    idle_names,
+    parse_precision,
+)
+from vividc.ssa.ir import Function
+from vividc.ssa.parallel.cut import cut_parallel_loop
+from vividc.ssa.parallel.products import recognise
+from vividc.ssa.rewrite.contract import contract as contract_products
+from vividc.ssa.rewrite.normalize import normalize
+
+_GRACE_S, _GRACE_SHARE = 0.5, 0.05
+"""What only misses its limit by so little is finished: seconds, and a share of the limit."""
+
+
+@dataclass(frozen=True, slots=True)
+class CompileOptions(MapOptions):
+    """How a kernel is compiled: how its regions are mapped, and
+
+    Attributes
+    ----------
+    strict_fp
+        Refuse float64 arithmetic instead of running it in float32 with a warning.
+    contract
+        Fuse multiplications and additions into FMAs.
+    transform
+        What is done to loops.
+    reassociate
+        Balance reductions of floats too, which changes their rounding; integers' always are.
+    precision
+        Formats of functions, from `parse_precision`.
+    """
+
+    strict_fp: bool = False
+    contract: bool = True
+    transform: TransformOptions = field(default_factory=TransformOptions)
+    reassociate: bool = False
+    precision: Precision = ()
+
+
+def compile(  # noqa: PLR0913 - the public contract, plus keywords
+    kernel: KernelFunction | LLKernel,
+    fabric: str | Fabric | Accelerator = "vivid-tile",
+    mapper: str = "auto",
+    time_limit_s: float = 60.0,
+    *,
+    strict_fp: bool = False,
+    contract: bool = True,
+    reassociate: bool = False,
+    transform: str = "auto",
+    unroll: Factors | None = None,
+    jam: Factors | None = None,
+    flatten: Choices | None = None,
+    threads: int | None = None,
+    precision: FormatChoices | None = None,
+    progress: Progress | None = None,
+    mode: str = AUTO,
+) -> Program:
+    """Compiles `kernel` for a tile, or for the tiles of an accelerator.
+
+    Parameters
+    ----------
+    kernel
+        A Python function decorated with `kernel`, or a C function from `load_ll`.
+    fabric
+        A fabric or an accelerator, a preset's name, or a YAML file. For an accelerator the loop
+        over `numba.prange` becomes one that a launch can spread over the tiles.
+    mapper, strict_fp, contract, reassociate, progress
+        See `CompileOptions`.
+    time_limit_s
+        Seconds of wall time for all of it, kept within a tenth and a second; what they cut short is
+        a warning. Machine code of the mapper, which is built once a computer, is not counted.
+    transform
+        "auto": loops are unrolled, jammed, flattened and run as threads where an estimate says that
+        it pays; "none": not.
+    unroll, jam
+        Factors for loops by source line, as in {12: 4}: unroll the loop in line 12 by 4, or run 4
+        iterations of it together in the loop inside it. 1 leaves a loop as it is.
+    flatten
+        Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
+    threads
+        Iterations of the loop over `numba.prange` that a tile runs side by side, 1 to 8, each with
+        loops and exits of its own. None: as many as the estimate says pay, if the transformation is
+        "auto".
+    precision
+        Formats of functions, as in {"exp": "fp8"}: their results are numbers of that format, by
+        fewer operations (`docs/precision.md`).
+    mode
+        How an accelerator runs a kernel that is a matrix product (docs/gemm.md): "gpu", on its
+        tiles, "tpu-unified", "tpu-partitioned", or "auto", what is predicted to take fewest cycles
+        with the sizes of a launch.
+
+    Raises
+    ------
+    ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
+    """
+    loaded = _checked(kernel, fabric, time_limit_s)
+    demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
+    demand_callable(progress, "progress")
+    check_kernel_mode(mode)
+    wanted = transform_options(transform, unroll, jam, flatten, threads)
+    options = CompileOptions(
+        mapper=mapper,
+        time_limit_s=time_limit_s,
+        progress=progress,
+        strict_fp=strict_fp,
+        contract=contract,
+        transform=wanted,
+        reassociate=reassociate,
+        precision=parse_precision(precision),
+    )
+    grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s
+    with time_limit.limited(time_limit_s, kernel.name, kernel.loc, grace_s=grace_s) as limit:
+        program = _compiled(kernel, loaded, options, mode)
+    texts = [f"{kernel.loc}: {what} took too long and {CUT_SHORT}" for what in limit.cut]
+    for text in texts:
+        warnings.warn(text, VividcWarning, stacklevel=2)
+    compiled_files.note(program.provenance.kernel_file, program.provenance.kernel_sha256)
+    return replace(program, warnings=(*program.warnings, *texts))
+
+
+def _compiled(
+    kernel: KernelFunction | LLKernel,
+    loaded: Fabric | Accelerator,
+    options: CompileOptions,
+    mode: str,
+) -> Program:
+    """The program, with its warnings, which were given, too."""
+    wanted, strict_fp = options.transform, options.strict_fp
+    function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
+    for name in idle_names(dict(options.precision), function):
+        text = f"{kernel.name} has no {name}: its precision changes nothing"
+        warnings.warn(text, VividcWarning, stacklevel=2)
+        told = (*told, text)
+    lines = _parallel_lines(kernel, wanted)
+    if isinstance(loaded, Accelerator) and parallel is None and wanted.threads is None:
+        lines = frozenset()  # iterations that are not proved independent keep their order
+    product = _product(kernel, loaded, options, mode)
+    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
+    program = _compile_stages(function, machine, options, lines)
+    for text in program.warnings:
+        warnings.warn(text, VividcWarning, stacklevel=2)
+    warned = (*told, *program.warnings)
+    return replace(program, warnings=warned, parallel=parallel, product=product)
+
+
+def _checked(
+    kernel: object, fabric: str | Fabric | Accelerator, time_limit_s: float
+) -> Fabric | Accelerator:
+    """The machine to compile for; arguments that make no sense are refused."""
+    hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
+    demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
+    hint = "give a preset, a YAML file or a Fabric"
+    demand_type(fabric, (str, Fabric, Accelerator), "the fabric", hint)
+    machine = arch.load(fabric) if isinstance(fabric, str) else fabric
+    demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
+    check_time_limit(time_limit_s)
+    return machine
+
+
+def _product(
+    kernel: KernelFunction | LLKernel,
+    machine: Fabric | Accelerator,
+    options: CompileOptions,
+    mode: str,
+) -> Product | None:
+    """The matrix product that a kernel is; one that is to run as such must be one.
+
+    Raises
+    ------
+    KernelError
+        The mode is TPU-like, and the kernel or the machine has no such mode.
+    """
+    found: Product | str = "the fabric is one tile: give an accelerator, as vivid"
+    if isinstance(machine, Accelerator):
+        function = _whole(kernel, options.strict_fp)
+        found = recognise(function)
+        if not options.contract:
+            found = "its sums are chains of FMAs, which --no-contract forbids"
+        elif options.precision:
+            found = "formats of its arithmetic or functions are chosen by --precision"
+        if isinstance(found, Product):
+            estimator = Estimator(machine.fabric, PassOptions(options.contract))
+            return replace(priced(found, function, estimator, options.transform), mode=mode)
+    if mode in GEMM_MODES:
+        raise KernelError(
+            f"{kernel.name} cannot run in mode {mode}: {found}",
+            hint="a matrix product is three loops, as in docs/gemm.md; or choose the mode gpu",
+        )
+    return None
+
+
+def why_no_product(kernel: KernelFunction | LLKernel) -> str:
+    """Why a kernel is no matrix product; "": it is one."""
+    found = recognise(_whole(kernel, strict_fp=False))
+    return found if isinstance(found, str) else ""
+
+
+def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
+    """The kernel in SSA form, loops over `prange` as any other."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", VividcWarning)  # they are told of elsewhere
+        return normalize(kernel.lower(strict_fp=strict_fp))
+
+
+def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: TransformOptions) -> frozenset[int]:
+    """Lines with loops over `prange`; some, if threads are asked for."""
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
+    if not lines and (wanted.threads or 1) > 1:
+        raise KernelError(
+            f"{kernel.name} has no loop over prange to make {wanted.threads} threads of",
+            loc=kernel.loc,
+            hint="write `for i in prange(n)` around independent iterations, or leave threads out",
+        )
+    return lines
+
+
+def _lowered(
+    kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
+) -> tuple[Function, Parallel | None, tuple[str, ...]]:
+    """The kernel in SSA form, its loop to spread, and the frontend's warnings, given too."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", VividcWarning)
+        function, parallel = _cut(kernel, strict_fp, spread)
+    for warning in caught:
+        warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+    told = (str(w.message) for w in caught if issubclass(w.category, VividcWarning))
+    return function, parallel, tuple(told)
+
+
+def _cut(
+    kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
+) -> tuple[Function, Parallel | None]:
+    """The function, with its loop over `prange` cut if it is to be spread over tiles, and is proved
+    to be the same in parts; if it is not, a warning says why.
+    """
+    lines = kernel.prange_lines if isinstance(kernel, KernelFunction) and spread else frozenset()
+    if not lines or not isinstance(kernel, KernelFunction):
+        if isinstance(kernel, KernelFunction) and spread and kernel.called_prange:
+            text = f"its loop over prange is in {kernel.called_prange}, which it calls"
+            text = (
+                f"{kernel.loc}: {kernel.name} runs on one tile only: {text}; write it in the kernel"
+            )
+            warnings.warn(text, VividcWarning, stacklevel=2)
+        return kernel.lower(strict_fp=strict_fp), None
+    function = kernel.lower(strict_fp=strict_fp, spread=True)
+    try:
+        return cut_parallel_loop(function, lines)
+    except KernelError as refusal:
+        loc = refusal.loc or SourceLoc(function.file, min(lines))
+        text = f"{loc}: {kernel.name} runs on one tile only: {refusal.reason}; {refusal.hint}"
+        warnings.warn(text, VividcWarning, stacklevel=2)
+        return function, None
+
+
+def _compile_stages(
+    function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
+) -> Program:
+    """The program of the plan's best stage that can be mapped."""
+    if options.contract:  # copies may share a product, and must round like the one they are of
+        function = contract_products(function)
+    narrow = arithmetic_format(options.precision)
+    if narrow is not None:
+        function = in_format(function, narrow)
+    passes = PassOptions(False, options.reassociate, options.precision)
+    estimator = Estimator(fabric, passes)
+    plan = choose(function, estimator, options.transform, parallel)
+    known: dict[DFG, MapResult] = {}
+
+    def attempt(stage: Stage, last_resort: bool) -> Outcome:
+        limit_s = budget.share(last_resort).remaining_s
+        guard_s = time_limit.remaining_s()
+        if not last_resort and budget.whole.remaining_s:
+            guard_s *= limit_s / budget.whole.remaining_s
+        with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
+            shared = replace(options, time_limit_s=limit_s)
+            return _map_stage(stage, estimator, shared, known, last_resort)
+
+    with limited(options.time_limit_s) as whole:
+        budget = Budget.of(whole)
+        settled = settle(plan, attempt)
+    notes = [
+        f"{_place(settled.outcome, header)}: the loop {why} and runs block by block"
+        for header, why in settled.outcome.sequential.items()
+    ]
+    loops = loop_reports(plan, settled)
+    return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
+
+
+def _map_stage(
+    stage: Stage,
+    estimator: Estimator,
+    options: CompileOptions,
+    known: dict[DFG, MapResult],
+    last_resort: bool,
+) -> Outcome:
+    """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
+    it is a transformed one.
+    """
+    sequential: dict[str, str] = {}
+    demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
+    while True:
+        function = replace(stage.state.function, sequential=frozenset(sequential))
+        function = estimator.prepared(function, stage.state.hints)
+        built = build_kernel(function)
+        check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
+        kernel = optimize_kernel(built, estimator.options)
+        try:
+            mapped, results = map_kernel(
+                kernel, estimator.fabric, options, known, demanded=demanded
+            )
+            break
+        except (MappingFailed, TimeLimit) as error:
+            if not error.headers or not demanded.isdisjoint(error.headers):
+                raise
+            timed_out = isinstance(error, TimeLimit)
+            why = "took too long" if timed_out else "has no modulo schedule"
+            sequential |= dict.fromkeys(error.headers, why)
+    mappings = {index: mapping_of(result) for index, result in results.items()}
+    program = encode(
+        mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)
+    )
+    shapes = [
+        Shape(row.ii, row.span, len(region.dfg.operations))
+        for row, region in zip(program.table, mapped.regions, strict=True)
+    ]
+    achieved = estimator.priced(function, mapped, shapes, stage.state.hints)
+    return Outcome(stage, mapped, results, program, achieved, sequential)
+
+
+def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool | None]:
+    return {
+        "mapper": options.mapper,
+        "strict_fp": options.strict_fp,
+        "contract": options.contract,
+        "reassociate": options.reassociate,
+        "transform": options.transform.mode,
+        "threads": options.transform.threads,
+        **{f"precision {name}": fmt for name, fmt in options.precision},
+    }
+
+
+def _place(outcome: Outcome, header: str) -> str:
+    return str(outcome.stage.state.loc(header))
+
+
+def lower(
+    kernel: KernelFunction | LLKernel,
+    *,
+    strict_fp: bool = False,
+    contract: bool = True,
+    sequential: frozenset[str] = frozenset(),
+) -> Kernel:
+    """The kernel's regions with optimised graphs, before mapping.
+
+    `sequential`: headers of innermost loops that are not to be modulo-scheduled.
+    """
+    function = replace(kernel.lower(strict_fp=strict_fp), sequential=sequential)
+    if contract:
+        function = contract_products(function)
+    return optimize_kernel(build_kernel(function), PassOptions(contract=False))

@@ -1,0 +1,257 @@
+"""Maps the regions of a kernel: loops first, then the straight regions around them, all within the
+time limit.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from vividc.arch.fabric import Fabric
+from vividc.compiler.delivery import deliver, residents, variable_homes, with_homes
+from vividc.dfg.ir import DFG
+from vividc.dfg.regions import Kernel, Region
+from vividc.errors import InternalError, MappingFailed, TimeLimit
+from vividc.host import time_limit
+from vividc.mapper import MapProblem, MapResult, map_dfg
+from vividc.mapper.bounds.straight import straight_lower_bound
+from vividc.mapper.check.verify import violations
+from vividc.mapper.deadline import Deadline, limited
+from vividc.mapper.engines.list_schedule import list_schedule
+from vividc.mapper.mapping import Mapping, Status
+
+Progress = Callable[[str], None]
+
+_SEARCH = "the search for mappings"
+
+_LEAST_S = 0.3
+"""All loops together have so long in any case."""
+
+_LEAST_LOOP_S = 0.1
+"""A loop that has less time is not tried: it runs block by block."""
+
+_STRAIGHT_NODE_S = 0.003
+"""One trial of a straight region takes so long for each node, roughly."""
+
+_STRAIGHT_SHARE = 0.5
+"""Of the time, kept for straight regions at most while loops are mapped."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapOptions:
+    """How regions are mapped.
+
+    Attributes
+    ----------
+    mapper
+        "auto", or another mapper's name.
+    time_limit_s
+        Seconds for all of it, which buy an effort (`mapper/deadline.py`); with a mapping in hand,
+        what is left goes to proving it.
+    progress
+        Called with one line for each step.
+    """
+
+    mapper: str = "auto"
+    time_limit_s: float = 60.0
+    progress: Progress | None = None
+
+
+def map_kernel(
+    kernel: Kernel,
+    fabric: Fabric,
+    options: MapOptions,
+    known: dict[DFG, MapResult] | None = None,
+    *,
+    demanded: frozenset[str] = frozenset(),
+) -> tuple[Kernel, dict[int, MapResult]]:
+    """Maps all regions: loops first, then straight regions around them.
+
+    Parameters
+    ----------
+    known
+        Keeps the results of loops from one call to the next.
+    demanded
+        Headers of loops without which the rest is of no use.
+
+    Returns
+    -------
+    The kernel whose straight regions hold their deliveries, and the result of each region by index.
+
+    Raises
+    ------
+    MappingFailed, TimeLimit
+        With `headers` of the loops that have no mapping, if loops are the reason.
+    """
+    with limited(options.time_limit_s) as effort:
+        known = {} if known is None else known
+        results = _map_loops(kernel, fabric, options, known, demanded, effort)
+        loops = {index: mapping_of(result) for index, result in results.items()}
+        homes = variable_homes(kernel, fabric, loops)
+        done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
+        regions = list(kernel.regions)
+        straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
+        pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
+        for index, region in straight:
+            ready = deliver(region, homes)
+            held = with_homes(residents(fabric, done), homes)
+            problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
+            results[index] = _map_straight(problem, options, pace)
+            regions[index] = replace(region, dfg=ready.dfg)
+            done.append((ready.dfg, mapping_of(results[index])))
+    return replace(kernel, regions=tuple(regions)), results
+
+
+@contextmanager
+def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
+    """What is done inside has so many seconds; that the clock ended it is noted."""
+    with time_limit.limited(seconds, grace_s=grace_s) as guard:
+        try:
+            yield
+        finally:
+            if guard.left_s <= 0.0:
+                time_limit.left_out(_SEARCH)
+
+
+@dataclass
+class _Pace:
+    """How fast straight regions are scheduled, for the time that the rest of them needs."""
+
+    nodes: int
+    done: int = 0
+    spent_s: float = 0.0
+    _of_this: int = 0
+    _began: float = 0.0
+
+    def begin(self, nodes: int) -> None:
+        """A region of so many nodes is scheduled now."""
+        self.nodes -= nodes
+        self._of_this, self._began = nodes, time_limit.now()
+
+    def leaves_time(self) -> bool:
+        """Whether another trial of the region leaves time for one of each other."""
+        if self._of_this:  # its first trial is over
+            self.spent_s += time_limit.now() - self._began
+            self.done += self._of_this
+            self._of_this = 0
+        node_s = max(self.spent_s / max(self.done, 1), _STRAIGHT_NODE_S)
+        if time_limit.remaining_s() > self.nodes * node_s:
+            return True
+        time_limit.left_out("the search for shorter schedules of straight regions")
+        return False
+
+
+def _map_loops(
+    kernel: Kernel,
+    fabric: Fabric,
+    options: MapOptions,
+    known: dict[DFG, MapResult],
+    demanded: frozenset[str],
+    effort: Deadline,
+) -> dict[int, MapResult]:
+    loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
+    nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
+    left_s = time_limit.remaining_s()
+    reserve_s = min(nodes * _STRAIGHT_NODE_S, _STRAIGHT_SHARE * left_s)
+    until = time_limit.now() + max(left_s - reserve_s, _LEAST_S)
+    results: dict[int, MapResult] = {}
+    done: list[tuple[DFG, Mapping]] = []
+    failed: list[MappingFailed | TimeLimit] = []
+    for number, (index, region) in enumerate(loops):
+        problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
+        result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, known)
+        if result is None:
+            left = len(loops) - number
+            with guarded((until - time_limit.now()) / left):
+                result = _mapped_loop(region, problem, options, effort.remaining_s / left)
+        if isinstance(result, MapResult):
+            known[region.dfg] = result
+            results[index] = result
+            done.append((region.dfg, mapping_of(result)))
+            continue
+        failed.append(result)
+        if region.header in demanded:
+            break
+    if failed:
+        failed[0].headers = tuple(header for error in failed for header in error.headers)
+        raise failed[0]
+    return results
+
+
+def _still_good(problem: MapProblem, known: dict[DFG, MapResult]) -> MapResult | None:
+    """A loop's result from before, if it goes with the loops mapped so far."""
+    result = known.get(problem.dfg)
+    if result is None:
+        return None
+    held, mapping = problem.resident, mapping_of(result)
+    return None if violations(problem.dfg, problem.fabric, mapping, resident=held) else result
+
+
+def _mapped_loop(
+    region: Region, problem: MapProblem, options: MapOptions, share_s: float
+) -> MapResult | MappingFailed | TimeLimit:
+    """The result of a loop, or why it has no mapping."""
+    hint = "give a longer --time-limit, or a larger fabric"
+    error: MappingFailed | TimeLimit
+    if time_limit.remaining_s() < _LEAST_LOOP_S:
+        time_limit.left_out(_SEARCH)
+    if min(share_s, time_limit.remaining_s()) < _LEAST_LOOP_S:
+        text = f"{region.name} was not mapped: no time was left for it"
+        error = TimeLimit(text, loc=region.loc, hint=hint)
+    else:
+        result = map_dfg(
+            region.dfg,
+            problem.fabric,
+            options.mapper,
+            time_limit_s=share_s,
+            resident=problem.resident,
+            progress=_prefixed(options.progress, region),
+            thrifty=True,
+        )
+        if result.mapping is not None:
+            return result
+        if result.status == "infeasible":
+            text = f"{region.name} cannot be mapped: {result.explain()}"
+            error = MappingFailed(text, loc=region.loc)
+        else:
+            text = f"{region.name} was not mapped in time: {result.explain()}"
+            error = TimeLimit(text, loc=region.loc, hint=hint)
+    error.headers = (region.header,)
+    return error
+
+
+def _map_straight(problem: MapProblem, options: MapOptions, pace: _Pace) -> MapResult:
+    start = time.monotonic()
+    pace.begin(len(problem.dfg.placed))
+    mapping = list_schedule(problem, pace.leaves_time)
+    found = violations(
+        problem.dfg,
+        problem.fabric,
+        mapping,
+        allowed=problem.allowed,
+        resident=problem.resident,
+        straight=True,
+    )
+    if found:
+        raise InternalError(f"list schedule of {problem.dfg.name}: {found[0].message}")
+    bound = straight_lower_bound(problem)
+    wall_s = time.monotonic() - start
+    if options.progress is not None:
+        options.progress(f"{problem.dfg.name}: {mapping.ii} cycles")
+    status: Status = "optimal" if mapping.ii <= bound.ii else "feasible"
+    return MapResult(status, mapping.ii, bound.ii, (bound,), mapping, "list", wall_s)
+
+
+def mapping_of(result: MapResult) -> Mapping:
+    """The mapping that a result must have."""
+    if result.mapping is None:
+        raise InternalError("a region without a mapping was passed on")
+    return result.mapping
+
+
+def _prefixed(progress: Progress | None, region: Region) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda text: progress(f"{region.name}: {text}")

@@ -1,0 +1,383 @@
+"""Chooses the loop transformations that pay, by estimates from bounds, from the inside out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+
+from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
+from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.compiler.planning.options import TransformOptions
+from vividc.errors import KernelError, SourceLoc, TimeLimit
+from vividc.host import time_limit
+from vividc.ssa.analysis.constant_trips import constant_trips
+from vividc.ssa.analysis.frequency import expected_trips
+from vividc.ssa.analysis.levels import level_of, with_own_latches
+from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.ir import Function
+from vividc.ssa.parallel.independent import meeting_array
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+OPERATIONS_PER_PE = 8
+"""A loop's graph may not have more: larger ones take too long to map."""
+
+OPERATIONS_OF_THREADS = 12
+"""The same of threads, whose graphs are wide rather than deep."""
+
+_GAIN_WITHOUT_LOOP = 0.8
+"""The same where full unrolling leaves no loop around, for code that runs once."""
+
+_GAIN = {
+    "full unrolling": 0.97,
+    "unroll-and-jam": 0.9,
+    "unrolling": 0.9,
+    "flattening": 0.85,
+    "threads": 0.9,
+}
+"""A transformation must bring the cycles below this share: its overheads vary more with the sizes
+than full unrolling's, which are known.
+"""
+
+_STEP = 0.95
+"""A factor must do so much better than half of it."""
+
+_FACTORS = (2, 4, 8)
+
+_SHARE = 0.4
+"""Of the time, for the choice."""
+
+_SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One transformation that was tried.
+
+    Attributes
+    ----------
+    header, origin
+        The loop, and the loop of the source that it comes from.
+    before, after
+        Estimated cycles of one run of the kernel; `after` is None if it was refused.
+    reason
+        Why it was refused or does not pay; else empty.
+    """
+
+    kind: Kind
+    header: str
+    origin: str
+    factor: int
+    loc: SourceLoc | None
+    before: float
+    after: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A function to map, its estimate, and the decision that made it of the stage before."""
+
+    state: State
+    estimate: Estimate
+    decision: Decision | None = None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Stages from the kernel as it was to the most transformed one, and what was decided.
+
+    `asked` is the last stage that the user asks for.
+    """
+
+    stages: tuple[Stage, ...]
+    decisions: tuple[Decision, ...] = ()
+    asked: int = 0
+
+
+def choose(
+    function: Function,
+    estimator: Estimator,
+    options: TransformOptions,
+    parallel: Collection[int] = (),
+) -> Plan:
+    """The transformations of `function` that pay, or that the user asks for.
+
+    Parameters
+    ----------
+    parallel
+        Lines of the function's file in which a loop over `prange` begins.
+
+    Raises
+    ------
+    TimeLimit
+        Time was up before the kernel as written, and what the user asks for, was estimated.
+    KernelError
+        A factor is asked for a line without a loop, or of a loop that cannot be transformed so; or
+        threads, and there is no loop over `prange`.
+    """
+    tidied = tidy(function)
+    hints = expected_trips(tidied, {})  # of the loops as written: transformations keep to it
+    first = Stage(State(function, hints), estimator.estimate(function, hints))
+    if options.idle:
+        return Plan((first,))
+    chooser = _Chooser(estimator, options, [first], frozenset(parallel))
+    chooser.start(State(tidied, hints))
+    chooser.obey()
+    asked = len(chooser.stages) - 1
+    if options.mode == "auto":
+        chooser.improve_in_time()
+    return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
+
+
+@dataclass
+class _Chooser:
+    estimator: Estimator
+    options: TransformOptions
+    stages: list[Stage]
+    parallel: frozenset[int] = frozenset()
+    decisions: list[Decision] = field(default_factory=list)
+    fixed: set[str] = field(default_factory=set)
+
+    def start(self, state: State) -> None:
+        """`state` is what transformations begin with; it is no stage of its own."""
+        self.now = Stage(state, self.estimator.estimate(state.function, state.hints))
+
+    def obey(self) -> None:
+        """Applies what the user asks for."""
+        if self.options.threads is not None:
+            self._thread(self.options.threads)
+        asked: list[tuple[Kind, int, int]] = [
+            ("unroll-and-jam", line, factor) for line, factor in self.options.jam.items()
+        ]
+        asked += [
+            ("flattening", line, 0) for line, wanted in self.options.flatten.items() if wanted
+        ]
+        asked += [("unrolling", line, factor) for line, factor in self.options.unroll.items()]
+        for kind, line, factor in asked:
+            for header in self._at_line(line):
+                self.fixed.add(header)
+                if factor != 1:
+                    self._force(kind, header, factor, line)
+
+    def improve_in_time(self) -> None:
+        """As `improve`; what it has found by the end of its time is kept."""
+        try:
+            with time_limit.limited(_SHARE * time_limit.remaining_s()):
+                self.improve()
+        except TimeLimit:
+            time_limit.step("loop transformations were chosen")
+            time_limit.left_out("the choice of loop transformations")
+
+    def improve(self) -> None:
+        """Applies what pays: full unrolling, then threads, then jamming, then flattening of what is
+        still a nest, then unrolling of innermost loops.
+        """
+        tried: set[str] = set()
+        while (loop := self._next_full(tried)) is not None:
+            tried.add(loop.header)
+            self._try(Candidate("full unrolling", loop.header))
+        if self.options.threads is None:
+            for header in self._parallel():
+                self._climb_threads(header)
+        for header in [loop.header for loop in self._outer()]:
+            self._climb("unroll-and-jam", header)
+        self._flatten()
+        for header in [loop.header for loop in self._innermost()]:
+            self._climb("unrolling", header)
+
+    def _climb_threads(self, header: str) -> None:
+        """Threads where iterations prove to be independent: on one tile a loop over `prange` whose
+        iterations are not has run one after the other so far.
+        """
+        function = with_own_latches(self.now.state.function, header)
+        array = meeting_array(function, level_of(function, header))
+        if array is None:
+            self._climb("threads", header)
+            return
+        reason = f"iterations may meet in {array}: ask for threads if they do not"
+        self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
+
+    def _flatten(self) -> None:
+        """Flattens nests of two loops, then what has become one by that."""
+        tried: set[str] = set()
+        while True:
+            found = (loop.header for loop in self._outer() if loop.header not in tried)
+            header = next((item for item in found if not self._is_refused(item)), None)
+            if header is None:
+                return
+            tried.add(header)
+            self._try(Candidate("flattening", header))
+
+    def _is_refused(self, header: str) -> bool:
+        """Whether the user wants the nest at `header` left alone."""
+        loc = self.now.state.loc(header)
+        return loc is not None and self.options.flatten.get(loc.line) is False
+
+    def _climb(self, kind: Kind, header: str) -> None:
+        """The factor up to which the estimate falls."""
+        base, best = self.now, None
+        if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
+            return  # what an earlier transformation left over
+        if kind == "unrolling" and self._is_short_perhaps(header):
+            self._note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
+            return
+        for factor in _FACTORS:
+            found = self._evaluate(base, Candidate(kind, header, factor))
+            if found is None:
+                break
+            if best is not None and found.estimate.cycles > _STEP * best.estimate.cycles:
+                break
+            best = found
+        if best is not None:
+            self._accept(best)
+
+    def _is_short_perhaps(self, header: str) -> bool:
+        """A loop of unknown length inside another: entered often, it pays for a remainder often."""
+        function = self.now.state.function
+        loops = find_loops(function)
+        nested = any(header in loop.blocks and header != loop.header for loop in loops)
+        loop = self.now.state.loop(header)
+        return nested and constant_trips(function, loop, MOST_ITERATIONS) is None
+
+    def _try(self, candidate: Candidate) -> None:
+        found = self._evaluate(self.now, candidate)
+        if found is not None:
+            self._accept(found)
+
+    def _accept(self, stage: Stage) -> None:
+        self.now = stage
+        self.stages.append(stage)
+
+    def _evaluate(self, base: Stage, candidate: Candidate) -> Stage | None:
+        """The stage after the candidate if it pays; the decision is noted."""
+        time_limit.step("loop transformations were chosen")
+        trips = expected_trips(base.state.function, base.state.hints)
+        state = apply(base.state, candidate, trips)
+        if isinstance(state, Refusal):
+            self._note(base, candidate, None, state.reason)
+            return None
+        estimate = self.estimator.estimate(state.function, state.hints)
+        reason = self._objection(base, candidate, estimate)
+        decision = self._note(base, candidate, estimate, reason)
+        return None if reason else Stage(state, estimate, decision)
+
+    def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
+        per_pe = OPERATIONS_OF_THREADS if candidate.kind == "threads" else OPERATIONS_PER_PE
+        limit = per_pe * len(self.estimator.fabric.pes)
+        known = max((r.shape.operations for r in base.estimate.regions), default=0)
+        largest = max((r.shape.operations for r in estimate.regions if r.kind == "loop"), default=0)
+        if largest > max(limit, known):
+            return f"a loop would have {largest} operations, more than {limit}"
+        if math.isinf(estimate.cycles):
+            return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
+        share = _GAIN[candidate.kind]
+        if not any(region.kind == "loop" for region in estimate.regions):
+            share = _GAIN_WITHOUT_LOOP
+        if estimate.cycles > base.estimate.cycles * share:
+            return "does not pay"
+        return ""
+
+    def _note(
+        self, base: Stage, candidate: Candidate, estimate: Estimate | None, reason: str
+    ) -> Decision:
+        header = candidate.header
+        decision = Decision(
+            candidate.kind,
+            header,
+            base.state.origin.get(header, header),
+            candidate.factor,
+            base.state.loc(header),
+            base.estimate.cycles,
+            None if estimate is None or math.isinf(estimate.cycles) else estimate.cycles,
+            reason,
+        )
+        self.decisions.append(decision)
+        return decision
+
+    def _next_full(self, tried: set[str]) -> Loop | None:
+        for loop in find_loops(self.now.state.function):
+            if loop.header not in tried and loop.header not in self.fixed:
+                return loop
+        return None
+
+    def _innermost(self) -> Iterator[Loop]:
+        loops = find_loops(self.now.state.function)
+        for loop in loops:
+            holds = any(o.header in loop.blocks and o.header != loop.header for o in loops)
+            if not holds and loop.header not in self.fixed:
+                yield loop
+
+    def _outer(self) -> Iterator[Loop]:
+        loops = find_loops(self.now.state.function)
+        for loop in loops:
+            inside = [o for o in loops if o.header in loop.blocks and o.header != loop.header]
+            if len(inside) == 1 and loop.header not in self.fixed:
+                yield loop
+
+    def _at_line(self, line: int) -> list[str]:
+        state = self.now.state
+        found = [
+            loop.header
+            for loop in find_loops(state.function)
+            if (loc := state.loc(loop.header)) is not None and loc.line == line
+        ]
+        if not found:
+            locs = (state.loc(loop.header) for loop in find_loops(state.function))
+            lines = sorted({loc.line for loc in locs if loc is not None})
+            hint = f"lines with loops: {', '.join(map(str, lines)) or 'none'}"
+            file = state.function.file
+            raise KernelError("no loop is in this line", loc=SourceLoc(file, line), hint=hint)
+        return found
+
+    def _parallel(self) -> list[str]:
+        """Headers of the loops over `prange` that are in no other one."""
+        state = self.now.state
+        found: list[Loop] = []
+        for loop in reversed(find_loops(state.function)):
+            loc = state.loc(loop.header)
+            marked = loc is not None and loc.file == state.function.file
+            if loc is None or not marked or loc.line not in self.parallel:
+                continue
+            if loop.header not in self.fixed and not any(loop.header in o.blocks for o in found):
+                found.append(loop)
+        return [loop.header for loop in found]
+
+    def _thread(self, count: int) -> None:
+        """Makes threads of the loops over `prange`, as the user asks."""
+        headers = self._parallel()
+        file = self.now.state.function.file
+        if count > 1 and not headers:
+            line = min(self.parallel, default=0)
+            raise KernelError(
+                "the loop over prange is gone: it runs once at most",
+                loc=SourceLoc(file, line) if line else None,
+                hint="leave threads out",
+            )
+        for header in headers:
+            loc = self.now.state.loc(header)
+            if count > 1:
+                self.fixed.add(header)
+                self._force("threads", header, count, 0 if loc is None else loc.line)
+
+    def _force(self, kind: Kind, header: str, factor: int, line: int) -> None:
+        base = self.now
+        trips = expected_trips(base.state.function, base.state.hints)
+        candidate = Candidate(kind, header, factor)
+        if kind == "unrolling" and trips[header] <= factor:
+            full = Candidate("full unrolling", header)
+            done = apply(base.state, full, trips)
+            candidate = full if isinstance(done, State) else candidate
+        state = apply(base.state, candidate, trips)
+        if isinstance(state, Refusal):
+            what = f"{kind} by {factor}" if factor else kind
+            if kind == "threads":
+                what = f"running {factor} iterations as threads"
+            text = f"{what} is not possible here: {state.reason}"
+            hint = "leave the factor out, or see what --explain says of this loop"
+            raise KernelError(text, loc=SourceLoc(base.state.function.file, line), hint=hint)
+        estimate = self.estimator.estimate(state.function, state.hints)
+        decision = self._note(base, candidate, estimate, "")
+        self.fixed |= state.made - base.state.made
+        self._accept(Stage(state, estimate, decision))

@@ -1,1 +1,0 @@
-"""Which loop transformations pay: estimates from bounds, the choice, and what was decided."""

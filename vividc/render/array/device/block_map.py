@@ -1,0 +1,92 @@
+"""A kernel over blocks of data: cut into launches of several blocks, spread over the tiles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from vividc.render.array.device.device import Device
+from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.launches import Launch, Words, run_shares
+
+_LAUNCHES = 4
+"""A tile gets at least so many launches, so that there is something to hide transfers behind."""
+_PLACES = 2
+"""Launches that shall fit a scratchpad: one runs while the next is moved in."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BlockMap:
+    """A kernel and its arrays; all have elements of four bytes.
+
+    Attributes
+    ----------
+    kernel
+        As in `Programs.get`. Its parameter `blocks`, if it has one, gets the blocks of a launch.
+    inputs, outputs
+        By parameter, [B, ...]: a launch gets the rows of its blocks, flat if the parameter has one
+        dimension.
+    shared
+        By group, by parameter: what the launches of a group's blocks all get.
+    scalars
+        Other parameters.
+    groups
+        [B] group of each block, ascending; None: all are of group 0.
+    """
+
+    kernel: str
+    inputs: Mapping[str, Words]
+    outputs: Mapping[str, Words]
+    shared: Sequence[Mapping[str, Words]] = ({},)
+    scalars: Mapping[str, object] = field(default_factory=dict)
+    groups: npt.NDArray[np.int32] | None = None
+
+    def run(self, device: Device, ledger: Ledger, stage: str) -> None:
+        """Carry the launches out and book them; `outputs` are updated in place.
+
+        Raises
+        ------
+        SceneError
+            Not even one block fits a scratchpad.
+        """
+        tiles = device.tiles
+        counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
+        line = device.line_bytes
+        shared = max(sum(a.nbytes + line for a in group.values()) for group in self.shared)
+        room = device.scratchpad_bytes - min(_PLACES, len(self.shared)) * shared
+        own = room // _PLACES - line * (len(self.inputs) + len(self.outputs))
+        shares = [
+            [self._launch(*span, counts) for span in self._spans(first, last, own)]
+            for first, last in self._ranges(tiles)
+        ]
+        run_shares(device, ledger, stage, self.kernel, shares)
+
+    def _ranges(self, tiles: int) -> Iterator[tuple[int, int]]:
+        """Blocks of each tile: neighbours, so that groups change seldom."""
+        blocks = len(next(iter(self.outputs.values())))
+        yield from pairwise(blocks * tile // tiles for tile in range(tiles + 1))
+
+    def _spans(self, first: int, last: int, room: int) -> Iterator[tuple[int, int]]:
+        """Blocks of each launch, whose arrays have `room` bytes."""
+        arrays = (*self.inputs.values(), *self.outputs.values())
+        block = sum(array[:1].nbytes for array in arrays)
+        at_once = max(1, min(room // block, -(-(last - first) // _LAUNCHES)))
+        cuts: list[int] = []
+        if self.groups is not None and last > first:
+            cuts = (np.flatnonzero(np.diff(self.groups[first:last])) + 1 + first).tolist()
+        for begin, end in pairwise((first, *cuts, last)):
+            for start in range(begin, end, at_once):
+                yield start, min(start + at_once, end)
+
+    def _launch(self, first: int, last: int, counts: bool) -> Launch:
+        group = 0 if self.groups is None else int(self.groups[first])
+        return Launch(
+            inputs={name: array[first:last] for name, array in self.inputs.items()},
+            outputs={name: array[first:last] for name, array in self.outputs.items()},
+            scalars={"blocks": last - first, **self.scalars} if counts else self.scalars,
+            shared=self.shared[group],
+        )

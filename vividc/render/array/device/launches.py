@@ -1,0 +1,307 @@
+"""Launches of one kernel on the tiles: what each needs is moved in while the one before runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+import vividc
+from vividc.launch import At, Job
+from vividc.render.array.device.device import Device
+from vividc.render.array.device.frame import Ledger
+from vividc.render.errors import SceneError
+
+Words = npt.NDArray[np.generic]
+_WORD: Final = 4
+_COPIES: Final = ((2, 2), (1, 2), (1, 1))
+"""Of shared and of own arrays, the best first: one is used while the next is moved in."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Move:
+    """Elements of a kernel's array, from `first` on, that are copied from or to an array."""
+
+    array: Words
+    first: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gathered:
+    """Rows of a table, by indices [n] int32 or uint32 that DRAM holds when the job runs."""
+
+    table: Words
+    indices: Words
+
+    @property
+    def nbytes(self) -> int:
+        """Of the chosen rows."""
+        return len(self.indices) * int(self.table[:1].nbytes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the chosen rows, one below the other."""
+        return (len(self.indices), *self.table.shape[1:])
+
+
+Moved: TypeAlias = Words | Gathered | Sequence[Move]
+"""A whole array, contiguous or strided, rows of one, or pieces."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Launch:
+    """One run of a kernel; arrays have elements of four bytes.
+
+    Attributes
+    ----------
+    shapes
+        Of array parameters that are moved in pieces, and of those that the kernel works in.
+    inputs
+        What is moved in before, by parameter.
+    outputs
+        What is moved out after it: arrays or pieces, not rows.
+    shared
+        Arrays that stay in the scratchpad while the next launches of the tile name the same ones.
+    scalars
+        The other arguments.
+    cost
+        How long it takes, in any unit: `run_launches` deals out by it.
+    """
+
+    shapes: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    inputs: Mapping[str, Moved] = field(default_factory=dict)
+    outputs: Mapping[str, Words | Sequence[Move]] = field(default_factory=dict)
+    shared: Mapping[str, Words] = field(default_factory=dict)
+    scalars: Mapping[str, object] = field(default_factory=dict)
+    cost: float = 1.0
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Bytes of each array that is not shared."""
+        found = {name: _WORD * math.prod(shape) for name, shape in self.shapes.items()}
+        found |= {name: array.nbytes for name, array in self._whole()}
+        return {name: size for name, size in found.items() if name not in self.shared}
+
+    @property
+    def all_shapes(self) -> dict[str, tuple[int, ...]]:
+        """Of each array."""
+        whole = (*self._whole(), *self.shared.items())
+        return {name: array.shape for name, array in whole} | dict(self.shapes)
+
+    @property
+    def group(self) -> tuple[int, ...]:
+        """The same for launches with the same shared arrays."""
+        return tuple(map(id, self.shared.values()))
+
+    def _whole(self) -> Iterator[tuple[str, Words | Gathered]]:
+        for name, array in (*self.inputs.items(), *self.outputs.items()):
+            if isinstance(array, np.ndarray | Gathered) and name not in self.shapes:
+                yield name, array
+
+
+def run_launches(
+    device: Device,
+    ledger: Ledger,
+    stage: str,
+    kernel: str,
+    launches: Sequence[Launch],
+    **options: object,
+) -> list[int]:
+    """Run launches on all tiles in one job, dealt out by cost, and return what each returned.
+
+    Parameters
+    ----------
+    options
+        Of `vividc.compile`.
+
+    Returns
+    -------
+    By launch; 0 of a kernel that returns nothing.
+
+    Raises
+    ------
+    SceneError
+        A launch does not fit the scratchpad.
+    """
+    numbers = dealt(launches, device.tiles)
+    shares = [[launches[number] for number in share] for share in numbers]
+    returned = [0] * len(launches)
+    found = run_shares(device, ledger, stage, kernel, shares, **options)
+    for share, values in zip(numbers, found, strict=True):
+        for number, value in zip(share, values, strict=True):
+            returned[number] = value
+    return returned
+
+
+def run_shares(
+    device: Device,
+    ledger: Ledger,
+    stage: str,
+    kernel: str,
+    shares: Sequence[Sequence[Launch]],
+    **options: object,
+) -> list[list[int]]:
+    """Run each tile's share of launches as one job, book it, and return what each returned.
+
+    Outputs are updated in place. Parameters and errors as of `run_launches`.
+    """
+    if not any(shares):
+        return [[] for _ in shares]
+    program = device.programs.get(kernel, **options)
+    job = device.new_job()
+    with ledger.timed(stage):
+        runs = [
+            _Tile(job, tile, program, _Places(program, share, device.scratchpad_bytes)).add(share)
+            if share
+            else []
+            for tile, share in enumerate(shares)
+        ]
+    values = device.finish(ledger, stage, job).values
+    return [[int(values[run] or 0) for run in share] for share in runs]
+
+
+def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
+    """Deal launches to tiles: the costliest group first, each to the tile with the least to do.
+
+    A group is launches in a row that share arrays which others do not; one of more than a tile's
+    even share is cut.
+    """
+    even = sum(launch.cost for launch in launches) / tiles
+    keys = [launch.group for launch in launches]
+    is_grouped = len(set(keys)) > 1
+    groups: list[list[int]] = []
+    load, last = 0.0, None
+    for number, (launch, key) in enumerate(zip(launches, keys, strict=True)):
+        if not is_grouped or key != last or load + launch.cost > even:
+            groups.append([])
+            load = 0.0
+        groups[-1].append(number)
+        load, last = load + launch.cost, key
+    costs = [sum(launches[number].cost for number in group) for group in groups]
+    shares: list[list[int]] = [[] for _ in range(tiles)]
+    loads = [0.0] * tiles
+    for index in sorted(range(len(groups)), key=lambda index: -costs[index]):
+        tile = loads.index(min(loads))
+        shares[tile] += groups[index]
+        loads[tile] += costs[index]
+    return shares
+
+
+class _Places:
+    """Where a tile's arrays lie: shared ones first, once or twice, then the others, likewise."""
+
+    def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
+        self._banks = program.banks
+        self._count = program.fabric.scratchpad.banks
+        self._line = _WORD * self._count
+        own = [launch.sizes for launch in share]
+        shared = {launch.group: _sizes(launch.shared) for launch in share}
+        needs = [max(self._end(sizes) for sizes in some) for some in (shared.values(), own)]
+        copies = dict.fromkeys((min(few, len(shared)), many) for few, many in _COPIES)
+        fits = [some for some in copies if some[0] * needs[0] + some[1] * needs[1] <= room]
+        if not fits:
+            most = [max(some, key=self._end) for some in (list(shared.values()), own)]
+            raise SceneError(
+                f"a launch of {program.name} needs {sum(needs)} bytes of a scratchpad of {room}: "
+                + ", ".join(f"{name} {size}" for sizes in most for name, size in sizes.items()),
+                hint="use a smaller model, or a fabric whose tiles have larger scratchpads",
+            )
+        few, many = fits[0]
+        self.shared = [needs[0] * copy for copy in range(few)]
+        self.own = [needs[0] * few + needs[1] * copy for copy in range(many)]
+
+    def addresses(self, sizes: Mapping[str, int], start: int) -> dict[str, int]:
+        """Return the address of each array from `start` on, in the bank the compiler wished for."""
+        found = {}
+        word = start // _WORD
+        for name, size in sizes.items():
+            word += (self._banks.get(name, 0) - word) % self._count
+            found[name] = _WORD * word
+            word += size // _WORD
+        return found
+
+    def _end(self, sizes: Mapping[str, int]) -> int:
+        """Return the bytes that arrays take, in whole lines of banks: so many bytes further on they
+        lie in the same banks.
+        """
+        if not sizes:
+            return 0
+        name, address = list(self.addresses(sizes, 0).items())[-1]
+        return -(-(address + sizes[name]) // self._line) * self._line
+
+
+class _Tile:
+    """Adds the steps of one tile: in, run, out of each launch, alternating between the places."""
+
+    def __init__(self, job: Job, tile: int, program: vividc.Program, places: _Places) -> None:
+        self._job, self._tile, self._program, self._places = job, tile, program, places
+        self._flat = {parameter.name for parameter in program.params if parameter.ndim == 1}
+        self._freed: list[list[int]] = [[] for _ in places.own]
+        self._held: tuple[int, ...] | None = None
+        self._copy = 0
+        self._users: list[list[int]] = [[] for _ in places.shared]
+        self._shared_at: dict[str, int] = {}
+        self._ready: list[int] = []
+
+    def add(self, share: Sequence[Launch]) -> list[int]:
+        """Add launches one after the other, and return their runs."""
+        return [self._launch(number, launch) for number, launch in enumerate(share)]
+
+    def _launch(self, number: int, launch: Launch) -> int:
+        self._hold(launch)
+        copy = number % len(self._places.own)
+        freed = self._freed[copy]
+        at = self._places.addresses(launch.sizes, self._places.own[copy])
+        moves = self._moves_in(launch.inputs, at, freed)
+        everywhere = at | self._shared_at
+        arguments = {
+            name: At(everywhere[name], (math.prod(shape),) if name in self._flat else shape)
+            for name, shape in launch.all_shapes.items()
+        }
+        after = [*moves, *self._ready, *freed]
+        run = self._job.run(self._tile, self._program, after=after, **arguments, **launch.scalars)
+        self._users[self._copy].append(run)
+        leaving = [
+            self._job.move_out(self._tile, at[name] + _WORD * move.first, move.array, after=[run])
+            for name, array in launch.outputs.items()
+            for move in _pieces(array)
+        ]
+        self._freed[copy] = leaving or [run]
+        return run
+
+    def _hold(self, launch: Launch) -> None:
+        """Move in the shared arrays of a launch, if the tile does not hold them."""
+        if launch.group == self._held:
+            return
+        self._held = launch.group
+        self._copy = (self._copy + 1) % len(self._places.shared)
+        start = self._places.shared[self._copy]
+        self._shared_at = self._places.addresses(_sizes(launch.shared), start)
+        self._ready = self._moves_in(launch.shared, self._shared_at, self._users[self._copy])
+        self._users[self._copy] = []
+
+    def _moves_in(
+        self, inputs: Mapping[str, Moved], at: Mapping[str, int], after: Sequence[int]
+    ) -> list[int]:
+        job, tile = self._job, self._tile
+        steps = []
+        for name, array in inputs.items():
+            if isinstance(array, Gathered):
+                steps.append(job.gather(tile, array.table, array.indices, at[name], after=after))
+                continue
+            for move in _pieces(array):
+                address = at[name] + _WORD * move.first
+                steps.append(job.move_in(tile, move.array, address, after=after))
+        return steps
+
+
+def _pieces(array: Words | Sequence[Move]) -> Sequence[Move]:
+    return (Move(array),) if isinstance(array, np.ndarray) else array
+
+
+def _sizes(arrays: Mapping[str, Words]) -> dict[str, int]:
+    return {name: array.nbytes for name, array in arrays.items()}

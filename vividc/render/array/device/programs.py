@@ -1,0 +1,189 @@
+"""Programs of the stages: kernels of `kernels/`, compiled once and kept on disk."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from types import ModuleType
+from typing import Final
+
+import vividc
+from vividc.errors import VividcWarning
+from vividc.program import kept
+from vividc.render.errors import SceneError
+
+_PACKAGE: Final = Path(vividc.__file__).resolve().parent
+_COMPILER: Final = (
+    "arch",
+    "dfg",
+    "frontend",
+    "lang",
+    "gemm",
+    "machine",
+    "mapper",
+    "compiler",
+    "program",
+    "ssa",
+)
+"""Rooms whose code decides what a kernel becomes."""
+_KIND: Final = "stage"
+
+_LATE: Final = "the clock ended the search for a mapping"
+_PATIENCE: Final = 10.0
+"""Times the limit that the clock allows: on a busy machine the words are to be the same."""
+
+Options = Mapping[str, object]
+"""Keywords of `vividc.compile`."""
+
+
+@dataclass(slots=True)
+class Programs:
+    """Compiled kernels by name, for the tiles of one accelerator.
+
+    A program is kept in the user's cache under the kernel's file, the tile, the options and the
+    compiler's own source. A damaged one is compiled again.
+
+    Attributes
+    ----------
+    machine
+        What the kernels are compiled for.
+    tell
+        Called with a line for each kernel that has to be compiled.
+    mapping_s
+        Seconds for mapping a kernel.
+    """
+
+    machine: vividc.arch.Accelerator
+    tell: Callable[[str], None] | None = None
+    mapping_s: float = 20.0
+    _loaded: dict[str, vividc.Program] = field(default_factory=dict)
+
+    def get(self, kernel: str, **options: object) -> vividc.Program:
+        """Return the program of `kernel`, as in "render/rays:pixel_rays".
+
+        Parameters
+        ----------
+        options
+            Of `vividc.compile`.
+
+        Raises
+        ------
+        SceneError
+            There is no such kernel.
+        VividcError
+            It cannot be compiled for this accelerator.
+        """
+        options = {"time_limit_s": self.mapping_s, **options}
+        name = f"{kernel} {sorted(options.items())}"
+        if name not in self._loaded:
+            self._loaded[name] = self._load(kernel, options)
+        return self._loaded[name]
+
+    @property
+    def late(self) -> tuple[str, ...]:
+        """What the clock cost: a line for each loaded program whose mapping it ended before the
+        effort was spent. On a machine with less to do the program may be another.
+        """
+        programs = self._loaded.values()
+        return tuple(f"{one.name}: {_LATE}" for one in programs if one.hurried)
+
+    def _load(self, kernel: str, options: Options) -> vividc.Program:
+        path, _, function = kernel.partition(":")
+        file = kernel_folder() / f"{path}.py"
+        key = self._key(file, function, options)
+        found = kept.read_program(_KIND, key)
+        if found is not None:
+            return found
+        self._say(f"compiling {kernel} (kept for the next time)")
+        program = self._compile(file, function, options)
+        if program.hurried:
+            self._say(f"{kernel}: {_LATE}; not kept: it is compiled again")
+        else:
+            kept.write_program(_KIND, key, program)
+        return program
+
+    def _say(self, line: str) -> None:
+        if self.tell is not None:
+            self.tell(line)
+
+    def _compile(self, file: Path, function: str, options: Options) -> vividc.Program:
+        found = getattr(_module(file), function, None)
+        if not isinstance(found, vividc.KernelFunction):
+            raise SceneError(f"has no kernel `{function}`", loc=str(file))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", VividcWarning)
+            with vividc.patient(_PATIENCE):
+                compiled: vividc.Program = vividc.compile(
+                    found,
+                    self.machine,
+                    **options,  # type: ignore[arg-type]
+                )
+        return compiled
+
+    def _key(self, file: Path, function: str, options: Options) -> str:
+        """Return what the program is known by."""
+        parts = (
+            function,
+            _text(self.machine.fabric),
+            repr(sorted(options.items())),
+            kept.source_digest(*_COMPILER),
+        )
+        digest = sha256("\n".join(parts).encode())
+        digest.update(_source(file))
+        return digest.hexdigest()
+
+
+def kernel_folder() -> Path:
+    """Return where the kernels are: inside the installed package, or beside it in a checkout.
+
+    Raises
+    ------
+    SceneError
+        They were not installed.
+    """
+    for folder in (_PACKAGE / "kernels", _PACKAGE.parent / "kernels"):
+        if (folder / "render").is_dir():
+            return folder
+    raise SceneError(
+        "the rendering kernels are not installed", loc=str(_PACKAGE), hint="install vividc again"
+    )
+
+
+@cache
+def _module(file: Path) -> ModuleType:
+    """Run a kernel file as a module."""
+    name = f"_vividc_kernels_{file.stem}"
+    spec = importlib.util.spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def _text(value: object) -> str:
+    """Return a text that is the same in each process: sets have no order of their own."""
+    if is_dataclass(value) and not isinstance(value, type):
+        inner = (f"{f.name}={_text(getattr(value, f.name))}" for f in fields(value))
+        return f"{type(value).__name__}({', '.join(inner)})"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(sorted(f'{_text(k)}: {_text(v)}' for k, v in value.items()))}}}"
+    if isinstance(value, frozenset | set):
+        return f"{{{', '.join(sorted(map(_text, value)))}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
+    return repr(value)
+
+
+def _source(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror}", loc=str(file)) from error

@@ -1,0 +1,39 @@
+"""Which field a ray-marched scene of a method is on the array."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from vividc.render.array.device.device import Device, open_device
+from vividc.render.array.march.field import ArrayField
+from vividc.render.array.models.instant_ngp import InstantNGPField
+from vividc.render.array.models.kilonerf import KiloNeRFOnArray
+from vividc.render.array.models.kilonerf_fp8 import Fp8KiloNeRF
+from vividc.render.array.models.tensorf import TensoRFField
+from vividc.render.array.options import ArrayOptions
+from vividc.render.errors import SceneError
+from vividc.render.radiance import InstantNGP, KiloNeRF, TensoRF
+from vividc.render.scenes import Scene
+
+
+def open_field(
+    scene: Scene, options: ArrayOptions, tell: Callable[[str], None] | None = None
+) -> tuple[Device, ArrayField]:
+    """Return the accelerator, and the scene as its kernels take it.
+
+    Raises
+    ------
+    SceneError
+        The method is not ray-marched, or the scene does not fit the array.
+    ArchError
+        The fabric is unknown, faulty or a single tile.
+    """
+    device = open_device(options.fabric, options.engine, tell, options.mode)
+    if isinstance(scene, KiloNeRF):
+        on_array = Fp8KiloNeRF if options.precision == "fp8" else KiloNeRFOnArray
+        return device, on_array(scene, device)
+    if isinstance(scene, InstantNGP):
+        return device, InstantNGPField(scene, device, options.precision)
+    if isinstance(scene, TensoRF):
+        return device, TensoRFField(scene, device, options.precision)
+    raise SceneError("the array does not render scenes of this method yet")

@@ -1,0 +1,166 @@
+"""TensoRF as a field that the array computes."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from vividc.render.array.device.block_map import BlockMap
+from vividc.render.array.device.device import Device
+from vividc.render.array.device.frame import Ledger
+from vividc.render.array.models.factors import CHANNELS, Pair, channel_pairs, factor_grid
+from vividc.render.array.network.calibration import largest_inputs
+from vividc.render.array.network.narrow import network
+from vividc.render.array.network.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.options import RenderPrecision
+from vividc.render.arrays import Float32Array
+from vividc.render.radiance import March, TensoRF
+from vividc.render.radiance.tensorf import LINE_AXES
+
+_BATCH: Final = 16_384
+"""Samples that go through the stages together; a multiple of a block's."""
+_CHANNELS: Final = 3
+_FEATURES: Final = 27
+
+
+class TensoRFField:
+    """`ArrayField` of a TensoRF model: factors, and the colour network.
+
+    Parameters
+    ----------
+    model
+        As read from a scene.
+    device
+        Where it is computed.
+    precision
+        Of the networks' operands.
+
+    Raises
+    ------
+    SceneError
+        Its networks run on no array in this format.
+    """
+
+    def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
+        self._model, self._device = model, device
+        lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
+        self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
+        self._density_pairs = channel_pairs(model.density_factors)
+        self._appearance_pairs = channel_pairs(model.appearance_factors)
+        largest = None if precision == "fp32" else largest_inputs(model)
+        basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
+        self._basis = network([basis], precision, [largest["basis"]] if largest else ())
+        layers = [
+            dense_layer(weights, bias, relu=hidden)
+            for weights, bias, hidden in zip(
+                model.weights, model.biases, (True, True, False), strict=True
+            )
+        ]
+        if precision == "fp8":
+            # The order in which the kernel makes words of them.
+            layers[0] = dense_layer(model.weights[0][_by_words()], model.biases[0], relu=True)
+        names = [f"mlp{index}" for index in range(len(layers))]
+        self._colour_network = network(
+            layers, precision, [largest[name] for name in names] if largest else ()
+        )
+        for net in (self._basis, self._colour_network):
+            net.check(device)
+
+    @property
+    def march(self) -> March:
+        """How rays are sampled."""
+        return self._model.march
+
+    @property
+    def weight_min(self) -> float:
+        """A sample's colour counts only if its weight is above this."""
+        return self._model.weight_min
+
+    @property
+    def transmittance_min(self) -> float:
+        """A sample's colour counts only if the light before it is at least this."""
+        return self._model.transmittance_min
+
+    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
+        """Return optical thickness [n] of one step, and no features, [n, 0]."""
+        count = len(points)
+        thickness = np.empty(-(-count // SAMPLES) * SAMPLES, dtype=np.float32)
+        for first in range(0, count, _BATCH):
+            samples = in_blocks(points[first : first + _BATCH]).reshape(-1, 3)
+            self._density(samples, thickness[first : first + len(samples)], ledger)
+        return thickness[:count], np.zeros((count, 0), dtype=np.float32)
+
+    def colour(
+        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+    ) -> Float32Array:
+        """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
+        count = len(points)
+        rgb = np.empty((-(-count // SAMPLES), SAMPLES, _CHANNELS), dtype=np.float32)
+        for first in range(0, count, _BATCH):
+            here = slice(first, first + _BATCH)
+            blocks = in_blocks(points[here])
+            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
+            self._colour(blocks.reshape(-1, 3), in_blocks(directions[here]), rgb[place], ledger)
+        return rgb.reshape(-1, _CHANNELS)[:count]
+
+    def _density(self, points: Float32Array, thickness: Float32Array, ledger: Ledger) -> None:
+        model = self._model
+        found = self._grid.cells(ledger, "density factors", points)
+        sums = self._grid.sums(ledger, "density factors", found, self._density_pairs)
+        BlockMap(
+            kernel="render/tensor_factors:density",
+            inputs={"sums": sums},
+            outputs={"thickness": thickness.reshape(-1, SAMPLES)},
+            scalars={
+                "shift": np.float32(model.density_shift),
+                "step": np.float32(model.march.step * model.distance_scale),
+            },
+        ).run(self._device, ledger, "density")
+
+    def _colour(
+        self, points: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
+    ) -> None:
+        device = self._device
+        found = self._grid.cells(ledger, "appearance factors", points)
+        is_fp8, pairs = self._basis.precision == "fp8", self._appearance_pairs
+        scale = self._basis.scale if is_fp8 else None
+        products = self._grid.products(ledger, "appearance factors", found, pairs, scale)
+        if not is_fp8:
+            products = self._basis.rounded(device, ledger, "rounding", products)
+        features = self._basis.run(device, ledger, "basis", products)
+        inputs = self._colour_network.made(
+            device,
+            ledger,
+            "position encoding",
+            "render/tensor_factors:colour_inputs",
+            {"features": features, "directions": directions},
+        )
+        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
+        BlockMap(
+            kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
+        ).run(device, ledger, "colour")
+
+
+def _by_words() -> npt.NDArray[np.int64]:
+    """Return which of the network's inputs `colour_inputs_fp8` makes after one another."""
+    features, directions = np.arange(_FEATURES), np.arange(_CHANNELS)
+    waves = [(30 + 2 * features, 84 + 2 * features), (138 + 2 * directions, 144 + 2 * directions)]
+    parts = [
+        np.stack((sines, sines + 1, cosines, cosines + 1), axis=1).ravel()
+        for sines, cosines in waves
+    ]
+    return np.concatenate((*parts, features, _FEATURES + directions))
+
+
+def _spread(basis: Float32Array, pairs: list[list[Pair]], model: TensoRF) -> Float32Array:
+    """Return the basis with rows of 0 for the channels that fill up a group of 16."""
+    rows = []
+    start = 0
+    for group, factors in zip(pairs, model.appearance_factors, strict=True):
+        channels = factors.line.shape[1]
+        missing = CHANNELS * len(group) - channels
+        rows.append(np.pad(basis[start : start + channels], ((0, missing), (0, 0))))
+        start += channels
+    return np.concatenate(rows)

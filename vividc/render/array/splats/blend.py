@@ -1,0 +1,245 @@
+"""Blending of 3DGS on the array: a screen tile at a time, its list part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+
+import vividc
+from vividc.launch import At, Job
+from vividc.render.array.device.device import Device
+from vividc.render.array.device.frame import Ledger
+from vividc.render.array.options import RenderPrecision
+from vividc.render.array.splats.project import ROW_WORDS, WORD, DeviceSplats
+from vividc.render.array.splats.sort import ScreenLists
+from vividc.render.arrays import Float32Array, Int32Array, frozen_float32
+from vividc.render.camera import Camera
+from vividc.render.crop import TILE_PX
+
+_FILE = "render/splat_blend"
+_STAGE = "blend"
+_MAPPING_S = 150.0
+"""Seven loops; their IIs are the time of a frame."""
+_SIDE = 4
+_BLOCK_PIXELS = _SIDE * _SIDE
+_LIST_PART = 160
+"""Entries of a list that a run takes, as in the kernels' file."""
+_PART_BYTES = WORD * ROW_WORDS * _LIST_PART
+_TILE_BYTES = WORD * 4 * TILE_PX * TILE_PX
+_PIXELS_AT = 2 * _PART_BYTES
+_COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
+_COUNTS = 4
+_RUN_ENTRIES = 32
+"""What a run costs beside its entries, as entries in a row of blocks: some 2,000 cycles."""
+_PARTS_OF_A_SHARE = (1, 2, 4, 8)
+"""Screen tiles are cut where they are more than such a part of what a tile has to do."""
+_WORTH_CUTTING = 0.8
+_CLEAR = frozen_float32(np.tile(np.array([0, 0, 0, 1]), TILE_PX * TILE_PX))
+"""Black, and nothing in the way."""
+Culling: TypeAlias = Literal["none", "blocks", "pixels"]
+"""What Lookahead Culling II decides before exp: nothing, blocks of pixels, or then also pixels."""
+_KERNELS: dict[Culling, str] = {
+    "none": "blend_late",
+    "blocks": "blend_blocks",
+    "pixels": "blend_lookahead",
+}
+EXP_EXCESS: Final[dict[RenderPrecision, float]] = {"fp32": 0.0, "fp16": 0.001, "fp8": 0.0715}
+"""How far the logarithm of exp in a format may lie above the exponent, where exp is 1/255 or more:
+Lookahead Culling II keeps what is that much below its threshold. float16 errs by 0.75 units in the
+last place (`vividc.dfg.expand.exp_narrow`); float8's line is highest at 3/8 and at 1/2
+between two powers of two, where its logarithm is 0.0711 too large.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Band:
+    """Rows of blocks of a screen tile to blend: its place in pixels, rows of pixels in the image,
+    rows of blocks, and the tile's list."""
+
+    x: int
+    y: int
+    height: int
+    block_rows: int
+    first: int
+    last: int
+
+    @property
+    def work(self) -> int:
+        """Entries of the list in each row of blocks, and what its runs cost beside them."""
+        length = self.last - self.first
+        return length * self.block_rows + _RUN_ENTRIES * -(-length // _LIST_PART)
+
+    def halves(self) -> tuple[_Band, _Band]:
+        """The upper and the lower half of its rows of blocks."""
+        upper = self.block_rows // 2
+        rows = upper * _SIDE
+        return (
+            replace(self, height=min(self.height, rows), block_rows=upper),
+            replace(
+                self,
+                y=self.y + rows,
+                height=self.height - rows,
+                block_rows=self.block_rows - upper,
+            ),
+        )
+
+
+@dataclass(slots=True, eq=False)
+class _Blend:
+    """The launch graph of blending."""
+
+    job: Job
+    program: vividc.Program
+    splats: DeviceSplats
+    lists: ScreenLists
+    image: Float32Array
+    counts: Int32Array
+
+    def tile(self, tile: int, share: Sequence[_Band]) -> None:
+        """Add the steps of one tile: the next part of a list is fetched while one is blended."""
+        zeros = self.counts[tile]
+        counted = self.job.move_in(tile, zeros, _COUNTS_AT)
+        parts_freed: list[list[int]] = [[counted], [counted]]
+        pixels_freed: list[list[int]] = [[], []]
+        number, run = 0, counted
+        for band, place in zip(share, _alternating(len(share)), strict=True):
+            starts = range(band.first, band.last, _LIST_PART)
+            pixels_at = _PIXELS_AT + place * _TILE_BYTES
+            clear = self.job.move_in(tile, _CLEAR, pixels_at, after=pixels_freed[place])
+            for start in starts:
+                slots = self.lists.slots[start : min(start + _LIST_PART, band.last)]
+                at = number % 2 * _PART_BYTES
+                freed = parts_freed[number % 2]
+                rows = self.job.gather(tile, self.splats.rows, slots, at, after=freed)
+                run = self.job.run(
+                    tile,
+                    self.program,
+                    splats=At(at, (ROW_WORDS * len(slots),)),
+                    pixels=At(pixels_at, (_TILE_BYTES // WORD,)),
+                    counts=At(_COUNTS_AT, (_COUNTS,)),
+                    n=len(slots),
+                    x0=np.float32(band.x),
+                    y0=np.float32(band.y),
+                    height=band.height,
+                    last=int(start == starts[-1]),
+                    after=[rows, clear, *freed],
+                )
+                parts_freed[number % 2] = [run]
+                number += 1
+            target = _blocks_of(self.image, band)
+            pixels_freed[place] = [self.job.move_out(tile, pixels_at, target, after=[run])]
+        self.job.move_out(tile, _COUNTS_AT, zeros, after=[run])
+
+
+def blend_splats(
+    device: Device,
+    ledger: Ledger,
+    splats: DeviceSplats,
+    lists: ScreenLists,
+    camera: Camera,
+    culling: Culling,
+    chosen: Int32Array,
+    precision: RenderPrecision = "fp32",
+) -> Float32Array:
+    """Return the picture [height, width, 3] over white, of the `chosen` screen tiles.
+
+    Those without splats are not run. The picture is the same with every kind of culling. exp is
+    computed in `precision`.
+    """
+    program = blend_program(device, culling, precision)
+    columns, rows = -(-camera.width // TILE_PX), -(-camera.height // TILE_PX)
+    side = TILE_PX // _SIDE
+    image = np.ones((rows * side, _SIDE, columns * side, _SIDE, 4), dtype=np.float32)
+    job = device.new_job()
+    tiles = device.tiles
+    counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
+    graph = _Blend(job, program, splats, lists, image, counts)
+    screens = _screens(lists, camera, columns, chosen)
+    for tile, share in enumerate(_balanced(screens, tiles)):
+        if share:
+            graph.tile(tile, share)
+    device.finish(ledger, _STAGE, job)
+    _count(ledger, counts, culling)
+    whole = image.reshape(rows * TILE_PX, columns * TILE_PX, 4)
+    return np.ascontiguousarray(whole[: camera.height, : camera.width, :3])
+
+
+def _blocks_of(image: Float32Array, band: _Band) -> Float32Array:
+    """Return a band of the image [block rows, rows, block columns, columns, 4], by block."""
+    row, column, side = band.y // _SIDE, band.x // _SIDE, TILE_PX // _SIDE
+    return image[row : row + band.block_rows, :, column : column + side].transpose(0, 2, 1, 3, 4)
+
+
+def blend_program(
+    device: Device, culling: Culling, precision: RenderPrecision = "fp32"
+) -> vividc.Program:
+    """Return the program that blends with this culling, and with exp in this format."""
+    policy = {} if precision == "fp32" else {"precision": {"exp": precision}}
+    return device.programs.get(f"{_FILE}:{_KERNELS[culling]}", time_limit_s=_MAPPING_S, **policy)
+
+
+def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:
+    """Book what was decided: pairs of an entry and a pixel, exponents, exps."""
+    tests, exponents, survivors = (int(n) for n in counts.sum(axis=0, dtype=np.int64)[:3])
+    pairs = exponents if culling == "none" else _BLOCK_PIXELS * tests
+    exponentials = survivors if culling == "pixels" else exponents
+    ledger.count(evaluated=pairs, exponents=exponents, exponentials=exponentials)
+
+
+def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Band]:
+    """Return those of the chosen screen tiles in which something may be seen, each whole."""
+    found = []
+    lengths = np.diff(lists.start)[chosen]
+    for tile in chosen[lengths > 0].tolist():
+        x, y = tile % columns * TILE_PX, tile // columns * TILE_PX
+        height = min(TILE_PX, camera.height - y)
+        first, last = int(lists.start[tile]), int(lists.start[tile + 1])
+        found.append(_Band(x, y, height, -(-height // _SIDE), first, last))
+    return found
+
+
+def _balanced(screens: Sequence[_Band], tiles: int) -> list[list[_Band]]:
+    """Give each tile whole screen tiles, or bands of them where the last tile then ends earlier.
+
+    A band reads the list of its whole screen tile, and what an entry costs is known roughly only:
+    where pixels are done early it is less. So cutting has to promise a good deal.
+    """
+    whole = _shares(screens, tiles)
+    mean = sum(screen.work for screen in screens) / tiles
+    cut = [_shares(_cut(screens, mean / parts), tiles) for parts in _PARTS_OF_A_SHARE]
+    best = min(cut, key=_longest)
+    return best if _longest(best) < _WORTH_CUTTING * _longest(whole) else whole
+
+
+def _cut(screens: Sequence[_Band], most: float) -> list[_Band]:
+    """Halve what is more work than `most`, down to single rows of blocks."""
+    bands, todo = [], list(screens)
+    while todo:
+        band = todo.pop()
+        if band.work > most and band.block_rows > 1:
+            todo += band.halves()
+        else:
+            bands.append(band)
+    return bands
+
+
+def _shares(bands: Sequence[_Band], tiles: int) -> list[list[_Band]]:
+    """Give each tile bands: those of most work first, each to the tile with the least."""
+    shares: list[list[_Band]] = [[] for _ in range(tiles)]
+    load = [0] * tiles
+    for band in sorted(bands, key=lambda band: (-band.work, band.y, band.x)):
+        tile = load.index(min(load))
+        shares[tile].append(band)
+        load[tile] += band.work
+    return shares
+
+
+def _longest(shares: Sequence[Sequence[_Band]]) -> int:
+    return max(sum(band.work for band in share) for share in shares)
+
+
+def _alternating(count: int) -> list[int]:
+    return [number % 2 for number in range(count)]
