@@ -271,8 +271,8 @@ def test_a_bundle_keeps_the_parallel_loop(tmp_path: Path, programs: Any) -> None
 
 
 def test_a_kernel_without_prange_runs_on_one_tile() -> None:
-    from tests.sim.accelerator.kernels import program as compiled  # noqa: PLC0415
-    from tests.sim.accelerator.kernels import total as plain  # noqa: PLC0415
+    from tests.launch.kernels import program as compiled  # noqa: PLC0415
+    from tests.launch.kernels import total as plain  # noqa: PLC0415
 
     x = ints(100, 1000)
     result = vividc.simulate(compiled(plain), x, fabric="vivid")

@@ -33,7 +33,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "frontend/refused/source.py": ("kernel",),
     "frontend/c/source.py": ("kernel in C",),
     "host/inputs.py": ("graph JSON",),
-    "kept.py": (OWN,),
+    "program/kept.py": (OWN,),
     "host/machine_code.py": (OWN,),
     "host/npz.py": ("arguments", "scene: means"),
     "program/bundle.py": ("program", "program to disassemble"),

@@ -1,0 +1,176 @@
+"""Which stage of a plan is kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.compiler.planning.test_choose import MACHINE, plan, product
+from vividc.compiler import driver
+from vividc.compiler.planning.choose import Plan, Stage
+from vividc.compiler.planning.estimate import Estimate, RegionCost, Shape
+from vividc.compiler.planning.fallback import Outcome, settle
+from vividc.dfg.ir import DFG
+from vividc.errors import MappingFailed, TimeLimit
+from vividc.mapper import MapProblem, MapResult
+from vividc.mapper.deadline import EFFORT_SHARE, Deadline
+from vividc.mapper.registry import BUILT_IN
+from vividc.mapper.request import MapRequest
+from vividc.mapper.search.portfolio import auto
+
+
+def fake(stage: Stage, cycles: float) -> Outcome:
+    """An outcome of which only the cycles count."""
+    return Outcome(stage, None, {}, None, Estimate(cycles, ()), {})  # type: ignore[arg-type]
+
+
+def made(*cycles: float) -> Plan:
+    """A plan whose stages are estimated so."""
+    first = plan(product, mode="none").stages[0]
+    return Plan(tuple(Stage(first.state, Estimate(item, ())) for item in cycles))
+
+
+def hot(cycles: float, *, by_block: bool) -> Outcome:
+    """An outcome of a stage with one loop, which is modulo-scheduled or not."""
+    loop = RegionCost("b1", "loop", Shape(1, 10, 4), 1.0, 16.0)
+    stage = replace(made(100).stages[0], estimate=Estimate(50, (loop,)))
+    why = {"b1": "took too long"} if by_block else {}
+    return replace(fake(stage, cycles), sequential=why)
+
+
+def test_the_last_stage_that_is_as_good_as_estimated_is_kept() -> None:
+    stages = made(100, 50, 25)
+    settled = settle(stages, lambda stage, _: fake(stage, stage.estimate.cycles + 5))
+    assert settled.index == 2
+    assert settled.dropped == {}
+
+
+def test_a_stage_that_does_not_map_gives_way_to_the_one_before() -> None:
+    stages = made(100, 50, 25)
+
+    def attempt(stage: Stage, _: bool) -> Outcome:
+        if stage is stages.stages[2]:
+            raise TimeLimit("too slow")
+        return fake(stage, stage.estimate.cycles)
+
+    settled = settle(stages, attempt)
+    assert settled.index == 1
+    assert "too slow" in settled.dropped[2]
+
+
+def test_a_stage_that_turns_out_slower_gives_way() -> None:
+    stages = made(100, 50, 25)
+    achieved = {id(stages.stages[2]): 80.0, id(stages.stages[1]): 50.0}
+    settled = settle(stages, lambda stage, _: fake(stage, achieved.get(id(stage), 100.0)))
+    assert settled.index == 1
+    assert "slower" in settled.dropped[2]
+
+
+def test_a_stage_before_that_is_not_better_after_all_is_not_taken() -> None:
+    stages = made(100, 50)
+    achieved = {id(stages.stages[1]): 110.0}
+    settled = settle(stages, lambda stage, _: fake(stage, achieved.get(id(stage), 120.0)))
+    assert settled.index == 1
+
+
+def test_what_the_user_asks_for_need_not_pay() -> None:
+    stages = replace(made(100, 200), asked=1)
+    settled = settle(stages, lambda stage, _: fake(stage, stage.estimate.cycles))
+    assert settled.index == 1
+
+
+def test_the_kernel_as_written_is_the_last_resort() -> None:
+    def attempt(stage: Stage, last_resort: bool) -> Outcome:
+        raise MappingFailed("last" if last_resort else "transformed")
+
+    with pytest.raises(MappingFailed, match="last"):
+        settle(made(100, 50), attempt)
+
+
+def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The kernel as written still pipelines: it does not run block by block."""
+    real = driver.map_kernel
+
+    def fails_if_jammed(kernel, *rest, **options):  # type: ignore[no-untyped-def]
+        headers = [region.header for region in kernel.regions if region.kind == "loop"]
+        if any("jam" in header for header in headers):
+            error = TimeLimit("no time")
+            error.headers = tuple(header for header in headers if "jam" in header)
+            raise error
+        return real(kernel, *rest, **options)
+
+    monkeypatch.setattr(driver, "map_kernel", fails_if_jammed)
+    program = driver.compile(product, MACHINE)
+    assert [region.kind for region in program.regions].count("loop") == 1
+    reasons = [item.reason for loop in program.loops for item in loop.transforms]
+    assert any("no time" in reason for reason in reasons)
+
+
+def test_a_hot_loop_block_by_block_never_beats_a_mapped_one() -> None:
+    """Whatever the trips that are assumed say of the two."""
+    outcomes = {1: hot(20, by_block=True), 0: hot(300, by_block=False)}
+    stages = made(100, 50)
+    settled = settle(stages, lambda stage, _: outcomes[stages.stages.index(stage)])
+    assert settled.index == 0
+    outcomes = {1: hot(300, by_block=False), 0: hot(20, by_block=True)}
+    settled = settle(stages, lambda stage, _: outcomes[stages.stages.index(stage)])
+    assert settled.index == 1
+
+
+def test_an_estimate_tells_what_it_allows_for_routing() -> None:
+    """Whether a stage before could be better is asked without the allowance."""
+    loop = RegionCost("b1", "loop", Shape(2, 26, 4), 3.0, 16.0)
+    straight = RegionCost("b0", "straight", Shape(9, 9, 4), 1.0, 1.0)
+    assert Estimate(200, (loop, straight)).least == 200 - 3 * 6
+
+
+@pytest.fixture
+def slow_mapper(monkeypatch: pytest.MonkeyPatch) -> str:
+    """A mapper that finds nothing for graphs larger than those of `nested` as written, takes all
+    its time over that, and for others insists on a third of a compilation's 4 s.
+    """
+    loops = plan(nested, mode="none").stages[0].estimate.regions
+    largest = max(loop.shape.operations for loop in loops if loop.kind == "loop")
+    known: dict[DFG, MapResult] = {}
+
+    def run(problem: MapProblem, request: MapRequest) -> MapResult:
+        least_s = 4.0 * EFFORT_SHARE / 3
+        if len(problem.dfg.operations) > largest or request.deadline.remaining_s < least_s:
+            request.deadline.charge(request.deadline.remaining_s)
+            return MapResult("timeout", None, 1, (), None, "slow", 0.0)
+        graph = replace(problem.dfg, name="")
+        if graph not in known:  # the machine's load must not matter
+            known[graph] = auto(problem, replace(request, deadline=Deadline.after(30.0)))
+        return known[graph]
+
+    monkeypatch.setitem(BUILT_IN, "slow", run)
+    return "slow"
+
+
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[::1])")
+def nested(a, b, y):
+    """Jammed, flattened and unrolled if that maps in time."""
+    for i in range(a.shape[0]):
+        total = np.float32(0.0)
+        for j in range(a.shape[1]):
+            total += a[i, j] * b[j, i]
+        y[i] = total
+
+
+def test_time_out_of_transformed_stages_leaves_enough_for_the_kernel_as_written(
+    slow_mapper: str,
+) -> None:
+    assert len(plan(nested).stages) > 1
+    arrays = [np.ones((24, 24), np.float32), np.ones((24, 24), np.float32), np.zeros(24, "f4")]
+    written = vividc.compile(nested, MACHINE, slow_mapper, 4.0, transform="none")
+    program = vividc.compile(nested, MACHINE, slow_mapper, 4.0)
+    assert program.warnings == written.warnings == ()
+    assert [r.ii for r in program.regions] == [r.ii for r in written.regions]
+    cycles = vividc.simulate(program, *arrays).cycles
+    assert cycles <= vividc.simulate(written, *arrays).cycles
+    assert (arrays[2] == 24).all()
