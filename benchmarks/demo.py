@@ -21,7 +21,7 @@ import vividc
 from benchmarks.workloads import WORKLOADS
 from vividc.cli.reports.program import print_regions
 from vividc.compiler.driver import lower
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import Opcode
 from vividc.render import (

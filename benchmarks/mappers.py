@@ -181,7 +181,7 @@ def measured(graph: DFG, name: str, fabric: str, mapper: str, time_limit_s: floa
 
 
 def _measure(pipe: Connection, about: Row, graph: DFG) -> None:
-    fabric = vividc.arch.yaml.load(about.fabric)
+    fabric = vividc.arch.load(about.fabric)
     try:
         with vividc.patient(PATIENCE):
             result = map_dfg(graph, fabric, about.mapper, time_limit_s=about.time_limit_s)
@@ -218,9 +218,9 @@ def _peak_mb() -> float | None:
 
 
 def _tasks(place: Path, fabric: str, mappers: Sequence[str]) -> Iterator[tuple[DFG, str, str]]:
-    array = vividc.arch.yaml.load(fabric)
+    array = vividc.arch.load(fabric)
     for path in sorted(place.glob("*.json")):
-        graph = vividc.dfg.forms.load(path)
+        graph = vividc.dfg.load(path)
         if _gives_work(graph, array):
             yield from ((graph, path.stem, mapper) for mapper in mappers)
 

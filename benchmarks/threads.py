@@ -15,7 +15,7 @@ import click
 import vividc
 from benchmarks.workloads import WORKLOADS
 from vividc.dfg.cut.build import build_kernel
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.frontend import KernelFunction
@@ -178,7 +178,7 @@ def rows(cases: tuple[tuple[int, str, float], ...] = CASES) -> Iterator[str]:
     """One line for each number of threads and fabric."""
     for count, fabric, time_limit_s in cases:
         graph = threads(count)
-        result = map_dfg(graph, vividc.arch.yaml.load(fabric), time_limit_s=time_limit_s)
+        result = map_dfg(graph, vividc.arch.load(fabric), time_limit_s=time_limit_s)
         ii = "-" if result.ii is None else result.ii
         outcome = f"{ii} | {result.lower_bound} | {result.status} | {result.wall_s:.1f}"
         yield f"| {count} | {fabric} | {len(graph.operations)} | {outcome} |"

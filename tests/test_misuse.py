@@ -12,7 +12,7 @@ from benchmarks.workloads import WORKLOADS
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import Opcode
 
-MESH = vividc.arch.yaml.load("mesh-2x2")
+MESH = vividc.arch.load("mesh-2x2")
 GRAPH = DFG("one", (Node(0, Opcode.GENERIC, name="op"),), ())
 KERNEL = WORKLOADS[0].kernel()
 
@@ -43,10 +43,10 @@ def plain(x: object) -> object:
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={"a": frozenset({0})}),  # type: ignore[dict-item]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={0: frozenset({"x", 9})}),  # type: ignore[dict-item]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, resident=[1]),  # type: ignore[arg-type]
-        lambda: vividc.mapper.check.verify(GRAPH, MESH, None),  # type: ignore[arg-type]
+        lambda: vividc.mapper.verify(GRAPH, MESH, None),  # type: ignore[arg-type]
         lambda: vividc.load(None),  # type: ignore[arg-type]
-        lambda: vividc.arch.yaml.load(None),  # type: ignore[arg-type]
-        lambda: vividc.dfg.forms.load(None),  # type: ignore[arg-type]
+        lambda: vividc.arch.load(None),  # type: ignore[arg-type]
+        lambda: vividc.dfg.load(None),  # type: ignore[arg-type]
         lambda: vividc.kernel(plain),  # type: ignore[arg-type]
         lambda: vividc.kernel("void(int32[::1])")(KERNEL),
     ],
@@ -73,7 +73,7 @@ def test_a_requested_ii_out_of_range_says_why(ii: int, reason: str) -> None:
 
 
 def test_a_foreign_operation_has_the_latency_of_its_name() -> None:
-    fabric = vividc.arch.yaml.load("vivid-tile")
+    fabric = vividc.arch.load("vivid-tile")
     latencies = [fabric.latency(Node(0, Opcode.GENERIC, name=n)) for n in ("FMUL", "add", "cmerge")]
     assert latencies == [4, 1, 1]
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vividc.arch import load_text
-from vividc.arch.yaml import load, schema
+from vividc.arch import load, load_text
+from vividc.arch.yaml import schema
 from vividc.dfg.ir import Node
 from vividc.errors import ArchError
 from vividc.machine.opcodes import LatencyClass, Opcode

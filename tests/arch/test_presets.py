@@ -4,8 +4,7 @@ import itertools
 
 import pytest
 
-from vividc.arch import Fabric, Routing, family_names, load_text, preset_names
-from vividc.arch.yaml import load
+from vividc.arch import Fabric, Routing, family_names, load, load_text, preset_names
 from vividc.errors import ArchError
 from vividc.machine.opcodes import LatencyClass
 

@@ -9,8 +9,7 @@ from click.testing import CliRunner
 from vividc import arch, dfg
 from vividc.cli import main
 from vividc.cli.commands import map as map_command
-from vividc.mapper import MapResult, mapping_from_json, registry
-from vividc.mapper.check import verify
+from vividc.mapper import MapResult, mapping_from_json, registry, verify
 
 CHAIN = {
     "name": "chain",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from random_graphs import random_loop
 
-from vividc.arch.yaml import load
+from vividc.arch import load
 from vividc.mapper import map_dfg
 
 _LIMITS_S = (0.3, 1.0, 3.0)

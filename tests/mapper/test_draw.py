@@ -12,8 +12,8 @@ from graphs import accumulator, chain
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from vividc.arch import load
 from vividc.arch.fabric import Link
-from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG
 from vividc.errors import VividcError
 from vividc.host.plot import Line, Rect, Text, readable_on, text_width, to_svg

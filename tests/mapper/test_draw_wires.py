@@ -7,9 +7,8 @@ from itertools import combinations, pairwise
 import pytest
 from fabrics import grid
 
-from vividc.arch import load_text
+from vividc.arch import load, load_text
 from vividc.arch.fabric import Fabric
-from vividc.arch.yaml import load
 from vividc.mapper.report.draw.grid import HEADER, Grid, Point
 from vividc.mapper.report.draw.wires import Wire, wires, wrap_arounds
 

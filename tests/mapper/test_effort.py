@@ -12,7 +12,7 @@ from random_graphs import random_loop
 
 import vividc
 from vividc import patient
-from vividc.arch.yaml import load
+from vividc.arch import load
 from vividc.host import time_limit
 from vividc.mapper import deadline, map_dfg
 from vividc.mapper.deadline import Deadline, limited

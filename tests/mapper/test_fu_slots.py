@@ -8,7 +8,7 @@ import pytest
 from fabrics import grid
 from graphs import chain
 
-from vividc.arch.yaml import load
+from vividc.arch import load
 from vividc.mapper import Mapping, MapResult, Place, Step, utilization
 from vividc.mapper.mapping import Subject
 from vividc.mapper.report.draw.scene import scene_of

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from random_graphs import random_loop
 
-from vividc.arch.yaml import load
+from vividc.arch import load
 from vividc.dfg.ir import DFG
 from vividc.mapper import MapInterrupted, map_dfg
 from vividc.mapper.check.verify import verify

@@ -8,8 +8,8 @@ import weakref
 import pytest
 from random_graphs import random_loop
 
+from vividc.arch import load
 from vividc.arch.fabric import Fabric
-from vividc.arch.yaml import load
 from vividc.host.once import once_each
 from vividc.mapper import map_dfg
 

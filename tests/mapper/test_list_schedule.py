@@ -6,8 +6,8 @@ import pytest
 from random_graphs import random_region
 from tiny_fabrics import tiny_fabric
 
+from vividc.arch import load
 from vividc.arch.fabric import Fabric
-from vividc.arch.yaml import load
 from vividc.dfg.check import check
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import MappingFailed, SourceLoc

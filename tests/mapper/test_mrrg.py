@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from tiny_fabrics import tiny_fabric
 
+from vividc.arch import load
 from vividc.arch.fabric import Routing
-from vividc.arch.yaml import load
 from vividc.mapper.resources.distances import FAR, hop_distances
 from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 import pytest
 from random_graphs import random_loop
 
-from vividc.arch import load_text
-from vividc.arch.yaml import load
+from vividc.arch import load, load_text
 from vividc.errors import VividcError
 from vividc.mapper import map_dfg
 from vividc.mapper.check.verify import violations

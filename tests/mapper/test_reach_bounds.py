@@ -7,9 +7,8 @@ from dataclasses import replace
 import pytest
 from tiny_fabrics import tiny_fabric
 
-from vividc.arch import load_text
+from vividc.arch import load, load_text
 from vividc.arch.fabric import Fabric, Routing
-from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import BASE, LatencyClass, Opcode
 from vividc.mapper import MapResult, map_dfg

@@ -9,8 +9,7 @@ from vividc.arch import load_text
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.errors import MappingFailed
 from vividc.machine.opcodes import Opcode
-from vividc.mapper import map_dfg
-from vividc.mapper.check import verify
+from vividc.mapper import map_dfg, verify
 from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.problem import MapProblem
 

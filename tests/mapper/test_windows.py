@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from random_graphs import random_loop
 
+from vividc.arch import load
 from vividc.arch.fabric import Fabric
-from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import Opcode
 from vividc.mapper import MapInterrupted, MapResult, map_dfg

@@ -19,8 +19,7 @@ from tests.program.hand_kernels import (
     saxpy,
     trip_region,
 )
-from vividc.arch import Fabric
-from vividc.arch.yaml import load
+from vividc.arch import Fabric, load
 from vividc.dfg.ir import DFG, Control, Edge, Node
 from vividc.dfg.regions import RETURN_VARIABLE, Kernel, Region
 from vividc.errors import InternalError, KernelError

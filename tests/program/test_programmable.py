@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 import vividc
-from vividc.arch import load_text
-from vividc.arch.yaml import load
+from vividc.arch import load, load_text
 from vividc.errors import ArchError
 from vividc.program.encoder.programmable import demand_programmable
 

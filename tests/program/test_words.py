@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vividc.arch import Fabric
-from vividc.arch.yaml import load
+from vividc.arch import Fabric, load
 from vividc.errors import BundleError, InternalError
 from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 from vividc.program import (
@@ -23,11 +22,11 @@ from vividc.program import (
     Use,
     WordLayout,
     Write,
+    decode,
     pack,
     unpack,
     word_layout,
 )
-from vividc.program.words import decode
 
 EXECUTED = [
     op

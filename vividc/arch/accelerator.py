@@ -81,7 +81,7 @@ class TileGroup:
 
 @dataclass(frozen=True)
 class Accelerator:
-    """Tiles and what feeds them, built by `vividc.arch.yaml.load`; `source` is its YAML text.
+    """Tiles and what feeds them, built by `vividc.arch.load`; `source` is its YAML text.
 
     Attributes
     ----------

@@ -144,7 +144,7 @@ class Controller:
 
 @dataclass(frozen=True)
 class Fabric:
-    """One tile, built by `vividc.arch.yaml.load`; `source` is its YAML text (provenance).
+    """One tile, built by `vividc.arch.load`; `source` is its YAML text (provenance).
 
     `occupancies`: cycles for which an operation of a class keeps its FU; 1 where nothing is said.
     """

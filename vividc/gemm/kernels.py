@@ -162,13 +162,13 @@ def simulate(
     observer: Observer | None = None,
     **kwargs: object,
 ) -> Result | JobResult:
-    """Run a program (see `vividc.launch.tiles.simulate`); one that is a matrix product runs on an
+    """Run a program (see `vividc.simulate`); one that is a matrix product runs on an
     accelerator in the mode that it was compiled for, or that is predicted to be the fastest.
 
     Raises
     ------
     ArgumentError, ArchError, SimulationError
-        As of `vividc.launch.tiles.simulate`, or the mode asked for is not possible with these
+        As of `vividc.simulate`, or the mode asked for is not possible with these
         arguments.
     """
     if fabric is None:

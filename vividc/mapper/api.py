@@ -176,8 +176,8 @@ def check_time_limit(time_limit_s: float) -> None:
 
 
 def _check(dfg: DFG, fabric: Fabric, ii: int | None, time_limit_s: float, workers: int) -> None:
-    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.forms.load")
-    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.yaml.load")
+    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.load")
+    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
     if ii is not None:
         demand_type(ii, int, "the II", "give a whole number of cycles")
         if ii < 1:

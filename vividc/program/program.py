@@ -155,7 +155,7 @@ class Program:
             raise BundleError(
                 f"the fabric {self.fabric.name} has no YAML text to store",
                 loc=os.fspath(path),
-                hint="build the fabric with vividc.arch.yaml.load or load_text",
+                hint="build the fabric with vividc.arch.load or load_text",
             )
         write_bundle(Path(path), _manifest(self), _arrays(self))
 

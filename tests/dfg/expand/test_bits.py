@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.dfg.expand.vectorised import by_semantics, expanded, graph, interpreted, random_words
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.machine.opcodes import Opcode
 
 POWERS = np.array([(1 << k) + step & 0xFFFFFFFF for k in range(33) for step in (-1, 0, 1)])

@@ -8,7 +8,7 @@ import pytest
 from tests.dfg.expand.test_divide import assert_rounded
 from tests.dfg.expand.vectorised import SPECIALS, by_semantics, evaluate_many, random_words
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
 from vividc.dfg.ir import DFG
 from vividc.machine.opcodes import Opcode

@@ -17,8 +17,8 @@ from tests.dfg.expand.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
 from vividc.dfg.expand.divide import NEWTON_STEPS, RECIPROCAL_MAGIC
+from vividc.dfg.expand.expand import expand_math
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import float_of, word_of
 

@@ -20,7 +20,7 @@ from tests.dfg.expand.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.machine.opcodes import OPCODES, Opcode
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "math.md"

@@ -7,7 +7,7 @@ import pytest
 
 from tests.dfg.expand.vectorised import SPECIALS, expanded, graph, interpreted, random_words
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.machine.opcodes import Opcode
 
 MAX_ULP = 0.79

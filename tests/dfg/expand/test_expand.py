@@ -9,7 +9,6 @@ import pytest
 
 from tests.dfg.expand.vectorised import fma
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
 from vividc.dfg.expand.builder import EXPONENT_SHIFT
 from vividc.dfg.expand.exp import (
     LOG2_E,
@@ -20,6 +19,7 @@ from vividc.dfg.expand.exp import (
     ROUNDING_MAGIC,
     SMALLEST_ARGUMENT,
 )
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
 from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.dfg.ir import DFG, Control

@@ -14,7 +14,7 @@ from tests.dfg.expand.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.expand.integer import RECIPROCAL_WORD_MAGIC
 from vividc.dfg.forms.text import parse
 from vividc.dfg.ir import DFG

@@ -9,7 +9,7 @@ import pytest
 
 from tests.dfg.expand.vectorised import SPECIALS, evaluate_many
 from vividc.dfg.check import check
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.expand.magnitudes import magnitudes
 from vividc.dfg.forms.text import parse
 from vividc.dfg.interpret.interpreter import interpret_region

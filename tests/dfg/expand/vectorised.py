@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from vividc.dfg.expand import expand as expand_math
+from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
 from vividc.dfg.interpret.interpreter import interpret_region
 from vividc.dfg.ir import DFG

@@ -13,8 +13,7 @@ import pytest
 from hypothesis import given, settings
 
 from tests.strategies import dfgs, foreign_dfgs
-from vividc.dfg import Opcode, from_networkx, parse_dot, to_dot, to_json, to_networkx
-from vividc.dfg.forms import load
+from vividc.dfg import Opcode, from_networkx, load, parse_dot, to_dot, to_json, to_networkx
 from vividc.dfg.forms.attributes import EDGE_ALIASES, NODE_ALIASES, OPERANDS
 from vividc.dfg.forms.json_form import from_json
 from vividc.dfg.forms.json_lines import ElementLines

@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from tests.dfg.forms.test_formats import CGRA_ME, XML
 from vividc import arch
 from vividc.cli import main
-from vividc.dfg import DFG, to_dot, to_json, to_text
-from vividc.dfg.forms import load
+from vividc.dfg import DFG, load, to_dot, to_json, to_text
 from vividc.dfg.forms.json_form import from_json
 from vividc.errors import DFGError, VividcError, VividcWarning
 from vividc.mapper import map_dfg

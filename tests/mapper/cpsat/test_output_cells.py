@@ -9,8 +9,8 @@ import pytest
 from brute_routing import minimum_ii
 from tiny_fabrics import tiny_fabric
 
+from vividc.arch import load
 from vividc.arch.fabric import Fabric, Routing
-from vividc.arch.yaml import load
 from vividc.dfg.ir import DFG, Edge, Node
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.bounds.bounds import all_bounds, mii

@@ -4,10 +4,9 @@ from importlib import resources
 
 import pytest
 
-from vividc.arch import load_text
+from vividc.arch import load, load_text
 from vividc.arch.cost.node_scaling import area_factor, energy_factor
 from vividc.arch.cost.tables import costs_from_text, load_costs
-from vividc.arch.yaml import load
 from vividc.errors import ArchError
 from vividc.sim import Activity
 from vividc.sim.cost import Work, area, calibrate, energy

@@ -10,10 +10,9 @@ import pytest
 
 import vividc
 from tests.sim.native.agreement import agreed_run, launch
-from vividc.arch.yaml import load
+from vividc.arch import load
 from vividc.errors import BundleError
-from vividc.program import Entry, Program, Sel, Select, Write, disassemble
-from vividc.program.words import decode
+from vividc.program import Entry, Program, Sel, Select, Write, decode, disassemble
 from vividc.program.words.wires import check_wires, driver
 
 

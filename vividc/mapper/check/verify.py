@@ -45,8 +45,8 @@ def violations(
     straight
         The region runs once: II is its length and all must complete within it.
     """
-    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.forms.load")
-    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.yaml.load")
+    demand_type(dfg, DFG, "the DFG", "load one with vividc.dfg.load")
+    demand_type(fabric, Fabric, "the fabric", "load one with vividc.arch.load")
     demand_type(mapping, Mapping, "the mapping", "take `.mapping` of a MapResult")
     if mapping.ii < 1:
         return [Violation("ii", f"the II is {mapping.ii}; it must be 1 or more")]
