@@ -1,4 +1,8 @@
-"""The fabric a program runs on: data read from YAML, with the shipped fabrics as presets."""
+"""The fabric that a program runs on, and accelerators of several tiles.
+
+In order: `fabric` (PEs, links, register files, latencies), `topology`, `accelerator` (tiles, DRAM,
+NoC, DMA); `yaml/` (where they are read from), `cost/` (energy and area). Shipped ones are data.
+"""
 
 from vividc.arch.accelerator import (
     DMA,

@@ -1,4 +1,10 @@
-"""Matrix products on the array as a systolic one: the TPU-like mode."""
+"""Matrix products on the array as a systolic one: the TPU-like mode (docs/gemm.md).
+
+In order: `systolic/` (mappings by construction), `program` (of one product) and `chain` (of several
+layers), `kept` (in the cache), `modes` (one array or four); `packed` (narrow operands),
+`elementwise` and `packing` (what tiles do between layers), `passes` and `job` (an MLP on the
+accelerator), `layer` (on numpy arrays); `kernels` (launches that are products).
+"""
 
 from vividc.gemm.job import MlpRun, choose_layout, mlp_job
 from vividc.gemm.layer import Activation, GemmResult, Layer, gemm, mlp

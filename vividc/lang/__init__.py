@@ -1,4 +1,8 @@
-"""Operations of the array that Python has no words for, for use in kernels and on the host."""
+"""Operations of the array that Python has no words for, for use in kernels and on the host.
+
+In order: `numba_words` (numba's names as an author writes them), `operations`, `host` (what they
+compute on the host), `formats` and `lanes`, `numba_types` (float16 and float8 for numba).
+"""
 
 from vividc.lang.formats import (
     Narrow,

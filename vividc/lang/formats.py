@@ -1,7 +1,7 @@
 """Numbers of less than 32 bits in plain Python: `vividc.lang.fp16`, `fp8` and `e5m2`.
 
 A `Narrow` is what a kernel computes with when neither numba nor the array runs it; both do the same
-(`format_types`). Arithmetic is of two numbers of one format and rounds once; anything else needs a
+(`numba_types`). Arithmetic is of two numbers of one format and rounds once; anything else needs a
 cast.
 """
 

@@ -1,4 +1,4 @@
-"""What the host computes for float16 and float8: the operations of `format_types` for numba's CPU.
+"""What the host computes for float16 and float8: the operations of `numba_types` for numba's CPU.
 
 Operands are codes in uint32. A sum or product of two numbers of such a format is exact in binary64;
 so is the rounding of a * b + c in binary64 wherever it could matter: c is below half a last place

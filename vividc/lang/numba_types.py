@@ -2,7 +2,7 @@
 
 A number is a word that holds its code. On our target each operation is a call of a function named
 after it (`symbol`), which becomes one operation of the array; on the host it is computed in
-binary64 and rounded once (`format_host`).
+binary64 and rounded once (`host`).
 """
 
 # ruff: noqa: PLW0108 - numba compiles a function of its own where ours would be called.

@@ -99,7 +99,7 @@ class Opcode(Enum):
     SITOFP = "sitofp"
     UITOFP = "uitofp"
     FPTOSI = "fptosi"
-    # Lanes of a word: two f16, or four e4m3 or e5m2 (`dfg.lane_semantics`).
+    # Lanes of a word: two f16, or four e4m3 or e5m2 (`machine.lane_semantics`).
     SELECT_X2 = "select.x2"
     SELECT_X4 = "select.x4"
     MERGE_X2 = "merge.x2"

@@ -13,7 +13,7 @@ Results are computed in binary64 and rounded once: sums and differences of binar
 the double rounding (Figueroa, "When is double rounding innocuous?", 1995), products are exact in
 binary64, and `fma` rounds its binary64 sum to odd first (Boldo and Melquiond, "Emulation of FMA and
 correctly rounded sums: proved algorithms using rounding to odd", 2008). Operations on numbers of 16
-and 8 bits are in `dfg.lane_semantics`.
+and 8 bits are in `machine.lane_semantics`.
 """
 
 from __future__ import annotations

@@ -1,5 +1,9 @@
-"""Maps DFGs onto fabrics: bounds, modulo scheduling, placement and routing, and the verifier of all
-of it.
+"""Graphs onto fabrics: bounds, modulo scheduling, placement and routing, and their verifier.
+
+In order: `problem` (what is mapped onto what), `mapping` and `result` (what comes of it),
+`deadline` (effort), `request`; `resources/`, `bounds/`; `engines/` (one II), `search/` (which IIs
+are tried how), `published/` (mappers of others); `check/` (verifier and certificates), `report/`;
+`registry` (mappers by name), `api`.
 """
 
 from vividc.mapper.api import check_time_limit, map_dfg

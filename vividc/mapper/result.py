@@ -64,7 +64,7 @@ class MapResult:
         return explain(self)
 
     def to_json(self, subject: Subject | None = None) -> dict[str, object]:
-        """A JSON-ready object with the whole certificate, graph and fabric (`mapping_json`).
+        """A JSON-ready object with the whole certificate, graph and fabric (`report.document`).
 
         Raises
         ------

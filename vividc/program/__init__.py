@@ -1,4 +1,9 @@
-"""Configuration words, region table, memory layout: one versioned bundle."""
+"""Configuration words, region table, memory layout: one versioned bundle.
+
+In order: `memory` (where arrays lie), `tables` (regions, launch, reports), `program`, `bundle` (the
+`.vivid` file), `kept` (in the cache); `words/` (the configuration word), `encoder/` (from mappings
+to words), `disasm`.
+"""
 
 from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
 from vividc.program.disasm import disassemble

@@ -1,4 +1,4 @@
-"""Every operation, natively, against its row of `dfg.semantics`."""
+"""Every operation, natively, against its row of `machine.semantics`."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ _PER_UNIT: Final = {Opcode.EXP: 1.0 / math.log(2.0), Opcode.EXP2: 1.0}
 
 
 def _half(exponent: Callable[[Builder, Value], tuple[Value, Value]]) -> Expansion:
-    """As `expand_exp` does it, with one step of range reduction and a cubic."""
+    """As `exp` does it, with one step of range reduction and a cubic."""
 
     def expand(b: Builder, x: Value) -> Value:
         shifted, r = exponent(b, x)

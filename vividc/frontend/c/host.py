@@ -3,7 +3,7 @@ and the tests compare with.
 
 It shares with the compiler no more than the reading of the file: the instructions are those that
 clang wrote, with 64-bit pointers, 64-bit integers and doubles. They run in a process of their own,
-on copies of the arrays (`ll_reference`, `llvm_child`).
+on copies of the arrays (`reference`, `llvm.child`).
 """
 
 from __future__ import annotations

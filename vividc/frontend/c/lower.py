@@ -237,7 +237,7 @@ def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:
 
 
 def _recognised(op: Op, structs: Structs) -> Op:
-    """A call of `ll_library` as the comparison that it stands for, an array of C's own as one."""
+    """A call of `library` as the comparison that it stands for, an array of C's own as one."""
     size = size_of(op.type, structs) if op.op == "alloca" else None
     if size is not None:
         return replace(op, op="call", type="ptr", pred=ALLOCATE + RAW, args=(Int(size),))

@@ -1,7 +1,7 @@
 """Arrays of a kernel's own: those it allocates, and the constant tables it reads.
 
 They lie in the scratchpad beside the arguments, one word an element (C's as C lays them out). Here
-what `numba_arrays` left in LLVM's IR becomes pointer parameters like those of arguments, so that
+what `numba.arrays` left in LLVM's IR becomes pointer parameters like those of arguments, so that
 the stages behind know no difference; `as_words` and `in_words` turn accesses of smaller and larger
 elements into words.
 """

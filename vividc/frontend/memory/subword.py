@@ -1,7 +1,7 @@
 """Values of less than a word, where a whole word serves better: loads that sign-extend by
 themselves, and sums that are stored without being cut to size before.
 
-Elsewhere such a value is a word whose upper bits are 0 (see `narrow_int`), and every operation
+Elsewhere such a value is a word whose upper bits are 0 (see `narrow.integer`), and every operation
 keeps them so. Run when memory is resolved.
 """
 

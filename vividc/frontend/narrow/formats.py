@@ -1,7 +1,7 @@
 """Operations on float16 and float8, which numba's target calls by name, as operations of lanes.
 
 A number is lane 0 of a word; the other lanes are 0, and stay so: a sum, product or fused product of
-zeros is 0. Words with all lanes are those of `lang_lanes`.
+zeros is 0. Words with all lanes are those of `lang.lanes`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def _rule(opcode: Opcode) -> Rule:
 
 
 def _opcodes(fmt: Format) -> dict[str, Opcode]:
-    """Opcodes of a format by the names of `format_types`."""
+    """Opcodes of a format by the names of `lang.numba_types`."""
     packed = f"{fmt.name}x{fmt.lanes}"
     found = {name: Opcode(f"f{name}.{packed}") for name in ("add", "sub", "mul")}
     found["fma"] = Opcode(f"fma.{packed}")

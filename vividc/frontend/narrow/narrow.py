@@ -3,7 +3,7 @@
 Integers: a value is represented by its low word. Sums, products, left shifts and logic need no more
 of their operands, so they stay exact; comparisons, right shifts, divisions and conversions need the
 whole value. Where ranges prove that the word determines it (sign-extended or zero-extended), that
-is all; else its high word is computed, too (`wide_demand`, `wide_rules`).
+is all; else its high word is computed, too (`demand_high`, `wide.rules`).
 
 Doubles run in float32. `Narrowed.demoted` names the lines where this may change a result. A
 conversion of a float to a 64-bit integer is taken to fit in 32 bits, and saturates: its lines are

@@ -2,7 +2,7 @@
 multiplications.
 
 Numba writes a floor division as a truncating one with a branch for zero and a correction, in which
-neither LLVM nor we would find it again. Together with `numba_target` and `subscripts` the only
+neither LLVM nor we would find it again. Together with `target` and `subscripts` the only
 module that relies on numba's internals.
 """
 

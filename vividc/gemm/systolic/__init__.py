@@ -1,4 +1,8 @@
-"""Mappings by construction: matrix products as output-stationary systolic arrays."""
+"""Mappings by construction: matrix products as output-stationary systolic arrays.
+
+In order: `array` (which PEs multiply), `precision`, `layout` (where operands lie), `schedule` (in
+closed form), `product` (graph and mapping).
+"""
 
 from vividc.gemm.systolic.array import SystolicArray, SystolicError
 from vividc.gemm.systolic.layout import (

@@ -1,4 +1,7 @@
-"""Pictures as display lists: shapes on a canvas, written as SVG or PNG from the same list."""
+"""Pictures as display lists: shapes on a canvas, written as SVG or PNG from the same list.
+
+In order: `colours`, `geometry`, `picture`, `svg`, `png`, `write` (by the ending of a path).
+"""
 
 from vividc.host.plot.colours import INK, OKABE_ITO, PAPER, readable_on, tint
 from vividc.host.plot.picture import (

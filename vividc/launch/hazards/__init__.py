@@ -1,4 +1,7 @@
-"""What steps wait for, and the check that no graph's result depends on timing."""
+"""What steps wait for, and the check that no graph's result depends on timing.
+
+In order: `waits`, `compiled` (where machine code is met), `races`, `check`.
+"""
 
 from vividc.launch.hazards.check import check_order
 from vividc.launch.hazards.waits import predecessors

@@ -1,1 +1,4 @@
-"""A loop over `prange` on all tiles: its chunks, the graph that runs them, `vividc.simulate`."""
+"""A loop over `prange` on all tiles.
+
+In order: `chunks`, `spread` (the graph that runs them), `simulate` (`vividc.simulate`).
+"""

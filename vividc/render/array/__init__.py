@@ -1,4 +1,8 @@
-"""The renderers on the array: stages are compiled kernels, the host makes launch graphs."""
+"""The renderers on the array: stages are compiled kernels, the host makes launch graphs.
+
+In order: `options`, `sampling` (which blocks are simulated); `device/`, `network/`; `march/` and
+`models/` (ray-marched methods), `splats/` (3DGS); `render`, which picks one.
+"""
 
 from vividc.render.array.device.device import Device, open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger, Stage

@@ -1,4 +1,8 @@
-"""The ray-marched models: KiloNeRF, Instant-NGP and TensoRF, rendered in float32."""
+"""The ray-marched models: KiloNeRF, Instant-NGP and TensoRF, rendered in float32.
+
+In order: `occupancy`, `volume` (rays and their samples), `layers`; `kilonerf`, `instant_ngp`,
+`tensorf`.
+"""
 
 from vividc.render.radiance.instant_ngp import InstantNGP
 from vividc.render.radiance.kilonerf import KiloNeRF

@@ -1,4 +1,7 @@
-"""What a fabric takes in area and a run in energy, from a cost table and counts of activity."""
+"""What a fabric takes in area and a run in energy, from a cost table and counts of activity.
+
+In order: `report` (items), `components`, `area`, `energy`, `calibration`.
+"""
 
 from vividc.sim.cost.area import AreaReport, area
 from vividc.sim.cost.calibration import Calibration, calibrate

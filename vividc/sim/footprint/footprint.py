@@ -1,5 +1,5 @@
-"""Which bytes of its arrays a chunk of a parallel loop touches: intervals of `dfg.parallel` terms,
-computed when the arguments are known.
+"""Which bytes of its arrays a chunk of a parallel loop touches, as intervals of the terms of
+`machine.parallel`, computed when the arguments are known.
 
 Intervals are of signed words; what may leave them may be any word, as the machine's wraps around.
 """

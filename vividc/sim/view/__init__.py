@@ -1,4 +1,8 @@
-"""Views of a run: recordings of a window of cycles, value change dumps, traces and pictures."""
+"""Views of a run.
+
+In order: `recording` (a window of cycles), `vcd` (value changes), `perfetto` (traces), `heat_map`,
+`roofline`.
+"""
 
 from vividc.sim.view.heat_map import heat_map, utilization
 from vividc.sim.view.perfetto import Timeline, job_trace, run_trace

@@ -38,7 +38,7 @@ class Timeline:
 
 
 class UnitEvent(Protocol):
-    """What a unit of the accelerator did when (`sim.accelerator.Event`)."""
+    """What a unit of the accelerator did when (`launch.Event`)."""
 
     @property
     def unit(self) -> str:

@@ -4,4 +4,6 @@ A `.ll` file can make LLVM's parser overflow its stack or end the process, and a
 do anything: neither happens in the user's Python. `client` starts one small server a process, which
 imports llvmlite and none of vividc's other packages; it forks for each request, so that what a
 request breaks is gone with it. A request is `work`'s.
+
+In order: `messages`, `work`, `server`, `client`.
 """

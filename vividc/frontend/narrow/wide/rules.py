@@ -1,6 +1,6 @@
 """Instructions on 64-bit integers in two words, wherever the low word alone is not enough.
 
-`wide_demand` says which; each rule here gives the result as words; what nobody reads is dropped.
+`demand_high` says which; each rule here gives the result as words; what nobody reads is dropped.
 """
 
 from __future__ import annotations

@@ -1,4 +1,10 @@
-"""The CP-SAT models: the only place that imports ortools."""
+"""The CP-SAT models: the only place that imports ortools.
+
+In order: `problem` (one II, with time windows), `variables`, `ways`, `constraints` and
+`output_constraints` (families of the joint model), `run` and `contest` (the solver), `solve` and
+`extract` (a mapping); relaxations: `objective` and `schedule`, `output_cells`; `mobility`
+(SAT-MapIt's model); `handle` (a caller's constraints), `minimise`.
+"""
 
 from vividc.mapper.engines.cpsat.constraints import CONSTRAINT_FAMILIES
 from vividc.mapper.engines.cpsat.handle import Extension, ModelHandle

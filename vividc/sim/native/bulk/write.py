@@ -1,4 +1,4 @@
-"""A loop region in the form of tables (see `bulk_tables`) as LLVM IR.
+"""A loop region in the form of tables (see `tables`) as LLVM IR.
 
 A loop over bodies, in it one over slots, in it one over the entries of each section. The state lies
 in the context's spill words, so that a suspended loop finds all of it where it was.

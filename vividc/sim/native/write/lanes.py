@@ -1,4 +1,4 @@
-"""The operations on lanes as LLVM IR: the second writing of `dfg.lane_semantics`.
+"""The operations on lanes as LLVM IR: the second writing of `machine.lane_semantics`.
 
 The lanes of a word are the elements of a vector of i32. Codes become binary32 numbers and back by
 shifts of exponent and mantissa; the last place of subnormal numbers is that of a sum with a power

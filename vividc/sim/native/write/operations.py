@@ -1,4 +1,4 @@
-"""Every operation of an FU as LLVM IR on 32-bit words: the second writing of `dfg.semantics`.
+"""Every operation of an FU as LLVM IR on 32-bit words: the second writing of `machine.semantics`.
 
 No fast-math flag is set, so LLVM keeps round to nearest even, subnormals and the order of
 operations; an arithmetic NaN becomes the canonical one by a select.
