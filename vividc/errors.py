@@ -80,6 +80,10 @@ class DFGError(VividcError):
     """A dataflow graph is malformed or could not be read."""
 
 
+class SSAError(VividcError):
+    """The text of a function in SSA form is malformed."""
+
+
 class ArchError(VividcError):
     """A fabric description is malformed or unknown."""
 

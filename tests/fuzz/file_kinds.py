@@ -229,6 +229,13 @@ def _of_graphs(home: Path) -> Iterator[Kind]:
     forms |= {"text": ("g.dfg", "text")}
     for name, (file, form) in forms.items():
         yield Kind(f"graph {name}", form, file, (home / file).read_bytes(), mapping, share=8)
+    stages = ("compile", home / "sums.py", "--fabric", "mesh-2x2", "--stop-after", "frontend")
+    _run(*stages, "--print-to", home / "stages")
+    function = (home / "stages/000-frontend.txt").read_bytes()
+    passes = ("opt", "{file}", "--passes", "normalize,hoist-loads,merge-diamonds,tidy")
+    yield Kind("function text", "text", "f.ssa", function, passes, share=20)
+    passes = ("opt", "{file}", "--passes", "fold-constants,expand-math,balance-reductions")
+    yield Kind("graph of opt", "text", "g.dfg", (home / "g.dfg").read_bytes(), passes)
     published = (ROOT / "tests/data/foreign_accumulate.json").read_bytes()
     yield Kind("graph published", "json", "g.json", published, mapping, share=4)
     lines = (home / "lines.json").read_bytes()

@@ -27,6 +27,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "cli/kernels.py": ("kernel", "kernel in C"),
     "cli/reference.py": ("program to check",),
     "cli/commands/verify.py": ("mapping",),
+    "cli/commands/opt.py": ("function text", "graph of opt"),
     "dfg/forms/load.py": ("graph JSON", "graph DOT", "graph XML", "graph text", "graph to verify"),
     "errors.py": ("graph with lines", "kernel"),
     "host/files.py": ("kernel", "graph JSON"),

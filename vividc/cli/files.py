@@ -39,6 +39,23 @@ def check_output(path: Path, option: str) -> None:
         raise VividcError(f"the folder `{folder}` is not writable", loc=option)
 
 
+def make_folder(path: Path, option: str) -> None:
+    """Make a folder for output, if it is not there yet; the one above it must be.
+
+    Raises
+    ------
+    VividcError
+        It cannot be made, or not written to.
+    """
+    try:
+        path.mkdir(exist_ok=True)
+    except OSError as error:
+        reason = f"`{printable(str(path))}` cannot be made: {error.strerror}"
+        raise VividcError(reason, loc=option) from error
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise VividcError(f"the folder `{path}` is not writable", loc=option)
+
+
 def check_apart(outputs: Mapping[str, Path], inputs: Iterable[Path]) -> None:
     """Refuse outputs that would replace an input or one another; a device takes several.
 

@@ -31,6 +31,9 @@ from vividc.cli.commands import (
     map as map_command,
 )
 from vividc.cli.commands import (
+    opt as opt_command,
+)
+from vividc.cli.commands import (
     render as render_command,
 )
 from vividc.cli.commands import (
@@ -193,6 +196,7 @@ for _module in (
     compile_command,
     simulate_command,
     map_command,
+    opt_command,
     verify_command,
     disasm_command,
     area_command,

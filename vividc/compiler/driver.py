@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial, wraps
 
 from vividc import arch
 from vividc.arch import Accelerator
@@ -33,7 +35,8 @@ from vividc.errors import (
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
-from vividc.host import compiled_files, time_limit
+from vividc.host import compiled_files, time_limit, watch
+from vividc.host.watch import run_passes, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.machine.product import Product
 from vividc.mapper import MapResult, check_time_limit
@@ -267,7 +270,7 @@ def _lowered(
     """The kernel in SSA form, its loop to spread, and the frontend's warnings, given too."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
-        function, parallel = _cut(kernel, strict_fp, spread)
+        function, parallel = watched("frontend", partial(_cut, kernel, strict_fp, spread))
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
     told = (str(w.message) for w in caught if issubclass(w.category, VividcWarning))
@@ -303,14 +306,11 @@ def _compile_stages(
     function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    if options.contract:  # copies may share a product, and must round like the one they are of
-        function = contract_products(function)
-    narrow = arithmetic_format(options.precision)
-    if narrow is not None:
-        function = in_format(function, narrow)
+    function = run_passes(_before_planning(options), function)
     passes = PassOptions(False, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
-    plan = choose(function, estimator, options.transform, parallel)
+    choosing = partial(choose, function, estimator, options.transform, parallel)
+    plan = timed("choose", choosing)
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
@@ -333,6 +333,14 @@ def _compile_stages(
     return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
 
 
+def _before_planning(options: CompileOptions) -> Iterator[Callable[[Function], Function]]:
+    if options.contract:  # copies may share a product, and must round like the one they are of
+        yield contract_products
+    narrow = arithmetic_format(options.precision)
+    if narrow is not None:
+        yield wraps(in_format)(lambda function: in_format(function, narrow))
+
+
 def _map_stage(
     stage: Stage,
     estimator: Estimator,
@@ -347,14 +355,11 @@ def _map_stage(
     demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
     while True:
         function = replace(stage.state.function, sequential=frozenset(sequential))
-        function = estimator.prepared(function, stage.state.hints)
-        built = build_kernel(function)
-        check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
-        kernel = optimize_kernel(built, estimator.options)
+        function = _prepared(function, stage, estimator)
+        kernel = _kernel_of(function, estimator)
+        mapping = partial(map_kernel, kernel, estimator.fabric, options, known, demanded=demanded)
         try:
-            mapped, results = map_kernel(
-                kernel, estimator.fabric, options, known, demanded=demanded
-            )
+            mapped, results = watched("map", mapping)
             break
         except (MappingFailed, TimeLimit) as error:
             if not error.headers or not demanded.isdisjoint(error.headers):
@@ -363,15 +368,34 @@ def _map_stage(
             why = "took too long" if timed_out else "has no modulo schedule"
             sequential |= dict.fromkeys(error.headers, why)
     mappings = {index: mapping_of(result) for index, result in results.items()}
-    program = encode(
-        mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)
+    encoding = partial(
+        encode, mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)
     )
+    program = watched("encode", encoding)
     shapes = [
         Shape(row.ii, row.span, len(region.dfg.operations))
         for row, region in zip(program.table, mapped.regions, strict=True)
     ]
     achieved = estimator.priced(function, mapped, shapes, stage.state.hints)
     return Outcome(stage, mapped, results, program, achieved, sequential)
+
+
+def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Function:
+    """The stage's function, normalised; what is estimated on the way nobody looks at."""
+
+    def prepare() -> Function:
+        with watch.aside():
+            return estimator.prepared(function, stage.state.hints)
+
+    watched("choose", lambda: function)
+    return watched("prepare", prepare)
+
+
+def _kernel_of(function: Function, estimator: Estimator) -> Kernel:
+    """The function's regions with optimised graphs; too many contexts are refused before."""
+    built = watched("build-kernel", lambda: build_kernel(function))
+    check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
+    return watched("optimize", lambda: optimize_kernel(built, estimator.options))
 
 
 def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool | None]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import wraps
 
 from vividc.dfg.check import check
 from vividc.dfg.expand.expand import expansion_pass
@@ -20,6 +21,7 @@ from vividc.dfg.passes.balance import pass_for
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.host import time_limit
+from vividc.host.watch import name_of, run_passes
 from vividc.ssa.formats.precision import Precision
 
 Pass = Callable[[DFG], DFG]
@@ -63,14 +65,22 @@ def optimize(dfg: DFG, options: PassOptions | None = None) -> DFG:
     InternalError
         If a pass breaks an invariant of the IR.
     """
-    for step in pipeline(options or PassOptions()):
+    return run_passes(map(_checked, pipeline(options or PassOptions())), dfg)
+
+
+def _checked(step: Pass) -> Pass:
+    """A pass, with the check of the graph after it."""
+
+    @wraps(step)
+    def checked(dfg: DFG) -> DFG:
         time_limit.step("regions were optimised")
         dfg = step(dfg)
         broken = check(dfg)
         if broken:
-            name = getattr(step, "__name__", "pass")
-            raise InternalError(f"{name} broke region {dfg.name}: {'; '.join(broken)}")
-    return dfg
+            raise InternalError(f"{name_of(step)} broke region {dfg.name}: {'; '.join(broken)}")
+        return dfg
+
+    return checked
 
 
 def optimize_kernel(kernel: Kernel, options: PassOptions | None = None) -> Kernel:

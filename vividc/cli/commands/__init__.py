@@ -1,1 +1,2 @@
-"""One module a command: `compile`, `simulate`, `map`, `verify`, `disasm`, `area`, `render`."""
+"""One module a command: `compile`, `opt`, `simulate`, `map`, `verify`, `disasm`, `area`,
+`render`."""

@@ -15,6 +15,7 @@ from vividc.cli.precision import formats
 from vividc.cli.reports.loop import factors, print_loops, print_product
 from vividc.cli.reports.program import print_regions
 from vividc.cli.reports.report import print_json, progress
+from vividc.cli.stages import Look, look_options
 from vividc.gemm.modes import MODES
 from vividc.program import Program
 
@@ -92,6 +93,7 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
 )
+@look_options
 @options.as_json
 def command(
     kernel: str,
@@ -112,17 +114,22 @@ def command(
     explain: bool,
     output: Path | None,
     as_json: bool,
+    look: Look,
 ) -> None:
     """Compile a kernel for a fabric and write the program.
 
     FILE is a Python file, which is run to find its kernels, or a `.ll` file, as `clang -O1 -g
     -emit-llvm -S` writes it, and KERNEL a C function in it. KERNEL may be left out if there is one.
     """
+    if as_json and look.prints:
+        raise click.UsageError(
+            "--json prints one object: give --print-to a folder, or leave it out"
+        )
     function = load_kernel(kernel)
     path = Path(f"{function.name}.vivid") if output is None else output
     check_output(path, "--output")
     check_apart({"--output": path}, [kernel_file(kernel), Path(fabric)])
-    with progress(f"compiling {function.name}") as report:
+    with progress(f"compiling {function.name}") as report, look.watching() as done:
         program = vividc.compile(
             function,
             fabric=fabric,
@@ -140,6 +147,8 @@ def command(
             progress=report,
             mode=mode,
         )
+    if done.stopped:
+        return
     program.save(path)
     if as_json:
         print_json(SCHEMA, _as_object(program, path))

@@ -16,6 +16,7 @@ from vividc.dfg.cut.build_straight import build_straight
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
+from vividc.host.watch import run_passes
 from vividc.ssa.analysis.counted import Trip, count_loop
 from vividc.ssa.edit import defined_types, incoming, uses
 from vividc.ssa.flow import Loop, pipelined_loops
@@ -39,6 +40,10 @@ class _Plan:
         return _preheader(self.function, self.loops[header])
 
 
+SHAPING = (normalize, hoist_loads, merge_diamonds, copy_exit_values)
+"""Passes that bring a function into the shape that regions are cut from."""
+
+
 def build_kernel(function: Function) -> Kernel:
     """Cuts `function` into regions.
 
@@ -47,7 +52,7 @@ def build_kernel(function: Function) -> Kernel:
     KernelError
         If the control flow is irreducible, or a loop can neither end nor return.
     """
-    plan = _plan(copy_exit_values(merge_diamonds(hoist_loads(normalize(function)))))
+    plan = _plan(run_passes(SHAPING, function))
     cutter = _Cutter(plan)
     regions = _drop_empty(cutter.regions())
     return Kernel(

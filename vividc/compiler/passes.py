@@ -1,0 +1,112 @@
+"""Every stage of a compilation by name, in order, and how what it leaves is written and checked.
+
+`vividc compile --print-after` and `vividc opt` are made of these lists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from vividc.dfg.check import check
+from vividc.dfg.cut.build import SHAPING
+from vividc.dfg.forms.text import to_text as graph_text
+from vividc.dfg.ir import DFG
+from vividc.dfg.pipeline import PassOptions, pipeline
+from vividc.dfg.regions import Kernel
+from vividc.host.watch import name_of
+from vividc.program import Program, disassemble
+from vividc.ssa.check import check_function
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.combine_additions import combine_additions
+from vividc.ssa.rewrite.contract import contract
+from vividc.ssa.rewrite.hoist import hoist_invariants
+from vividc.ssa.rewrite.normalize import canonical_loops, remove_unreachable_blocks
+from vividc.ssa.rewrite.number_values import number_values
+from vividc.ssa.rewrite.simplify import remove_unused, simplify
+from vividc.ssa.rewrite.tidy import tidy
+from vividc.ssa.rewrite.value_numbering import merge_equal
+from vividc.ssa.text import to_text as function_text
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One stage: what it does, and the type of what it leaves."""
+
+    name: str
+    does: str
+    leaves: type
+
+
+_GRAPH: Final = {name_of(one): one for one in pipeline(PassOptions(contract=True)) if name_of(one)}
+_FUNCTION: Final[tuple[Callable[[Function], Function], ...]] = (
+    *SHAPING,
+    simplify,
+    remove_unused,
+    remove_unreachable_blocks,
+    canonical_loops,
+    combine_additions,
+    number_values,
+    merge_equal,
+    hoist_invariants,
+    contract,
+    tidy,
+)
+FUNCTION_PASSES: Final[Mapping[str, Callable[[Function], Function]]] = {
+    name_of(one): one for one in _FUNCTION
+}
+"""Passes from function to function, for `vividc opt`."""
+GRAPH_PASSES: Final[Mapping[str, Callable[[DFG], DFG]]] = _GRAPH
+"""Passes from graph to graph, in the order of the pipeline."""
+
+STAGES: Final = (
+    Stage(
+        "frontend", "from Python or C to SSA, 64 bits to words, the loop over prange cut", Function
+    ),
+    Stage("contract", "products and sums become FMAs", Function),
+    Stage("in-format", "float32 arithmetic in the format that --precision asks for", Function),
+    Stage(
+        "choose",
+        "loops transformed as an estimate says it pays; again if that does not map",
+        Function,
+    ),
+    Stage("prepare", "normalised, with numbers of 16 and 8 bits in lanes", Function),
+    *(Stage(name_of(one), "shapes the function for cutting", Function) for one in SHAPING),
+    Stage("build-kernel", "regions are cut, each with a graph", Kernel),
+    *(Stage(name, "on each region's graph", DFG) for name in GRAPH_PASSES),
+    Stage("optimize", "all passes on all graphs", Kernel),
+    Stage("map", "loops are modulo-scheduled, straight regions list-scheduled", Kernel),
+    Stage("encode", "configuration words", Program),
+)
+"""From a kernel to its program, in processing order. Each is seen by `vividc.host.watch`."""
+
+
+def text_of(made: object) -> str:
+    """What a stage left, as text: SSA, graphs, or words."""
+    if isinstance(made, tuple):  # with what goes beside it
+        made = made[0]
+    if isinstance(made, Function):
+        return function_text(made)
+    if isinstance(made, DFG):
+        return graph_text(made)
+    if isinstance(made, Program):
+        return disassemble(made)
+    assert isinstance(made, Kernel)
+    return "\n".join(
+        f"# region {index}: {region.kind} {region.header}\n{graph_text(region.dfg)}"
+        for index, region in enumerate(made.regions)
+    )
+
+
+def problems_of(made: object) -> list[str]:
+    """Broken invariants of what a stage left."""
+    if isinstance(made, tuple):
+        made = made[0]
+    if isinstance(made, Function):
+        return check_function(made)
+    if isinstance(made, DFG):
+        return check(made)
+    if isinstance(made, Kernel):
+        return [problem for region in made.regions for problem in check(region.dfg)]
+    return []

@@ -1,0 +1,81 @@
+"""Passes as lists of functions, and someone who looks at what each leaves.
+
+Nobody looks unless asked (`vividc compile --print-after`): what is only tried, such as the
+estimates behind a choice, is `aside`.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+_IR = TypeVar("_IR")
+
+
+@dataclass(slots=True)
+class Watch:
+    """`look` is called with a pass's name and what it left; `seconds` adds up by name."""
+
+    look: Callable[[str, object], None]
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+_current: ContextVar[Watch | None] = ContextVar("watch", default=None)
+
+
+@contextmanager
+def watching(watch: Watch | None) -> Iterator[None]:
+    """What passes inside is looked at by `watch`; None: by nobody."""
+    token = _current.set(watch)
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+def aside() -> AbstractContextManager[None]:
+    """What passes inside is only tried: nobody looks."""
+    return watching(None)
+
+
+def name_of(one: Callable[[_IR], _IR]) -> str:
+    """A pass's name on the command line: the function's, with hyphens."""
+    return getattr(one, "__name__", type(one).__name__).replace("_", "-")
+
+
+def watched(name: str, make: Callable[[], _IR]) -> _IR:
+    """What `make` makes, after it was looked at."""
+    watch = _current.get()
+    if watch is None:
+        return make()
+    began = time.perf_counter()
+    made = make()
+    watch.seconds[name] = watch.seconds.get(name, 0.0) + time.perf_counter() - began
+    watch.look(name, made)
+    return made
+
+
+def timed(name: str, make: Callable[[], _IR]) -> _IR:
+    """What `make` makes, of which only the seconds are of interest: what it tries is aside."""
+    watch = _current.get()
+    began = time.perf_counter()
+    with aside():
+        made = make()
+    if watch is not None:
+        watch.seconds[name] = watch.seconds.get(name, 0.0) + time.perf_counter() - began
+    return made
+
+
+def run_passes(passes: Iterable[Callable[[_IR], _IR]], given: _IR) -> _IR:
+    """`given` after all passes, one after the other."""
+    for one in passes:
+        given = _after(one, given)
+    return given
+
+
+def _after(one: Callable[[_IR], _IR], given: _IR) -> _IR:
+    return watched(name_of(one), lambda: one(given))
