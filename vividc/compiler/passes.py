@@ -39,7 +39,6 @@ class Stage:
     leaves: type
 
 
-_GRAPH: Final = {name_of(one): one for one in pipeline(PassOptions(contract=True)) if name_of(one)}
 _FUNCTION: Final[tuple[Callable[[Function], Function], ...]] = (
     *SHAPING,
     simplify,
@@ -57,7 +56,9 @@ FUNCTION_PASSES: Final[Mapping[str, Callable[[Function], Function]]] = {
     name_of(one): one for one in _FUNCTION
 }
 """Passes from function to function, for `vividc opt`."""
-GRAPH_PASSES: Final[Mapping[str, Callable[[DFG], DFG]]] = _GRAPH
+GRAPH_PASSES: Final[Mapping[str, Callable[[DFG], DFG]]] = {
+    name_of(one): one for one in pipeline(PassOptions(contract=True))
+}
 """Passes from graph to graph, in the order of the pipeline."""
 
 STAGES: Final = (
