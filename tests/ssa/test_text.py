@@ -110,13 +110,13 @@ def test_damaged_text_is_read_or_refused(rng: random.Random) -> None:
     [
         ("", None, "the text is empty"),
         ('function "f"\nentry:', None, "block 'entry' has no end"),
-        ('function "f"\nentry:\n  %1 i32 = frob %2', 3, "an operation is expected"),
+        ('function "f"\nentry:\n  %1 i32 = frob %2', 3, "expected an operation, found frob"),
         ('function "f"\nentry:\n  %1 i32 = add %2, 5000000000', 3, "is no word of 32 bits"),
         ('function "f"\nentry:\n  %1 i32 = add %2 shift 1 shift 2', 3, "is no clause"),
-        ('function "f"\nentry:\n  return\n  return', 4, "`:` is expected"),
+        ('function "f"\nentry:\n  return\n  return', 4, "expected :, found"),
         ('function "f"\nentry:\n  %1 i32 = add %2\n  %3 i32 = phi []', 4, "phis come before"),
-        ('function "f"\nentry:\n  jump ?', 3, "is nothing that can stand here"),
-        ('function "f" returns i32', 1, "a type is expected, and there is 'i32'"),
+        ('function "f"\nentry:\n  jump ?', 3, "cannot read"),
+        ('function "f" returns i32', 1, "expected a type, found i32"),
     ],
 )
 def test_malformed_text_names_its_line(text: str, line: int | None, what: str) -> None:

@@ -23,6 +23,10 @@ class Watch:
     look: Callable[[str, object], None]
     seconds: dict[str, float] = field(default_factory=dict)
 
+    def add(self, name: str, began: float) -> None:
+        """Count the seconds since `began`, of the performance counter."""
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - began
+
 
 _current: ContextVar[Watch | None] = ContextVar("watch", default=None)
 
@@ -54,7 +58,7 @@ def watched(name: str, make: Callable[[], _IR]) -> _IR:
         return make()
     began = time.perf_counter()
     made = make()
-    watch.seconds[name] = watch.seconds.get(name, 0.0) + time.perf_counter() - began
+    watch.add(name, began)
     watch.look(name, made)
     return made
 
@@ -66,7 +70,7 @@ def timed(name: str, make: Callable[[], _IR]) -> _IR:
     with aside():
         made = make()
     if watch is not None:
-        watch.seconds[name] = watch.seconds.get(name, 0.0) + time.perf_counter() - began
+        watch.add(name, began)
     return made
 
 

@@ -33,6 +33,7 @@ from typing import Final
 
 from vividc.errors import SourceLoc
 from vividc.machine.params import LocalArray, Param
+from vividc.machine.text_line import location_text
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Undefined, Value
 from vividc.ssa.text_parser import PLAIN, parse
 
@@ -151,7 +152,4 @@ def _name(name: str) -> str:
 
 
 def _loc(loc: SourceLoc | None) -> str:
-    if loc is None:
-        return ""
-    plain = loc.file.isprintable() and loc.file == loc.file.strip() and loc.file[:1] != '"'
-    return f" !{loc.file if plain and loc.file else json.dumps(loc.file)}:{loc.line}"
+    return "" if loc is None else f" {location_text(loc)}"

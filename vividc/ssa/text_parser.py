@@ -2,37 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable
-from typing import Any, Final, NoReturn
+from typing import Any, Final
 
 from vividc.errors import SourceLoc, SSAError, quoted
 from vividc.host.inputs import demand_few_parts
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, LocalArray, Param
+from vividc.machine.text_line import TextLine
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Undefined, Value
 
 PLAIN: Final = re.compile(r"[A-Za-z_][\w.]*")
 """A block's name that needs no quotes."""
 
-_TOKEN: Final = re.compile(
-    r"""\s*(?:(?P<loc>!.*)
-    |(?P<string>"[^"\\]*+(?:\\.[^"\\]*+)*+")
-    |(?P<ref>%-?\d+)
-    |(?P<number>0x[0-9a-fA-F]+|-?\d+)
-    |(?P<word>[A-Za-z_][\w.]*)
-    |(?P<mark>[=,:$\[\]]))""",
-    re.VERBOSE,
-)
-_LOC: Final = re.compile(r'!(?P<file>"[^"\\]*+(?:\\.[^"\\]*+)*+"|.*):(?P<line>\d+)\s*\Z')
 _OPCODES: Final = {op.value: op for op in Opcode}
 _TYPES: Final = {kind.value: kind for kind in Type}
 _DTYPES: Final = {kind.value: kind for kind in DType}
 _WORD: Final = 1 << 32
-_DIGITS: Final = 20
-"""No number has more."""
 
 
 def parse(text: str, file: str = "<text>") -> Function:
@@ -52,110 +40,63 @@ def parse(text: str, file: str = "<text>") -> Function:
     reader = _Reader()
     for number, source in enumerate(text.split("\n"), start=1):
         if source.strip() and not source.lstrip().startswith("#"):
-            reader.line(_Line(SourceLoc(file, number), source))
+            reader.line(_Line(SourceLoc(file, number), source, SSAError))
     return reader.function(file)
 
 
-class _Line:
-    """Tokens of a line, taken one after the other."""
-
-    def __init__(self, loc: SourceLoc, text: str) -> None:
-        self.loc = loc
-        self._tokens: list[tuple[str, str]] = []
-        self._at = place = 0
-        while text[place:].strip():
-            match = _TOKEN.match(text, place)
-            if match is None:
-                self.fail(f"{quoted(text[place:].strip(), 20)} is nothing that can stand here")
-            kind = str(match.lastgroup)
-            self._tokens.append((kind, match[kind]))
-            place = match.end()
-
-    def fail(self, what: str) -> NoReturn:
-        """Refuse the line."""
-        raise SSAError(what, loc=self.loc)
+class _Line(TextLine):
+    """A line of a function."""
 
     @property
     def ended(self) -> bool:
         """All tokens are taken, but for the source line."""
-        return self._at == len(self._tokens) or self._tokens[self._at][0] == "loc"
+        return self.peek()[0] in ("end", "loc")
 
-    def accept(self, kind: str, text: str | None = None) -> str | None:
-        """The next token if it is of this kind, and this one if a text is given."""
-        if self._at < len(self._tokens):
-            found, value = self._tokens[self._at]
-            if found == kind and text in (None, value):
-                self._at += 1
-                return value
-        return None
-
-    def take(self, kind: str, what: str, text: str | None = None) -> str:
-        """The next token, which must be of this kind."""
-        value = self.accept(kind, text)
-        if value is None:
-            here = "the end" if self.ended else quoted(self._tokens[self._at][1], 30)
-            self.fail(f"{what} is expected, and there is {here}")
-        return value
-
-    def number(self, what: str) -> int:
-        """An integer."""
-        digits = self.take("number", what)
-        if len(digits) > _DIGITS:
-            self.fail(f"{what} has too many digits")
-        return int(digits, 0)
-
-    def string(self, what: str) -> str:
+    def text(self) -> str:
         """A text in quotes."""
-        return self.unquoted(self.take("string", what))
+        return self.string(self.expect("string"))
 
-    def unquoted(self, text: str) -> str:
-        """What a text in quotes stands for."""
-        try:
-            return str(json.loads(text))
-        except ValueError:
-            self.fail(f"{quoted(text, 30)} is no text in quotes as JSON has them")
-
-    def name(self, what: str) -> str:
+    def name(self) -> str:
         """A block's name, in quotes or without."""
         plain = self.accept("word")
-        return self.string(what) if plain is None else plain
+        return self.text() if plain is None else plain
 
     def choice(self, table: dict[str, Any], what: str) -> Any:
         """One of the table's words."""
-        word = self.take("word", what)
+        word = self.accept("word")
         if word not in table:
-            self.fail(f"{what} is expected, and there is {quoted(word, 30)}")
+            self.fail(f"expected {what}, found {word or self.peek()[1]}")
         return table[word]
 
     def listed(self, one: Callable[[], Any]) -> tuple[Any, ...]:
         """What stands between brackets, with commas between."""
-        self.take("mark", "`[`", "[")
+        self.expect("mark", "[")
         if self.accept("mark", "]"):
             return ()
         items = [one()]
         while self.accept("mark", ","):
             items.append(one())
-        self.take("mark", "`]`", "]")
+        self.expect("mark", "]")
         return tuple(items)
 
     def value(self) -> Value:
         """An operand."""
         ref = self.accept("ref")
         if ref is not None:
-            return Ref(self._id(ref))
+            return Ref(self.whole(ref[1:]))
         if self.accept("mark", "$"):
-            return Input(self.string("an input's key"))
+            return Input(self.text())
         if self.accept("word", "undef"):
             return Undefined()
-        word = self.number("a value")
+        word = self.integer()
         if not 0 <= word < _WORD:
             self.fail(f"{word} is no word of 32 bits")
         return Const(word)
 
     def values(self) -> tuple[Value, ...]:
         """Operands up to the first clause."""
-        kind, text = ("loc", "") if self.ended else self._tokens[self._at]
-        if kind == "loc" or (kind == "word" and text != "undef"):
+        kind, text = self.peek()
+        if self.ended or (kind == "word" and text != "undef"):
             return ()
         found = [self.value()]
         while self.accept("mark", ","):
@@ -165,28 +106,7 @@ class _Line:
     def result(self) -> int | None:
         """The id of what the line defines, if it defines anything."""
         ref = self.accept("ref")
-        return None if ref is None else self._id(ref)
-
-    def _id(self, ref: str) -> int:
-        if len(ref) > _DIGITS:
-            self.fail("an id has too many digits")
-        return int(ref[1:])
-
-    def source(self) -> SourceLoc | None:
-        """The source line at the end."""
-        text = self.accept("loc")
-        if text is None:
-            return None
-        match = _LOC.match(text)
-        if match is None or len(match["line"]) > _DIGITS:
-            self.fail("a source line is written !FILE:LINE")
-        file = match["file"]
-        return SourceLoc(self.unquoted(file) if file.startswith('"') else file, int(match["line"]))
-
-    def finish(self) -> None:
-        """Nothing may be left."""
-        if self._at != len(self._tokens):
-            self.fail(f"{quoted(self._tokens[self._at][1], 30)} is not expected here")
+        return None if ref is None else self.whole(ref[1:])
 
 
 class _Reader:
@@ -210,11 +130,11 @@ class _Reader:
         elif self._name is None and not self._blocks and line.accept("word", "local"):
             self._locals.append(_local(line))
         elif self._name is None:
-            self._name = line.name("a block's name")
-            line.take("mark", "`:`", ":")
+            self._name = line.name()
+            line.expect("mark", ":")
         else:
             self._in_block(line)
-        line.finish()
+        line.end()
 
     def _in_block(self, line: _Line) -> None:
         id_ = line.result()
@@ -225,14 +145,14 @@ class _Reader:
             self._name, self._phis, self._instrs = None, [], []
             return
         kind = line.choice(_TYPES, "a type")
-        line.take("mark", "`=`", "=")
+        line.expect("mark", "=")
         if not line.accept("word", "phi"):
             self._instrs.append(_instr(line, id_, kind))
         elif self._instrs:
             line.fail("phis come before instructions")
         else:
             incoming = line.listed(lambda: _incoming(line))
-            self._phis.append(Phi(id_, kind, incoming, line.source()))
+            self._phis.append(Phi(id_, kind, incoming, line.location()))
 
     def function(self, file: str) -> Function:
         """What was read, if it is whole."""
@@ -245,39 +165,39 @@ class _Reader:
 
 
 def _header(line: _Line) -> dict[str, Any]:
-    line.take("word", '`function "NAME"`', "function")
-    header: dict[str, Any] = {"name": line.string("the function's name")}
+    line.expect("word", "function")
+    header: dict[str, Any] = {"name": line.text()}
     if line.accept("word", "file"):
-        header["file"] = line.string("the file's name")
+        header["file"] = line.text()
     if line.accept("word", "returns"):
         header["returns"] = line.choice(_DTYPES, "a type")
     if line.accept("word", "sequential"):
-        names = [line.name("a block's name")]
+        names = [line.name()]
         while line.accept("mark", ","):
-            names.append(line.name("a block's name"))
+            names.append(line.name())
         header["sequential"] = frozenset(names)
     return header
 
 
 def _param(line: _Line) -> Param:
-    name, dtype = line.string("a parameter's name"), line.choice(_DTYPES, "a type")
+    name, dtype = line.text(), line.choice(_DTYPES, "a type")
     ndim = 0
     if line.accept("mark", "["):
-        ndim = line.number("how many dimensions")
-        line.take("mark", "`]`", "]")
+        ndim = line.integer()
+        line.expect("mark", "]")
     flat = line.accept("word", "flat") is not None
-    words = line.number("how many words") if line.accept("word", "words") else 1
-    longest = line.number("how many elements") if line.accept("word", "longest") else 0
+    words = line.integer() if line.accept("word", "words") else 1
+    longest = line.integer() if line.accept("word", "longest") else 0
     return Param(name, dtype, ndim, flat, words, longest)
 
 
 def _local(line: _Line) -> LocalArray:
-    name = line.string("an array's name")
-    line.take("word", "`words`", "words")
-    words = line.number("how many words")
+    name = line.text()
+    line.expect("word", "words")
+    words = line.integer()
     contents = None
     if line.accept("word", "contents"):
-        contents = tuple(line.number("a word") for _ in range(words))
+        contents = tuple(line.integer() for _ in range(words))
     size: list[str | int] = []
     loops: list[SourceLoc] = []
     has_loops = line.accept("word", "loops")
@@ -291,21 +211,21 @@ def _local(line: _Line) -> LocalArray:
 
 def _formula_part(line: _Line) -> str | int:
     text = line.accept("string")
-    return line.number("a part of a formula") if text is None else line.unquoted(text)
+    return line.integer() if text is None else line.string(text)
 
 
 def _place(line: _Line) -> SourceLoc:
-    line.take("mark", "`[`", "[")
-    file = line.string("a file's name")
-    line.take("mark", "`,`", ",")
-    at = SourceLoc(file, line.number("a line"))
-    line.take("mark", "`]`", "]")
+    line.expect("mark", "[")
+    file = line.text()
+    line.expect("mark", ",")
+    at = SourceLoc(file, line.integer())
+    line.expect("mark", "]")
     return at
 
 
 def _incoming(line: _Line) -> tuple[str, Value]:
-    name = line.name("a block's name")
-    line.take("mark", "`:`", ":")
+    name = line.name()
+    line.expect("mark", ":")
     return name, line.value()
 
 
@@ -313,30 +233,30 @@ def _instr(line: _Line, id_: int, kind: Type) -> Instr:
     op = line.choice(_OPCODES, "an operation")
     fields: dict[str, Any] = {"operands": line.values()}
     while not line.ended:
-        clause = line.take("word", "a clause")
+        clause = line.expect("word")
         if clause not in _CLAUSES or clause in fields:
             line.fail(f"{quoted(clause, 30)} is no clause that can stand here")
         fields[clause] = _CLAUSES[clause](line)
-    return Instr(id_, op, kind, loc=line.source(), **fields)
+    return Instr(id_, op, kind, loc=line.location(), **fields)
 
 
 def _lane(line: _Line) -> Lane:
-    thread, origin, part = (line.number("a number of the lane") for _ in range(3))
-    return Lane(thread, origin, part, line.listed(lambda: line.name("a block's name")))
+    thread, origin, part = (line.integer() for _ in range(3))
+    return Lane(thread, origin, part, line.listed(line.name))
 
 
 def _axis(line: _Line) -> int | None:
-    return None if line.accept("word", "_") else line.number("a subscript")
+    return None if line.accept("word", "_") else line.integer()
 
 
 _CLAUSES: Final[dict[str, Callable[[_Line], object]]] = {
-    "array": lambda line: line.string("an array's name"),
-    "shift": lambda line: line.number("a shift"),
-    "offset": lambda line: line.number("an offset"),
-    "width": lambda line: line.number("a width"),
+    "array": lambda line: line.text(),
+    "shift": lambda line: line.integer(),
+    "offset": lambda line: line.integer(),
+    "width": lambda line: line.integer(),
     "signed": lambda line: True,
     "exact": lambda line: True,
-    "distinct": lambda line: line.name("a block's name"),
+    "distinct": lambda line: line.name(),
     "subscript": lambda line: line.listed(lambda: _axis(line)),
     "lane": _lane,
 }
@@ -344,11 +264,11 @@ _CLAUSES: Final[dict[str, Callable[[_Line], object]]] = {
 
 def _branch(line: _Line) -> Branch:
     if line.accept("word", "jump"):
-        return Branch(line.name("a block's name"), loc=line.source())
+        return Branch(line.name(), loc=line.location())
     if line.accept("word", "branch"):
-        cond, target = line.value(), line.name("a block's name")
-        line.take("word", "`else`", "else")
-        return Branch(target, cond, line.name("a block's name"), loc=line.source())
-    line.take("word", "`jump`, `branch`, `return` or a result", "return")
+        cond, target = line.value(), line.name()
+        line.expect("word", "else")
+        return Branch(target, cond, line.name(), loc=line.location())
+    line.expect("word", "return")
     values = (*line.values(), None, None)
-    return Branch(value=values[0], high=values[1], loc=line.source())
+    return Branch(value=values[0], high=values[1], loc=line.location())

@@ -117,7 +117,7 @@ def test_comments_and_blank_lines_are_skipped() -> None:
         ('dfg "d"\n%0 = mov %1 sideways', 2, "there is no clause sideways"),
         ('dfg "d"\n%0 = mov %1 exit branch', 2, "already marked exit"),
         ('dfg "d"\n%0 = mov %1 !nowhere', 2, "no source line"),
-        ('dfg "d"\n%0 = mov %1@1(init=2)', 2, "expected a node"),
+        ('dfg "d"\n%0 = mov %1@1(init=2)', 2, "expected a reference"),
         ('dfg "d"\n%0 = mov ; %1', 2, "cannot read"),
         ('dfg "d"\n%0 = iv %', 2, "cannot read"),
         ('dfg "d"\n%0 = iv 7 7', 2, "expected :"),

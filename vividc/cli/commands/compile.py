@@ -152,12 +152,12 @@ def command(
     program.save(path)
     if as_json:
         print_json(SCHEMA, _as_object(program, path))
-    else:
-        print_regions(program)
-        if explain:
-            print_loops(program)
-            print_product(program, function, fabric)
-        click.echo(f"written: {path}")
+        return
+    print_regions(program)
+    if explain:
+        print_loops(program)
+        print_product(program, function, fabric)
+    click.echo(f"written: {path}")
 
 
 def _as_object(program: Program, path: Path) -> dict[str, object]:

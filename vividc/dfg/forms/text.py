@@ -28,6 +28,7 @@ from typing import Final
 from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.machine.opcodes import BASE, PRED
+from vividc.machine.text_line import location_text
 
 __all__ = ["parse", "to_text"]
 
@@ -87,7 +88,7 @@ def _node_text(node: Node, edges: Iterable[Edge]) -> str:
     if node.unless_exit:
         parts.append("unless_exit")
     if node.loc is not None:
-        parts.append(f"!{_path_text(node.loc.file)}:{node.loc.line}")
+        parts.append(location_text(node.loc))
     return " ".join(parts)
 
 
@@ -117,8 +118,3 @@ def _edge_text(edge: Edge) -> str:
     if edge.init is not None:
         return f"%{edge.src}@{edge.distance}(init=%{edge.init})"
     return f"%{edge.src}@{edge.distance}" if edge.distance else f"%{edge.src}"
-
-
-def _path_text(path: str) -> str:
-    plain = path.isprintable() and path == path.strip() and not path.startswith('"')
-    return path if plain else json.dumps(path)

@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import re
 from dataclasses import dataclass, field
-from typing import Final, NoReturn
+from typing import Final
 
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
-from vividc.errors import DFGError, SourceLoc, quoted
+from vividc.errors import DFGError, SourceLoc
 from vividc.host.inputs import demand_few_parts
 from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
+from vividc.machine.text_line import TextLine
 
-_TOKEN: Final = re.compile(
-    r"""\s*(?:(?P<loc>!.*)
-    |(?P<string>"[^"\\]*+(?:\\.[^"\\]*+)*+")
-    |(?P<ref>%-?\d+)
-    |(?P<number>0x[0-9a-fA-F]+|-?\d+)
-    |(?P<word>[A-Za-z_][\w.]*)
-    |(?P<mark>[=@(),:]))""",
-    re.VERBOSE,
-)
-_LOC: Final = re.compile(r'!(?P<file>"[^"\\]*+(?:\\.[^"\\]*+)*+"|.*):(?P<line>\d+)\s*\Z')
 _OPCODES: Final = {op.value: op for op in Opcode}
 _CONTROLS: Final = {mark.value: mark for mark in Control}
 
@@ -49,7 +38,7 @@ def parse(text: str, file: str = "<text>") -> DFG:
     for number, source in enumerate(text.split("\n"), start=1):
         if not source.strip() or source.lstrip().startswith("#"):
             continue
-        line = _Line(SourceLoc(file, number), source)
+        line = _Line(SourceLoc(file, number), source, DFGError)
         if name is None:
             name = line.header()
         elif order is not None:
@@ -79,46 +68,8 @@ class _Clauses:
     unless_exit: bool = False
 
 
-class _Line:
+class _Line(TextLine):
     """The tokens of one line, read from left to right."""
-
-    def __init__(self, loc: SourceLoc, source: str) -> None:
-        self.loc = loc
-        self.tokens: list[tuple[str, str]] = []
-        self.next = 0
-        at = 0
-        source = source.rstrip()
-        while at < len(source):
-            match = _TOKEN.match(source, at)
-            if match is None or match.lastgroup is None:
-                self.fail(f"cannot read {quoted(source[at:].strip())}")
-            self.tokens.append((match.lastgroup, match[match.lastgroup]))
-            at = match.end()
-
-    def fail(self, reason: str) -> NoReturn:
-        """Raise the error of this line."""
-        raise DFGError(reason, loc=self.loc)
-
-    def peek(self) -> tuple[str, str]:
-        """Kind and text of the next token; kind "end" behind the last."""
-        return (
-            self.tokens[self.next] if self.next < len(self.tokens) else ("end", "the end of line")
-        )
-
-    def accept(self, kind: str, text: str | None = None) -> str | None:
-        """The next token if it is the given one."""
-        found, value = self.peek()
-        if found != kind or (text is not None and value != text):
-            return None
-        self.next += 1
-        return value
-
-    def expect(self, kind: str, text: str | None = None) -> str:
-        """The next token, which must be the given one."""
-        value = self.accept(kind, text)
-        if value is None:
-            self.fail(f"expected {text or _KINDS[kind]}, found {self.peek()[1]}")
-        return value
 
     def header(self) -> str:
         """`dfg "NAME"`."""
@@ -218,52 +169,7 @@ class _Line:
             self.expect("mark", ")")
         return Edge(src, dst, port, distance, init, kind)
 
-    def integer(self) -> int:
-        """A decimal or hexadecimal integer."""
-        return self.whole(self.expect("number"))
 
-    def whole(self, text: str) -> int:
-        """The integer of a text; Python reads none of thousands of digits."""
-        try:
-            return int(text, 16 if text.startswith("0x") else 10)
-        except ValueError:
-            self.fail(f"a number of {len(text)} digits")
-
-    def string(self, quoted: str) -> str:
-        """The value of a string in JSON's notation."""
-        try:
-            value = json.loads(quoted)
-        except json.JSONDecodeError:
-            self.fail(f"{quoted} is no string")
-        return str(value)
-
-    def location(self) -> SourceLoc | None:
-        """`!file:line`, if it is there."""
-        text = self.accept("loc")
-        if text is None:
-            return None
-        match = _LOC.fullmatch(text)
-        if match is None:
-            self.fail(f"{text} is no source line: write !file:line")
-        file = match["file"]
-        return SourceLoc(
-            self.string(file) if file.startswith('"') else file, self.whole(match["line"])
-        )
-
-    def end(self) -> None:
-        """Nothing may be left."""
-        if self.peek()[0] != "end":
-            self.fail(f"unexpected {self.peek()[1]}")
-
-
-_KINDS: Final = {
-    "ref": "a node like %3",
-    "number": "a number",
-    "string": "a name in quotes",
-    "word": "a word",
-    "mark": "a mark",
-    "loc": "a source line",
-}
 _NUMBER_CLAUSES: Final = frozenset({"shift", "offset", "width"})
 _FLAG_CLAUSES: Final = frozenset({"signed", "unless_exit"})
 _EDGE_CLAUSES: Final = {
