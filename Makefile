@@ -7,7 +7,7 @@ STAMP := $(VENV)/.installed
 # The tests start many interpreters: without bytecode each compiles every module again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo test test-all lint types layers bench c-kernels lock clean
+.PHONY: setup demo room test test-all lint types layers bench c-kernels lock clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -24,11 +24,19 @@ $(STAMP): requirements.lock pyproject.toml
 demo: setup
 	$(BIN)/python -m benchmarks.demo
 
-test: setup
-	$(BIN)/python -m pytest -q -m "not slow" -n 2 --dist worksteal
+# One room's tests: `make test ROOM=mapper`, `make test-all ROOM=ssa/rewrite`.
+TESTS := tests$(if $(ROOM),/$(ROOM))
+PYTEST := $(BIN)/python -m pytest -q -n 2 --dist worksteal
 
-test-all: setup
-	$(BIN)/python -m pytest -q -n 2 --dist worksteal
+room:
+	@test -d '$(TESTS)' || { echo "There is no room $(TESTS)/. ROOM is one of:" >&2; \
+	  (cd tests && find . -mindepth 2 -name 'test_*.py') | sed 's|^\./||; s|/[^/]*$$||' | sort -u | xargs >&2; exit 1; }
+
+test: room setup
+	$(PYTEST) -m "not slow" $(TESTS)
+
+test-all: room setup
+	$(PYTEST) $(TESTS)
 
 lint: setup
 	$(BIN)/ruff check .

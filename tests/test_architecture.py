@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from pkgutil import resolve_name
@@ -95,3 +96,12 @@ def test_every_door_of_the_walks_exists() -> None:
     assert len(doors) > 25
     for door in doors:
         resolve_name(door)
+
+
+def test_make_test_names_the_rooms_that_it_can_run() -> None:
+    """`make test ROOM=...` begins with `make room ROOM=...`."""
+    for room, status in (("ssa/rewrite", 0), ("ssa/nothing", 2)):
+        command = ["make", "--silent", "room", f"ROOM={room}"]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+        assert done.returncode == status
+        assert status == 0 or {"mapper", "mapper/cpsat", "ssa/rewrite"} <= set(done.stderr.split())
