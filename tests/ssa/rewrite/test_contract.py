@@ -9,6 +9,8 @@ import pytest
 
 import vividc
 from tests.fuzz.witnesses import run_regions
+from tests.rules import Case, cases
+from tests.ssa.support import FUNCTIONS
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.machine.opcodes import Opcode
@@ -53,7 +55,6 @@ def test_the_words_are_those_of_contraction_in_the_graphs(kernel: Any) -> None:
     assert words[0] == words[1]
 
 
-def test_a_product_with_two_readers_stays() -> None:
-    fused = contract(sums.lower())
-    assert operations(fused, Opcode.FMUL) >= 2
-    assert contract(fused) is fused
+@cases(__file__)
+def test_rules(case: Case) -> None:
+    FUNCTIONS.check(case, contract, same=False)

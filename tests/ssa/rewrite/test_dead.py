@@ -1,0 +1,12 @@
+"""What nothing reads goes."""
+
+from __future__ import annotations
+
+from tests.rules import Case, cases
+from tests.ssa.support import FUNCTIONS
+from vividc.ssa.rewrite.dead import without_dead
+
+
+@cases(__file__)
+def test_rules(case: Case) -> None:
+    FUNCTIONS.check(case, without_dead)
