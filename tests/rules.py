@@ -68,14 +68,21 @@ class Language(Generic[T]):
     problems: Callable[[T], list[str]]
     demand_same: Callable[[T, T], None]
 
-    def check(self, case: Case, run: Callable[..., object], *, same: bool = True) -> None:
+    def check(
+        self, case: Case, run: Callable[..., object], *, same: bool = True, illegal: str = ""
+    ) -> None:
         """Fails unless `run` makes of the case what it says, with the same meaning if `same`.
 
-        `run` gets what the case's text says and its words; it gives a thing of the language, words
-        that say why it does not, or both.
+        Parameters
+        ----------
+        run
+            Gets what the case's text says and its words; gives a thing of the language, words that
+            say why it does not, or both.
+        illegal
+            "before" or "after": that one need not be well formed.
         """
         before = self.parse(case.before)
-        assert self.problems(before) == []
+        assert illegal == "before" or self.problems(before) == []
         made = run(before, *case.words)
         parts = made if isinstance(made, tuple) else (made,)
         lines = [ARROW]
@@ -87,7 +94,7 @@ class Language(Generic[T]):
                 lines[0] = f"{ARROW} {word}" if len(parts) == 1 else lines[0]
                 lines += [] if len(parts) == 1 else [f"# {word}"]
             else:
-                assert self.problems(part) == []
+                assert illegal == "after" or self.problems(part) == []
                 lines.append(self.text(part, before).rstrip("\n"))
                 if same:
                     self.demand_same(before, part)

@@ -10,8 +10,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from vividc.machine.opcodes import Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.machine.params import DType
+from vividc.machine.semantics import SEMANTICS
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Value
 
 _MASK = 0xFFFFFFFF
@@ -73,8 +74,10 @@ class _Machine:
 
     def _step(self, instr: Instr) -> int:
         words = [self.word(value) for value in instr.operands]
-        if instr.op not in (Opcode.LOAD, Opcode.STORE):
-            return int(_SEMANTICS[instr.op](*words))
+        if instr.op not in MEMORY:
+            return int(_SEMANTICS.get(instr.op, SEMANTICS.get(instr.op))(*words))
+        if len(words) > OPCODES[instr.op].arity + 1 and not words.pop():
+            return 0
         assert isinstance(instr.operands[0], Input)
         assert instr.operands[0].key == f"&{instr.array}"
         address = (words[0] + (words[1] << instr.shift) + instr.offset) & _MASK
