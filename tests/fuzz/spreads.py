@@ -22,8 +22,7 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError, InternalError, KernelError, VividcError, VividcWarning
 from vividc.frontend import KernelFunction
-from vividc.launch import SpreadOptions, spread
-from vividc.launch.result import JobResult
+from vividc.launch import JobResult, SpreadOptions, spread
 from vividc.program import Program
 from vividc.ssa.parallel.cut import cut_parallel_loop
 

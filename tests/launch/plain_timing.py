@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from vividc.arch import Accelerator
-from vividc.launch.event import Event
+from vividc.launch import Event
 from vividc.launch.functional import Outcome
 from vividc.launch.steps import Configure, Execute, Pieces, Step, Transfer
 from vividc.program import WORD_BYTES

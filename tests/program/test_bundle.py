@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.program.hand_kernels import dot, fabric, find, saxpy
+from vividc import simulate
 from vividc.errors import BundleError
-from vividc.launch.tiles.simulate import simulate
 from vividc.program import Program, load
 
 

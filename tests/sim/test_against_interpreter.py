@@ -8,10 +8,10 @@ from hypothesis import given, settings
 
 from tests.dfg.programs import WORDS, lower, programs
 from tests.sim.one_pe import map_region, one_pe
+from vividc import simulate
 from vividc.arch import Fabric
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
-from vividc.launch.tiles.simulate import simulate
 from vividc.program import Program, encode
 
 FABRICS = {

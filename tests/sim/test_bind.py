@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tests.program.hand_kernels import Hand, N, O, fabric, find, positive, program, saxpy
+from vividc import simulate
 from vividc.dfg.regions import RETURN_VARIABLE, Region
 from vividc.errors import ArgumentError
-from vividc.launch.tiles.simulate import simulate
 from vividc.program import DType, Param, Program
 from vividc.sim.bind import arguments, bind
 

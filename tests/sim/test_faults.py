@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.program.hand_kernels import FILE, O, choose, fabric, find, saxpy
+from vividc import simulate
 from vividc.errors import SimulationError, SourceLoc
-from vividc.launch.tiles.simulate import simulate
 from vividc.program import Entry, Operand, Program, Sel, Select, pack, word_layout
 
 

@@ -9,13 +9,13 @@ import pytest
 
 from tests.sim.native.agreement import assert_engines_agree, launch
 from tests.sim.one_pe import map_region, one_pe
+from vividc import simulate
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.forms.json_form import from_json, to_json
 from vividc.dfg.forms.text import to_text
 from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.regions import Kernel
-from vividc.launch.tiles.simulate import simulate
 from vividc.machine.lane_semantics import LANE_SEMANTICS
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.params import DType, Param

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.program.hand_kernels import Hand, N, O, fabric, program, trip_region
+from vividc import simulate
 from vividc.dfg.ir import Node
 from vividc.dfg.regions import Region
 from vividc.errors import SimulationError
-from vividc.launch.tiles.simulate import simulate
 from vividc.machine.opcodes import BASE
 from vividc.program import DType, Param, Program, disassemble
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
+from vividc import simulate
 from vividc.errors import SimulationError
-from vividc.launch.tiles.simulate import simulate
 
 TRIP_AND_SWITCH = 3  # the straight region that sets the trip count, and the switch after it
 

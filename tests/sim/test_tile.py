@@ -9,8 +9,8 @@ import pytest
 
 from tests.program.hand_kernels import dot, fabric, saxpy
 from tests.sim.native.agreement import launch, outcome, same
+from vividc import simulate
 from vividc.errors import ArgumentError, CycleLimit, SimulationError
-from vividc.launch.tiles.simulate import simulate
 from vividc.program import Program
 from vividc.sim import Launch, ReferenceEngine, Tile, auto
 from vividc.sim.auto import AutoEngine

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch import Accelerator
-from vividc.errors import ArchError, ArgumentError, quoted
+from vividc.errors import ArchError, ArgumentError, demand_type, quoted
 from vividc.gemm.job import mlp_job
 from vividc.gemm.layer import Layer, Matrix
 from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
 from vividc.gemm.passes import lay_out, with_arrays
 from vividc.gemm.systolic import SystolicError
 from vividc.launch import JobResult, spread
-from vividc.launch.tiles.simulate import check_spread
 from vividc.machine.product import Factor, Product, Size
 from vividc.program import Program
 from vividc.sim.bind import arguments
@@ -162,14 +161,35 @@ def simulate(
     observer: Observer | None = None,
     **kwargs: object,
 ) -> Result | JobResult:
-    """Run a program (see `vividc.simulate`); one that is a matrix product runs on an
-    accelerator in the mode that it was compiled for, or that is predicted to be the fastest.
+    """Run a program; arrays the kernel writes are updated in place, but only if the run succeeds.
+
+    Parameters
+    ----------
+    args, kwargs
+        The kernel's arguments, by position or by parameter name: C-contiguous numpy arrays of
+        exactly the declared dtype, Python or numpy scalars.
+    fabric
+        An accelerator, by name, YAML file or as an object: the loop over `numba.prange` is spread
+        over its tiles, and arrays are cut into slices that fit the scratchpads
+        (docs/accelerator.md). None: one tile, whose scratchpad holds all arrays.
+    progress
+        Called now and then with the cycles run so far; of one tile only.
+    cycle_limit
+        Cycles after which the run of a tile is given up.
+    engine
+        Name of the engine, a key of `sim.ENGINES`, or "auto": the one that is done first.
+    observer
+        Told of every run of a region, in order; of one tile only. See `sim.view.Timeline`.
 
     Raises
     ------
-    ArgumentError, ArchError, SimulationError
-        As of `vividc.simulate`, or the mode asked for is not possible with these
-        arguments.
+    ArgumentError
+        The arguments do not fit the kernel's signature or the scratchpads, the loop cannot be
+        spread, the engine is unknown, or an observer was given for more than one tile.
+    ArchError
+        The fabric is unknown, faulty or a single tile.
+    SimulationError
+        The program broke a rule of the machine, or ran past `cycle_limit`.
     """
     if fabric is None:
         return simulate_tile(
@@ -181,7 +201,7 @@ def simulate(
             observer=observer,
             **kwargs,
         )
-    check_spread(program, fabric, observer)
+    _check_spread(program, fabric, observer)
     if program.product is not None:
         result = _simulate_product(
             program, program.product, args, kwargs, fabric, engine, cycle_limit
@@ -189,6 +209,24 @@ def simulate(
         if result is not None:
             return result
     return spread(program, args, kwargs, fabric).simulate(engine=engine, cycle_limit=cycle_limit)
+
+
+def _check_spread(program: object, fabric: object, observer: Observer | None) -> None:
+    """Refuse what no accelerator can run.
+
+    Raises
+    ------
+    ArgumentError
+        No program, no accelerator, or an observer, which watches one tile.
+    """
+    demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
+    hint = "give an accelerator's name, its YAML file, or an Accelerator"
+    demand_type(fabric, (str, os.PathLike, Accelerator), "the fabric", hint)
+    if observer is not None:
+        raise ArgumentError(
+            "an observer watches one tile, and a fabric was given",
+            hint="leave fabric out, or read the events of the result",
+        )
 
 
 def _simulate_product(

@@ -2,16 +2,16 @@
 
 In order: `steps` and `job` (a graph of moves and runs, built by hand), `memory`, `own_arrays`,
 `flat` (the graph as arrays), `hazards/` (is its order enough), `functional` (what it computes),
-`timing/` (when; docs/accelerator.md), `accounting`, `event`, `result`, `simulate`; `tiles/` (a
-loop over `prange` on all tiles, and `vividc.simulate`); `cost` and `view` (energy, pictures);
-`kept` (graphs of earlier launches).
+`timing/` (when; docs/accelerator.md), `accounting`, `simulate` (all of these, and the result);
+`tiles/` (a loop over `prange` on all tiles); `cost` (energy and roofline); `kept` (graphs of
+earlier launches).
 """
 
 from vividc.launch.accounting import JobStats, TileStats
-from vividc.launch.event import Event
 from vividc.launch.job import At, Job
-from vividc.launch.result import JobResult
+from vividc.launch.simulate import JobResult
 from vividc.launch.tiles.spread import Spread, SpreadOptions, spread
+from vividc.launch.timing.record import Event
 
 __all__ = [
     "At",

@@ -1,11 +1,15 @@
-"""The work of a job on an accelerator, for its energy."""
+"""What a job cost its accelerator: the work that its energy is computed from, and its roofline."""
 
 from __future__ import annotations
 
+from vividc.arch import Accelerator
+from vividc.host.plot import Picture
 from vividc.launch.accounting import JobStats
+from vividc.machine.opcodes import MEMORY
 from vividc.program import WORD_BYTES
 from vividc.sim.cost.energy import Work
 from vividc.sim.engine import Activity
+from vividc.sim.view.roofline import Point, Roof, roofline
 
 
 def work_of_job(stats: JobStats, tiles: int) -> Work:
@@ -32,3 +36,14 @@ def work_of_job(stats: JobStats, tiles: int) -> Work:
     )
     dram = moved["dram_read"] + moved["dram_written"]
     return Work(stats["cycles"], stats["operations"], activity, tiles, dram)
+
+
+def job_roofline(accelerator: Accelerator, stats: JobStats, name: str) -> Picture:
+    """The job's operations over the bytes that DRAM moved, under the PEs of all tiles."""
+    memory = {op.value for op in MEMORY}
+    operations = sum(n for op, n in stats["operations"].items() if op not in memory)
+    dram = stats["bytes"]["dram_read"] + stats["bytes"]["dram_written"]
+    point = Point(name, operations, dram, stats["cycles"])
+    peak = sum(len(tile.pes) for tile in accelerator.tiles)
+    roof = Roof("DRAM", accelerator.dram.bytes_per_cycle)
+    return roofline([point], peak, [roof], f"{name} on {accelerator.name}: roofline")

@@ -19,8 +19,7 @@ from vividc.errors import ArgumentError, demand_type
 from vividc.launch.kept import Kept
 from vividc.launch.memory import Buffers
 from vividc.launch.own_arrays import OwnArrays
-from vividc.launch.result import JobResult
-from vividc.launch.simulate import simulate_steps
+from vividc.launch.simulate import JobResult, simulate_steps
 from vividc.launch.steps import Configure, Execute, Step, Transfer
 from vividc.program import WORD_BYTES, Program
 from vividc.program.encoder.reflect import reflected_program

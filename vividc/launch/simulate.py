@@ -1,18 +1,51 @@
-"""A launch graph carried out: checked, computed, timed, counted."""
+"""Carries a launch graph out: checks, computes, times and counts it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from vividc.arch import Accelerator
-from vividc.launch.accounting import job_stats
+from vividc.launch.accounting import JobStats, job_stats
 from vividc.launch.functional import Outcome, carry_out
 from vividc.launch.hazards import check_order, predecessors
 from vividc.launch.memory import Buffers
-from vividc.launch.result import JobResult
 from vividc.launch.steps import Execute, Step
 from vividc.launch.timing import schedule
+from vividc.launch.timing.record import Event, Record
 from vividc.sim.bind import returned
+
+
+@dataclass(frozen=True, slots=True)
+class JobResult:
+    """The outcome of a job.
+
+    Attributes
+    ----------
+    cycles
+        From the first cycle to the end of the last step.
+    value
+        What a spread kernel returns; None for a graph made by hand.
+    values
+        What each run returned, by step number; `words`: the same as words.
+    stats
+        Where the cycles of each tile went, and the bytes moved at each level.
+    record
+        What `events` are made from.
+    """
+
+    cycles: int
+    value: int | float | bool | None
+    values: ReadOnly[int, int | float | bool | None]
+    words: ReadOnly[int, int]
+    stats: JobStats
+    record: Record
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What every unit did, by start; made anew each time."""
+        return self.record.events()
 
 
 def simulate_steps(

@@ -20,8 +20,7 @@ from vividc.errors import VividcError
 from vividc.host.files import write_whole
 from vividc.host.plot import Picture, check_picture_path, encode
 from vividc.launch import JobResult
-from vividc.launch.cost import work_of_job
-from vividc.launch.view import job_roofline
+from vividc.launch.cost import job_roofline, work_of_job
 from vividc.program import Program
 from vividc.sim import Result
 from vividc.sim.cost import EnergyReport, energy, work_of

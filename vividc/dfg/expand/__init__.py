@@ -1,5 +1,6 @@
 """Operations that no FU has become those that it has (docs/math.md).
 
-In order: `builder`, `magnitudes`; `integer`, `bits`, `divide`, `remainder`, `round`, `roots`, `exp`
-and `exp_narrow`, `log`, `power`, `trigonometric`, `arc`, `hyperbolic`; `expand`, the pass.
+In order: `builder`, `magnitudes`; `integer`, `bits`, `divide`, `remainder`, `rounding`, `roots`,
+`exp`, `log`, `power`, `trigonometric`, `arc`, `hyperbolic`, each with a table of its expansions;
+`expand`, the pass.
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, Builder
+from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, Builder, Expansion
 from vividc.dfg.expand.divide import quotient
 from vividc.dfg.expand.roots import root_of_normal
 from vividc.dfg.passes.rewrite import Value
@@ -126,3 +126,11 @@ def _odd(b: Builder, t: Value, coefficients: tuple[int, ...]) -> Value:
     """t + t**3 P(t**2)."""
     u = b.op(Opcode.FMUL, t, t)
     return b.op(Opcode.FMA, b.op(Opcode.FMUL, u, t), b.horner(coefficients, u), t)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.ASIN: arcsine,
+    Opcode.ACOS: arccosine,
+    Opcode.ATAN: arctangent,
+    Opcode.ATAN2: arctangent2,
+}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT_SHIFT, Builder
+from vividc.dfg.expand.builder import EXPONENT_SHIFT, Builder, Expansion
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import WORD_MASK
@@ -70,3 +70,12 @@ def reverse_bits(b: Builder, x: Value) -> Value:
         down = b.op(Opcode.AND, b.op(Opcode.LSHR, x, amount), mask)
         x = b.op(Opcode.OR, b.op(Opcode.SHL, b.op(Opcode.AND, x, mask), amount), down)
     return swap_bytes(b, x)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.CTPOP: count_ones,
+    Opcode.CTLZ: leading_zeros,
+    Opcode.CTTZ: trailing_zeros,
+    Opcode.BSWAP: swap_bytes,
+    Opcode.BITREVERSE: reverse_bits,
+}

@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, SMALLEST_NORMAL, Builder
+from vividc.dfg.expand.builder import (
+    EXPONENT,
+    EXPONENT_SHIFT,
+    ONE,
+    SIGN,
+    SMALLEST_NORMAL,
+    Builder,
+    Expansion,
+)
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import float_of, word_of
@@ -143,3 +151,8 @@ def _scale(b: Builder, x: Value, exponent: Value) -> Value:
     near = b.op(Opcode.ADD, x, b.op(Opcode.SHL, half, EXPONENT_SHIFT))
     scale = b.op(Opcode.ADD, b.op(Opcode.SHL, rest, EXPONENT_SHIFT), ONE)
     return b.op(Opcode.FMUL, near, scale)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.FDIV: divide,
+}

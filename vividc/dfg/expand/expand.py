@@ -7,42 +7,23 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Final
 
-from vividc.dfg.expand.arc import arccosine, arcsine, arctangent, arctangent2
-from vividc.dfg.expand.bits import (
-    count_ones,
-    leading_zeros,
-    reverse_bits,
-    swap_bytes,
-    trailing_zeros,
+from vividc.dfg.expand import (
+    arc,
+    bits,
+    divide,
+    exp,
+    hyperbolic,
+    integer,
+    log,
+    power,
+    remainder,
+    roots,
+    rounding,
+    trigonometric,
 )
 from vividc.dfg.expand.builder import Builder, Expansion
-from vividc.dfg.expand.divide import divide
-from vividc.dfg.expand.exp import exponential, power_of_two
-from vividc.dfg.expand.exp_narrow import expansion
-from vividc.dfg.expand.hyperbolic import (
-    exponential_minus_one,
-    hyperbolic_cosine,
-    hyperbolic_sine,
-    hyperbolic_tangent,
-)
-from vividc.dfg.expand.integer import (
-    signed_quotient,
-    signed_remainder,
-    unsigned_quotient,
-    unsigned_remainder,
-)
-from vividc.dfg.expand.log import (
-    binary_logarithm,
-    decimal_logarithm,
-    logarithm_of_successor,
-    natural_logarithm,
-)
+from vividc.dfg.expand.exp import exponential_in
 from vividc.dfg.expand.magnitudes import argument_magnitudes
-from vividc.dfg.expand.power import power
-from vividc.dfg.expand.remainder import remainder
-from vividc.dfg.expand.roots import hypotenuse, square_root
-from vividc.dfg.expand.round import ceil, floor, round_half_even, truncate
-from vividc.dfg.expand.trigonometric import cosine, sine, tangent
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.passes.rewrite import Rewrite, Value, to_fixpoint
 from vividc.machine.opcodes import PRED, Opcode
@@ -62,7 +43,7 @@ def expansion_pass(policy: Precision) -> Callable[[DFG], DFG]:
     """`expand_math` under a precision policy."""
     if not policy:
         return expand_math
-    chosen = {opcode: expansion(opcode, fmt) for opcode, fmt in formats_of(policy).items()}
+    chosen = {opcode: exponential_in(opcode, fmt) for opcode, fmt in formats_of(policy).items()}
 
     def expand_math_in_formats(dfg: DFG) -> DFG:
         return _expanded(dfg, EXPANSIONS | chosen)
@@ -77,41 +58,22 @@ def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {
-    Opcode.EXP: exponential,
-    Opcode.EXP2: power_of_two,
-    Opcode.FDIV: divide,
-    Opcode.SQRT: square_root,
-    Opcode.FLOOR: floor,
-    Opcode.CEIL: ceil,
-    Opcode.UDIV: unsigned_quotient,
-    Opcode.UREM: unsigned_remainder,
-    Opcode.SDIV: signed_quotient,
-    Opcode.SREM: signed_remainder,
-    Opcode.CTPOP: count_ones,
-    Opcode.CTLZ: leading_zeros,
-    Opcode.CTTZ: trailing_zeros,
-    Opcode.BSWAP: swap_bytes,
-    Opcode.BITREVERSE: reverse_bits,
-    Opcode.SIN: sine,
-    Opcode.COS: cosine,
-    Opcode.TAN: tangent,
-    Opcode.TRUNC: truncate,
-    Opcode.RINT: round_half_even,
-    Opcode.ASIN: arcsine,
-    Opcode.ACOS: arccosine,
-    Opcode.ATAN: arctangent,
-    Opcode.ATAN2: arctangent2,
-    Opcode.HYPOT: hypotenuse,
-    Opcode.POW: power,
-    Opcode.FREM: remainder,
-    Opcode.EXPM1: exponential_minus_one,
-    Opcode.SINH: hyperbolic_sine,
-    Opcode.COSH: hyperbolic_cosine,
-    Opcode.TANH: hyperbolic_tangent,
-    Opcode.LOG: natural_logarithm,
-    Opcode.LOG2: binary_logarithm,
-    Opcode.LOG10: decimal_logarithm,
-    Opcode.LOG1P: logarithm_of_successor,
+    opcode: expand
+    for module in (
+        exp,
+        divide,
+        roots,
+        rounding,
+        integer,
+        bits,
+        trigonometric,
+        arc,
+        power,
+        remainder,
+        hyperbolic,
+        log,
+    )
+    for opcode, expand in module.EXPANSIONS.items()
 }
 
 

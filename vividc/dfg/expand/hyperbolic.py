@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT_SHIFT, ONE, SIGN, Builder
+from vividc.dfg.expand.builder import EXPONENT_SHIFT, ONE, SIGN, Builder, Expansion
 from vividc.dfg.expand.divide import quotient
 from vividc.dfg.expand.exp import LOG2_E, MINUS_LN2_HIGH, MINUS_LN2_LOW
 from vividc.dfg.passes.rewrite import Value
@@ -92,3 +92,11 @@ def _parts(b: Builder, x: Value) -> tuple[Value, Value, Value, Value]:
     cosh = b.op(Opcode.FMA, b.horner(COSH, u), u, ONE)
     sinh = b.op(Opcode.FMA, b.op(Opcode.FMUL, r, u), b.horner(SINH, u), r)
     return total, difference, cosh, sinh
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.EXPM1: exponential_minus_one,
+    Opcode.SINH: hyperbolic_sine,
+    Opcode.COSH: hyperbolic_cosine,
+    Opcode.TANH: hyperbolic_tangent,
+}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vividc.dfg.expand.builder import Builder
+from vividc.dfg.expand.builder import Builder, Expansion
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.division import Emit, quotient_by_constant, remainder_by_constant
 from vividc.machine.opcodes import Opcode
@@ -142,3 +142,11 @@ def _magnitude(b: Builder, x: Value) -> Value:
 def _with_sign(b: Builder, magnitude: Value | int, sign: Value) -> Value:
     """The magnitude, negated where the sign is -1 and not 0."""
     return b.op(Opcode.SUB, b.op(Opcode.XOR, magnitude, sign), sign)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.UDIV: unsigned_quotient,
+    Opcode.UREM: unsigned_remainder,
+    Opcode.SDIV: signed_quotient,
+    Opcode.SREM: signed_remainder,
+}

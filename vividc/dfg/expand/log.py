@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, SMALLEST_NORMAL, Builder
+from vividc.dfg.expand.builder import (
+    EXPONENT,
+    EXPONENT_SHIFT,
+    ONE,
+    SIGN,
+    SMALLEST_NORMAL,
+    Builder,
+    Expansion,
+)
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import WORD_MASK
@@ -122,3 +130,11 @@ def _finish(b: Builder, x: Value, value: Value) -> Value:
     pole = b.op(Opcode.FCMP_OEQ, x, 0)
     special = b.op(Opcode.SELECT, pole, MINUS_INFINITY, special)
     return b.op(Opcode.SELECT, b.is_finite_nonzero(x), value, special)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.LOG: natural_logarithm,
+    Opcode.LOG2: binary_logarithm,
+    Opcode.LOG10: decimal_logarithm,
+    Opcode.LOG1P: logarithm_of_successor,
+}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, Builder
+from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, Builder, Expansion
 from vividc.dfg.expand.divide import divide, reciprocal_estimate
 from vividc.dfg.expand.exp import POLYNOMIAL2
 from vividc.dfg.expand.log import MINUS_ONE, TWO_TO_MINUS_23, split_positive
@@ -131,3 +131,8 @@ def _specials(b: Builder, x: Value, y: Value, near: Value, finite: Value, value:
     value = b.op(Opcode.SELECT, undefined, NAN, value)
     one = b.op(Opcode.OR, b.op(Opcode.FCMP_OEQ, x, ONE), b.op(Opcode.FCMP_OEQ, y, 0))
     return b.op(Opcode.SELECT, one, ONE, value)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.POW: power,
+}

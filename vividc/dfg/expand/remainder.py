@@ -5,9 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, ONE, SIGN, SMALLEST_NORMAL, Builder
+from vividc.dfg.expand.builder import (
+    EXPONENT,
+    EXPONENT_SHIFT,
+    ONE,
+    SIGN,
+    SMALLEST_NORMAL,
+    Builder,
+    Expansion,
+)
 from vividc.dfg.expand.divide import reciprocal_estimate
-from vividc.dfg.expand.round import truncate
+from vividc.dfg.expand.rounding import truncate
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import INT_MAX, WORD_MASK
@@ -145,3 +153,8 @@ def _pack(b: Builder, mantissa: Value, field: Value) -> Value:
         scale = b.op(Opcode.ADD, b.op(Opcode.SHL, part, EXPONENT_SHIFT), ONE)
         value = b.op(Opcode.FMUL, value, scale)
     return value
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.FREM: remainder,
+}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, Builder
+from vividc.dfg.expand.builder import EXPONENT, EXPONENT_SHIFT, Builder, Expansion
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
 
@@ -80,3 +80,9 @@ def hypotenuse(b: Builder, x: Value, y: Value) -> Value:
     value = b.op(Opcode.FMUL, root_of_normal(b, square), scale)
     value = b.op(Opcode.SELECT, b.op(Opcode.FCMP_ORD, x, y), value, NAN)
     return b.op(Opcode.SELECT, b.op(Opcode.FCMP_OEQ, large, EXPONENT), large, value)
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.SQRT: square_root,
+    Opcode.HYPOT: hypotenuse,
+}

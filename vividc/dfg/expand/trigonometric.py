@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Final
 
-from vividc.dfg.expand.builder import EXPONENT_SHIFT, ONE, SIGN, Builder
+from vividc.dfg.expand.builder import EXPONENT_SHIFT, ONE, SIGN, Builder, Expansion
 from vividc.dfg.expand.divide import quotient
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
@@ -155,3 +155,10 @@ def _window(b: Builder, magnitude: Value, exponent: Value) -> list[Value]:
         b.op(Opcode.ADD, b.op(Opcode.SHL, high, exponent), b.op(Opcode.MULHU, low, power))
         for high, low in pairwise(words)
     ]
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.SIN: sine,
+    Opcode.COS: cosine,
+    Opcode.TAN: tangent,
+}

@@ -1,6 +1,6 @@
 """What steps wait for, and the check that no graph's result depends on timing.
 
-In order: `waits`, `compiled` (where machine code is met), `races`, `check`.
+In order: `waits`, `races` (machine code), `check`.
 """
 
 from vividc.launch.hazards.check import check_order

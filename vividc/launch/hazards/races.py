@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
+from vividc.host.machine_code import Compiler, compiler
 from vividc.launch.flat import Ints
-from vividc.launch.hazards.compiled import compiled
 
+compiled: Final[Compiler] = compiler(__file__)
 PLACE, START, END, STEP, WRITES = range(5)
 """Columns of a list of uses: a memory; first byte and end; the step; whether it writes."""
 

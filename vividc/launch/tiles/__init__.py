@@ -1,4 +1,4 @@
 """A loop over `prange` on all tiles.
 
-In order: `chunks`, `spread` (the graph that runs them), `simulate` (`vividc.simulate`).
+In order: `chunks` (iterations and slices of each tile), `spread` (the graph that runs them).
 """

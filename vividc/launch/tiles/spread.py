@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from vividc.arch import Accelerator
 from vividc.errors import ArgumentError
 from vividc.launch.job import Job
-from vividc.launch.result import JobResult
+from vividc.launch.simulate import JobResult
 from vividc.launch.tiles.chunks import Chunk, Cut, Interval, Plan, aligned, plan_chunks, slack
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import WIDE_LOW, Reduction

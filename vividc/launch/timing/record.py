@@ -1,15 +1,50 @@
-"""When every step of a job ran and what served it, from which its events are made on demand: of
-many a job nobody looks at them.
+"""When each step of a job ran and what served it, and the events made from that on demand: few jobs
+are ever looked at that closely.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
-from vividc.launch.event import Event
 from vividc.launch.flat import Ints
-from vividc.launch.steps import Configure, Execute, Step, kind_of
+from vividc.launch.steps import Configure, Execute, Kind, Step, kind_of
+
+Unit = Literal["tile", "dma", "configuration"]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A unit was busy with a step.
+
+    Attributes
+    ----------
+    unit, index
+        "tile" and its number, "dma" and its engine, or "configuration".
+    kind
+        What the step does.
+    step
+        Its number in the graph.
+    start, end
+        First cycle, and the cycle after the last.
+    size_bytes
+        Bytes moved; 0 for runs and configuration.
+    program
+        Name of the program run or configured.
+    tiles
+        The tiles concerned.
+    """
+
+    unit: Unit
+    index: int
+    kind: Kind
+    step: int
+    start: int
+    end: int
+    size_bytes: int = 0
+    program: str = ""
+    tiles: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -49,7 +49,7 @@ _KERNELS: dict[Culling, str] = {
 EXP_EXCESS: Final[dict[RenderPrecision, float]] = {"fp32": 0.0, "fp16": 0.001, "fp8": 0.0715}
 """How far the logarithm of exp in a format may lie above the exponent, where exp is 1/255 or more:
 Lookahead Culling II keeps what is that much below its threshold. float16 errs by 0.75 units in the
-last place (`vividc.dfg.expand.exp_narrow`); float8's line is highest at 3/8 and at 1/2
+last place (`vividc.dfg.expand.exp`); float8's line is highest at 3/8 and at 1/2
 between two powers of two, where its logarithm is 0.0711 too large.
 """
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.dfg.expand.builder import ONE, SIGN, Builder
+from vividc.dfg.expand.builder import ONE, SIGN, Builder, Expansion
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
 
@@ -47,3 +47,11 @@ def _finish(b: Builder, x: Value, integer: Value) -> Value:
     with_sign = b.op(Opcode.OR, integer, b.op(Opcode.AND, x, SIGN))
     # The product is x, and a NaN made canonical.
     return b.op(Opcode.SELECT, fraction, with_sign, b.op(Opcode.FMUL, x, ONE))
+
+
+EXPANSIONS: Final[dict[Opcode, Expansion]] = {
+    Opcode.FLOOR: floor,
+    Opcode.CEIL: ceil,
+    Opcode.TRUNC: truncate,
+    Opcode.RINT: round_half_even,
+}
