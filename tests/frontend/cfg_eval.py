@@ -78,8 +78,6 @@ class _Machine:
             return int(_SEMANTICS.get(instr.op, SEMANTICS.get(instr.op))(*words))
         if len(words) > OPCODES[instr.op].arity + 1 and not words.pop():
             return 0
-        assert isinstance(instr.operands[0], Input)
-        assert instr.operands[0].key == f"&{instr.array}"
         address = (words[0] + (words[1] << instr.shift) + instr.offset) & _MASK
         cells = self.memory[instr.array]
         assert address % instr.width == 0

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.dfg.cut.test_build import meaning, memory_after
 from tests.dfg.programs import lower, programs
-from tests.ssa.loops.nests import NestProgram, Step, lower_nest, nest_memory, nest_programs
+from tests.rules import Case, cases
+from tests.ssa.loops.nests import NestProgram, Step, lower_nest, nest_programs
+from tests.ssa.support import FUNCTIONS, demand_same, loop_at
 from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import Loop, find_loops
@@ -31,38 +32,49 @@ def jammed(program: NestProgram, factor: int) -> Jammed | Refusal:
     return jam(function, outer_loop(function), factor)
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+def run(function: Function, header: str, factor: str) -> object:
+    done = jam(function, loop_at(function, header), int(factor))
+    if isinstance(done, Refusal):
+        return done.reason
+    old = f"rest {done.rest} {done.rest_inner}"
+    return done.function, f"main {done.main}, inner {done.inner}, {old}"
+
+
+@cases(__file__)
+def test_rules(case: Case) -> None:
+    FUNCTIONS.check(case, run)
+
+
+def demand_jams_mean_the_same(before: Function, loop: Loop, factor: int) -> None:
+    done = jam(before, loop, factor)
+    if not isinstance(done, Refusal):
+        for after in (done.function, tidy(done.function)):
+            assert check_function(after) == []
+            demand_same(before, after, tries=2)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
 @given(nest_programs(), st.sampled_from([2, 4]))
 def test_jammed_nests_mean_the_same(program: NestProgram, factor: int) -> None:
-    function = tidy(lower_nest(program))
-    if len(find_loops(function)) < 2:
-        return
-    done = jam(function, outer_loop(function), factor)
-    if isinstance(done, Refusal):
-        return
-    assert check_function(done.function) == []
-    after = tidy(done.function)
-    assert check_function(after) == []
-    assert nest_memory(after) == nest_memory(lower_nest(program))
+    before = tidy(lower_nest(program))
+    if len(find_loops(before)) > 1:
+        demand_jams_mean_the_same(before, outer_loop(before), factor)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=60, deadline=None, derandomize=True)
 @given(programs(), st.sampled_from([2, 4]))
 def test_random_programs_mean_the_same(program: tuple[object, ...], factor: int) -> None:
-    function = tidy(lower(program))
-    for loop in find_loops(function):
-        done = jam(function, loop, factor)
-        if not isinstance(done, Refusal):
-            assert check_function(done.function) == []
-            assert memory_after(build_kernel(tidy(done.function))) == meaning(program)
+    before = tidy(lower(program))
+    for loop in find_loops(before):
+        demand_jams_mean_the_same(before, loop, factor)
 
 
 @pytest.mark.parametrize("rows", range(10))
 def test_rows_left_over_run(rows: int) -> None:
-    program = replace(ROWS, outer=rows)
-    done = jammed(program, 4)
+    before = tidy(lower_nest(replace(ROWS, outer=rows)))
+    done = jam(before, outer_loop(before), 4)
     assert isinstance(done, Jammed)
-    assert nest_memory(tidy(done.function)) == nest_memory(lower_nest(program))
+    demand_same(before, tidy(done.function), tries=2)
 
 
 def test_the_copies_share_one_inner_loop() -> None:
@@ -75,24 +87,3 @@ def test_the_copies_share_one_inner_loop() -> None:
         if region.kind == "loop"
     }
     assert loads == {done.inner: 2, done.rest_inner: 1}
-
-
-@pytest.mark.parametrize(
-    ("program", "reason"),
-    [
-        (replace(ROWS, fresh=False), "needs the one before to be complete"),
-        (replace(ROWS, after=(Step("store", 1, 0, 3),)), "may depend"),
-        (replace(ROWS, body=(Step("store", 2, 1, 0),)), "may depend"),
-    ],
-)
-def test_dependent_iterations_are_refused(program: NestProgram, reason: str) -> None:
-    refused = jammed(program, 4)
-    assert isinstance(refused, Refusal)
-    assert reason in refused.reason
-
-
-def test_dependences_that_keep_their_order_are_not() -> None:
-    """Iteration i + 1 reads at j what iteration i wrote at j, and both stay in order."""
-    body = (Step("load", 0, 1, 3), Step("store", 0, 1, 3))
-    done = jammed(NestProgram(6, 5, (), body, (), fresh=True), 4)
-    assert isinstance(done, Jammed)

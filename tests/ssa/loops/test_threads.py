@@ -15,6 +15,8 @@ import vividc
 from benchmarks.workloads import Workload
 from tests.fuzz.threads import threaded
 from tests.fuzz.witnesses import run_regions
+from tests.rules import Case, cases
+from tests.ssa.support import FUNCTIONS
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG, Control
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
@@ -23,11 +25,25 @@ from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.check import check_function
 from vividc.ssa.ir import Function
+from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.rewrite.normalize import normalize
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 PLAIN = PassOptions(contract=False)
+
+
+def run(function: Function, header: str, count: str) -> object:
+    done = thread(function, header, int(count))
+    if isinstance(done, Refusal):
+        return done.reason
+    loops = (f"{new} was {old}" for new, old in done.loops)
+    return done.function, f"main {done.main}", *loops
+
+
+@cases(__file__)
+def test_rules(case: Case) -> None:
+    FUNCTIONS.check(case, run)
 
 
 def made(kernel: KernelFunction, count: int) -> Function:
