@@ -168,7 +168,7 @@ def measured(keys: Sequence[Key], output: Path | None) -> Iterator[dict[Key, Row
         for key in keys:
             if key in rows:
                 continue
-            rows[key] = _in_child(key, folder)
+            rows[key] = in_child(key, folder)
             print(rows[key], file=sys.stderr)
             if kept is not None:
                 with kept.open("a", encoding="utf-8") as file:
@@ -185,7 +185,7 @@ def _read(kept: Path | None) -> dict[Key, Row]:
     return {row.key: row for row in rows}
 
 
-def _in_child(key: Key, folder: str) -> Row:
+def in_child(key: Key, folder: str) -> Row:
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
         try:
@@ -205,7 +205,7 @@ def measure(key: Key, folder: str) -> Row:
         sample=key.sample, lookahead=key.lookahead, precision=key.precision, mode=key.mode
     )
     try:
-        frame, seconds = _timed(scene, camera, options)
+        frame, seconds = timed(scene, camera, options)
     except VividcError as error:
         return Row(key, error.reason, load=load)
     peak = _peak_kb()  # before the reference takes memory
@@ -269,7 +269,7 @@ def _reference(key: Key, scene: Scene, camera: Camera, folder: Path) -> Float32A
     return image
 
 
-def _timed(scene: Scene, camera: Camera, options: ArrayOptions) -> tuple[ArrayFrame, float]:
+def timed(scene: Scene, camera: Camera, options: ArrayOptions) -> tuple[ArrayFrame, float]:
     """Return a frame and the seconds it took: it is rendered again if kernels were compiled."""
     compiled: list[str] = []
 

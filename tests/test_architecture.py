@@ -90,6 +90,26 @@ def test_rooms_import_each_other_in_no_circle() -> None:
             assert len(circle) == 1 or circle <= allowed, f"{name_of(room)}: {sorted(circle)}"
 
 
+def private_names(text: str) -> list[str]:
+    """Names with a leading underscore that a test takes from the package or the benchmarks."""
+    ours = r"(?:vividc|benchmarks)\b[\w.]*"
+    imports = re.findall(rf"^from {ours} import (\([^)]*\)|.*)", text, re.MULTILINE)
+    names = {"vividc", *(name for some in imports for name in re.findall(r"\w+", some))}
+    taken = re.findall(rf"\b({'|'.join(names)})\b(?:\.\w+|\(\))*(?:\.|, \")(_[a-zA-Z]\w*)", text)
+    return [
+        *(name for name in names if re.match("_[a-zA-Z]", name)),
+        *(private for _, private in taken),
+        *re.findall(rf'"{ours}\.(_[a-zA-Z]\w*)', text),
+    ]
+
+
+def test_tests_use_no_private_name() -> None:
+    """What a test needs is public, or reached by a parameter."""
+    files = sorted((ROOT / "tests").rglob("*.py"))
+    found = {file.relative_to(ROOT).as_posix(): private_names(file.read_text()) for file in files}
+    assert not {name: private for name, private in found.items() if private}
+
+
 def test_every_door_of_the_walks_exists() -> None:
     text = (ROOT / "docs" / "design" / "walks.md").read_text(encoding="utf-8")
     doors = re.findall(r"`(vividc(?:\.\w+)+)`", text)

@@ -181,7 +181,7 @@ def test_an_odd_value_works_or_is_refused_by_a_message(
     name: str, spread_program: vividc.Program, monkeypatch: Any, tmp_path: Any
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(vividc.compiler.driver, "_compile_stages", lambda *_, **__: spread_program)
+    monkeypatch.setattr(vividc.compiler.driver, "compile_stages", lambda *_, **__: spread_program)
     refused: list[str] = []
     for value in ODD:
         try:

@@ -48,7 +48,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Key]:
             load=0.5,
         )
 
-    monkeypatch.setattr(measured_frames, "_in_child", made_up)
+    monkeypatch.setattr(measured_frames, "in_child", made_up)
     monkeypatch.setattr(paper, "chosen_views", lambda scene, size: [0, 8])
     monkeypatch.setattr(paper, "photographs", lambda size: Path("there"))
     scenes = {"mic": {"tensorf": Path(), "kilonerf": Path()}, "playbot": {"3dgs": Path()}}
@@ -108,7 +108,7 @@ def test_seconds_are_those_with_compiled_kernels_at_hand(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(measured_frames, "render_array", render)
     monkeypatch.setattr(measured_frames, "time", SimpleNamespace(perf_counter=clock.__next__))
-    frame, seconds = measured_frames._timed(None, None, None)  # type: ignore[arg-type]
+    frame, seconds = measured_frames.timed(None, None, None)  # type: ignore[arg-type]
     assert (frame, seconds, told) == ("frame", 3.0, [True, False])
 
 

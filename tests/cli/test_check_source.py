@@ -59,7 +59,7 @@ def folder(compiled: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> P
     (compiled / "was_run").unlink(missing_ok=True)
     (tmp_path / "tmp").mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.setenv("VIVIDC_CACHE_DIR", "")
     return compiled

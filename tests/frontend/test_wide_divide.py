@@ -38,10 +38,10 @@ def whole(value: Pair) -> int:
 def check(dividend: int, divisor: int) -> None:
     words = Folding()
     expected = divmod(dividend, divisor)
-    found = wide_divide._by_variable(words, pair(dividend), pair(divisor))
+    found = wide_divide.by_variable(words, pair(dividend), pair(divisor))
     assert (whole(found.quotient), whole(found.remainder)) == expected, (dividend, divisor)
     if divisor & (divisor - 1):
-        found = wide_divide._by_constant(words, pair(dividend), pair(divisor))
+        found = wide_divide.by_constant(words, pair(dividend), pair(divisor))
         assert (whole(found.quotient), whole(found.remainder)) == expected, (dividend, divisor)
 
 

@@ -79,7 +79,7 @@ def judge(kind: Kind, data: bytes, home: Path, base: int = 0) -> Outcome:
         path.chmod(0o600)
     for name in ("out", "out.png"):
         (out.parent / name).write_bytes(_BEFORE)
-    native_code._known.clear()
+    native_code.known_code.clear()
     _reset_peak()
     resident, started = _memory("VmRSS"), process_time()
     fate, find = _call(kind, path) if kind.call else _command(kind, path, out, home)

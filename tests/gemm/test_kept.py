@@ -23,14 +23,14 @@ ONE = chain.Chain(ARRAY, (chain.Link(3, 1, relu=True),), 2)
 @pytest.fixture(autouse=True)
 def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
-    chain._program.cache_clear()
+    chain.kept_program.cache_clear()
     return tmp_path
 
 
 def test_a_program_is_built_once(monkeypatch: pytest.MonkeyPatch) -> None:
     built = chain.chain_program(ONE)
-    chain._program.cache_clear()
-    monkeypatch.setattr(chain, "_built", None)  # it must not be called
+    chain.kept_program.cache_clear()
+    monkeypatch.setattr(chain, "built_program", None)  # it must not be called
     read = chain.chain_program(ONE)
     assert read is not built
     assert np.array_equal(read.words, built.words)
@@ -51,7 +51,7 @@ def test_what_is_damaged_is_built_anew(folder: Path, monkeypatch: pytest.MonkeyP
     assert read_program(key) is not None
     for file in (folder / "entries").iterdir():
         file.write_bytes(file.read_bytes()[:-5])
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
     with pytest.warns(VividcWarning, match="product-.* is damaged; it is thrown away"):
         assert read_program(key) is None
     assert read_program("none") is None
@@ -62,7 +62,7 @@ def test_what_is_no_program_is_thrown_away(
     folder: Path, monkeypatch: pytest.MonkeyPatch, content: bytes
 ) -> None:
     cache.write("product", "mine", content)
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
     with pytest.warns(VividcWarning, match="holds no program"):
         assert read_program("mine") is None
     assert not list((folder / "entries").iterdir())
@@ -79,7 +79,7 @@ def test_a_program_copied_over_another_is_not_used(
     write_program("other", replace(program, name="other"))
     (other,) = {*(folder / "entries").iterdir()} - {one}
     other.write_bytes(one.read_bytes())
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
     with pytest.warns(VividcWarning, match="is damaged"):
         assert read_program("other") is None
     kept = read_program("one")

@@ -17,7 +17,7 @@ def homes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     for variable in (cache.VARIABLE, cache.SIZE_VARIABLE, "XDG_CACHE_HOME"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
-    cache._complain.cache_clear()
+    cache.complain.cache_clear()
 
 
 def test_where_it_is(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

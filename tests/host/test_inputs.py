@@ -17,7 +17,7 @@ import vividc
 from tests.fuzz.file_kinds import KERNEL
 from vividc import arch, dfg, load_ll, program
 from vividc.arch.cost.tables import load_costs
-from vividc.cli.commands.verify import _json_of
+from vividc.cli.commands.verify import read_json
 from vividc.cli.kernels import load_kernel
 from vividc.errors import VividcError
 from vividc.host.files import write_whole
@@ -25,7 +25,7 @@ from vividc.host.inputs import ARGUMENT_BYTES, VARIABLE, limit, read_bytes
 from vividc.host.npz import read_npz
 from vividc.program.bundle import SCHEMA
 from vividc.render import load_cameras, read_scene, read_views
-from vividc.render.views import _read_picture
+from vividc.render.views import read_picture
 
 
 def npy(shape: str, data: bytes = b"", descr: str = "<f4") -> bytes:
@@ -117,8 +117,8 @@ READERS = {
     "cameras.npz": load_cameras,
     "k.py": lambda path: load_kernel(str(path)),
     "k.ll": lambda path: load_ll(path, "f"),
-    "m.json": _json_of,
-    "p.png": _read_picture,
+    "m.json": read_json,
+    "p.png": read_picture,
     "in.npz": lambda path: read_npz(path, ARGUMENT_BYTES, VividcError),
 }
 """By names that their files may have."""

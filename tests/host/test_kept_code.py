@@ -118,7 +118,7 @@ def test_code_is_kept_for_the_function_in_memory_and_damage_is_made_anew(tmp_pat
 
 def test_an_entry_of_another_form_is_thrown_away(monkeypatch: pytest.MonkeyPatch) -> None:
     """The store vouches for who wrote it, and this for what it is."""
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
 
     def one() -> int:
         return 1

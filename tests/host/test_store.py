@@ -29,7 +29,7 @@ ANY = pytest.mark.filterwarnings("ignore::vividc.errors.VividcWarning")
 
 @pytest.fixture(autouse=True)
 def nothing_said_yet(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
 
 
 @pytest.fixture

@@ -84,13 +84,20 @@ def test_each_thread_has_its_own_limit() -> None:
     assert found == [math.inf]
 
 
-@vividc.kernel("int32(int32[::1], int32)")
-def nested(x, n):  # type: ignore[no-untyped-def]
+def in_python(x, n):  # type: ignore[no-untyped-def]
     total = np.int32(0)
     for i in range(n):
         for j in range(n):
             total += x[i] * x[j] + i
     return np.int32(total)
+
+
+def kernel() -> vividc.KernelFunction:
+    """A kernel that was not typed and lowered yet."""
+    return vividc.kernel("int32(int32[::1], int32)")(in_python)
+
+
+nested = kernel()
 
 
 def _ends_at(stage: str) -> Callable[[str], None]:
@@ -120,9 +127,8 @@ def test_a_stage_without_which_there_is_no_program_ends_with_a_message(
 ) -> None:
     """A stage that no longer asks for the time fails here."""
     monkeypatch.setattr(time_limit, "step", _ends_at(stage))
-    monkeypatch.setattr(nested, "_lowered", {})
     with pytest.raises(TimeLimit, match=stage):
-        vividc.compile(nested)
+        vividc.compile(kernel())
 
 
 def test_the_choice_of_transformations_may_end_early_and_the_program_says_so(
@@ -148,7 +154,7 @@ def test_without_time_loops_run_block_by_block_and_the_program_says_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(time_limit, "remaining_s", lambda: 0.0)
-    monkeypatch.setattr("vividc.compiler.map_regions._LEAST_S", 0.0)
+    monkeypatch.setattr("vividc.compiler.map_regions.LEAST_S", 0.0)
     with pytest.warns(vividc.VividcWarning, match="runs block by block"):
         program = vividc.compile(nested, transform="none")
     assert {region.kind for region in program.regions} == {"straight"}

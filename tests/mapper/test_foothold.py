@@ -18,7 +18,7 @@ from vividc.mapper.request import MapRequest
 from vividc.mapper.search.attempt import OPEN, Attempt
 from vividc.mapper.search.campaign import Campaign
 from vividc.mapper.search.foothold import gain_foothold, needs_foothold
-from vividc.mapper.search.portfolio import _climb, ii_limit
+from vividc.mapper.search.portfolio import climb, ii_limit
 
 
 def campaign(fabric: str, dfg: DFG) -> Campaign:
@@ -77,7 +77,7 @@ def test_below_a_foothold_the_iis_between_come_before_the_bound() -> None:
     search.strategy = strategy
     lower = search.lower
     search.best = map_dfg(search.problem.dfg, search.problem.fabric, ii=lower + 3).mapping
-    _climb(search, 10.0, 1.0)
+    climb(search, 10.0, 1.0)
     search.tries = {lower: 1}
-    _climb(search, 10.0, 1.0)
+    climb(search, 10.0, 1.0)
     assert tried == [lower, lower + 1, lower + 2, lower + 1, lower + 2]

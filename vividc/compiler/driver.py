@@ -186,7 +186,7 @@ def _compiled(
         lines = frozenset()  # iterations that are not proved independent keep their order
     product = _product(kernel, loaded, options, mode)
     machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-    program = _compile_stages(function, machine, options, lines)
+    program = compile_stages(function, machine, options, lines)
     for text in program.warnings:
         warnings.warn(text, VividcWarning, stacklevel=2)
     warned = (*told, *program.warnings)
@@ -302,7 +302,7 @@ def _cut(
         return function, None
 
 
-def _compile_stages(
+def compile_stages(
     function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""

@@ -26,7 +26,7 @@ Progress = Callable[[str], None]
 
 _SEARCH = "the search for mappings"
 
-_LEAST_S = 0.3
+LEAST_S = 0.3
 """All loops together have so long in any case."""
 
 _LEAST_LOOP_S = 0.1
@@ -155,7 +155,7 @@ def _map_loops(
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
     left_s = time_limit.remaining_s()
     reserve_s = min(nodes * _STRAIGHT_NODE_S, _STRAIGHT_SHARE * left_s)
-    until = time_limit.now() + max(left_s - reserve_s, _LEAST_S)
+    until = time_limit.now() + max(left_s - reserve_s, LEAST_S)
     results: dict[int, MapResult] = {}
     done: list[tuple[DFG, Mapping]] = []
     failed: list[MappingFailed | TimeLimit] = []

@@ -222,21 +222,21 @@ def chain_program(chain: Chain) -> Program:
         A layer fits no array's memories.
     """
     made = tuple((link.depth, link.relu, link.precision, link.results) for link in chain.links)
-    return _program(chain.array.fabric.name, made, chain.words)
+    return kept_program(chain.array.fabric.name, made, chain.words)
 
 
 @lru_cache(maxsize=16)
-def _program(fabric: str, links: tuple[_Form, ...], words: int) -> Program:
+def kept_program(fabric: str, links: tuple[_Form, ...], words: int) -> Program:
     array = SystolicArray.of(arch.load_tile(fabric))
     key = key_of(array.fabric, links, words)
     program = read_program(key)
     if program is None:
-        program = _built(array, links, words)
+        program = built_program(array, links, words)
         write_program(key, program)
     return program
 
 
-def _built(array: SystolicArray, links: tuple[_Form, ...], words: int) -> Program:
+def built_program(array: SystolicArray, links: tuple[_Form, ...], words: int) -> Program:
     regions: list[Region] = []
     mappings: dict[int, Mapping] = {}
     reports: dict[int, MapResult] = {}

@@ -37,7 +37,7 @@ def folder() -> Path | None:
     if chosen is not None and os.path.isabs(chosen):
         return Path(chosen) / _ENTRIES
     if chosen is not None:
-        _complain(f"{VARIABLE} is {chosen!r}, which is no absolute path: it is ignored")
+        complain(f"{VARIABLE} is {chosen!r}, which is no absolute path: it is ignored")
     home = user_folder("XDG_CACHE_HOME", ".cache")
     return None if home is None else home / _ENTRIES
 
@@ -135,11 +135,11 @@ def _limit_bytes() -> int:
     if text.isascii() and text.isdigit():
         return int(text[:12]) << 20
     if text:
-        _complain(f"{SIZE_VARIABLE} is {text!r}, which is no number of MiB: {DEFAULT_MB} is taken")
+        complain(f"{SIZE_VARIABLE} is {text!r}, which is no number of MiB: {DEFAULT_MB} is taken")
     return DEFAULT_MB << 20
 
 
 @cache
-def _complain(what: str) -> None:
+def complain(what: str) -> None:
     """Once a process."""
     warnings.warn(what, VividcWarning, stacklevel=2)

@@ -44,7 +44,8 @@ _FLAGS: Final = {
     name: getattr(os, name, 0) for name in ("O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC")
 }
 _OPEN: Final = _FLAGS["O_NOFOLLOW"] | _FLAGS["O_NONBLOCK"] | _FLAGS["O_CLOEXEC"]
-_warned = False
+warned: list[str] = []
+"""The warning that was given; a process gives one."""
 
 
 @dataclass(slots=True)
@@ -332,7 +333,6 @@ def _shared(status: os.stat_result) -> str | None:
 
 
 def _warn(what: str) -> None:
-    global _warned  # noqa: PLW0603 # a process says it once
-    if not _warned:
-        _warned = True
+    if not warned:
+        warned.append(what)
         warnings.warn(what, VividcWarning, stacklevel=2)

@@ -75,7 +75,7 @@ class View:
         """
         if self.picture is None:
             return None
-        pixels = _read_picture(self.picture) if isinstance(self.picture, Path) else self.picture
+        pixels = read_picture(self.picture) if isinstance(self.picture, Path) else self.picture
         if pixels.shape[:2] != (self.camera.height, self.camera.width):
             raise SceneError(
                 f"the picture of view {self.name} has {pixels.shape[1]}x{pixels.shape[0]} pixels, "
@@ -206,7 +206,7 @@ def _size(document: Mapping[str, Any], path: Path, pictures: list[Path | None]) 
     first = next((picture for picture in pictures if picture is not None), None)
     if first is None:
         return _DEFAULT_PX, _DEFAULT_PX
-    height, width = _read_picture(first).shape[:2]
+    height, width = read_picture(first).shape[:2]
     return width, height
 
 
@@ -228,7 +228,7 @@ def _number(document: Mapping[str, Any], path: Path, name: str) -> float:
     return float(value)
 
 
-def _read_picture(path: Path) -> npt.NDArray[np.uint8]:
+def read_picture(path: Path) -> npt.NDArray[np.uint8]:
     data = read_bytes(path, PICTURE_BYTES, SceneError)
     try:
         with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:

@@ -35,8 +35,8 @@ def _kept_long(seed: int) -> tuple[DFG, Fabric]:
 def excluded(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     """The conflicts that were excluded."""
     found: list[object] = []
-    exclude = solve._exclude
-    monkeypatch.setattr(solve, "_exclude", lambda *args: found.append(args) or exclude(*args))
+    exclude = solve.exclude
+    monkeypatch.setattr(solve, "exclude", lambda *args: found.append(args) or exclude(*args))
     return found
 
 
@@ -48,7 +48,7 @@ def test_cuts_elsewhere_lose_no_mapping(
     ii = 3 + (300 + seed) // 16 % 2
     everywhere = map_dfg(dfg, fabric, "cpsat", ii=ii, workers=1)
     assert excluded
-    monkeypatch.setattr(solve, "_MOST_CUTS", 1)
+    monkeypatch.setattr(solve, "MOST_CUTS", 1)
     only_here = map_dfg(dfg, fabric, "cpsat", ii=ii, workers=1)
     assert (everywhere.status, everywhere.ii) == (only_here.status, only_here.ii)
 

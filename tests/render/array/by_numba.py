@@ -9,7 +9,7 @@ import numpy as np
 from vividc import KernelFunction
 from vividc.render.array import Ledger
 from vividc.render.array.device.launches import Gathered, Launch
-from vividc.render.array.device.programs import _module, kernel_folder
+from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance import March
 
@@ -27,7 +27,7 @@ class Host:
 
     def get(self, kernel: str) -> KernelFunction:
         path, _, name = kernel.partition(":")
-        found: KernelFunction = getattr(_module(kernel_folder() / f"{path}.py"), name)
+        found: KernelFunction = getattr(kernel_module(kernel_folder() / f"{path}.py"), name)
         return found
 
 

@@ -33,7 +33,7 @@ def here(corners: Int32Array) -> Batch:
 def shared(behaviour: str | None, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Batch], list[int]]:
     """What comes of the batches, and the progress told."""
     monkeypatch.syspath_prepend(str(Path(__file__).parent))
-    monkeypatch.setattr(crew, "_HELPER", "echo_helper")
+    monkeypatch.setattr(crew, "HELPER", "echo_helper")
     monkeypatch.setattr(crew, "processes_for", lambda _: 2)
     told: list[int] = []
     work = cast("Work | None", behaviour)  # the helper that stands in takes a word
@@ -94,7 +94,7 @@ def test_few_batches_are_not_worth_a_helper(monkeypatch: pytest.MonkeyPatch) -> 
 def test_two_processes_render_the_same_frame_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
     _, scene = read_scene(MIC / "mic_kilonerf.npz")
     camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 64, 64)
-    monkeypatch.setattr(batches, "_BLOCKS_AT_ONCE", 8)
+    monkeypatch.setattr(batches, "BLOCKS_AT_ONCE", 8)
     frames = []
     for processes in (1, 2):
         monkeypatch.setattr(crew, "processes_for", lambda _, count=processes: count)

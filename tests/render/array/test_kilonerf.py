@@ -11,13 +11,13 @@ import pytest
 from vividc.errors import ArgumentError
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, Ledger, open_device, render_array
-from vividc.render.array.device.programs import _module, kernel_folder
-from vividc.render.array.models.kilonerf import _CHUNK, KiloNeRFOnArray, _by_coordinate, _pieces
+from vividc.render.array.device.programs import kernel_folder, kernel_module
+from vividc.render.array.models.kilonerf import CHUNK, KiloNeRFOnArray, by_coordinate, pieces_of
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
-KERNELS = _module(kernel_folder() / "render" / "kilonerf.py")
+KERNELS = kernel_module(kernel_folder() / "render" / "kilonerf.py")
 
 
 @pytest.fixture(scope="module")
@@ -33,17 +33,17 @@ def test_samples_are_sorted_by_network() -> None:
     KERNELS.sort_by_network(networks, -1, 100, starts, cursors, order, places)
     np.testing.assert_array_equal(order, 100 + np.argsort(networks, kind="stable"))
     np.testing.assert_array_equal(order[places - 100], np.arange(100, 150))
-    pieces = list(_pieces(starts[None, :], -1))
+    pieces = list(pieces_of(starts[None, :], -1))
     assert sum(count for _, _, count in pieces) == (networks >= 0).sum()
     for network, first, count in pieces:
         assert (networks[order[first : first + count] - 100] == network).all()
 
 
 def test_pieces_of_several_chunks() -> None:
-    starts = np.array([[0, 0, _CHUNK, _CHUNK], [0, 3, 3, 3]], np.int32)  # one network
-    assert list(_pieces(starts, -1)) == [(0, 0, _CHUNK)]
-    assert list(_pieces(np.array([[0, 2, 2, 5, 9]], np.int32), -1)) == [(1, 2, 3)]
-    assert list(_pieces(np.array([[4, 6, 7]], np.int32), 30)) == [(30, 4, 2)]
+    starts = np.array([[0, 0, CHUNK, CHUNK], [0, 3, 3, 3]], np.int32)  # one network
+    assert list(pieces_of(starts, -1)) == [(0, 0, CHUNK)]
+    assert list(pieces_of(np.array([[0, 2, 2, 5, 9]], np.int32), -1)) == [(1, 2, 3)]
+    assert list(pieces_of(np.array([[4, 6, 7]], np.int32), 30)) == [(30, 4, 2)]
 
 
 def test_networks_are_sorted_a_range_after_the_other() -> None:
@@ -53,7 +53,7 @@ def test_networks_are_sorted_a_range_after_the_other() -> None:
     for low, count in ((-1, 3), (2, 4), (6, 1)):
         starts, cursors = np.zeros(count + 2, np.int32), np.zeros(count + 2, np.int32)
         KERNELS.sort_by_network(networks, low, 100, starts, cursors, order, places)
-        pieces += _pieces(starts[None, :], low)
+        pieces += pieces_of(starts[None, :], low)
     np.testing.assert_array_equal(order, 100 + np.argsort(networks, kind="stable"))
     np.testing.assert_array_equal(order[places - 100], np.arange(100, 150))
     assert [network for network, _, _ in pieces] == list(range(7))
@@ -82,8 +82,8 @@ def test_a_grid_that_fits_no_scratchpad_finds_its_networks(model: KiloNeRF) -> N
     large = replace(model, network=grid)
     box = model.march.box
     points = np.random.default_rng(3).uniform(box[0], box[1], (1500, 3)).astype(np.float32)
-    networks, local = KiloNeRFOnArray(large, open_device("vivid"))._cells(points, Ledger())
-    expected, exact = large._cells(points)
+    networks, local = KiloNeRFOnArray(large, open_device("vivid")).cells_of(points, Ledger())
+    expected, exact = large.cells_of(points)
     np.testing.assert_array_equal(networks, expected)
     np.testing.assert_allclose(local, exact, atol=2e-5)
 
@@ -95,7 +95,7 @@ def test_encodings_are_near_the_references(name: str, levels: int, reach: int) -
     getattr(KERNELS, f"encode_{name}")(vectors.ravel(), out)
     exact = positional_encoding(vectors, levels)
     terms = exact.shape[1]
-    np.testing.assert_allclose(out.reshape(200, -1), exact[:, _by_coordinate(terms)], atol=2.0**-17)
+    np.testing.assert_allclose(out.reshape(200, -1), exact[:, by_coordinate(terms)], atol=2.0**-17)
 
 
 def test_a_hidden_width_that_is_no_multiple_of_8_is_refused(model: KiloNeRF) -> None:

@@ -12,14 +12,14 @@ import vividc
 from vividc.formats import E4M3, round_array, to_floats
 from vividc.render import SceneError, psnr, read_scene, read_views, render_reference, scaled_camera
 from vividc.render.array import ArrayOptions, render_array
-from vividc.render.array.device.programs import _module, kernel_folder
-from vividc.render.array.models.kilonerf_words import CHUNK_WORDS, _in_words, _scale, fp8_words
+from vividc.render.array.device.programs import kernel_folder, kernel_module
+from vividc.render.array.models.kilonerf_words import CHUNK_WORDS, fp8_words, in_words, scales
 from vividc.render.radiance import KiloNeRF
 from vividc.render.radiance.kilonerf import positional_encoding
 from vividc.render.radiance.layers import relu, sigmoid
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
-KERNELS = _module(kernel_folder() / "render" / "kilonerf_fp8.py")
+KERNELS = kernel_module(kernel_folder() / "render" / "kilonerf_fp8.py")
 SAMPLES = 6
 
 
@@ -55,7 +55,7 @@ def exact_model(model: KiloNeRF) -> KiloNeRF:
 def terms(vectors: np.ndarray, levels: int) -> np.ndarray:
     """Terms of an encoding in the order of its words, filled up to whole chunks."""
     exact = positional_encoding(vectors, levels)
-    order = _in_words(np.eye(exact.shape[1], dtype=np.float32)[None], levels)[0]
+    order = in_words(np.eye(exact.shape[1], dtype=np.float32)[None], levels)[0]
     return exact @ order.T
 
 
@@ -105,10 +105,10 @@ def test_networks_without_rounding_are_the_references(model: KiloNeRF, network: 
         colours,
     )
     w1, w2, w3, w4, w5 = (array[network] for array in model.weights)
-    ordered = _in_words(w1[None], 10)[0]
+    ordered = in_words(w1[None], 10)[0]
     result = relu(relu(position @ ordered) @ w2) @ w3
     np.testing.assert_array_equal(thickness, relu(result[:, 0]) * step)
-    by_direction = _in_words(w4[None, 32:], 4)[0]
+    by_direction = in_words(w4[None, 32:], 4)[0]
     layer = relu(result[:, 1:] @ w4[:32] + direction @ by_direction)
     np.testing.assert_allclose(colours, sigmoid(layer @ w5), rtol=0.05)
 
@@ -117,9 +117,9 @@ def test_scales_keep_results_and_weights_within_the_format() -> None:
     weights = np.full((3, 4, 2), 1e-3, np.float32)
     weights[1] = 300
     largest = np.array([1.0, 1.0, 0.0], np.float32)
-    np.testing.assert_array_equal(_scale(largest, (weights, 0)), [6, 0, 18])
-    np.testing.assert_array_equal(_scale(largest, (weights, np.array([1, 1, 1]))), [6, 1, 19])
-    assert (_scale(np.zeros(2, np.float32), (np.zeros((2, 4, 2), np.float32), 0)) < 99).all()
+    np.testing.assert_array_equal(scales(largest, (weights, 0)), [6, 0, 18])
+    np.testing.assert_array_equal(scales(largest, (weights, np.array([1, 1, 1]))), [6, 1, 19])
+    assert (scales(np.zeros(2, np.float32), (np.zeros((2, 4, 2), np.float32), 0)) < 99).all()
 
 
 def test_what_float8_cannot_do_is_refused(model: KiloNeRF) -> None:

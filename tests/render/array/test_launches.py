@@ -10,7 +10,7 @@ import pytest
 from vividc.render import SceneError
 from vividc.render.array import Device, Ledger, open_device
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.device.launches import Launch, Move, _Places, dealt, run_launches
+from vividc.render.array.device.launches import Launch, Move, Places, dealt, run_launches
 
 KERNEL = "saxpy:saxpy"
 
@@ -76,7 +76,7 @@ def test_copies_of_arrays_lie_apart_in_the_banks_asked_for(banks: int) -> None:
     program = SimpleNamespace(name="saxpy", banks=wishes, fabric=fabric)
     y = np.zeros(5, np.float32)
     share = [launch(np.zeros(9, np.float32), y, shared=True) for _ in range(3)]
-    places = _Places(program, share, 2048)
+    places = Places(program, share, 2048)
     ends = [0]
     for starts, sizes in ((places.shared, {"x": 36}), (places.own, {"y": 20})):
         assert len(starts) == 2

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from vividc.render import Camera
-from vividc.render.array.device.programs import _module, kernel_folder
+from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.array.march.bricks import pack_bricks
-from vividc.render.array.march.marching import _geometry
+from vividc.render.array.march.marching import geometry_of
 from vividc.render.radiance import March, pixel_rays
 from vividc.render.radiance.occupancy import occupied_samples
 
-KERNELS = _module(kernel_folder() / "render" / "marching.py")
+KERNELS = kernel_module(kernel_folder() / "render" / "marching.py")
 ROOM = 4000
 
 
@@ -28,7 +28,7 @@ def random_camera(rng: np.random.Generator, distance: float) -> Camera:
 def marched(march: March, camera: Camera, directions: np.ndarray, base: int) -> tuple:
     bricks = pack_bricks(march.occupied)
     count = len(directions)
-    geometry = _geometry(march, camera)
+    geometry = geometry_of(march, camera)
     entries, exits = np.zeros(count, np.float32), np.zeros(count, np.float32)
     steps, candidates = np.zeros(count, np.int32), np.zeros(ROOM, np.int32)
     items = np.zeros(ROOM, np.int32)
@@ -88,7 +88,7 @@ def test_more_samples_than_room_are_told() -> None:
     tables = (bricks.grid, bricks.coarse, bricks.ranks, bricks.cells)
     found = KERNELS.march_rays(
         directions,
-        _geometry(march, camera),
+        geometry_of(march, camera),
         *tables,
         *(march.samples, 0, *floats, np.zeros(9, np.int32), *words),
     )

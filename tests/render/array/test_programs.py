@@ -36,7 +36,7 @@ def test_a_kernel_is_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert len(told) == 1
     assert [r.ii for r in again.regions] == [r.ii for r in first.regions]
     bundle.write_bytes(bundle.read_bytes()[:100])
-    monkeypatch.setattr(store, "_warned", False)
+    monkeypatch.setattr(store, "warned", [])
     with pytest.warns(VividcWarning, match="stage-.* is damaged"):
         programs(told).get(FIR)
     assert len(told) == 2

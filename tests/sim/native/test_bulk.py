@@ -27,7 +27,7 @@ from vividc.sim.native.code import compiled as native_code
 @pytest.fixture(autouse=True)
 def all_loops_by_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bulk_tables, "BULK_OPS", 0)
-    monkeypatch.setattr(bulk_tables, "_ROWS", 1)  # the window moves in every body
+    monkeypatch.setattr(bulk_tables, "ROWS", 1)  # the window moves in every body
 
 
 def floats(count: int, seed: int = 0) -> np.ndarray:

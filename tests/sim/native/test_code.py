@@ -31,7 +31,7 @@ def compilations(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
     monkeypatch.setattr(code, "object_code", noted)
-    monkeypatch.setattr(code, "_known", type(code._known)())
+    monkeypatch.setattr(code, "known_code", type(code.known_code)())
     return texts
 
 
@@ -48,7 +48,7 @@ def test_code_of_another_process_is_loaded(
 ) -> None:
     program = saxpy(fabric())
     NativeEngine(program)
-    monkeypatch.setattr(code, "_known", type(code._known)())
+    monkeypatch.setattr(code, "known_code", type(code.known_code)())
     x, y = np.ones(8, np.float32), np.ones(8, np.float32)
     run = NativeEngine(program).run(launch(program, x, y, 8))
     assert len(compilations) == 1

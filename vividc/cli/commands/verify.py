@@ -64,7 +64,7 @@ def _read_named(mapping: Path, graph: Path | None, fabric: str | None) -> MapRes
 
 
 def _read(mapping: Path, graph: Path | None, fabric: str | None) -> MapResult:
-    data = _json_of(mapping)
+    data = read_json(mapping)
     if graph is None and fabric is None:
         return read_result(data, str(mapping))
     the_dfg = dfg.load(graph) if graph is not None else _of(read_result(data).subject).dfg
@@ -78,7 +78,7 @@ def _of(subject: Subject | None) -> Subject:
     return subject
 
 
-def _json_of(path: Path) -> object:
+def read_json(path: Path) -> object:
     text = read_text(path, GRAPH_BYTES)
     demand_few_values(text, GRAPH_BYTES, path)
     try:

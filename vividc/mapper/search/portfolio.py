@@ -208,14 +208,14 @@ def _climb_until_mapped(campaign: Campaign) -> None:
     total_s, turn_s = deadline.remaining_s, _turn(campaign.request).remaining_s
     while True:
         before_s = deadline.remaining_s
-        _climb(campaign, total_s, turn_s)
+        climb(campaign, total_s, turn_s)
         spent_s = before_s - deadline.remaining_s
         if campaign.best is not None or deadline.passed or spent_s < _WORTH_TRYING_S:
             return
         turn_s *= 2
 
 
-def _climb(campaign: Campaign, total_s: float, turn_s: float) -> None:
+def climb(campaign: Campaign, total_s: float, turn_s: float) -> None:
     """Upward from the MII with a share of the time each, which is small: an II that takes longer is
     tried again from above. Steps grow after failures, so that something is found. The only II that
     is left gets all the time. Below a foothold the bound, just tried, waits for the IIs between.

@@ -49,7 +49,7 @@ class KiloNeRF:
 
     def density(self, points: Float32Array, layer: Layer) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and the features [n, 32] of the colour."""
-        network, local = self._cells(points)
+        network, local = self.cells_of(points)
         encoded = positional_encoding(local, _POSITION_FREQUENCIES)
         outputs = _by_network(network, encoded, self._density_network, layer)
         sigma = relu(outputs[:, 0])
@@ -59,12 +59,12 @@ class KiloNeRF:
         self, points: Float32Array, features: Float32Array, directions: Float32Array, layer: Layer
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
-        network, _ = self._cells(points)
+        network, _ = self.cells_of(points)
         seen = positional_encoding(directions, _DIRECTION_FREQUENCIES)
         inputs = np.concatenate((features, seen), axis=1)
         return sigmoid(_by_network(network, inputs, self._colour_network, layer))
 
-    def _cells(self, points: Float32Array) -> tuple[Int64Array, Float32Array]:
+    def cells_of(self, points: Float32Array) -> tuple[Int64Array, Float32Array]:
         """Return the network of each point, and its place in that network's cell, -1 to 1."""
         shape = np.array(self.network.shape)
         scaled = in_box(self.march.box, points) * shape.astype(np.float32)

@@ -21,7 +21,7 @@ from vividc.sim.native.state import image
 _KEPT: Final = 256
 _KIND: Final = "engine"
 _LOCK: Final = Lock()
-_known: OrderedDict[str, Native] = OrderedDict()
+known_code: OrderedDict[str, Native] = OrderedDict()
 _names = count()
 
 
@@ -55,16 +55,16 @@ def compiled(program: Program) -> Compiled:
 
 def _native(key: str, text: str) -> Native:
     with _LOCK:
-        if key in _known:
-            _known.move_to_end(key)
-            return _known[key]
+        if key in known_code:
+            known_code.move_to_end(key)
+            return known_code[key]
     code = cache.read(_KIND, key)
     if code is None:
         code = object_code(text)
         cache.write(_KIND, key, code)
     native = loaded(code, f"vividc.{next(_names)}")
     with _LOCK:
-        _known[key] = native
-        if len(_known) > _KEPT:
-            _known.popitem(last=False)
+        known_code[key] = native
+        if len(known_code) > _KEPT:
+            known_code.popitem(last=False)
     return native

@@ -71,10 +71,10 @@ def divide_down(w: Words, op: Op) -> Pair:
 
 def _by_magnitude(w: Words, dividend: Pair, d: Pair) -> _Division:
     if not _is_constant(d):
-        return _by_variable(w, dividend, d)
+        return by_variable(w, dividend, d)
     power = _power_of(d)
     if power is None:
-        return _by_constant(w, dividend, d)
+        return by_constant(w, dividend, d)
     rest = w.logic(Opcode.AND, dividend, _constant((1 << power) - 1))
     return _Division(lshr(w, dividend, power, (power, power)), rest)
 
@@ -125,7 +125,7 @@ def _by_power(w: Words, op: Op, magnitude: int, *, negative: bool) -> Pair:
     return _signed(w, quotient, Const(MASK) if negative else ZERO)
 
 
-def _by_constant(w: Words, dividend: Pair, d: Pair) -> _Division:
+def by_constant(w: Words, dividend: Pair, d: Pair) -> _Division:
     """The estimate lacks at most 1 for the reciprocal's rounding, and 2 if carries are dropped: for
     small divisors the remainder is a word all the same, and two corrections cost less than carries.
     """
@@ -155,7 +155,7 @@ def _corrected(w: Words, division: _Division, d: Pair, units: int) -> _Division:
     )
 
 
-def _by_variable(w: Words, dividend: Pair, d: Pair) -> _Division:
+def by_variable(w: Words, dividend: Pair, d: Pair) -> _Division:
     """With R = 2**64 / d, the reciprocal x lies in (R - 2, R], so the quotient lacks at most 2.
 
     Each step turns x = R (1 - e) into R (1 - e**2), rounded down. The first x has e < 2**-19, or

@@ -17,7 +17,7 @@ from vividc.mapper.engines.cpsat.run import Outcome, Search, run
 from vividc.mapper.engines.cpsat.variables import Variables, new_variables
 from vividc.mapper.mapping import Mapping as ModuloMapping
 
-_MOST_CUTS: Final = 3000
+MOST_CUTS: Final = 3000
 """Of one conflict in all its places and times."""
 
 
@@ -74,7 +74,7 @@ def solved(problem: Prepared, joint: JointModel, search: Search) -> Outcome[Modu
             found = outcome.value.mapping
             return Outcome("found", found, outcome.objective, outcome.bound)
         for clash in outcome.value.conflicts:
-            _exclude(problem, joint, clash)
+            exclude(problem, joint, clash)
 
 
 def refute_folded(problem: Prepared, search: Search) -> Outcome[bool]:
@@ -82,7 +82,7 @@ def refute_folded(problem: Prepared, search: Search) -> Outcome[bool]:
     return run(build(problem).model, search, lambda _: True)
 
 
-def _exclude(problem: Prepared, joint: JointModel, clash: RegisterConflict) -> None:
+def exclude(problem: Prepared, joint: JointModel, clash: RegisterConflict) -> None:
     """What fits no allocation fits none at other times either, nor on PEs with equal files: an
     allocation knows cycles only relative to each other.
     """
@@ -92,7 +92,7 @@ def _exclude(problem: Prepared, joint: JointModel, clash: RegisterConflict) -> N
     for pe in _equal_files(problem.fabric, clash.pe):
         for shift in sorted(range(-first, horizon - first + 1), key=abs):
             held = _moved(clash.held, pe, shift)
-            if cuts >= _MOST_CUTS or any(key not in variables.held for key in held):
+            if cuts >= MOST_CUTS or any(key not in variables.held for key in held):
                 continue
             inside = _moved(clash.inside, pe, shift)
             cut = [variables.written[key] for key in inside if key in variables.written]

@@ -155,7 +155,7 @@ def run_shares(
     job = device.new_job()
     with ledger.timed(stage):
         runs = [
-            _Tile(job, tile, program, _Places(program, share, device.scratchpad_bytes)).add(share)
+            _Tile(job, tile, program, Places(program, share, device.scratchpad_bytes)).add(share)
             if share
             else []
             for tile, share in enumerate(shares)
@@ -191,7 +191,7 @@ def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
     return shares
 
 
-class _Places:
+class Places:
     """Where a tile's arrays lie: shared ones first, once or twice, then the others, likewise."""
 
     def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
@@ -237,7 +237,7 @@ class _Places:
 class _Tile:
     """Adds the steps of one tile: in, run, out of each launch, alternating between the places."""
 
-    def __init__(self, job: Job, tile: int, program: vividc.Program, places: _Places) -> None:
+    def __init__(self, job: Job, tile: int, program: vividc.Program, places: Places) -> None:
         self._job, self._tile, self._program, self._places = job, tile, program, places
         self._flat = {parameter.name for parameter in program.params if parameter.ndim == 1}
         self._freed: list[list[int]] = [[] for _ in places.own]

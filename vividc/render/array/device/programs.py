@@ -113,7 +113,7 @@ class Programs:
             self.tell(line)
 
     def _compile(self, file: Path, function: str, options: Options) -> vividc.Program:
-        found = getattr(_module(file), function, None)
+        found = getattr(kernel_module(file), function, None)
         if not isinstance(found, vividc.KernelFunction):
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
         with warnings.catch_warnings():
@@ -156,7 +156,7 @@ def kernel_folder() -> Path:
 
 
 @cache
-def _module(file: Path) -> ModuleType:
+def kernel_module(file: Path) -> ModuleType:
     """Run a kernel file as a module."""
     name = f"_vividc_kernels_{file.stem}"
     spec = importlib.util.spec_from_file_location(name, file)

@@ -15,7 +15,7 @@ from vividc.render.array.march.marching import SIDE, Marcher
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 
-_BLOCKS_AT_ONCE: Final = 512
+BLOCKS_AT_ONCE: Final = 512
 
 
 def render_blocks(
@@ -69,5 +69,5 @@ def batch_renderer(
 
 
 def _batches(corners: Int32Array) -> Iterator[Int32Array]:
-    for first in range(0, len(corners), _BLOCKS_AT_ONCE):
-        yield np.ascontiguousarray(corners[first : first + _BLOCKS_AT_ONCE])
+    for first in range(0, len(corners), BLOCKS_AT_ONCE):
+        yield np.ascontiguousarray(corners[first : first + BLOCKS_AT_ONCE])

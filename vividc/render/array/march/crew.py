@@ -26,7 +26,7 @@ from vividc.render.camera import Camera
 from vividc.render.scenes import Scene
 
 _LIFELINE: Final = "vividc.host.lifeline"
-_HELPER: Final = "vividc.render.array.march.helper"
+HELPER: Final = "vividc.render.array.march.helper"
 _BATCHES_EACH: Final = 2
 """Least batches of a process: a helper takes some seconds to load its programs."""
 _MOST: Final = 4
@@ -70,7 +70,7 @@ class _Helper:
         self._pipe, theirs = Pipe()
         watched, self._lifeline = os.pipe()
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", _LIFELINE, str(watched), _HELPER, str(theirs.fileno())],
+            [sys.executable, "-P", "-m", _LIFELINE, str(watched), HELPER, str(theirs.fileno())],
             env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
             pass_fds=[watched, theirs.fileno()],
             stdin=subprocess.DEVNULL,

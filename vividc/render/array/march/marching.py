@@ -88,7 +88,7 @@ class Marcher:
         self._lookahead = lookahead
         self._ledger = Ledger()
         march = field.march
-        self._geometry = _geometry(march, camera)
+        self._geometry = geometry_of(march, camera)
         self._bricks = pack_bricks(march.occupied)
         self._room = _room(march, self._bricks, device.scratchpad_bytes)
         self._limits = np.array([field.transmittance_min, field.weight_min], dtype=np.float32)
@@ -337,7 +337,7 @@ def block_corners(camera: Camera) -> Int32Array:
     return corners.astype(np.int32)
 
 
-def _geometry(march: March, camera: Camera) -> Float32Array:
+def geometry_of(march: March, camera: Camera) -> Float32Array:
     """Return the table that kernels/render/marching.py calls `geometry`."""
     cells = np.array(march.occupied.shape, dtype=np.float32) / (march.box[1] - march.box[0])
     rest = (march.near, march.far, march.step)

@@ -24,7 +24,7 @@ _WORD = 4
 _POSITION_TERMS = 63
 _AXES = 3
 _DIRECTION_TERMS = 27
-_CHUNK = 1024
+CHUNK = 1024
 """Samples that one launch sorts."""
 _AT_ONCE = 12
 """Samples of a launch of a network: as many as fit twice beside its weights."""
@@ -120,7 +120,7 @@ class KiloNeRFOnArray:
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and where the features are [n, 1]."""
         device = self._device
-        networks, local = self._cells(points, ledger)
+        networks, local = self.cells_of(points, ledger)
         grouped = self._sorted(networks, ledger)
         local = gather_rows(device, ledger, "grouping", local, [grouped.order])
         thickness, features = self._density_network(local, grouped.pieces, ledger)
@@ -133,7 +133,7 @@ class KiloNeRFOnArray:
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
         device = self._device
-        networks, _ = self._cells(points, ledger)
+        networks, _ = self.cells_of(points, ledger)
         grouped = self._sorted(networks, ledger)
         directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])
         rows = gather_rows(device, ledger, "grouping", features, [grouped.order])
@@ -196,7 +196,7 @@ class KiloNeRFOnArray:
         self._run("colour network", "colour_network", launches, ledger)
         return colours
 
-    def _cells(self, points: Float32Array, ledger: Ledger) -> tuple[Int32Array, Float32Array]:
+    def cells_of(self, points: Float32Array, ledger: Ledger) -> tuple[Int32Array, Float32Array]:
         """Return the network of each point (-1: none), and its place in that network's cell."""
         local = np.zeros((len(points), 3), dtype=np.float32)
         grid = self._networks
@@ -225,7 +225,7 @@ class KiloNeRFOnArray:
     def _sorted(self, networks: Int32Array, ledger: Ledger) -> _Sorted:
         """Sort chunks; of more networks than a scratchpad counts, a range after the other."""
         order, places = np.zeros_like(networks), np.zeros_like(networks)
-        chunks = range(0, len(networks), _CHUNK)
+        chunks = range(0, len(networks), CHUNK)
         pieces: list[tuple[int, int, int]] = []
         for low, count in self._ranges():
             starts = np.zeros((len(chunks), count + 2), dtype=np.int32)
@@ -235,14 +235,14 @@ class KiloNeRFOnArray:
             ]
             self._run("grouping", "sort_by_network", launches, ledger)
             ledger.count(words_read_by_host=starts.size)
-            pieces += _pieces(starts, low)
+            pieces += pieces_of(starts, low)
         return _Sorted(order, places, tuple(pieces))
 
     def _ranges(self) -> list[tuple[int, int]]:
         """First network and number of networks (-1 is one) that a scratchpad counts at once."""
         networks = len(self._model.weights[0]) + 1
         lines = _SORT_ARRAYS * self._device.line_bytes
-        most = (self._device.scratchpad_bytes - 3 * _WORD * _CHUNK - lines) // (2 * _WORD) - 2
+        most = (self._device.scratchpad_bytes - 3 * _WORD * CHUNK - lines) // (2 * _WORD) - 2
         parts = -(-networks // most)
         bounds = [networks * part // parts - 1 for part in range(parts + 1)]
         return [(low, high - low) for low, high in pairwise(bounds)]
@@ -257,7 +257,7 @@ class KiloNeRFOnArray:
         places: Int32Array,
     ) -> Launch:
         """Sort a chunk's samples of some networks, in what the ranges before left."""
-        part = slice(first, min(first + _CHUNK, len(networks)))
+        part = slice(first, min(first + CHUNK, len(networks)))
         count = (part.stop - first,)
         before = {"order": (Move(order[part]),), "places": (Move(places[part]),)}
         return Launch(
@@ -308,7 +308,7 @@ class KiloNeRFOnArray:
         )
 
 
-def _pieces(starts: Int32Array, low: int) -> Iterator[tuple[int, int, int]]:
+def pieces_of(starts: Int32Array, low: int) -> Iterator[tuple[int, int, int]]:
     """Yield network, first place and number of samples, of networks from `low` on; those without
     a network are left out.
     """
@@ -317,7 +317,7 @@ def _pieces(starts: Int32Array, low: int) -> Iterator[tuple[int, int, int]]:
         for slot in np.flatnonzero(ends > begins).tolist():
             if low + slot >= 0:
                 begin = int(begins[slot])
-                yield low + slot, chunk * _CHUNK + begin, int(ends[slot]) - begin
+                yield low + slot, chunk * CHUNK + begin, int(ends[slot]) - begin
 
 
 def _density_half(model: KiloNeRF, samples: int) -> _Half:
@@ -331,7 +331,7 @@ def _density_half(model: KiloNeRF, samples: int) -> _Half:
     one = samples * _POSITION_TERMS
     two = one + samples * pitch
     w1, w2, w3 = (np.asarray(weights) for weights in model.weights[:3])
-    w1 = w1[:, _by_coordinate(_POSITION_TERMS)]
+    w1 = w1[:, by_coordinate(_POSITION_TERMS)]
     b1, b2, b3 = (np.asarray(bias) for bias in model.biases[:3])
     parts = (w1, w2, w3[:, :, 1:], _octet(w3[:, :, :1]), b1, b2, b3[:, 1:], _octet(b3[:, :1]))
     at = _offsets(parts)
@@ -356,7 +356,7 @@ def _colour_half(model: KiloNeRF, samples: int) -> _Half:
     two = one + samples * pitch
     w4, w5 = (np.asarray(weights) for weights in model.weights[3:])
     b4, b5 = (np.asarray(bias) for bias in model.biases[3:])
-    seen_weights = w4[:, hidden:][:, _by_coordinate(_DIRECTION_TERMS)]
+    seen_weights = w4[:, hidden:][:, by_coordinate(_DIRECTION_TERMS)]
     parts = (w4[:, :hidden], seen_weights, _octet(w5), b4, _octet(b5))
     at = _offsets(parts)
     layers = (
@@ -368,7 +368,7 @@ def _colour_half(model: KiloNeRF, samples: int) -> _Half:
     return _Half(_packed(parts), np.array(layers, dtype=np.int32), two, _OCTET + 1, words)
 
 
-def _by_coordinate(terms: int) -> npt.NDArray[np.int64]:
+def by_coordinate(terms: int) -> npt.NDArray[np.int64]:
     """Return the models' place of each term of an encoding, one coordinate after the other."""
     return np.arange(terms).reshape(-1, _AXES).T.ravel()
 

@@ -76,15 +76,15 @@ def fp8_words(model: KiloNeRF) -> Fp8Words:
             hint="render in fp32, or train with smaller weights",
         )
     by_feature, by_direction = w4[:, :WIDTH], w4[:, WIDTH:]
-    s1 = _scale(largest[0], (w1, 0))
-    s2 = _scale(largest[1], (w2, s1))
-    s3 = _scale(largest[2], (w3[:, :, 1:], s2))
-    s4 = _scale(largest[3], (by_feature, s3), (by_direction, 0))
+    s1 = scales(largest[0], (w1, 0))
+    s2 = scales(largest[1], (w2, s1))
+    s3 = scales(largest[2], (w3[:, :, 1:], s2))
+    s4 = scales(largest[3], (by_feature, s3), (by_direction, 0))
     # Sums that nothing rounds may be as large as they like.
-    density = _scale(np.zeros(len(w3)), (w3[:, :, :1], s2))
-    colour = _scale(np.zeros(len(w5)), (w5, s4))
-    position = _in_words(w1, _POSITION_FREQUENCIES)
-    direction = _in_words(by_direction, _DIRECTION_FREQUENCIES)
+    density = scales(np.zeros(len(w3)), (w3[:, :, :1], s2))
+    colour = scales(np.zeros(len(w5)), (w5, s4))
+    position = in_words(w1, _POSITION_FREQUENCIES)
+    direction = in_words(by_direction, _DIRECTION_FREQUENCIES)
     return Fp8Words(
         _joined(
             _layer(_scaled(position, s1), _scaled(b1[:, None], s1), 4),
@@ -133,7 +133,7 @@ def _directions(count: int) -> Float32Array:
     return np.stack(spiral, axis=-1).astype(np.float32)
 
 
-def _scale(
+def scales(
     largest: npt.NDArray[np.floating], *weights: tuple[Float32Array, Exponents | int]
 ) -> Exponents:
     """Return s of each network for its largest results, and weights with the scale of their
@@ -160,7 +160,7 @@ def _scaled(array: Float32Array, exponents: Exponents) -> Float32Array:
     return scaled
 
 
-def _in_words(weights: Float32Array, frequencies: int) -> Float32Array:
+def in_words(weights: Float32Array, frequencies: int) -> Float32Array:
     """Return weights [K, terms, n] in the order of the words of an encoding, filled up to chunks.
 
     First the sines and cosines of x, two by two, then of y and z; then x, y, z.

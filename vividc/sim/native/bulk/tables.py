@@ -29,7 +29,7 @@ BULK_OPS: Final = 400
 """Loops with more operations become tables, where they can: straight code of thousands of
 operations takes LLVM minutes.
 """
-_ROWS: Final = 512
+ROWS: Final = 512
 """Cycles, about, between two moves of the window."""
 _WORD_BYTES: Final = 4
 VECTORS: Final = frozenset({Opcode.FMA, Opcode.DOT_F16X2, Opcode.DOT_E4M3X4, Opcode.DOT_E5M2X4})
@@ -171,7 +171,7 @@ class _Tables:
         ages = [source.age for op in flow.ops for source in _results(op)]
         self._reach = max(ages, default=0) + LANES
         ii = flow.row.ii
-        self._rows = self._reach + ii * -(-_ROWS // ii)
+        self._rows = self._reach + ii * -(-ROWS // ii)
         self._constants = self._constant_places()
         self._diagonal = self._read_along_rows()
         self._kept = {pe: k for k, pe in enumerate(self._kept_pes())}
