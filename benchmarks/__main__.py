@@ -50,7 +50,10 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
     The hot loop is the last innermost loop, or of transformed ones the one with most operations.
     """
     plain = vividc.compile(
-        workload.kernel(), fabric=fabric, time_limit_s=time_limit_s, transform="none"
+        workload.kernel(),
+        fabric=fabric,
+        time_limit_s=time_limit_s,
+        loops=vividc.LoopOptions(auto=False),
     )
     written = vividc.simulate(plain, *workload.fresh()).cycles
     start = time.perf_counter()

@@ -53,7 +53,12 @@ def _fma_rows(fabric: str) -> Iterator[str]:
     base = 0.0
     for name in _FORMATS:
         kernel = _kernel(f"fma_{name}")
-        program = vividc.compile(kernel, fabric=fabric, threads=_THREADS, time_limit_s=_MAPPING_S)
+        program = vividc.compile(
+            kernel,
+            fabric=fabric,
+            loops=vividc.LoopOptions(threads=_THREADS),
+            time_limit_s=_MAPPING_S,
+        )
         loop = _hot(program)
         rate = 16 * _THREADS / loop.ii
         base = base or rate
@@ -75,7 +80,7 @@ def _exp_rows(fabric: str) -> Iterator[str]:
         program = vividc.compile(
             kernel,
             fabric=fabric,
-            threads=_THREADS,
+            loops=vividc.LoopOptions(threads=_THREADS),
             precision={"exp": name},
             time_limit_s=_MAPPING_S,
         )
@@ -133,7 +138,7 @@ def _blend_rows(fabric: str) -> Iterator[str]:
         program = vividc.compile(
             kernel,
             fabric=fabric,
-            threads=_THREADS,
+            loops=vividc.LoopOptions(threads=_THREADS),
             precision={"exp": name},
             time_limit_s=_MAPPING_S,
         )

@@ -96,8 +96,7 @@ def _compiled(
         Workload(name, lambda _: (), _FILE).kernel(),
         fabric=fabric,
         time_limit_s=time_limit_s,
-        transform=mode,
-        threads=count,
+        loops=vividc.LoopOptions(auto=mode == "auto", threads=count),
     )
 
 

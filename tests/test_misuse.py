@@ -83,7 +83,7 @@ ODD = (None, "5", [1], {}, set(), b"x", 0.5, float("nan"), -1, 0, 1 << 80)
 
 @pytest.fixture(scope="module")
 def doubled() -> vividc.Program:
-    return vividc.compile(KERNEL, transform="none")
+    return vividc.compile(KERNEL, loops=vividc.LoopOptions(auto=False))
 
 
 @pytest.mark.parametrize("odd", ODD, ids=repr)

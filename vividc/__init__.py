@@ -10,6 +10,7 @@ if sys.argv[:1] == ["-m"] and "vividc" in sys.orig_argv[1:4]:
 
 from vividc import arch, dfg, lang, launch, mapper, program
 from vividc.compiler.driver import compile
+from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
 from vividc.gemm.kernels import simulate
@@ -22,6 +23,7 @@ __version__ = "0.1.0"
 __all__ = [
     "KernelFunction",
     "LLKernel",
+    "LoopOptions",
     "Program",
     "Result",
     "VividcError",

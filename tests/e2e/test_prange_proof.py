@@ -319,7 +319,9 @@ CASES: list[tuple[Any, bool, tuple[tuple[Any, ...], ...]]] = [
 def test_all_tiles_do_what_numba_does(kernel: Any, is_spread: bool, launches: Any) -> None:
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        program = vividc.compile(kernel, fabric="vivid", transform="none", time_limit_s=6)
+        program = vividc.compile(
+            kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False), time_limit_s=6
+        )
         for args in launches:
             expected, got = (
                 [a.copy() if isinstance(a, np.ndarray) else a for a in args] for _ in range(2)

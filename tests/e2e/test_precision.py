@@ -22,7 +22,10 @@ def test_chains_with_data_dependent_steps(name: str, threads: int) -> None:
     wanted = np.zeros_like(X)
     chain_in(name)(X, wanted, 5)
     program = vividc.compile(
-        chain, precision={"fma": name}, threads=threads, time_limit_s=5.0, transform="none"
+        chain,
+        precision={"fma": name},
+        loops=vividc.LoopOptions(auto=False, threads=threads),
+        time_limit_s=5.0,
     )
     for engine in ("native", "reference"):
         got = np.zeros_like(X)
@@ -52,6 +55,6 @@ def test_a_carried_number_is_not_converted_in_the_loop(name: str) -> None:
 def test_a_policy_that_changes_nothing_is_told() -> None:
     with pytest.warns(vividc.VividcWarning, match="inner has no exp"):
         program = vividc.compile(
-            inner, precision={"exp": "fp8"}, time_limit_s=3.0, transform="none"
+            inner, precision={"exp": "fp8"}, time_limit_s=3.0, loops=vividc.LoopOptions(auto=False)
         )
     assert any("exp" in text for text in program.warnings)

@@ -43,7 +43,10 @@ def test_threads_write_the_words_of_one(name: str) -> None:
     item = workload(name)
     args = item.fresh()
     one, four = (
-        vividc.compile(item.kernel(), transform="none", threads=n, time_limit_s=20) for n in (1, 4)
+        vividc.compile(
+            item.kernel(), loops=vividc.LoopOptions(auto=False, threads=n), time_limit_s=20
+        )
+        for n in (1, 4)
     )
     expected = words(one, args)
     assert words(four, args, engine="reference") == expected
@@ -58,7 +61,9 @@ def test_threads_write_the_words_of_one(name: str) -> None:
 def test_threads_on_all_tiles() -> None:
     kernel = _threads_module().escape_time
     args = list(workload("escape_time").fresh())
-    program = vividc.compile(kernel, fabric="vivid", transform="none", threads=4, time_limit_s=20)
+    program = vividc.compile(
+        kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False, threads=4), time_limit_s=20
+    )
     expected = deepcopy(args)
     kernel(*expected)
     vividc.simulate(program, *args, fabric="vivid")
@@ -68,12 +73,12 @@ def test_threads_on_all_tiles() -> None:
 @pytest.mark.parametrize("threads", [0, 9, -1, True, 2.0, "4"])
 def test_a_wrong_number_of_threads_is_refused(threads: Any) -> None:
     with pytest.raises(ArgumentError, match="threads cannot be"):
-        vividc.compile(_threads_module().fir_outputs, threads=threads)
+        vividc.compile(_threads_module().fir_outputs, loops=vividc.LoopOptions(threads=threads))
 
 
 def test_threads_need_a_parallel_loop() -> None:
     from_file = Workload("saxpy", lambda rng: ()).kernel()
     with pytest.raises(KernelError, match="no loop over prange") as caught:
-        vividc.compile(from_file, threads=4)
+        vividc.compile(from_file, loops=vividc.LoopOptions(threads=4))
     assert caught.value.loc is not None
     assert caught.value.loc.file.endswith("saxpy.py")

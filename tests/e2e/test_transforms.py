@@ -31,7 +31,7 @@ SLOW_FASTER = {"life": 5.0, "bit_reverse": 3.0, "fir": 1.5, "gemm_rows": 1.2}
 def compiled(name: str) -> tuple[Program, Program]:
     """As written, and transformed."""
     kernel = BY_NAME[name].kernel()
-    return vividc.compile(kernel, transform="none"), vividc.compile(kernel)
+    return vividc.compile(kernel, loops=vividc.LoopOptions(auto=False)), vividc.compile(kernel)
 
 
 def assert_same(name: str, arguments: Arguments) -> tuple[int, int]:
@@ -111,7 +111,9 @@ def test_a_product_that_jammed_copies_share_rounds_as_in_one() -> None:
     rng = np.random.default_rng(0)
     x, y, b = (rng.standard_normal(n).astype(np.float32) for n in (37, 37, 16))
     written = b.copy()
-    vividc.simulate(vividc.compile(sums_of_one_product, transform="none"), x, y, written)
+    vividc.simulate(
+        vividc.compile(sums_of_one_product, loops=vividc.LoopOptions(auto=False)), x, y, written
+    )
     program = vividc.compile(sums_of_one_product)
     assert any(item.chosen for loop in program.loops for item in loop.transforms)
     vividc.simulate(program, x, y, b)

@@ -49,7 +49,7 @@ def kernel(folder: Path, body: str, head: str = "void @f(ptr %x, i32 %n)") -> vi
 
 def test_a_rotated_loop_is_a_while_loop_again(tmp_path: Path) -> None:
     loaded = vividc.load_ll(write(tmp_path, LOOP))
-    program = vividc.compile(loaded, transform="none")
+    program = vividc.compile(loaded, loops=vividc.LoopOptions(auto=False))
     [loop] = [region for region in program.regions if region.kind == "loop"]
     assert (loop.ii, loop.status) == (1, "optimal")
     for n in (0, 1, 7):

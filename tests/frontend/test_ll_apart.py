@@ -37,7 +37,7 @@ def array(kernel: vividc.LLKernel) -> np.ndarray:
 
 
 def assert_as_on_the_host(kernel: vividc.LLKernel, *numbers: int) -> None:
-    program = vividc.compile(kernel, transform="none")
+    program = vividc.compile(kernel, loops=vividc.LoopOptions(auto=False))
     for n in numbers:
         by_array, by_host = array(kernel), array(kernel)
         assert vividc.simulate(program, by_array, n).value == kernel(by_host, n)
@@ -175,7 +175,7 @@ def test_sizes_of_blocks_are_not_cut(tmp_path: Path, kind: str, size: int) -> No
     kernel = load(
         tmp_path, body(f"{text}  call void @llvm.{kind}.{what}, i64 {size}, i1 0)") + BLOCKS
     )
-    program = vividc.compile(kernel, transform="none")
+    program = vividc.compile(kernel, loops=vividc.LoopOptions(auto=False))
     with pytest.raises(SimulationError, match="out-of-bounds"):
         vividc.simulate(program, array(kernel), 1)
 

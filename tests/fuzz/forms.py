@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from random import Random
+from typing import Any
 
 from vividc import arch
 from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.options import TransformOptions
+from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops
@@ -49,7 +50,7 @@ def forms(function: Function, seed: int, *, is_whole: bool) -> list[Form]:
     kind = random.random()
     if kind < 0.2:
         estimator = Estimator(arch.load("vivid-tile"), OPTIONS)
-        plan = choose(function, estimator, TransformOptions())
+        plan = choose(function, estimator, LoopOptions())
         found.append(Form("chosen", plan.stages[-1].state.function))
     for _ in range(2 if kind > 0.5 else 1):
         text, other = at_random(function, random)
@@ -80,18 +81,18 @@ def at_random(function: Function, random: Random) -> tuple[str, Function]:
     return "; ".join(names), state.function
 
 
-def asked(source: str, seed: int) -> dict[str, object]:
-    """Random keywords of `vividc.compile` about loops."""
+def asked(source: str, seed: int) -> LoopOptions:
+    """Random options for the loops of a kernel."""
     random = Random(seed)
     if random.random() < 0.4:
-        return {"transform": random.choice(["auto", "none"])}
+        return LoopOptions(random.choice([True, False]))
     lines = [n for n, line in enumerate(source.splitlines(), 1) if line.lstrip().startswith("for ")]
     if not lines:
-        return {"transform": "none"}
+        return LoopOptions(auto=False)
     line = random.choice(lines)
-    choices: list[dict[str, object]] = [
+    choices: list[dict[str, Any]] = [
         {"unroll": {line: random.choice([2, 4])}},
         {"jam": {line: 2}},
         {"flatten": {line: True}},
     ]
-    return {"transform": random.choice(["auto", "none"]), **random.choice(choices)}
+    return LoopOptions(random.choice([True, False]), **random.choice(choices))

@@ -6,6 +6,7 @@ import importlib.util
 import warnings
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 from random import Random
@@ -132,11 +133,11 @@ def words_in_blocks(function: Function) -> Program:
 
 def mapped(kernel: KernelFunction, source: str, seed: int) -> Program:
     """The words with loops scheduled, after random wishes for their transformation."""
-    wishes = asked(source, seed)
+    mapping = partial(vividc.compile, kernel, contract=False, time_limit_s=MAPPING_S)
     try:
-        return vividc.compile(kernel, contract=False, time_limit_s=MAPPING_S, **wishes)  # type: ignore[arg-type]
+        return mapping(loops=asked(source, seed))
     except KernelError:  # a loop that cannot be transformed as asked
-        return vividc.compile(kernel, contract=False, time_limit_s=MAPPING_S, transform="none")
+        return mapping(loops=vividc.LoopOptions(auto=False))
 
 
 def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tuple[str, ...]:

@@ -48,7 +48,9 @@ def doubled(a, c):
 
 @pytest.fixture(scope="module")
 def program() -> Program:
-    return vividc.compile(layer, fabric="vivid", transform="none", mode="tpu-partitioned")
+    return vividc.compile(
+        layer, fabric="vivid", loops=vividc.LoopOptions(auto=False), mode="tpu-partitioned"
+    )
 
 
 def in_mode(program: Program, mode: str) -> Program:
@@ -201,7 +203,7 @@ PARALLEL = (columns_in_parallel, stored_transposed, second_transposed, first_tra
 def test_products_over_prange_are_numbas_in_each_mode(function: Callable[..., None]) -> None:
     """Whole numbers, so that no order of their sums matters."""
     kernel = vividc.kernel(SQUARE)(function)
-    program = vividc.compile(kernel, fabric="vivid", transform="none")
+    program = vividc.compile(kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False))
     for rows, cols, depth in ((1, 1, 1), (7, 5, 3), (16, 16, 16), (33, 17, 9)):
         shapes = {"second": (cols, depth), "first": (depth, rows), "stored": (cols, rows)}
         changed = shapes.get(function.__name__.split("_", maxsplit=1)[0])

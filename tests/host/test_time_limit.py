@@ -156,7 +156,7 @@ def test_without_time_loops_run_block_by_block_and_the_program_says_so(
     monkeypatch.setattr(time_limit, "remaining_s", lambda: 0.0)
     monkeypatch.setattr("vividc.compiler.map_regions.LEAST_S", 0.0)
     with pytest.warns(vividc.VividcWarning, match="runs block by block"):
-        program = vividc.compile(nested, transform="none")
+        program = vividc.compile(nested, loops=vividc.LoopOptions(auto=False))
     assert {region.kind for region in program.regions} == {"straight"}
     assert any("the loop took too long" in text for text in program.warnings)
     x = np.arange(5, dtype=np.int32)
@@ -170,5 +170,5 @@ def test_a_kernel_too_long_for_its_fabric_is_refused_before_anything_is_mapped(
     short = replace(machine, controller=replace(machine.controller, contexts=2))
     monkeypatch.setattr("vividc.compiler.driver.map_kernel", None)
     with pytest.raises(vividc.VividcError, match=r"needs at least \d+ contexts") as caught:
-        vividc.compile(nested, short, transform="none")
+        vividc.compile(nested, short, loops=vividc.LoopOptions(auto=False))
     assert caught.value.exit_code == 2

@@ -287,7 +287,9 @@ def test_bank_conflicts_known_by_hand() -> None:
     """Both loads are eight words apart, so in one bank: a cycle that has both costs one more."""
     from tests.e2e.test_prange import same_bank  # noqa: PLC0415
 
-    code = vividc.compile(same_bank, fabric="vivid", time_limit_s=20, threads=1)
+    code = vividc.compile(
+        same_bank, fabric="vivid", time_limit_s=20, loops=vividc.LoopOptions(threads=1)
+    )
     loop = next(row for row in code.table if row.kind == "loop" and row.ii == 1)
     issues = [e.issue for e in code.entries[loop.context] if e.issue is not None]
     stages = [issue.stage for issue in issues if issue.op.value == "load"]

@@ -36,7 +36,9 @@ def search(x, n):
 @cache
 def _program(name: str) -> Program:
     kernel = {"polynomial": polynomial, "search": search}[name]
-    return vividc.compile(kernel, fabric=load_text(_BUSY), time_limit_s=60, transform="none")
+    return vividc.compile(
+        kernel, fabric=load_text(_BUSY), time_limit_s=60, loops=vividc.LoopOptions(auto=False)
+    )
 
 
 @pytest.mark.parametrize("name", ["polynomial", "search"])

@@ -29,6 +29,18 @@ def node(_ctx: click.Context, _param: click.Parameter, value: float | None) -> f
     return value
 
 
+def formats(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
+    """A format by function, from FUNCTION=FORMAT; `vividc.compile` says which there are."""
+    chosen: dict[str, str] = {}
+    for value in values:
+        name, equals, fmt = value.partition("=")
+        if not (name and equals and fmt):
+            raise click.BadParameter(f"{value!r} is not FUNCTION=FORMAT, as in exp=fp8")
+        if chosen.setdefault(name, fmt) != fmt:
+            raise click.BadParameter(f"{name} is given twice")
+    return chosen
+
+
 _NODES_NM = (7, 45)
 FILE = click.Path(path_type=Path, dir_okay=False)
 

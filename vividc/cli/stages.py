@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import click
 from rich.console import Console
@@ -104,10 +105,35 @@ def _print_times(seconds: dict[str, float]) -> None:
     Console(stderr=True).print(table)
 
 
+_OPTIONS: Final = (
+    click.option(
+        "--print-after",
+        type=click.Choice((ALL, *_NAMES)),
+        multiple=True,
+        metavar="STAGE",
+        help="Print what this stage leaves, or all of them (`vividc opt --list`).",
+    ),
+    click.option(
+        "--print-to",
+        type=click.Path(path_type=Path, file_okay=False),
+        metavar="FOLDER",
+        help="Write that to files in this folder instead.",
+    ),
+    click.option(
+        "--stop-after",
+        type=click.Choice(_NAMES),
+        metavar="STAGE",
+        help="Go no farther than this stage.",
+    ),
+    click.option("--verify-each", is_flag=True, help="Check invariants after each stage."),
+    click.option("--time-passes", is_flag=True, help="Print the seconds of each stage."),
+)
+
+
 def look_options(command: Callable[..., None]) -> Callable[..., None]:
     """Adds the options; the command gets one `look`."""
-    names = click.Choice(_NAMES)
 
+    @wraps(command)
     def with_look(
         print_after: tuple[str, ...],
         print_to: Path | None,
@@ -122,25 +148,6 @@ def look_options(command: Callable[..., None]) -> Callable[..., None]:
             print_after = (ALL,)
         command(look=Look(print_after, print_to, stop_after, verify_each, time_passes), **rest)
 
-    with_look.__doc__ = command.__doc__
-    with_look.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
-    for option in (
-        click.option(
-            "--print-after",
-            type=click.Choice((ALL, *_NAMES)),
-            multiple=True,
-            metavar="STAGE",
-            help="Print what this stage leaves, or all of them (`vividc opt --list`).",
-        ),
-        click.option(
-            "--print-to",
-            type=click.Path(path_type=Path, file_okay=False),
-            metavar="FOLDER",
-            help="Write that to files in this folder instead.",
-        ),
-        click.option("--stop-after", type=names, metavar="STAGE", help="Go no farther than this."),
-        click.option("--verify-each", is_flag=True, help="Check invariants after each stage."),
-        click.option("--time-passes", is_flag=True, help="Print the seconds of each stage."),
-    ):
-        with_look = option(with_look)
+    for option in reversed(_OPTIONS):
+        option(with_look)
     return with_look

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial, wraps
+from typing import Unpack
 
 from vividc import arch
 from vividc.arch import Accelerator
@@ -17,7 +18,7 @@ from vividc.compiler.planning.choose import Stage, choose
 from vividc.compiler.planning.estimate import Estimator, Shape
 from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import Outcome, settle
-from vividc.compiler.planning.options import Choices, Factors, TransformOptions, transform_options
+from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.price import priced
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
@@ -72,8 +73,8 @@ class CompileOptions(MapOptions):
         Refuse float64 arithmetic instead of running it in float32 with a warning.
     contract
         Fuse multiplications and additions into FMAs.
-    transform
-        What is done to loops.
+    loops
+        How loops are transformed.
     reassociate
         Balance reductions of floats too, which changes their rounding; integers' always are.
     precision
@@ -82,7 +83,7 @@ class CompileOptions(MapOptions):
 
     strict_fp: bool = False
     contract: bool = True
-    transform: TransformOptions = field(default_factory=TransformOptions)
+    loops: LoopOptions = field(default_factory=LoopOptions)
     reassociate: bool = False
     precision: Precision = ()
 
@@ -93,17 +94,14 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     mapper: str = "auto",
     time_limit_s: float = 60.0,
     *,
+    loops: LoopOptions | None = None,
     strict_fp: bool = False,
     contract: bool = True,
     reassociate: bool = False,
-    transform: str = "auto",
-    unroll: Factors | None = None,
-    jam: Factors | None = None,
-    flatten: Choices | None = None,
-    threads: int | None = None,
     precision: FormatChoices | None = None,
     progress: Progress | None = None,
     mode: str = AUTO,
+    **flat: Unpack[FlatLoopOptions],
 ) -> Program:
     """Compiles `kernel` for a tile, or for the tiles of an accelerator.
 
@@ -119,18 +117,9 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     time_limit_s
         Seconds of wall time for all of it, kept within a tenth and a second; what they cut short is
         a warning. Machine code of the mapper, which is built once a computer, is not counted.
-    transform
-        "auto": loops are unrolled, jammed, flattened and run as threads where an estimate says that
-        it pays; "none": not.
-    unroll, jam
-        Factors for loops by source line, as in {12: 4}: unroll the loop in line 12 by 4, or run 4
-        iterations of it together in the loop inside it. 1 leaves a loop as it is.
-    flatten
-        Loops to make one with the loop inside them, or not, by source line, as in {12: True}.
-    threads
-        Iterations of the loop over `numba.prange` that a tile runs side by side, 1 to 8, each with
-        loops and exits of its own. None: as many as the estimate says pay, if the transformation is
-        "auto".
+    loops
+        How loops are transformed, as in LoopOptions(unroll={12: 4}). None: where an estimate says
+        that it pays.
     precision
         Formats of functions, as in {"exp": "fp8"}: their results are numbers of that format, by
         fewer operations (`docs/precision.md`).
@@ -138,6 +127,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         How an accelerator runs a kernel that is a matrix product (docs/gemm.md): "gpu", on its
         tiles, "tpu-unified", "tpu-partitioned", or "auto", what is predicted to take fewest cycles
         with the sizes of a launch.
+    **flat
+        Deprecated: `transform`, and the fields of `LoopOptions` as keywords.
 
     Raises
     ------
@@ -147,14 +138,14 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
     demand_callable(progress, "progress")
     check_kernel_mode(mode)
-    wanted = transform_options(transform, unroll, jam, flatten, threads)
+    wanted = loop_options(loops, flat)
     options = CompileOptions(
         mapper=mapper,
         time_limit_s=time_limit_s,
         progress=progress,
         strict_fp=strict_fp,
         contract=contract,
-        transform=wanted,
+        loops=wanted,
         reassociate=reassociate,
         precision=parse_precision(precision),
     )
@@ -175,7 +166,7 @@ def _compiled(
     mode: str,
 ) -> Program:
     """The program, with its warnings, which were given, too."""
-    wanted, strict_fp = options.transform, options.strict_fp
+    wanted, strict_fp = options.loops, options.strict_fp
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     for name in idle_names(dict(options.precision), function):
         text = f"{kernel.name} has no {name}: its precision changes nothing"
@@ -230,7 +221,7 @@ def _product(
             found = "formats of its arithmetic or functions are chosen by --precision"
         if isinstance(found, Product):
             estimator = Estimator(machine.fabric, PassOptions(options.contract))
-            return replace(priced(found, function, estimator, options.transform), mode=mode)
+            return replace(priced(found, function, estimator, options.loops), mode=mode)
     if mode in GEMM_MODES:
         raise KernelError(
             f"{kernel.name} cannot run in mode {mode}: {found}",
@@ -252,7 +243,7 @@ def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
         return normalize(kernel.lower(strict_fp=strict_fp))
 
 
-def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: TransformOptions) -> frozenset[int]:
+def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> frozenset[int]:
     """Lines with loops over `prange`; some, if threads are asked for."""
     lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
     if not lines and (wanted.threads or 1) > 1:
@@ -309,7 +300,7 @@ def compile_stages(
     function = run_passes(_before_planning(options), function)
     passes = PassOptions(False, options.reassociate, options.precision)
     estimator = Estimator(fabric, passes)
-    choosing = partial(choose, function, estimator, options.transform, parallel)
+    choosing = partial(choose, function, estimator, options.loops, parallel)
     plan = timed("choose", choosing)
     known: dict[DFG, MapResult] = {}
 
@@ -404,8 +395,8 @@ def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool |
         "strict_fp": options.strict_fp,
         "contract": options.contract,
         "reassociate": options.reassociate,
-        "transform": options.transform.mode,
-        "threads": options.transform.threads,
+        "transform": "auto" if options.loops.auto else "none",
+        "threads": options.loops.threads,
         **{f"precision {name}": fmt for name, fmt in options.precision},
     }
 

@@ -9,9 +9,9 @@ import vividc
 from vividc import arch
 from vividc.compiler.planning.choose import Plan, choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.options import TransformOptions, transform_options
+from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
-from vividc.errors import ArgumentError, KernelError
+from vividc.errors import KernelError
 from vividc.ssa.flow import find_loops
 
 MACHINE = arch.load("vivid-tile")
@@ -45,7 +45,7 @@ def running(x):
 
 
 def plan(kernel: vividc.KernelFunction, **given: object) -> Plan:
-    return choose(kernel.lower(), Estimator(MACHINE, PassOptions()), TransformOptions(**given))
+    return choose(kernel.lower(), Estimator(MACHINE, PassOptions()), LoopOptions(**given))
 
 
 def chosen(kernel: vividc.KernelFunction, **given: object) -> list[tuple[str, int]]:
@@ -78,14 +78,14 @@ def test_a_recurrence_is_left_alone() -> None:
 
 
 def test_nothing_is_chosen_without_transformations() -> None:
-    assert chosen(windows, mode="none") == []
+    assert chosen(windows, auto=False) == []
 
 
 def test_the_user_decides_before_the_estimate() -> None:
     line = line_of(running, "for i in")
-    assert chosen(running, mode="none", unroll={line: 4}) == [("unrolling", 4)]
+    assert chosen(running, auto=False, unroll={line: 4}) == [("unrolling", 4)]
     inner = line_of(windows, "for k in")
-    assert chosen(windows, mode="none", unroll={inner: 4}) == [("full unrolling", 0)]
+    assert chosen(windows, auto=False, unroll={inner: 4}) == [("full unrolling", 0)]
     assert ("full unrolling", 0) not in chosen(windows, unroll={inner: 1})
 
 
@@ -99,19 +99,6 @@ def test_what_cannot_be_jammed_is_refused_with_the_reason() -> None:
     line = line_of(running, "for i in")
     with pytest.raises(KernelError, match="no loop is inside it"):
         plan(running, jam={line: 2})
-
-
-@pytest.mark.parametrize(
-    ("transform", "unroll"),
-    [("fast", None), ("auto", {"first": 2}), ("auto", {3: 3}), ("auto", {3: True}), ("auto", [3])],
-)
-def test_options_that_make_no_sense_are_refused(transform: str, unroll: object) -> None:
-    with pytest.raises(ArgumentError):
-        transform_options(transform, unroll, None)  # type: ignore[arg-type]
-
-
-def test_lines_may_be_text() -> None:
-    assert transform_options("none", {"12": 4}, None).unroll == {12: 4}
 
 
 @vividc.kernel("void(int32[::1], int32[::1])")
@@ -131,7 +118,7 @@ def whiles(x, y):
 
 
 def test_every_loop_that_is_reported_can_be_named() -> None:
-    state = plan(whiles, mode="none").stages[0].state
+    state = plan(whiles, auto=False).stages[0].state
     locs = (state.loc(loop.header) for loop in find_loops(state.function))
     lines = sorted({loc.line for loc in locs if loc is not None})
     assert [line_of(whiles, "while i"), line_of(whiles, "while k")] == lines[:2]

@@ -29,7 +29,7 @@ def fake(stage: Stage, cycles: float) -> Outcome:
 
 def made(*cycles: float) -> Plan:
     """A plan whose stages are estimated so."""
-    first = plan(product, mode="none").stages[0]
+    first = plan(product, auto=False).stages[0]
     return Plan(tuple(Stage(first.state, Estimate(item, ())) for item in cycles))
 
 
@@ -134,7 +134,7 @@ def slow_mapper(monkeypatch: pytest.MonkeyPatch) -> str:
     """A mapper that finds nothing for graphs larger than those of `nested` as written, takes all
     its time over that, and for others insists on a third of a compilation's 4 s.
     """
-    loops = plan(nested, mode="none").stages[0].estimate.regions
+    loops = plan(nested, auto=False).stages[0].estimate.regions
     largest = max(loop.shape.operations for loop in loops if loop.kind == "loop")
     known: dict[DFG, MapResult] = {}
 
@@ -167,7 +167,9 @@ def test_time_out_of_transformed_stages_leaves_enough_for_the_kernel_as_written(
 ) -> None:
     assert len(plan(nested).stages) > 1
     arrays = [np.ones((24, 24), np.float32), np.ones((24, 24), np.float32), np.zeros(24, "f4")]
-    written = vividc.compile(nested, MACHINE, slow_mapper, 4.0, transform="none")
+    written = vividc.compile(
+        nested, MACHINE, slow_mapper, 4.0, loops=vividc.LoopOptions(auto=False)
+    )
     program = vividc.compile(nested, MACHINE, slow_mapper, 4.0)
     assert program.warnings == written.warnings == ()
     assert [r.ii for r in program.regions] == [r.ii for r in written.regions]

@@ -36,24 +36,28 @@ def test_short_rows_are_flattened() -> None:
     kernel(*by_numba)
     for mine, theirs in zip(by_array, by_numba, strict=True):
         np.testing.assert_allclose(mine, theirs, rtol=1e-4, atol=1e-5)
-    plain = vividc.compile(kernel, transform="none")
+    plain = vividc.compile(kernel, loops=vividc.LoopOptions(auto=False))
     assert cycles < vividc.simulate(plain, *workload.fresh()).cycles
 
 
 def test_the_user_decides() -> None:
     kernel = nest_kernels.stairs
     line = line_of(kernel, "for i")
-    assert kinds(vividc.compile(kernel, transform="none", flatten={line: True})) == ["flattening"]
-    assert "flattening" not in kinds(vividc.compile(kernel, flatten={line: False}))
+    assert kinds(
+        vividc.compile(kernel, loops=vividc.LoopOptions(auto=False, flatten={line: True}))
+    ) == ["flattening"]
+    assert "flattening" not in kinds(
+        vividc.compile(kernel, loops=vividc.LoopOptions(flatten={line: False}))
+    )
 
 
 def test_a_nest_that_is_none_is_refused() -> None:
     kernel = nest_kernels.stairs
     with pytest.raises(vividc.VividcError, match="flattening is not possible here: it does not"):
-        vividc.compile(kernel, flatten={line_of(kernel, "for j"): True})
+        vividc.compile(kernel, loops=vividc.LoopOptions(flatten={line_of(kernel, "for j"): True}))
 
 
 @pytest.mark.parametrize("flatten", [{12: 3}, {0: True}, {"x": True}, [12]])
 def test_odd_choices_are_refused(flatten: object) -> None:
     with pytest.raises(vividc.VividcError, match="flatten"):
-        vividc.compile(nest_kernels.stairs, flatten=flatten)  # type: ignore[arg-type]
+        vividc.compile(nest_kernels.stairs, loops=vividc.LoopOptions(flatten=flatten))  # type: ignore[arg-type]

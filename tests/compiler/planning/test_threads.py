@@ -9,7 +9,7 @@ import vividc
 from vividc import arch
 from vividc.compiler.planning.choose import Plan, choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.options import TransformOptions
+from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.ssa.analysis.levels import level_of, with_own_latches
 from vividc.ssa.flow import find_loops
@@ -32,7 +32,7 @@ def orbits(c, limit, counts):
         counts[i] = count
 
 
-def plan(options: TransformOptions, lines: frozenset[int]) -> Plan:
+def plan(options: LoopOptions, lines: frozenset[int]) -> Plan:
     return choose(orbits.lower(), ESTIMATOR, options, lines)
 
 
@@ -45,22 +45,22 @@ def kinds(made: Plan) -> list[tuple[str, int]]:
 
 
 def test_threads_are_chosen_where_a_loop_waits_for_itself() -> None:
-    made = plan(TransformOptions(), orbits.prange_lines)
+    made = plan(LoopOptions(), orbits.prange_lines)
     assert kinds(made)[0] in {("threads", 4), ("threads", 8)}
     assert made.stages[-1].estimate.cycles < made.stages[0].estimate.cycles / 2
 
 
 def test_a_loop_over_range_has_no_threads() -> None:
-    assert ("threads", 4) not in kinds(plan(TransformOptions(), frozenset()))
+    assert ("threads", 4) not in kinds(plan(LoopOptions(), frozenset()))
 
 
 def test_one_thread_leaves_the_loop_alone() -> None:
-    made = plan(TransformOptions(threads=1), orbits.prange_lines)
+    made = plan(LoopOptions(threads=1), orbits.prange_lines)
     assert not any(kind == "threads" for kind, _ in kinds(made))
 
 
 def test_threads_that_are_asked_for_are_made_without_other_transformations() -> None:
-    made = plan(TransformOptions("none", threads=3), orbits.prange_lines)
+    made = plan(LoopOptions(auto=False, threads=3), orbits.prange_lines)
     assert kinds(made) == [("threads", 3)]
     assert made.asked == 1
 
@@ -110,7 +110,7 @@ def test_iterations_that_may_meet_get_no_threads_unasked() -> None:
     assert meeting(overlapping) == "y"
     assert meeting(next_one) == "x"
     function = counted_in_bins.lower()
-    made = choose(function, ESTIMATOR, TransformOptions(), counted_in_bins.prange_lines)
+    made = choose(function, ESTIMATOR, LoopOptions(), counted_in_bins.prange_lines)
     assert not any(kind == "threads" for kind, _ in kinds(made))
     (said,) = [d.reason for d in made.decisions if d.kind == "threads"]
     assert said == "iterations may meet in bins: ask for threads if they do not"

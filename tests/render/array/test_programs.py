@@ -77,7 +77,7 @@ def test_options_and_places_are_told_apart(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setenv("VIVIDC_CACHE_DIR", str(tmp_path))
     told: list[str] = []
     programs(told).get(FIR)
-    programs(told).get(FIR, transform="none")
+    programs(told).get(FIR, loops=vividc.LoopOptions(auto=False))
     assert len(list((tmp_path / "entries").glob("stage-*"))) == len(told) == 2
 
 

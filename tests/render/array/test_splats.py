@@ -91,7 +91,9 @@ def test_exps_are_not_larger_than_lookahead_allows_for(precision: RenderPrecisio
     x = np.linspace(-5.6, 0, 4000, dtype=np.float32)  # from below ln(1 / 255)
     y = np.zeros_like(x)
     policy = {"exp": precision}
-    program = vividc.compile(exponentials, transform="none", precision=policy, time_limit_s=20.0)
+    program = vividc.compile(
+        exponentials, loops=vividc.LoopOptions(auto=False), precision=policy, time_limit_s=20.0
+    )
     vividc.simulate(program, x, y)
     seen = y >= np.float32(1 / 255)
     excess = np.log(y[seen].astype(np.float64)) - x[seen]

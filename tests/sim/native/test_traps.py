@@ -26,7 +26,7 @@ def shift_and_add(x, y, n):
 
 @pytest.fixture(scope="module", params=[sum_of_largest, shift_and_add])
 def program(request: pytest.FixtureRequest) -> Program:
-    return vividc.compile(request.param, transform="none", time_limit_s=20)
+    return vividc.compile(request.param, loops=vividc.LoopOptions(auto=False), time_limit_s=20)
 
 
 def arguments(program: Program, size: int) -> tuple[object, ...]:
@@ -53,7 +53,7 @@ def test_a_simulation_says_what_is_raised(program: Program, engine: str) -> None
 
 @pytest.mark.parametrize("spare", [0, 3, 6, 9])
 def test_engines_agree_where_the_scratchpad_is_full(spare: int) -> None:
-    program = vividc.compile(shift_and_add, transform="none", time_limit_s=20)
+    program = vividc.compile(shift_and_add, loops=vividc.LoopOptions(auto=False), time_limit_s=20)
     words = program.fabric.scratchpad.words - spare
     x, y = np.zeros((2, words // 3), np.int32)  # and x[n:] + y is as large
     assert_engines_agree(program, launch(program, x, y, x.size - 2))

@@ -45,7 +45,9 @@ def test_what_has_no_twin_stays() -> None:
 @pytest.mark.parametrize("fmt", FORMATS)
 def test_packed_chains_are_those_of_numba(fmt: str) -> None:
     kernel = chains(fmt)
-    program = vividc.compile(kernel, fabric="vivid-tile-unit", time_limit_s=5.0, transform="none")
+    program = vividc.compile(
+        kernel, fabric="vivid-tile-unit", time_limit_s=5.0, loops=vividc.LoopOptions(auto=False)
+    )
     x = np.random.default_rng(2).uniform(-1.2, 1.2, 12).astype(np.float32)
     x[5] = np.nan
     arguments = (x, np.zeros_like(x), 3, 6)
@@ -66,7 +68,9 @@ def test_threads_reach_twice_and_four_times_the_rate() -> None:
     rates = []
     for name in ("fma_fp32", "fma_fp16", "fma_fp8"):
         kernel = Workload(name, lambda _: (), "precision").kernel()
-        program = vividc.compile(kernel, fabric="vivid-tile-unit", threads=4, time_limit_s=30.0)
+        program = vividc.compile(
+            kernel, fabric="vivid-tile-unit", loops=vividc.LoopOptions(threads=4), time_limit_s=30.0
+        )
         x = np.linspace(-1, 1, 23).astype(np.float32)
         got, wanted = np.zeros(7, np.float32), np.zeros(7, np.float32)
         vividc.simulate(program, x, got, 5)

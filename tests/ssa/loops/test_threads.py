@@ -246,7 +246,7 @@ def test_what_one_iteration_leaves_to_the_next_is_refused() -> None:
     assert isinstance(refused, Refusal)
     assert "needs what the one before computed" in refused.reason
     with pytest.raises(KernelError, match=r"as threads is not possible") as caught:
-        vividc.compile(serial, threads=4)
+        vividc.compile(serial, loops=vividc.LoopOptions(threads=4))
     assert caught.value.loc is not None
     assert caught.value.loc.line in serial.prange_lines
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -11,8 +12,8 @@ import vividc
 from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.kernels import kernel_file, load_kernel
-from vividc.cli.precision import formats
-from vividc.cli.reports.loop import factors, print_loops, print_product
+from vividc.cli.loops import loop_options
+from vividc.cli.reports.loop import print_loops, print_product
 from vividc.cli.reports.program import print_regions
 from vividc.cli.reports.report import print_json, progress
 from vividc.cli.stages import Look, look_options
@@ -39,47 +40,12 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "--reassociate", is_flag=True, help="Balance sums of floats, which changes their rounding."
 )
-@click.option(
-    "--transform/--no-transform",
-    default=True,
-    show_default=True,
-    help="Unroll, jam and flatten loops where an estimate says that it pays.",
-)
-@click.option(
-    "--unroll",
-    multiple=True,
-    metavar="LINE=N",
-    callback=factors,
-    help="Unroll the loop in this line by N; 1 leaves it as it is.",
-)
-@click.option(
-    "--jam",
-    multiple=True,
-    metavar="LINE=N",
-    callback=factors,
-    help="Run N iterations of the loop in this line together in the loop inside it.",
-)
-@click.option(
-    "--flatten",
-    multiple=True,
-    type=int,
-    metavar="LINE",
-    help="Make one loop of the loop in this line and the loop inside it.",
-)
-@click.option(
-    "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop in this line."
-)
-@click.option(
-    "--threads",
-    type=int,
-    metavar="N",
-    help="Run N iterations of the loop over prange side by side, 1 to 8.  [default: what pays]",
-)
+@loop_options
 @click.option(
     "--precision",
     multiple=True,
     metavar="FUNCTION=FORMAT",
-    callback=formats,
+    callback=options.formats,
     help="Compute exp, exp2, fma (arithmetic) or all in fp16, fp8, e5m2 or fp32.",
 )
 @click.option(
@@ -98,23 +64,11 @@ SCHEMA = "vividc.compile/1"
 def command(
     kernel: str,
     fabric: str,
-    mapper: str,
-    time_limit_s: float,
-    strict_fp: bool,
-    contract: bool,
-    reassociate: bool,
-    transform: bool,
-    unroll: dict[int, int],
-    jam: dict[int, int],
-    flatten: tuple[int, ...],
-    no_flatten: tuple[int, ...],
-    threads: int | None,
-    precision: dict[str, str],
-    mode: str,
     explain: bool,
     output: Path | None,
     as_json: bool,
     look: Look,
+    **how: Any,
 ) -> None:
     """Compile a kernel for a fabric and write the program.
 
@@ -130,23 +84,8 @@ def command(
     check_output(path, "--output")
     check_apart({"--output": path}, [kernel_file(kernel), Path(fabric)])
     with progress(f"compiling {function.name}") as report, look.watching() as done:
-        program = vividc.compile(
-            function,
-            fabric=fabric,
-            mapper=mapper,
-            time_limit_s=time_limit_s,
-            strict_fp=strict_fp,
-            contract=contract,
-            reassociate=reassociate,
-            transform="auto" if transform else "none",
-            unroll=unroll,
-            jam=jam,
-            flatten=_flatten_choices(flatten, no_flatten),
-            threads=threads,
-            precision=precision,
-            progress=report,
-            mode=mode,
-        )
+        # what is not named here has the name of the keyword
+        program = vividc.compile(function, fabric, progress=report, **how)
     if done.stopped:
         return
     program.save(path)
@@ -192,10 +131,3 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
         "stopped_by_clock": program.hurried,
         "warnings": [str(warning) for warning in program.warnings],
     }
-
-
-def _flatten_choices(wanted: tuple[int, ...], unwanted: tuple[int, ...]) -> dict[int, bool]:
-    both = sorted({*wanted} & {*unwanted})
-    if both:
-        raise click.UsageError(f"--flatten {both[0]} and --no-flatten {both[0]}: choose one")
-    return dict.fromkeys(wanted, True) | dict.fromkeys(unwanted, False)

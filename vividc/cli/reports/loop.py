@@ -1,8 +1,7 @@
-"""Loop transformations on the command line: factors by line, and what became of each loop."""
+"""What became of each loop of the source, as a table."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import click
@@ -15,19 +14,6 @@ from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import explain
 from vividc.program import Program
 from vividc.program.tables import LoopReport, TransformReport
-
-_FACTOR = re.compile(r"(?P<line>\d+)=(?P<factor>\d+)")
-
-
-def factors(_ctx: click.Context, _param: click.Parameter, value: tuple[str, ...]) -> dict[int, int]:
-    """Factors by source line, from options of the form LINE=N."""
-    found: dict[int, int] = {}
-    for text in value:
-        match = _FACTOR.fullmatch(text)
-        if match is None:
-            raise click.BadParameter(f"{text!r} is not of the form LINE=N, as in 12=4.")
-        found[int(match["line"])] = int(match["factor"])
-    return found
 
 
 def print_loops(program: Program) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.compiler.planning.estimate import Estimate, Estimator
-from vividc.compiler.planning.options import TransformOptions
+from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import KernelError, SourceLoc, TimeLimit
 from vividc.host import time_limit
 from vividc.ssa.analysis.constant_trips import constant_trips
@@ -99,7 +99,7 @@ class Plan:
 def choose(
     function: Function,
     estimator: Estimator,
-    options: TransformOptions,
+    options: LoopOptions,
     parallel: Collection[int] = (),
 ) -> Plan:
     """The transformations of `function` that pay, or that the user asks for.
@@ -126,7 +126,7 @@ def choose(
     chooser.start(State(tidied, hints))
     chooser.obey()
     asked = len(chooser.stages) - 1
-    if options.mode == "auto":
+    if options.auto:
         chooser.improve_in_time()
     return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
 
@@ -134,7 +134,7 @@ def choose(
 @dataclass
 class _Chooser:
     estimator: Estimator
-    options: TransformOptions
+    options: LoopOptions
     stages: list[Stage]
     parallel: frozenset[int] = frozenset()
     decisions: list[Decision] = field(default_factory=list)

@@ -2,122 +2,132 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, fields
+from typing import Any, Final, Literal, TypedDict
 
 from vividc.errors import ArgumentError, demand_type, quoted
 from vividc.ssa.loops.threads.make import MOST_THREADS
 
-Mode = Literal["auto", "none"]
-Factors = Mapping[int, int] | Mapping[str, int]
-"""Factors by source line; a line may be given as text."""
-
-Choices = Mapping[int, bool] | Mapping[str, bool]
-"""Decisions by source line; a line may be given as text."""
-
-_MODES = ("auto", "none")
-_LARGEST_FACTOR = 64
+_FACTORS: Final = (1, 2, 4, 8, 16, 32, 64)
+_FACTOR_HINT: Final = f"a power of two up to {_FACTORS[-1]}; 1 leaves the loop as it is"
+_CHOICE_HINT: Final = "True, or False to leave the loop as it is"
+_LINE: Final = re.compile(r"[1-9][0-9]{0,8}")
 
 
 @dataclass(frozen=True, slots=True)
-class TransformOptions:
-    """Attributes
+class LoopOptions:
+    """How `vividc.compile` transforms loops, which are named by source line.
+
+    Attributes
     ----------
-    mode
-        "auto": what the estimate says pays; "none": only what the others ask for.
-    unroll, jam
-        Factors of loops by source line; 1 leaves the loop as it is.
+    auto
+        Transform loops where an estimate says that it pays; False: only as the others say.
+    unroll
+        Factors by line, as in {12: 4}: 4 iterations of the loop on line 12 become one. A factor is
+        a power of two up to 64; 1 leaves the loop as it is.
+    jam
+        Factors by line: so many iterations of the loop run together in the loop inside it.
     flatten
-        Whether to make one loop of the loop in a line and the loop inside it.
+        Whether the loop on a line and the loop inside it become one, as in {12: True}.
     threads
-        Iterations of the loop over `prange` that run side by side; 1 leaves it as it is, None: as
-        the mode says.
+        Iterations of the loop over `numba.prange` that a tile runs side by side, 1 to 8, each with
+        loops and exits of its own. None: as many as the estimate says pay, if `auto`.
+
+    Raises
+    ------
+    ArgumentError
+        A value is none of these. A line may be given as text.
     """
 
-    mode: Mode = "auto"
+    auto: bool = True
     unroll: Mapping[int, int] = field(default_factory=dict)
     jam: Mapping[int, int] = field(default_factory=dict)
     flatten: Mapping[int, bool] = field(default_factory=dict)
     threads: int | None = None
 
+    def __post_init__(self) -> None:
+        demand_type(self.auto, bool, "auto", "give True or False")
+        for name, values, hint in (
+            ("unroll", _FACTORS, _FACTOR_HINT),
+            ("jam", _FACTORS, _FACTOR_HINT),
+            ("flatten", (False, True), _CHOICE_HINT),
+        ):
+            object.__setattr__(self, name, _by_line(name, getattr(self, name), values, hint))
+        if self.threads is not None:
+            hint = f"give 1 to {MOST_THREADS}; 1 leaves the loop over prange as it is"
+            demand_type(self.threads, int, "threads", hint)
+            if not 1 <= self.threads <= MOST_THREADS:
+                raise ArgumentError(f"threads cannot be {quoted(self.threads)}", hint=hint)
+
     @property
     def idle(self) -> bool:
         """Nothing is to be transformed."""
         asked = self.unroll or self.jam or any(self.flatten.values()) or (self.threads or 1) > 1
-        return self.mode == "none" and not asked
+        return not self.auto and not asked
+
+    def __repr__(self) -> str:
+        """As a user writes it."""
+        given = (
+            f"{one.name}={value!r}"
+            for one in fields(self)
+            if (value := getattr(self, one.name)) not in (one.default, {})
+        )
+        return f"LoopOptions({', '.join(given)})"
 
 
-def transform_options(
-    transform: object,
-    unroll: Factors | None,
-    jam: Factors | None,
-    flatten: Choices | None = None,
-    threads: int | None = None,
-) -> TransformOptions:
-    """The options as given to `vividc.compile`, checked.
+class FlatLoopOptions(TypedDict, total=False):
+    """Keywords of `vividc.compile` that `LoopOptions` replaces."""
+
+    transform: Literal["auto", "none"]
+    unroll: Mapping[int, int] | Mapping[str, int] | None
+    jam: Mapping[int, int] | Mapping[str, int] | None
+    flatten: Mapping[int, bool] | Mapping[str, bool] | None
+    threads: int | None
+
+
+def loop_options(loops: LoopOptions | None, flat: Mapping[str, Any]) -> LoopOptions:
+    """The options given to `vividc.compile`, whose caller is warned of flat ones.
 
     Raises
     ------
     ArgumentError
-        An unknown mode, a line that is no line number, a factor that is no power of two, a
-        choice that is neither True nor False, or threads that are not 1 to 8.
+        `loops` is something else, a flat option makes no sense, or both are given.
+    TypeError
+        A keyword is none of `vividc.compile`'s.
     """
-    hint = 'give transform="auto" or transform="none"'
-    if not isinstance(transform, str) or transform not in _MODES:
+    if loops is not None:
+        demand_type(loops, LoopOptions, "loops", "give vividc.LoopOptions(...)")
+    if not flat:
+        return loops or LoopOptions()
+    for name in flat:
+        if name not in FlatLoopOptions.__annotations__:
+            raise TypeError(f"compile() got an unexpected keyword argument {name!r}")
+    transform = flat.get("transform", "auto")
+    if not isinstance(transform, str) or transform not in ("auto", "none"):
+        hint = "loops=vividc.LoopOptions(auto=False) leaves loops as they are"
         raise ArgumentError(f"transform cannot be {quoted(transform)}", hint=hint)
-    mode: Mode = "auto" if transform == "auto" else "none"
-    choices = _choices("flatten", flatten)
-    factors = _factors("unroll", unroll), _factors("jam", jam)
-    return TransformOptions(mode, *factors, choices, _threads(threads))
+    fields_given = {k: v for k, v in flat.items() if v is not None and k != "transform"}
+    options = LoopOptions(transform == "auto", **fields_given)
+    new = f"write loops=vividc.{options}"
+    if loops is not None:
+        raise ArgumentError(f"loops cannot go with {', '.join(flat)}", hint=new)
+    warnings.warn(f"{', '.join(flat)}: {new}", DeprecationWarning, stacklevel=3)
+    return options
 
 
-def _threads(given: object) -> int | None:
-    if given is None:
-        return None
-    if isinstance(given, bool) or not isinstance(given, int) or not 1 <= given <= MOST_THREADS:
-        hint = f"give 1 to {MOST_THREADS} threads of a tile; 1 leaves the loop over prange as it is"
-        raise ArgumentError(f"threads cannot be {quoted(given)}", hint=hint)
-    return given
-
-
-def _choices(name: str, given: Choices | None) -> dict[int, bool]:
-    hint = f"write {name}={{12: True}} for the loop in line 12, or False to leave it"
-    if given is None:
-        return {}
-    demand_type(given, Mapping, name, hint)
-    found: dict[int, bool] = {}
-    for line, wanted in given.items():
-        if not isinstance(wanted, bool):
-            raise ArgumentError(f"{name} cannot take {quoted(wanted)}", hint=hint)
-        found[_line(name, line, hint)] = wanted
-    return found
-
-
-def _line(name: str, line: object, hint: str) -> int:
-    number = int(line) if isinstance(line, str) and line.isdecimal() else line
-    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-        raise ArgumentError(f"{name} cannot take {quoted(line)} for a line", hint=hint)
-    return number
-
-
-def _factors(name: str, given: Factors | None) -> dict[int, int]:
-    hint = f"write {name}={{12: 4}} for the loop in line 12, by 4"
-    if given is None:
-        return {}
-    demand_type(given, Mapping, name, hint)
-    found: dict[int, int] = {}
-    for line, factor in given.items():
-        number = _line(name, line, hint)
-        if not _is_factor(factor):
-            text = f"{name} cannot take the factor {quoted(factor)}"
-            powers = f"a power of two up to {_LARGEST_FACTOR}; 1 leaves the loop alone"
-            raise ArgumentError(text, hint=powers)
-        found[number] = int(str(factor))
-    return found
-
-
-def _is_factor(factor: object) -> bool:
-    if isinstance(factor, bool) or not isinstance(factor, int):
-        return False
-    return 1 <= factor <= _LARGEST_FACTOR and factor & (factor - 1) == 0
+def _by_line(name: str, given: object, values: tuple[object, ...], hint: str) -> dict[int, object]:
+    demand_type(given, Mapping, name, f"write {name}={{12: {values[-1]}}} for the loop on line 12")
+    assert isinstance(given, Mapping)
+    by_line: dict[int, object] = {}
+    for line, value in given.items():
+        number = int(line) if isinstance(line, str) and _LINE.fullmatch(line) else line
+        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+            text = f"{name} cannot take {quoted(line)} for a line"
+            raise ArgumentError(text, hint="lines of a file are numbered from 1")
+        if type(value) is not type(values[0]) or value not in values:
+            raise ArgumentError(f"{name} cannot take {quoted(value)}", hint=hint)
+        by_line[number] = value
+    return by_line

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.options import TransformOptions
+from vividc.compiler.planning.options import LoopOptions
 from vividc.machine.product import Product
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops
@@ -18,7 +18,7 @@ _ENDLESS = 1e15
 
 
 def priced(
-    found: Product, function: Function, estimator: Estimator, wanted: TransformOptions
+    found: Product, function: Function, estimator: Estimator, wanted: LoopOptions
 ) -> Product:
     """A product with the cycles that a tile takes for each of its terms: of the plan that is tried
     first, by its estimate with assumed sizes.

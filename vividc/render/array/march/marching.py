@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vividc import LoopOptions
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
@@ -324,7 +325,9 @@ class Marcher:
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
         """Run launches, and count what the host reads of them: a word each."""
         name = f"{_KERNELS}:{kernel}"
-        returned = run_launches(self._device, self._ledger, stage, name, launches, transform="none")
+        returned = run_launches(
+            self._device, self._ledger, stage, name, launches, loops=LoopOptions(auto=False)
+        )
         self._ledger.count(words_read_by_host=len(launches))
         return returned
 

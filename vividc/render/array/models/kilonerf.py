@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from vividc import LoopOptions
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
@@ -288,7 +289,12 @@ class KiloNeRFOnArray:
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
         run_launches(
-            self._device, ledger, stage, f"{_KERNELS}:{kernel}", launches, transform="none"
+            self._device,
+            ledger,
+            stage,
+            f"{_KERNELS}:{kernel}",
+            launches,
+            loops=LoopOptions(auto=False),
         )
 
     def _samples_at_once(self) -> int:

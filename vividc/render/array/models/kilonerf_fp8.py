@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from vividc import LoopOptions
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launches import Launch, Move, run_launches
@@ -108,7 +109,7 @@ class Fp8KiloNeRF(KiloNeRFOnArray):
             stage,
             f"{_FILE}:{kernel}",
             launches,
-            transform="none",
+            loops=LoopOptions(auto=False),
             time_limit_s=_MAPPING_S,
         )
 
