@@ -25,14 +25,17 @@ import click
 
 from vividc import KernelFunction, arch, load_ll
 from vividc.arch.fabric import Fabric
+from vividc.compiler.planning import options as planning
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.options import TransformOptions
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.frontend import lower as frontend
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.contract import contract
+
+_LOOPS = getattr(planning, "LoopOptions", None) or planning.TransformOptions
+"""The other checkout may be older than the name."""
 
 ROOT = Path(__file__).resolve().parents[1]
 FABRIC = "vivid-tile"
@@ -130,7 +133,7 @@ class Bench:
     def _plan(self, function: Function, parallel: frozenset[int]) -> None:
         options = PassOptions(contract=False)
         estimator = Estimator(self.fabric, options)
-        plan = choose(contract(function), estimator, TransformOptions(), parallel)
+        plan = choose(contract(function), estimator, _LOOPS(), parallel)
         state = plan.stages[-1].state
         optimize_kernel(build_kernel(estimator.prepared(state.function, state.hints)), options)
 
