@@ -14,11 +14,10 @@ from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.registry import find_mapper
-from vividc.mapper.request import MapRequest
-from vividc.mapper.search.attempt import Attempt
-from vividc.mapper.search.campaign import Campaign
-from vividc.mapper.search.windows import search_windows, window
+from vividc.mapper.request import Mapper, MapRequest
+from vividc.mapper.search.portfolio import auto
+from vividc.mapper.search.state import Attempt, IISearch
+from vividc.mapper.search.windows import window, windows
 
 _ARRAYS = ("mesh-5x6", "torus-6x5", "king-5x5", "hycube-5x5", "openedge-5x5", "adres-5x5")
 
@@ -74,7 +73,7 @@ def test_no_window_is_tried_after_the_deadline() -> None:
     """Each window's bounds and models took their time, however late it was."""
     lines: list[str] = []
     request = MapRequest(None, Deadline.after(0.0), 1, lines.append)
-    result = find_mapper("auto")(MapProblem(random_loop(5, 30), load("mesh-8x8")), request)
+    result = auto(MapProblem(random_loop(5, 30), load("mesh-8x8")), request)
     assert result.status == "timeout"
     assert not any("window" in line for line in lines)
 
@@ -86,16 +85,16 @@ def test_sixteen_by_sixteen_maps_at_once() -> None:
     assert (result.status, result.ii) == ("optimal", 1)
 
 
-def _campaign(lines: list[str], best_ii: int | None = None) -> Campaign:
-    """On an array with a mapping at some II that is not the best."""
+def _search(lines: list[str], mapper: Mapper = auto, best_ii: int | None = None) -> IISearch:
+    """On an array with a mapping at some II that is not the least."""
     problem = MapProblem(random_loop(5, 12), load("mesh-5x5"))
     request = MapRequest(None, Deadline.after(60.0), 1, lines.append)
     lower = mii(all_bounds(problem))
-    campaign = Campaign(problem, request, _never, lower)
+    search = IISearch(problem, request, _never, lower, in_window=mapper)
     if best_ii is not None:
-        campaign.best = map_dfg(problem.dfg, problem.fabric, ii=lower + best_ii).mapping
-        assert campaign.best is not None
-    return campaign
+        search.incumbent = map_dfg(problem.dfg, problem.fabric, ii=lower + best_ii).mapping
+        assert search.incumbent is not None
+    return search
 
 
 def _never(*_: object) -> Attempt:
@@ -105,11 +104,11 @@ def _never(*_: object) -> Attempt:
 @pytest.mark.parametrize("best_ii", [None, 2])
 def test_a_windows_mapping_is_kept_where_it_is_better(best_ii: int | None) -> None:
     lines: list[str] = []
-    campaign = _campaign(lines, best_ii)
-    assert len(list(search_windows(campaign, find_mapper("auto")))) == 1
-    assert campaign.best is not None
-    assert campaign.best.ii == campaign.lower
-    assert violations(campaign.problem.dfg, campaign.problem.fabric, campaign.best) == []
+    search = _search(lines, auto, best_ii)
+    assert len(list(windows(search))) == 1
+    assert search.incumbent is not None
+    assert search.incumbent.ii == search.lower
+    assert violations(search.problem.dfg, search.problem.fabric, search.incumbent) == []
     assert sum("trying the window" in line for line in lines) == 1
 
 
@@ -120,10 +119,10 @@ def test_what_no_window_betters_stays() -> None:
         asked.append(request)
         return MapResult("timeout", None, 1, (), request.known, "none", 0.0)
 
-    campaign = _campaign([], 2)
-    best = campaign.best
-    assert list(search_windows(campaign, mapper))
-    assert campaign.best is best
+    search = _search([], mapper, 2)
+    best = search.incumbent
+    assert list(windows(search))
+    assert search.incumbent is best
     assert asked
     assert all(request.known is best for request in asked)
     assert [r.deadline.at for r in asked] == sorted(r.deadline.at for r in asked)
@@ -132,19 +131,19 @@ def test_what_no_window_betters_stays() -> None:
 @pytest.mark.parametrize("best_ii", [None, 2])
 def test_an_interrupt_keeps_the_windows_mapping(best_ii: int | None) -> None:
     def mapper(problem: MapProblem, request: MapRequest) -> MapResult:
-        raise MapInterrupted(find_mapper("auto")(problem, request))
+        raise MapInterrupted(auto(problem, request))
 
-    campaign = _campaign([], best_ii)
+    search = _search([], mapper, best_ii)
     with pytest.raises(KeyboardInterrupt):
-        list(search_windows(campaign, mapper))
-    assert campaign.best is not None
-    assert campaign.best.ii == campaign.lower
-    assert violations(campaign.problem.dfg, campaign.problem.fabric, campaign.best) == []
+        list(windows(search))
+    assert search.incumbent is not None
+    assert search.incumbent.ii == search.lower
+    assert violations(search.problem.dfg, search.problem.fabric, search.incumbent) == []
 
 
 def test_nothing_is_searched_below_the_bound() -> None:
     lines: list[str] = []
-    assert list(search_windows(_campaign(lines, 0), find_mapper("auto"))) == []
+    assert list(windows(_search(lines, auto, 0))) == []
     assert lines == []
 
 
@@ -153,7 +152,7 @@ def test_what_is_known_comes_back_where_nothing_better_is_found(nodes: int) -> N
     problem = MapProblem(random_loop(5, nodes), load("mesh-4x4"))
     known = map_dfg(problem.dfg, problem.fabric, workers=1, time_limit_s=20).mapping
     assert known is not None
-    result = find_mapper("auto")(problem, MapRequest(None, Deadline.after(2.0), 1, known=known))
+    result = auto(problem, MapRequest(None, Deadline.after(2.0), 1, known=known))
     assert result.mapping is known
 
 

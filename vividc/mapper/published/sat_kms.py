@@ -10,12 +10,13 @@ a few times, before the II grows.
 from __future__ import annotations
 
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.published.upward import search_upward
+from vividc.mapper.published.upward import upward
 from vividc.mapper.request import MapRequest
 from vividc.mapper.result import MapResult
 from vividc.mapper.search.kms import map_by_mobility
+from vividc.mapper.search.strategy import run
 
 
 def sat_kms(problem: MapProblem, request: MapRequest) -> MapResult:
     """Solve the kernel mobility schedule at each II from the MII upward."""
-    return search_upward(problem, request, "sat-kms", map_by_mobility)
+    return run(upward("sat-kms", map_by_mobility), problem, request)

@@ -15,11 +15,12 @@ from typing import Final
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.published.upward import attempt_of, search_upward
+from vividc.mapper.published.upward import attempt_of, upward
 from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.plain_core import unrotated
 from vividc.mapper.result import MapResult
-from vividc.mapper.search.attempt import OPEN, Attempt
+from vividc.mapper.search.state import OPEN, Attempt
+from vividc.mapper.search.strategy import run
 
 _SEEDS: Final = 3
 """Placements annealed at an II before it grows."""
@@ -30,7 +31,7 @@ _EFFORT: Final = Effort(repairs=0, trials=1)
 def spr(problem: MapProblem, request: MapRequest) -> MapResult:
     """Place by annealing and route by negotiation, from the MII upward."""
     prepare(request.tell)
-    return search_upward(problem, request, "spr", _try_ii)
+    return run(upward("spr", _try_ii), problem, request)
 
 
 def _try_ii(

@@ -6,47 +6,32 @@ lower bounds come from `bounds` alone, unless the function proves more.
 
 from __future__ import annotations
 
-import time
-
 from vividc.arch.fabric import Fabric
 from vividc.errors import VividcError
-from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.plain_core import named_anew, plain_core
-from vividc.mapper.result import MapResult
-from vividc.mapper.search.attempt import Attempt
-from vividc.mapper.search.campaign import Campaign, Strategy
-from vividc.mapper.search.portfolio import ii_limit, result_of
-
-_SHARE = 0.35
-_LEAST_S = 1.0
+from vividc.mapper.search.climb import try_only_once
+from vividc.mapper.search.state import Attempt, IISearch, TryII, ii_limit
+from vividc.mapper.search.strategy import Phase, Step, Strategy
+from vividc.mapper.search.tuning import UPWARD_LEAST_S, UPWARD_SHARE, UPWARD_STEP
 
 
-def search_upward(
-    problem: MapProblem, request: MapRequest, name: str, strategy: Strategy
-) -> MapResult:
-    """Try each II from the MII on, each with a share of the time that is left.
+def upward(name: str, try_ii: TryII) -> Strategy:
+    """The strategy of a mapper that takes the first II that maps."""
+    return Strategy(name, (Step(try_ii),), (Phase(go_upward),), (Phase(try_only_once),))
 
-    Past a few failures the steps grow with the II, so that a mapping is found at all.
+
+def go_upward(search: IISearch) -> None:
+    """Try each II from the MII on, each with a share of the time that is left; past a few failures
+    the steps grow with the II, so that some II maps.
     """
-    began = time.monotonic()
-    bounds = all_bounds(problem)
-    campaign = Campaign(problem, request, strategy, mii(bounds))
-    if campaign.lower >= no_ii(problem):
-        return result_of(campaign, bounds, name, began, infeasible=True)
-    if request.ii is not None:
-        impossible = _try_only(campaign, request.ii)
-        return result_of(campaign, bounds, name, began, infeasible=impossible)
-    limit = ii_limit(problem)
-    ii = campaign.lower
-    while ii <= limit and campaign.best is None and not request.deadline.passed:
-        share_s = max(_LEAST_S, request.deadline.remaining_s * _SHARE)
-        campaign.try_ii(ii, request.deadline.within(share_s))
-        ii += 1 + (ii - campaign.lower) // 8
-    exhausted = campaign.best is None and campaign.lower >= no_ii(problem)
-    return result_of(campaign, bounds, name, began, infeasible=exhausted)
+    deadline, limit = search.request.deadline, ii_limit(search.problem)
+    ii = search.lower
+    while ii <= limit and search.incumbent is None and not deadline.passed:
+        share_s = max(UPWARD_LEAST_S, deadline.remaining_s * UPWARD_SHARE)
+        search.try_ii(ii, deadline.within(share_s))
+        ii += 1 + (ii - search.lower) // UPWARD_STEP
 
 
 def core_for(fabric: Fabric, name: str) -> Fabric:
@@ -79,13 +64,6 @@ def _what_is_else(fabric: Fabric) -> str:
 
 
 def attempt_of(problem: MapProblem, mapping: Mapping | None) -> Attempt:
-    """A mapping to the core of a fabric, in the fabric's own names, as what a try came to."""
+    """A mapping to the core of a fabric, in the fabric's own names, as an attempt."""
     named = None if mapping is None else named_anew(problem, mapping)
     return Attempt(mapping=named)
-
-
-def _try_only(campaign: Campaign, ii: int) -> bool:
-    """Try one II; whether it was refuted."""
-    if not campaign.is_ruled_out(ii):
-        campaign.try_ii(ii, campaign.request.deadline)
-    return ii in campaign.refuted

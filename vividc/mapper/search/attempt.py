@@ -1,8 +1,9 @@
-"""One II: the ways to map it or to refute it, from the cheapest to the complete one."""
+"""One II: the ways to refute it or to map it, from the cheapest to the complete one."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Final
 
 from vividc.mapper.bounds.refutations import BY_FOLDING, BY_MODEL, BY_SCHEDULE, WITHIN_ADDED
 from vividc.mapper.deadline import Deadline
@@ -20,170 +21,189 @@ from vividc.mapper.engines.cpsat import (
     schedule,
     windowed,
 )
-from vividc.mapper.engines.negotiate import Effort, negotiate
-from vividc.mapper.mapping import Mapping
+from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.plain_core import named_anew, unrotated
+from vividc.mapper.search.state import OPEN, Attempt
+from vividc.mapper.search.tuning import (
+    BOOLEANS_PER_S,
+    LARGE_ARRAY,
+    LARGE_GRAPH,
+    MOST_BOOLEANS,
+    MOST_DOUBLINGS,
+    ROUTE_S,
+    ROUTE_S_PER_NODE,
+    SCHEDULE_KINDS,
+    SCHEDULE_S,
+    SCHEDULE_S_PER_NODE,
+    SECOND_SEED,
+    SEEDS_IN_STEP,
+    WIDEN_AFTER,
+)
 
-MAX_MODEL_SIZE = 600_000
-"""Booleans beyond which a model is not built: memory, and presolve would not stop in time."""
-
-_VARIABLES_PER_S = 30_000
-"""Booleans built and presolved in a second, cautiously (building alone: 100,000 on one core)."""
-
-_SCHEDULE_S = 1.0
-_SCHEDULE_S_PER_NODE = 0.02
-_ROUTE_S = 2.0
-_ROUTE_S_PER_NODE = 0.1
-_WIDEN_AFTER = 4
-_MOST_DOUBLINGS = 16
-_LARGE = 40
-_SIDES = 2
-"""Annealings with seeds of their own that go on in step."""
-_KINDS = ((1, 0), (2, 1), (3, 2), (0, 0))
-"""(cycles a word may live at no cost, stages that the schedule may be longer than needed)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Attempt:
-    """What became of one II: a mapping, a refutation (`refuted_by`), or neither."""
-
-    mapping: Mapping | None = None
-    refuted_by: str | None = None
-
-    @property
-    def decided(self) -> bool:
-        """Mapped or refuted."""
-        return self.mapping is not None or self.refuted_by is not None
+_SCHEDULES_PER_ROUND: Final = 1000
+"""Seeds of one round of `map_decoupled`."""
 
 
-OPEN = Attempt()
+def is_large(problem: MapProblem) -> bool:
+    """Whether placing and routing by constraints takes longer than by negotiation."""
+    return len(problem.dfg.placed) >= LARGE_GRAPH
 
 
-def refute_cheaply(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
-    """Modulo scheduling without places, first with short schedules: those that exist are found
-    faster there.
+def needs_warm_start(problem: MapProblem) -> bool:
+    """Whether constraints may take all the time there is on the way upward from the bound, of a
+    small graph: on large arrays, and where words do not only take links.
+    """
+    fabric = problem.fabric
+    return not is_large(problem) and (not fabric.is_plain or len(fabric.pes) > LARGE_ARRAY)
+
+
+def refute_cheaply(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline
+) -> Attempt:
+    """Modulo scheduling without places, first with short schedules, which are found faster where
+    there are any.
     """
     half = deadline.within(deadline.remaining_s / 2)
     any_schedule = ScheduleOptions(slack=ii, carry=False)
     search = Search(half, request.workers, light=True)
-    if schedule(task, ii, any_schedule, search).verdict == "found" or deadline.passed:
+    if schedule(problem, ii, any_schedule, search).verdict == "found" or deadline.passed:
         return OPEN
-    outcome = refute_schedule(task, ii, Search(deadline, request.workers))
+    outcome = refute_schedule(problem, ii, Search(deadline, request.workers))
     if outcome.verdict == "refuted":
         return Attempt(refuted_by=BY_SCHEDULE)
     return OPEN
 
 
-def map_decoupled(
-    task: MapProblem, ii: int, request: MapRequest, deadline: Deadline, first_seed: int = 0
+def refute_now_and_then(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
 ) -> Attempt:
-    """Schedules first, then places and routes with times fixed, later nearly so; several schedules
-    until one routes.
+    """Modulo scheduling without places in the first round and in some of the later ones, which are
+    longer: what a short time did not refute a longer one may.
     """
-    seed = first_seed
-    seen: list[dict[int, int]] = []
-    while not deadline.passed:
-        start = _schedule(task, ii, request, deadline, seed)
-        seed += 1
-        if start is None or start in seen:
-            if seed - first_seed > 3 * (len(seen) + 1):
-                break
-            continue
-        seen.append(start)
-        slack = seed // _WIDEN_AFTER % 2
-        request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
-        budget_s = _ROUTE_S + len(task.dfg.placed) * _ROUTE_S_PER_NODE
-        turn = min(seed // len(_KINDS), _MOST_DOUBLINGS)
-        share = deadline.within(budget_s * 2**turn)
-        search = Search(share, 1, seed, light=True, jumps=False)
-        attempt = _joint(fixed(task, ii, start, slack), search, request.extend)
-        if attempt.mapping is not None:
-            return attempt
-    return OPEN
+    if tries & (tries + 1):
+        return OPEN
+    return refute_cheaply(problem, ii, request, deadline)
 
 
 def map_negotiated(
-    task: MapProblem,
+    problem: MapProblem,
     ii: int,
     request: MapRequest,
     deadline: Deadline,
     seed: int,
     effort: Effort | None = None,
 ) -> Attempt:
-    """Annealed places and negotiated routes, without a solver: for large graphs."""
+    """Anneal places and negotiate routes, without a solver."""
+    prepare(request.tell)
     request.tell(f"II {ii}: annealing places, negotiating routes")
-    core = replace(task, fabric=unrotated(task.fabric))
-    mapping = negotiate(core, ii, seed, deadline, effort, _SIDES, request.workers)
-    return OPEN if mapping is None else Attempt(mapping=named_anew(task, mapping))
+    core = replace(problem, fabric=unrotated(problem.fabric))
+    mapping = negotiate(core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers)
+    return OPEN if mapping is None else Attempt(mapping=named_anew(problem, mapping))
 
 
-def is_large(task: MapProblem) -> bool:
-    """Whether placing and routing by constraints takes longer than by negotiation."""
-    return len(task.dfg.placed) >= _LARGE
+def map_negotiated_if_slow(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int
+) -> Attempt:
+    """The same for small graphs, where constraints may take long; one seed a round."""
+    if not needs_warm_start(problem):
+        return OPEN
+    return map_negotiated(problem, ii, request, deadline, SECOND_SEED + tries)
+
+
+def map_decoupled(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, tries: int = 0
+) -> Attempt:
+    """Schedules first, then places and routes with times fixed, later nearly so; several schedules
+    until one routes.
+    """
+    seed = first_seed = _SCHEDULES_PER_ROUND * tries
+    seen: list[dict[int, int]] = []
+    while not deadline.passed:
+        start = _schedule(problem, ii, request, deadline, seed)
+        seed += 1
+        if start is None or start in seen:
+            if seed - first_seed > 3 * (len(seen) + 1):
+                break
+            continue
+        seen.append(start)
+        slack = seed // WIDEN_AFTER % 2
+        request.tell(f"II {ii}: placing and routing schedule {len(seen)}, slack {slack}")
+        budget_s = ROUTE_S + len(problem.dfg.placed) * ROUTE_S_PER_NODE
+        turn = min(seed // len(SCHEDULE_KINDS), MOST_DOUBLINGS)
+        share = deadline.within(budget_s * 2**turn)
+        search = Search(share, 1, seed, light=True, jumps=False)
+        attempt = _joint(fixed(problem, ii, start, slack), search, request.extend)
+        if attempt.mapping is not None:
+            return attempt
+    return OPEN
 
 
 def refute_by_folding(
-    task: MapProblem, ii: int, request: MapRequest, deadline: Deadline
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, _: int = 0
 ) -> Attempt:
-    """Place and route in slots instead of times: no schedule, however long, can do what this
-    cannot.
+    """Place and route in slots instead of times: what has no solution there has no schedule,
+    however long.
     """
-    problem = folded(task, ii)
-    if not _buildable(problem, deadline):
+    model = folded(problem, ii)
+    if not _buildable(model, deadline):
         return OPEN
     request.tell(f"II {ii}: solving the cyclic relaxation")
-    if refute_folded(problem, Search(deadline, request.workers)).verdict == "refuted":
+    if refute_folded(model, Search(deadline, request.workers)).verdict == "refuted":
         return Attempt(refuted_by=BY_FOLDING)
     return OPEN
 
 
-def map_jointly(task: MapProblem, ii: int, request: MapRequest, deadline: Deadline) -> Attempt:
+def map_jointly(
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, _: int = 0
+) -> Attempt:
     """Time, place and route in one model, with windows that grow until they are complete."""
-    complete = complete_slack(task, ii)
+    complete = complete_slack(problem, ii)
     if request.extend is not None:  # what is added may ask for longer schedules: all of them
-        complete = ii * task.fabric.controller.max_stages
+        complete = ii * problem.fabric.controller.max_stages
     slack = min(max(ii // 2, 1), complete)
-    problem = windowed(task, ii, slack)
-    if slack > 1 and not _buildable(problem, deadline):
-        slack, problem = 1, windowed(task, ii, 1)
-    while not deadline.passed and _buildable(problem, deadline):
-        request.tell(f"II {ii}: joint model with slack {slack}, {problem.size} Booleans")
+    model = windowed(problem, ii, slack)
+    if slack > 1 and not _buildable(model, deadline):
+        slack, model = 1, windowed(problem, ii, 1)
+    while not deadline.passed and _buildable(model, deadline):
+        request.tell(f"II {ii}: joint model with slack {slack}, {model.size} Booleans")
         if slack >= complete:
-            return _joint(problem, Search(deadline, request.workers), request.extend)
+            return _joint(model, Search(deadline, request.workers), request.extend)
         slack = min(2 * slack, complete)
-        wider, half = windowed(task, ii, slack), deadline.within(deadline.remaining_s / 2)
+        wider, half = windowed(problem, ii, slack), deadline.within(deadline.remaining_s / 2)
         share = half if _buildable(wider, half) else deadline
-        attempt = _joint(problem, Search(share, request.workers, light=True), request.extend)
+        attempt = _joint(model, Search(share, request.workers, light=True), request.extend)
         if attempt.mapping is not None:
             return attempt
-        problem = wider
+        model = wider
     return OPEN
 
 
 def _schedule(
-    task: MapProblem, ii: int, request: MapRequest, deadline: Deadline, seed: int
+    problem: MapProblem, ii: int, request: MapRequest, deadline: Deadline, seed: int
 ) -> dict[int, int] | None:
     options = _options(ii, seed)
-    budget_s = _SCHEDULE_S + len(task.dfg.placed) * _SCHEDULE_S_PER_NODE
+    budget_s = SCHEDULE_S + len(problem.dfg.placed) * SCHEDULE_S_PER_NODE
     budget = deadline.within(min(budget_s, deadline.remaining_s / 2))
-    return schedule(task, ii, options, Search(budget, request.workers, seed, light=True)).value
+    return schedule(problem, ii, options, Search(budget, request.workers, seed, light=True)).value
 
 
 def _options(ii: int, seed: int) -> ScheduleOptions:
     """Which schedule to try next: tight and loose in turn, either may be the one that routes."""
-    easy_life, stages = _KINDS[seed % len(_KINDS)]
-    turn = seed // len(_KINDS)
+    easy_life, stages = SCHEDULE_KINDS[seed % len(SCHEDULE_KINDS)]
+    turn = seed // len(SCHEDULE_KINDS)
     slack = 2 if stages == 0 else stages * ii
     return ScheduleOptions(easy_life, slack, turn, spread=turn % 2 == 0)
 
 
-def _joint(problem: Prepared, search: Search, extend: Extension | None) -> Attempt:
-    """ "Refuted" is passed on for all windows alike; only complete ones may use it."""
-    if not _buildable(problem, search.deadline):
+def _joint(model: Prepared, search: Search, extend: Extension | None) -> Attempt:
+    """What the solver says of the model; a refutation holds for its windows only, so that only a
+    caller whose windows are complete may pass it on.
+    """
+    if not _buildable(model, search.deadline):
         return OPEN
-    outcome = place_and_route(problem, search, extend=extend)
+    outcome = place_and_route(model, search, extend=extend)
     if outcome.value is not None:
         return Attempt(mapping=outcome.value)
     if outcome.verdict == "refuted":
@@ -191,6 +211,6 @@ def _joint(problem: Prepared, search: Search, extend: Extension | None) -> Attem
     return OPEN
 
 
-def _buildable(problem: Prepared, deadline: Deadline) -> bool:
-    affordable = min(_VARIABLES_PER_S * deadline.remaining_s, MAX_MODEL_SIZE)
-    return problem.least_size <= affordable and problem.size <= affordable
+def _buildable(model: Prepared, deadline: Deadline) -> bool:
+    affordable = min(BOOLEANS_PER_S * deadline.remaining_s, MOST_BOOLEANS)
+    return model.least_size <= affordable and model.size <= affordable

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
 
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.cpsat import MobilityModel, Search, fixed, place_and_route
 from vividc.mapper.mapping import Place
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
-from vividc.mapper.search.attempt import OPEN, Attempt
-
-_PLACEMENTS: Final = 20
-_EXTRA_STAGES: Final = (0, 1)
-"""Stages by which the mobility schedule may be longer than the longest path, in turn."""
+from vividc.mapper.search.state import OPEN, Attempt
+from vividc.mapper.search.tuning import MOBILITY_EXTRA_STAGES, MOBILITY_PLACEMENTS
 
 
 def map_by_mobility(
@@ -23,12 +19,12 @@ def map_by_mobility(
     """Placements in turn until one has routes; nothing is refuted, since moves and lives beyond the
     II are left out.
     """
-    for stages in _EXTRA_STAGES:
-        part = deadline.within(deadline.remaining_s / (len(_EXTRA_STAGES) - stages))
+    for stages in MOBILITY_EXTRA_STAGES:
+        part = deadline.within(deadline.remaining_s / (len(MOBILITY_EXTRA_STAGES) - stages))
         model = MobilityModel.of(problem, ii, stages * ii, part)
         if model is None:
             continue
-        for number in range(_PLACEMENTS):
+        for number in range(MOBILITY_PLACEMENTS):
             request.tell(f"II {ii}: kernel mobility schedule, placement {number + 1}")
             places = model.solve(Search(part, request.workers, number + tries, light=True))
             if places is None:

@@ -9,42 +9,31 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Final
 
 from vividc.arch.fabric import Fabric, Link
 from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.request import Mapper
 from vividc.mapper.result import MapInterrupted
-from vividc.mapper.search.attempt import Attempt, map_negotiated
-from vividc.mapper.search.campaign import Campaign
-from vividc.mapper.search.large import QUICK, limit_of, work_of
-
-_WORTH_WINDOWS = 16
-"""PEs of an array from which on rectangles are tried."""
-
-_LEAST = 16
-"""PEs of the smallest window."""
-
-_FIRST = 2
-"""The II, in bounds, for which windows have room when nothing is mapped yet."""
-
-_ROOM, _ROOM_WITH_MOVES = 1.2, 2.0
-"""Slots for an operation; where FUs move words, too, they take slots themselves."""
-
-_NARROWEST = 4
-_GROWTH = 1.5
-_AMPLE = 3
-_FIRST_SHARE, _SHARE = 0.3, 0.2
-"""Of the time that is left, for a window until something is mapped, and after that."""
-
-_SPARSE, _FILLED = 0.06, 0.2
-"""Parts of the slots: a graph that takes less of the array's begins in a window where it takes no
-more than this of them, since on the array annealing leaves it far apart.
-"""
-_FIRST_SEEDS: Final = (1, 2)
-_SEED_SHARE: Final = 0.1
+from vividc.mapper.search.attempt import map_negotiated
+from vividc.mapper.search.state import Attempt, IISearch
+from vividc.mapper.search.tuning import (
+    AMPLE_WINDOWS,
+    FILLED,
+    FIRST_WINDOW_SHARE,
+    GROWTH,
+    LARGE_ARRAY,
+    LEAST_WINDOW,
+    NARROWEST,
+    QUICK,
+    ROOM,
+    ROOM_WITH_MOVES,
+    SPARSE,
+    WINDOW_SEED_SHARE,
+    WINDOW_SEEDS,
+    WINDOW_SHARE,
+    WINDOW_TARGET,
+)
 
 
 @dataclass(frozen=True)
@@ -92,81 +81,92 @@ def window(fabric: Fabric, top: int, left: int, rows: int, cols: int) -> Window:
     return Window(part, tuple(pe.id for pe in inside), tuple(link.id for link in links))
 
 
-def start_in_window(campaign: Campaign) -> None:
+def work_of(problem: MapProblem) -> int:
+    """Slots of FUs that the operations take in an iteration."""
+    return sum(problem.fabric.occupancy(node) for node in problem.dfg.operations)
+
+
+def start_in_window(search: IISearch) -> None:
     """Where FUs move words and a graph takes hardly any of a large array's slots at the bound,
     negotiate at the bound in one window.
     """
-    problem, request, bound = campaign.problem, campaign.request, campaign.lower
+    problem, request, bound = search.problem, search.request, search.lower
     work = work_of(problem)
-    sparse = work <= _SPARSE * len(problem.fabric.pes) * bound
-    if not (sparse and problem.fabric.routing.moves and _has_windows(campaign)):
+    sparse = work <= SPARSE * len(problem.fabric.pes) * bound
+    if not (sparse and problem.fabric.routing.moves and _has_windows(search)):
         return
-    side = max(_NARROWEST, math.ceil(math.sqrt(work / bound / _FILLED)))
+    side = max(NARROWEST, math.ceil(math.sqrt(work / bound / FILLED)))
     if side > min(problem.fabric.rows, problem.fabric.cols):
         return
     part, its_bound = _best_corner(problem, side, side)
     smaller = replace(problem, fabric=part.fabric)
-    for seed in _FIRST_SEEDS:
-        if its_bound > bound or campaign.best is not None:
+    for seed in WINDOW_SEEDS:
+        if its_bound > bound or search.incumbent is not None:
             return
         request.tell(f"trying the window {part.fabric.name}")
-        deadline = request.deadline.within(_SEED_SHARE * request.deadline.remaining_s)
-        found = map_negotiated(smaller, bound, request, deadline, seed, QUICK).mapping
-        _keep(campaign, part, found)
+        deadline = request.deadline.within(WINDOW_SEED_SHARE * request.deadline.remaining_s)
+        attempt = map_negotiated(smaller, bound, request, deadline, seed, QUICK)
+        _record(search, part, attempt.mapping)
 
 
-def search_windows(campaign: Campaign, mapper: Mapper) -> Iterator[None]:
-    """Have `mapper` look for an II below the best, if there is any, on rectangles of a large array,
-    one a step, each with a share of the time that is left.
+def windows(search: IISearch) -> Iterator[None]:
+    """Search rectangles of a large array for an II below the incumbent's, one a step, each with a
+    share of the time that is left.
     """
-    if not _has_windows(campaign) or campaign.lower >= no_ii(campaign.problem):
+    if not _has_windows(search) or search.lower >= no_ii(search.problem):
         return
-    for part in _windows(campaign):
-        _search_window(campaign, mapper, part)
+    for part in _windows(search):
+        _search_window(search, part)
         yield
 
 
-def _has_windows(campaign: Campaign) -> bool:
-    problem = campaign.problem
-    fixed = problem.allowed or problem.resident or campaign.request.extend is not None
-    return len(problem.fabric.pes) > _WORTH_WINDOWS and not fixed
+def search_windows(search: IISearch) -> None:
+    """All windows in turn."""
+    for _ in windows(search):
+        pass
 
 
-def _search_window(campaign: Campaign, mapper: Mapper, part: Window) -> None:
-    request, best = campaign.request, campaign.best
-    share = _FIRST_SHARE if best is None else _SHARE
-    deadline = limit_of(campaign)
-    deadline = deadline.within(deadline.remaining_s * share)
+def _has_windows(search: IISearch) -> bool:
+    problem = search.problem
+    fixed = problem.allowed or problem.resident or search.request.extend is not None
+    return search.in_window is not None and len(problem.fabric.pes) > LARGE_ARRAY and not fixed
+
+
+def _search_window(search: IISearch, part: Window) -> None:
+    assert search.in_window is not None
+    request, known = search.request, search.incumbent
+    share = FIRST_WINDOW_SHARE if known is None else WINDOW_SHARE
+    deadline = search.deadline.within(search.deadline.remaining_s * share)
     request.tell(f"trying the window {part.fabric.name}")
-    problem = replace(campaign.problem, fabric=part.fabric)
+    problem = replace(search.problem, fabric=part.fabric)
     try:
-        found = mapper(problem, replace(request, deadline=deadline, known=best)).mapping
+        result = search.in_window(problem, replace(request, deadline=deadline, known=known))
     except MapInterrupted as stop:
-        _keep(campaign, part, stop.result.mapping)
+        _record(search, part, stop.result.mapping)
         raise
-    _keep(campaign, part, found)
+    _record(search, part, result.mapping)
 
 
-def _keep(campaign: Campaign, part: Window, found: Mapping | None) -> None:
-    """Keep a window's mapping, unless it is the one that was known."""
-    if found is not None and found is not campaign.best:
-        campaign.note(found.ii, Attempt(mapping=part.embed(found)))
+def _record(search: IISearch, part: Window, mapping: Mapping | None) -> None:
+    """Record a window's mapping, unless it is the incumbent, which the window's search knew."""
+    if mapping is not None and mapping is not search.incumbent:
+        search.record(mapping.ii, Attempt(mapping=part.embed(mapping)))
 
 
-def _windows(campaign: Campaign) -> Iterator[Window]:
-    """Windows with room for the graph below the best II (where there is none: not far above the
+def _windows(search: IISearch) -> Iterator[Window]:
+    """Windows with room for the graph below the incumbent's II (without one: not far above the
     bound), each clearly larger than the one before, until some may reach the bound.
     """
-    problem, bound = campaign.problem, campaign.lower
+    problem, bound = search.problem, search.lower
     work = work_of(problem)
-    room = _ROOM_WITH_MOVES if problem.fabric.routing.moves else _ROOM
+    room = ROOM_WITH_MOVES if problem.fabric.routing.moves else ROOM
     area, ample = 0.0, 0
     for rows, cols in _shapes(problem.fabric):
-        if not campaign.unfinished or limit_of(campaign).passed or ample == _AMPLE:
+        if not search.unfinished or search.deadline.passed or ample == AMPLE_WINDOWS:
             return
-        size, best = rows * cols, campaign.best
-        target = _FIRST * bound if best is None else best.ii - 1
-        if size < max(_LEAST, _GROWTH * area, room * work / target):
+        size, best = rows * cols, search.incumbent
+        target = WINDOW_TARGET * bound if best is None else best.ii - 1
+        if size < max(LEAST_WINDOW, GROWTH * area, room * work / target):
             continue
         part, its_bound = _best_corner(problem, rows, cols)
         if its_bound <= target:
@@ -181,13 +181,13 @@ def _best_corner(problem: MapProblem, rows: int, cols: int) -> tuple[Window, int
     corners = dict.fromkeys(
         (top, left) for top in (0, fabric.rows - rows) for left in (0, fabric.cols - cols)
     )
-    found = []
+    bounded = []
     for top, left in corners:
         part = window(fabric, top, left, rows, cols)
-        found.append((part, mii(all_bounds(replace(problem, fabric=part.fabric)))))
+        bounded.append((part, mii(all_bounds(replace(problem, fabric=part.fabric)))))
         if len({(pe.classes, pe.sliced, pe.registers, pe.constants) for pe in fabric.pes}) == 1:
             break
-    return min(found, key=lambda item: item[1])
+    return min(bounded, key=lambda item: item[1])
 
 
 def _shapes(fabric: Fabric) -> list[tuple[int, int]]:
@@ -195,10 +195,10 @@ def _shapes(fabric: Fabric) -> list[tuple[int, int]]:
     full height or width (memory PEs may line one side).
     """
     rows, cols = fabric.rows, fabric.cols
-    found = set()
+    shapes = set()
     for side in range(1, max(rows, cols) + 1):
-        found |= {(side, side), (side, side + 1), (side + 1, side)}
-        if side >= _NARROWEST:
-            found |= {(rows, side), (side, cols)}
-    clipped = {(min(height, rows), min(width, cols)) for height, width in found}
+        shapes |= {(side, side), (side, side + 1), (side + 1, side)}
+        if side >= NARROWEST:
+            shapes |= {(rows, side), (side, cols)}
+    clipped = {(min(height, rows), min(width, cols)) for height, width in shapes}
     return sorted(clipped - {(rows, cols)}, key=lambda s: (s[0] * s[1], abs(s[0] - s[1]), s))

@@ -21,7 +21,7 @@ from vividc.mapper.mapping import Mapping, Place
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.published.ims.table import ReservationTable
 from vividc.mapper.published.ims.words import Result, Words
-from vividc.mapper.published.upward import attempt_of, core_for, search_upward
+from vividc.mapper.published.upward import attempt_of, core_for, upward
 from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.dependences import (
     Dependence,
@@ -32,7 +32,8 @@ from vividc.mapper.resources.dependences import (
 from vividc.mapper.resources.distances import FAR
 from vividc.mapper.resources.mrrg import MRRG, Ints, build_mrrg
 from vividc.mapper.result import MapResult
-from vividc.mapper.search.attempt import OPEN, Attempt
+from vividc.mapper.search.state import OPEN, Attempt
+from vividc.mapper.search.strategy import run
 
 _BUDGET_RATIO: Final = 6
 """Scheduling steps per operation before the II grows (Rau 1994, section 4.3)."""
@@ -47,7 +48,7 @@ def ims(problem: MapProblem, request: MapRequest) -> MapResult:
         The fabric's routing is not that of the MRRG.
     """
     core_for(problem.fabric, "ims")
-    return search_upward(problem, request, "ims", _try_ii)
+    return run(upward("ims", _try_ii), problem, request)
 
 
 def _try_ii(

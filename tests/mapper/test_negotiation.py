@@ -1,4 +1,4 @@
-"""The policy for large graphs: nearer step by step, and when a thrifty request has enough."""
+"""Large graphs: smaller IIs step by step, and when a thrifty request has enough."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
-from vividc.mapper.search.attempt import OPEN, Attempt, map_decoupled
-from vividc.mapper.search.campaign import Campaign
-from vividc.mapper.search.large import limit_of
+from vividc.mapper.search.attempt import map_decoupled
+from vividc.mapper.search.state import OPEN, Attempt, IISearch
 
 TILE = arch.load("vivid-tile")
 
 
-def campaign(best: int, lower: int, *, thrifty: bool) -> Campaign:
+def mapped(best: int, lower: int, *, thrifty: bool) -> IISearch:
     request = MapRequest(None, Deadline.after(1000.0), thrifty=thrifty)
-    made = Campaign(MapProblem(random_loop(1, 4), TILE), request, lambda *_: OPEN, lower)
-    made.note(best, Attempt(mapping=Mapping(best, {}, {})))
+    made = IISearch(MapProblem(random_loop(1, 4), TILE), request, lambda *_: OPEN, lower)
+    made.record(best, Attempt(mapping=Mapping(best, {}, {})))
     return made
 
 
@@ -32,15 +31,15 @@ def campaign(best: int, lower: int, *, thrifty: bool) -> Campaign:
 def test_a_thrifty_request_stops_early_only_within_one_of_the_bound(
     best: int, thrifty: bool, early: bool
 ) -> None:
-    search = campaign(best, 5, thrifty=thrifty)
-    assert (limit_of(search).at < search.request.deadline.at) is early
+    search = mapped(best, 5, thrifty=thrifty)
+    assert (search.deadline.at < search.request.deadline.at) is early
 
 
-def test_a_mapping_no_better_than_the_best_is_dropped() -> None:
-    search = campaign(6, 5, thrifty=False)
-    search.note(8, Attempt(mapping=Mapping(8, {}, {})))
-    assert search.best is not None
-    assert search.best.ii == 6
+def test_a_mapping_no_better_than_the_incumbent_is_dropped() -> None:
+    search = mapped(6, 5, thrifty=False)
+    search.record(8, Attempt(mapping=Mapping(8, {}, {})))
+    assert search.incumbent is not None
+    assert search.incumbent.ii == 6
 
 
 def test_what_is_found_is_told_with_ever_smaller_iis() -> None:
@@ -57,7 +56,7 @@ def test_what_is_found_is_told_with_ever_smaller_iis() -> None:
 def test_many_tries_of_an_ii_do_not_overflow_the_budget() -> None:
     problem = MapProblem(random_loop(1, 4), TILE)
     request = MapRequest(None, Deadline.after(20.0), 1)
-    attempt = map_decoupled(problem, 4, request, request.deadline, first_seed=9000)
+    attempt = map_decoupled(problem, 4, request, request.deadline, tries=9)
     assert attempt.mapping is not None
 
 

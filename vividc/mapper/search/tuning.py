@@ -1,0 +1,156 @@
+"""The constants that steer the search over IIs, each with its reason, and with what it was measured
+on where that is known.
+
+A change shows in `benchmarks/mappers.md` (public graphs) and `benchmarks/kernels.md`, whose IIs are
+those of all values together; a value without a figure was never measured alone. Shares are of the
+effort that is left, `_S` are seconds of effort (`mapper/deadline.py`).
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from vividc.mapper.engines.negotiate import Effort
+
+TRY_S: Final = 0.001
+"""Charged for each try of an II: one that ends at once takes time, too, when it is repeated."""
+WORTH_TRYING_S: Final = 0.3
+"""A round of tries that takes less would only repeat itself."""
+
+# The class of a problem.
+LARGE_GRAPH: Final = 40
+"""Operations from which on negotiation comes first: constraints take longer to place and route so
+many.
+"""
+LARGE_ARRAY: Final = 16
+"""PEs beyond which constraints may use up the time on the way upward (of small graphs), and
+rectangles of the array are searched, too.
+"""
+
+# One II.
+MOST_BOOLEANS: Final = 600_000
+"""A larger model is not built: it takes too much memory, and presolve would not stop in time."""
+BOOLEANS_PER_S: Final = 30_000
+"""Built and presolved in a second, with a margin (building alone: 100,000 on one core)."""
+SCHEDULE_S, SCHEDULE_S_PER_NODE = 1.0, 0.02
+ROUTE_S, ROUTE_S_PER_NODE = 2.0, 0.1
+"""At most, for one schedule, and for the first tries to place and route it."""
+WIDEN_AFTER: Final = 4
+"""Schedules whose operations keep their times; those of as many more may be moved by a cycle."""
+SCHEDULE_KINDS: Final = ((1, 0), (2, 1), (3, 2), (0, 0))
+"""(cycles a word may live at no cost, stages beyond the shortest schedule), in turn: tight or loose
+ones may be the first to route.
+"""
+MOST_DOUBLINGS: Final = 16
+"""Of the time for a schedule: more overflow."""
+SEEDS_IN_STEP: Final = 2
+"""Annealings that run side by side: as many as threads find work (`MapRequest.workers`)."""
+MOBILITY_PLACEMENTS: Final = 20
+"""Placements of the kernel mobility schedule that are routed until one has routes."""
+MOBILITY_EXTRA_STAGES: Final = (0, 1)
+"""Stages by which the mobility schedule may be longer than the longest path, in turn."""
+
+# The steps of a strategy at one II.
+PROOF_SHARE: Final = 0.15
+NEGOTIATION_SHARE: Final = 0.4
+DECOUPLED_SHARE: Final = 0.7
+FOLDING_SHARE: Final = 0.4
+"""Of the time for an II; the last step has what is left."""
+
+# The climb from the bound, and the descent, with constraints.
+CLIMB_SHARE: Final = 0.08
+"""For the first turn of each II: small, since an II that takes longer is tried again from above."""
+LONG_CLIMB_FIRST_SHARE, LONG_CLIMB_SHARE = 0.5, 0.2
+"""The same at the bound and above it where constraints alone are to find a mapping."""
+CLIMB_LEAST_S: Final = 2.0
+BOUND_SHARE: Final = 0.5
+"""At most, for the turn at the bound before a warm start."""
+FAILURES_PER_STEP: Final = 3
+"""Failures after which the climb takes steps that are longer by one."""
+
+# A warm start of a small graph.
+WARM_START_SHARE: Final = 0.3
+WARM_START_LEAST_S: Final = 2.0
+MOBILITY_STEPS: Final = (1.0, 1.3, 1.7, 2.2, 3.0)
+"""IIs for the kernel mobility schedule, in bounds."""
+MOBILITY_SHARE: Final = 0.2
+"""For each of them."""
+SECOND_SEED: Final = 2
+"""Of the first negotiation after a warm start, which has seed 1."""
+
+# Negotiation.
+QUICK: Final = Effort(moves=3000, rounds=30, repairs=60, trials=1, shown=1)
+"""To find a first mapping."""
+DESCENTS: Final = (Effort(trials=1), Effort())
+DESCENTS_WITH_MOVES: Final = (
+    Effort(moves=4000, repairs=60, shown=1),
+    Effort(moves=4000, repairs=60),
+    Effort(),
+    Effort(moves=16000),
+)
+"""Of each round downward. Where FUs move words, tries that fail take longest; rounds of growing
+effort, together with an annealer that refuses moves earlier, took conv2D on openedge-4x4 in 20 s
+from II 38 to 27, idctrows from 14 to 11, matrix_multiply from 18 to 15.
+"""
+STEP, STEP_WITH_MOVES, LARGE_STEP_WITH_MOVES = 1 / 24, 1 / 4, 1.0
+"""The first step above the bound, in bounds (the last one: on arrays of `STEPPED_ARRAY` PEs or
+more). Where FUs move words the best II is farther above the bound, and tries that fail take
+longest.
+"""
+STEPPED_ARRAY: Final = 64
+ROOMY: Final = 0.3
+"""Part of the array's slots that operations take at the bound: up to it the bound is tried even
+where steps are large.
+"""
+FIRST_SHARE, BOUND_SHARE_WITH_MOVES = 0.4, 0.1
+"""For an II until something is mapped (the latter: at the bound where FUs move words)."""
+DESCENT, DESCENT_WITH_MOVES = 2, 3
+"""Parts into which the open IIs are cut on the way downward: where FUs move words most of what is
+far below fails.
+"""
+FIRST_PROOF_S, PROOF_S = 1.0, 2.0
+"""For refuting the bound by a schedule without places, before and after the way downward."""
+SEEDS: Final = 3
+"""At most, of a round of restarts."""
+SEEDED_NODES: Final = 150
+"""Where FUs move words: nodes that the seeds of the first round anneal together, since each seed is
+as likely to map as the one before, and the solver is rarely faster.
+"""
+SOLVER_S: Final = 400.0
+"""For constraints in the first round of restarts, of a graph of one node: a graph of n nodes gets
+an nth of it, since the solver does better on smaller graphs.
+"""
+
+# A thrifty request.
+NEAR: Final = 1
+"""A gap between bound and II that takes a proof to close, which rarely ends."""
+PATIENCE_LEAST_S, PATIENCE_FACTOR = 4.0, 3.0
+"""At least, and in times that it took to find the incumbent, until the search gives up."""
+
+# Windows.
+LEAST_WINDOW: Final = 16
+"""PEs of the smallest one."""
+WINDOW_TARGET: Final = 2
+"""The II, in bounds, for which windows have room while nothing is mapped."""
+ROOM, ROOM_WITH_MOVES = 1.2, 2.0
+"""Slots for each operation; where FUs move words, moves take slots, too."""
+NARROWEST: Final = 4
+"""The shortest side of a window, in PEs."""
+GROWTH: Final = 1.5
+"""Least ratio of the sizes of two windows in turn."""
+AMPLE_WINDOWS: Final = 3
+"""Windows that may reach the bound, after which larger ones are not tried."""
+FIRST_WINDOW_SHARE, WINDOW_SHARE = 0.3, 0.2
+"""For a window until something is mapped, and after that."""
+SPARSE, FILLED = 0.06, 0.2
+"""Parts of the slots: a graph that takes less of the array's begins in a window where it takes no
+more than this of them, since on the whole array annealing leaves it far apart.
+"""
+WINDOW_SEEDS: Final = (1, 2)
+WINDOW_SEED_SHARE: Final = 0.1
+
+# Mappers that only go upward.
+UPWARD_SHARE: Final = 0.35
+UPWARD_LEAST_S: Final = 1.0
+UPWARD_STEP: Final = 8
+"""Past so many IIs above the bound steps are longer by one, past twice as many by two."""
