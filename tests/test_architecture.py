@@ -18,8 +18,6 @@ MOST = 15
 """Entries of a room, its `__init__.py` aside."""
 SIZES = {"vividc": 17}
 """The package itself: fifteen rooms, and `errors` and `formats`, which users import as such."""
-IN_CIRCLES = {"vividc/mapper": {"bounds", "mapping", "report", "resources", "result"}}
-"""`Mapping` and `MapResult` explain and draw themselves, as users know them to do."""
 
 
 def rooms() -> Iterator[Path]:
@@ -85,9 +83,8 @@ def test_rooms_import_each_other_in_no_circle() -> None:
                 one, other = (name[len(start) :].split(".")[0] for name in (here, there))
                 if one != other:
                     graph.add_edge(one, other)
-        allowed = IN_CIRCLES.get(name_of(room), set())
         for circle in nx.strongly_connected_components(graph):
-            assert len(circle) == 1 or circle <= allowed, f"{name_of(room)}: {sorted(circle)}"
+            assert len(circle) == 1, f"{name_of(room)}: {sorted(circle)}"
 
 
 def private_names(text: str) -> list[str]:

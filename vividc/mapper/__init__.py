@@ -27,9 +27,12 @@ from vividc.mapper.mapping import (
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
 from vividc.mapper.report.document import mapping_from_json, mapping_to_json, read_result
+from vividc.mapper.report.methods import attach
 from vividc.mapper.request import Mapper, MapRequest, Progress
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapInterrupted, MapResult
+
+attach()
 
 __all__ = [
     "ENTRY_POINT_GROUP",

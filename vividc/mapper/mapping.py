@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection
 from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import DFG
-from vividc.errors import VividcError, demand_type
-from vividc.host.files import write_whole
-from vividc.host.plot import Picture, encode
+from vividc.host.plot import Picture
 from vividc.mapper.problem import ConstantKey
 
 Status = Literal["optimal", "feasible", "infeasible", "timeout"]
@@ -85,37 +82,10 @@ class Mapping:
     routes: ReadOnly[int, tuple[Step, ...]]
     subject: Subject | None = field(default=None, compare=False, repr=False)
 
-    def plot(self, path: str | Path | None = None, subject: Subject | None = None) -> Picture:
-        """Draw the array slot by slot and the modulo reservation table.
+    if TYPE_CHECKING:  # attached by `report.methods`: pictures are made of mappings
 
-        Parameters
-        ----------
-        path
-            Where to write the picture: `.svg` or `.png`. None: only return it.
-        subject
-            Graph and fabric, if the mapping does not know them.
-
-        Raises
-        ------
-        VividcError
-            The graph is not known or another one, the ending names no format, or the file cannot
-            be written.
-        """
-        from vividc.mapper.report.draw.draw import draw  # drawing needs this module  # noqa: PLC0415
-
-        if path is not None:
-            demand_type(path, (str, os.PathLike), "the file", "give a path that ends in .svg")
-        about = subject or self.subject
-        if about is None:
-            raise VividcError(
-                "the mapping does not know its graph and fabric",
-                loc="plot",
-                hint="pass subject=Subject(dfg, fabric)",
-            )
-        picture = draw(about.dfg, about.fabric, self)
-        if path is not None:
-            write_whole(Path(path), encode(picture, Path(path)))
-        return picture
+        def plot(self, path: str | Path | None = None, subject: Subject | None = None) -> Picture:
+            """Draw the array slot by slot and the modulo reservation table."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from vividc.errors import VividcError
 from vividc.mapper.mapping import Bound, Mapping, Objective, Refutation, Status, Subject
 
 
@@ -55,45 +55,17 @@ class MapResult:
         limited = self.constrained and self.status in ("optimal", "infeasible")
         return f"{self.status} within the added constraints" if limited else self.status
 
-    def explain(self) -> str:
-        """What was proved and what binds, in a few lines for a person: the recurrence with its
-        source lines, the resource with its users, or what is fullest where routing binds.
-        """
-        from vividc.mapper.report.explain import explain  # it needs this module  # noqa: PLC0415
+    if TYPE_CHECKING:  # attached by `report.methods`: reports are made of results
 
-        return explain(self)
+        def explain(self) -> str:
+            """What was proved and what binds, in a few lines for a person."""
 
-    def to_json(self, subject: Subject | None = None) -> dict[str, object]:
-        """A JSON-ready object with the whole certificate, graph and fabric (`report.document`).
+        def to_json(self, subject: Subject | None = None) -> dict[str, object]:
+            """A JSON-ready object with the whole certificate, graph and fabric."""
 
-        Raises
-        ------
-        VividcError
-            The result does not know its graph and fabric, and none are given.
-        """
-        from vividc.mapper.report.document import mapping_to_json  # as above  # noqa: PLC0415
-
-        about = subject or self.subject
-        if about is None:
-            raise VividcError(
-                "the result does not know its graph and fabric",
-                loc="to_json",
-                hint="pass subject=Subject(dfg, fabric)",
-            )
-        return mapping_to_json(replace(self, subject=about), about.dfg, about.fabric)
-
-    @staticmethod
-    def from_json(data: object) -> MapResult:
-        """The result that `to_json` wrote, with the graph and the fabric in it as `subject`.
-
-        Raises
-        ------
-        VividcError
-            `data` is no such object, or of another version.
-        """
-        from vividc.mapper.report.document import read_result  # as above  # noqa: PLC0415
-
-        return read_result(data)
+        @staticmethod
+        def from_json(data: object) -> MapResult:
+            """The result that `to_json` wrote."""
 
 
 class MapInterrupted(KeyboardInterrupt):

@@ -1,3 +1,5 @@
-"""A result for people and for files: `explain` (what it proves and what binds it), `document` (JSON
-and back), `draw/`.
+"""A result for people and for files.
+
+In order: `explain` (what it proves and what binds it), `document` (JSON and back), `draw/`,
+`methods` (all that as methods of results).
 """
