@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from tests.frontend.cfg_eval import run
 from tests.rules import Language
+from vividc.machine.parallel import Term
 from vividc.machine.params import Param
 from vividc.ssa.check import check_function
 from vividc.ssa.edit import definitions, map_values
@@ -114,6 +115,14 @@ def _argument(param: Param, rng: np.random.Generator, *, is_empty: bool) -> obje
 def loop_at(given: Function, header: str) -> Loop:
     """The loop with this header."""
     return next(loop for loop in find_loops(given) if loop.header == header)
+
+
+def term_text(terms: Sequence[Term], number: int) -> str:
+    """A term of `vividc.machine.parallel` as nested calls."""
+    one = terms[number]
+    args = ", ".join(term_text(terms, arg) for arg in one.args)
+    word = str(one.word) if one.op in ("const", "any") else one.key
+    return f"{one.op}({args or word})"
 
 
 FUNCTIONS = Language(function, text_of, check_function, demand_same)

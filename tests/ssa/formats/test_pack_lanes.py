@@ -10,6 +10,8 @@ import pytest
 import vividc
 from benchmarks.workloads import Workload
 from tests.frontend.format_kernels import chains
+from tests.rules import Case, cases
+from tests.ssa.support import FUNCTIONS
 from vividc.formats import FORMATS
 from vividc.program import Program
 from vividc.ssa.check import check_function
@@ -21,6 +23,11 @@ from vividc.ssa.ir import Function
 def _operations(function: Function, part: str) -> list[str]:
     names = (instr.op.value for block in function.blocks for instr in block.instrs)
     return [name for name in names if part in name]
+
+
+@cases(__file__)
+def test_rules(case: Case) -> None:
+    FUNCTIONS.check(case, pack_lanes)
 
 
 @pytest.mark.parametrize("fmt", FORMATS)

@@ -10,15 +10,44 @@ import pytest
 from numba import prange
 
 import vividc
+from tests.rules import Case, cases
+from tests.ssa.support import FUNCTIONS, term_text
 from vividc.errors import KernelError
 from vividc.machine.parallel import FIRST, LAST, Parallel
 from vividc.ssa.edit import uses
-from vividc.ssa.ir import Input
+from vividc.ssa.ir import Function, Input
 from vividc.ssa.parallel.cut import cut_parallel_loop
 
 
 def cut(kernel: Any) -> tuple[Any, Parallel]:
     return cut_parallel_loop(kernel.lower(spread=True), kernel.prange_lines)
+
+
+def run(function: Function, *lines: str) -> object:
+    """The function, and a line each for the bounds, accesses, reductions and the result."""
+    try:
+        made, found = cut_parallel_loop(function, [int(line) for line in lines])
+    except KernelError as refusal:
+        return str(refusal).replace("\n", " / ")
+
+    def term(number: int | None) -> str:
+        return "nothing" if number is None else term_text(found.terms, number)
+
+    accesses = (
+        f"{'store' if a.is_store else 'load'} {a.array} {term(a.term)} shift {a.shift}"
+        f" offset {a.offset} width {a.width} counters {a.counters} {a.loc or ''}".rstrip()
+        for a in found.accesses
+    )
+    reductions = (f"{r.op} from {term(r.start)}, {r.start_word}" for r in found.reductions)
+    result = f"result {found.result}, unsigned {found.is_unsigned}, at {found.loc}"
+    bounds = f"from {term(found.first)} to {term(found.last)}"
+    return made, bounds, *accesses, *reductions, result
+
+
+@cases(__file__)
+def test_rules(case: Case) -> None:
+    """The function computes a chunk: not what it computed."""
+    FUNCTIONS.check(case, run, same=False)
 
 
 @vividc.kernel("void(int32[::1], int32)")
