@@ -14,7 +14,7 @@ def run(function: Function) -> str:
         f" {' '.join(f'%{member}' for member in group.members)} in {group.block}"
         for group in find_groups(function)
     )
-    return "\n".join(groups)
+    return "\n".join(groups) or "none"
 
 
 @cases(__file__)
