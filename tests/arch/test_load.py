@@ -180,7 +180,8 @@ def test_mistake_in_the_base_names_the_base(tmp_path):
         ("extends: vivid-tile\nlatencies:\n  fmaa: 1", "did you mean `fma`?"),
         ("extends: vivid-tile\nclock_ghz: .nan", "f.yaml:2: `clock_ghz`"),
         ("extends: vivid-tile\npe: {executes: [fma, fmo]}", "f.yaml:2: `pe.executes` should be"),
-        ("extends: vivid-tile\nname: a b", "f.yaml:2: `name`"),
+        ("extends: vivid-tile\nname: a b", "f.yaml:2: `name` should be up to 64 letters, digits"),
+        ("extends: vivid-tile\nlatencies: 3", "f.yaml:2: `latencies` should be a mapping, got 3"),
         ("extends: vivid-tile\nrows: 0b_", "f.yaml:2: `0b_` is not a value"),
         (
             "extends: vivid-tile\noverrides:\n  - memory: true",

@@ -6,6 +6,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from vividc.arch.yaml.schema import Name
 from vividc.machine.kinds import KINDS
 
 Kind = Literal["published", "measured", "derived", "assumed", "calibrated"]
@@ -133,7 +134,7 @@ class CalibrationSpec(_Model):
 class TableSpec(_Model):
     """A whole cost table."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+    name: Name
     node_nm: Literal[45]
     operations_pj: dict[str, CostSpec]
     moves_pj: dict[str, CostSpec]

@@ -17,6 +17,7 @@ from vividc.arch.yaml.layers import entered, file_tree, is_path, merge
 from vividc.arch.yaml.load import load as load_tile
 from vividc.arch.yaml.problems import Problem, raise_all, schema_problems
 from vividc.arch.yaml.reflect import reflected
+from vividc.arch.yaml.schema import StrictModel
 from vividc.arch.yaml.tree import Tree, parse
 from vividc.errors import ArchError, demand_type
 from vividc.host.inputs import YAML_BYTES, read_text
@@ -130,9 +131,7 @@ def _preset_tree(name: str) -> Tree:
     return _layered(parse(file.read_text(encoding="utf-8"), f"{name}.yaml"), Path(name), ())
 
 
-def _validated(
-    tree: Tree, model: type[AcceleratorLayer] | type[AcceleratorSpec]
-) -> AcceleratorLayer | AcceleratorSpec:
+def _validated(tree: Tree, model: type[StrictModel]) -> StrictModel:
     try:
         return model.model_validate(tree.data)
     except ValidationError as error:

@@ -5,12 +5,19 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vividc.arch.yaml.tree import Tree
 from vividc.errors import ArchError, quoted
+
+_IN_OUR_WORDS: Final = {
+    "model_type": "should be a mapping",
+    "string_pattern_mismatch": "should be up to 64 letters, digits, dots, dashes and underscores",
+}
+"""By pydantic's name of the error, where its own text speaks of Python."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +73,7 @@ def _problem(detail: ErrorDetails, tree: Tree, model: type[BaseModel]) -> Proble
         way_out = "give it, or inherit it: `extends: vivid-tile`" if len(path) == 1 else None
         return Problem(place, f"`{name}` is missing", way_out)
     message = detail["msg"].removeprefix("Value error, ").removeprefix("Input ")
+    message = _IN_OUR_WORDS.get(detail["type"], message)
     return Problem(place, f"`{name}` {message}, got {quoted(detail['input'])}")
 
 

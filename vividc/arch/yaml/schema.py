@@ -1,15 +1,16 @@
 """The keys of a fabric's YAML, as pydantic models; `docs/fabric-yaml.md` documents each of them.
 
-A file may leave out what it inherits through `extends`, so every key of a `Layer` is optional.
-`Spec` is the merged whole, in which nothing may be missing.
+`Spec` is the merged whole, in which nothing may be missing. A file may leave out what it inherits
+through `extends`: `Layer` is the same with every key optional, made by `layer_of`.
 """
 
 from __future__ import annotations
 
 import re
-from typing import Annotated, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, create_model
+from pydantic.fields import FieldInfo
 
 from vividc.arch.topology import Topology
 from vividc.machine.opcodes import LatencyClass
@@ -86,16 +87,41 @@ class StrictModel(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, populate_by_name=True)
 
 
+def layer_of(model: type[StrictModel], **keys: Any) -> type[StrictModel]:
+    """`model` with every key optional, and so in its parts.
+
+    Parameters
+    ----------
+    keys
+        Type of keys that are others in a layer, or in a layer only.
+    """
+    types = {name: _in_layer(field) for name, field in model.model_fields.items()} | keys
+    aliases = {name: field.alias for name, field in model.model_fields.items()}
+    optional: dict[str, Any] = {
+        name: (kind | None, Field(None, alias=aliases.get(name))) for name, kind in types.items()
+    }
+    return create_model(f"{model.__name__}Layer", __base__=StrictModel, **optional)
+
+
+def _in_layer(field: FieldInfo) -> Any:
+    kind = field.annotation
+    if isinstance(kind, type) and issubclass(kind, StrictModel):
+        demanding = any(one.is_required() for one in kind.model_fields.values())
+        return layer_of(kind) if demanding else kind
+    return Annotated[(kind, *field.metadata)] if field.metadata else kind
+
+
 _Absent = Literal[
     "int", "imul", "compare", "select", "fadd", "fmul", "fma", "dot", "convert", "generic", "memory"
 ]
 _Latency = Annotated[int, Field(ge=1, le=64)]
 _Registers = Annotated[int, Field(ge=0, le=256)]
 _Ports = Annotated[int, Field(ge=0, le=16)]
-_Constants = Annotated[int, Field(ge=0, le=1024)]
 _Side = Annotated[int, Field(ge=1, le=MAX_SIDE)]
 _Coordinates = Annotated[list[int], PlainValidator(_check_coordinates)]
 _Executes = Annotated[Literal["all"] | list[Compute], PlainValidator(_check_executes)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+"""What a layer may call itself; without a name it has its file's."""
 
 
 class LinkSpec(StrictModel):
@@ -110,120 +136,6 @@ class LinksSpec(StrictModel):
 
     extra: list[LinkSpec] = []
     removed: list[LinkSpec] = []
-
-
-class RegisterFileLayer(StrictModel):
-    """Register file of a PE, as far as one layer sets it."""
-
-    registers: _Registers | None = None
-    read_ports: _Ports | None = None
-    write_ports: _Ports | None = None
-    rotating: bool | None = None
-    written_by: WrittenBy | None = None
-
-
-class PELayer(StrictModel):
-    """What a PE is made of, as far as one layer sets it."""
-
-    memory: bool | None = None
-    executes: _Executes | None = None
-    sliced: bool | None = None
-    register_file: RegisterFileLayer | None = None
-    constants: _Constants | None = None
-
-
-class RoutingLayer(StrictModel):
-    """How words travel, as far as one layer sets it."""
-
-    hops: Annotated[int, Field(ge=0, le=16)] | None = None
-    output: Literal["pulse", "hold"] | None = None
-    output_readers: Literal["own", "neighbours"] | None = None
-    moves: bool | None = None
-
-
-class OccupancyLayer(StrictModel):
-    """Cycles for which an operation of a class keeps its FU."""
-
-    int_: _Latency | None = Field(None, alias="int")
-    imul: _Latency | None = None
-    compare: _Latency | None = None
-    select: _Latency | None = None
-    fadd: _Latency | None = None
-    fmul: _Latency | None = None
-    fma: _Latency | None = None
-    dot: _Latency | None = None
-    convert: _Latency | None = None
-    load: _Latency | None = None
-    store: _Latency | None = None
-    generic: _Latency | None = None
-
-
-class At(StrictModel):
-    """PEs by rows and columns: those in one of the rows and one of the columns."""
-
-    rows: IndexSet = "all"
-    cols: IndexSet = "all"
-
-
-class Override(PELayer):
-    """Other settings for some PEs; later overrides win."""
-
-    at: At
-
-
-class LatenciesLayer(StrictModel):
-    """Cycles per latency class; `all` and `float` set several at once, a class by its name wins."""
-
-    all_: _Latency | None = Field(None, alias="all")
-    float_: _Latency | None = Field(None, alias="float")
-    int_: _Latency | None = Field(None, alias="int")
-    imul: _Latency | None = None
-    compare: _Latency | None = None
-    select: _Latency | None = None
-    fadd: _Latency | None = None
-    fmul: _Latency | None = None
-    fma: _Latency | None = None
-    dot: _Latency | None = None
-    convert: _Latency | None = None
-    load: _Latency | None = None
-    store: _Latency | None = None
-    generic: _Latency | None = None
-
-
-class ScratchpadLayer(StrictModel):
-    """The tile's memory, as far as one layer sets it."""
-
-    size_bytes: Annotated[int, Field(ge=4, le=2**30)] | None = None
-    banks: Annotated[int, Field(ge=1, le=1024)] | None = None
-
-
-class ControllerLayer(StrictModel):
-    """The tile controller, as far as one layer sets it."""
-
-    contexts: Annotated[int, Field(ge=1, le=65536)] | None = None
-    control_latency: Annotated[int, Field(ge=0, le=64)] | None = None
-    switch_cycles: Annotated[int, Field(ge=0, le=1024)] | None = None
-    max_stages: Annotated[int, Field(ge=1, le=1024)] | None = None
-
-
-class Layer(StrictModel):
-    """One YAML text."""
-
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")] | None = None
-    extends: str | None = None
-    rows: _Side | None = None
-    cols: _Side | None = None
-    topology: Topology | None = None
-    links: LinksSpec | None = None
-    pe: PELayer | None = None
-    overrides: list[Override] | None = None
-    absent: list[_Absent] | None = None
-    latencies: LatenciesLayer | None = None
-    routing: RoutingLayer | None = None
-    occupancy: OccupancyLayer | None = None
-    scratchpad: ScratchpadLayer | None = None
-    controller: ControllerLayer | None = None
-    clock_ghz: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)] | None = None
 
 
 class RegisterFileSpec(StrictModel):
@@ -243,7 +155,29 @@ class PESpec(StrictModel):
     executes: _Executes
     sliced: bool | None = None
     register_file: RegisterFileSpec
-    constants: _Constants
+    constants: Annotated[int, Field(ge=0, le=1024)]
+
+
+class RoutingSpec(StrictModel):
+    """How words travel."""
+
+    hops: Annotated[int, Field(ge=0, le=16)] | None = None
+    output: Literal["pulse", "hold"] | None = None
+    output_readers: Literal["own", "neighbours"] | None = None
+    moves: bool | None = None
+
+
+class At(StrictModel):
+    """PEs by rows and columns: those in one of the rows and one of the columns."""
+
+    rows: IndexSet = "all"
+    cols: IndexSet = "all"
+
+
+class Override(layer_of(PESpec)):  # type: ignore[misc]
+    """Other settings for some PEs; later overrides win."""
+
+    at: At
 
 
 class LatenciesSpec(StrictModel):
@@ -266,23 +200,23 @@ class LatenciesSpec(StrictModel):
 class ScratchpadSpec(StrictModel):
     """Capacity and banks."""
 
-    size_bytes: int
-    banks: int
+    size_bytes: Annotated[int, Field(ge=4, le=2**30)]
+    banks: Annotated[int, Field(ge=1, le=1024)]
 
 
 class ControllerSpec(StrictModel):
     """Parameters of the tile controller."""
 
-    contexts: int
-    control_latency: int
-    switch_cycles: int
-    max_stages: int
+    contexts: Annotated[int, Field(ge=1, le=65536)]
+    control_latency: Annotated[int, Field(ge=0, le=64)]
+    switch_cycles: Annotated[int, Field(ge=0, le=1024)]
+    max_stages: Annotated[int, Field(ge=1, le=1024)]
 
 
 class Spec(StrictModel):
     """A whole fabric after `extends` was resolved."""
 
-    name: str
+    name: Name
     rows: _Side
     cols: _Side
     topology: Topology
@@ -291,8 +225,16 @@ class Spec(StrictModel):
     overrides: list[Override] = []
     absent: list[_Absent] = []
     latencies: LatenciesSpec
-    routing: RoutingLayer | None = None
-    occupancy: OccupancyLayer | None = None
+    routing: RoutingSpec | None = None
+    occupancy: layer_of(LatenciesSpec) | None = None  # type: ignore[valid-type]
     scratchpad: ScratchpadSpec
     controller: ControllerSpec
-    clock_ghz: float
+    clock_ghz: Annotated[float, Field(gt=0, le=100, allow_inf_nan=False)]
+
+
+Layer: Final = layer_of(
+    Spec,
+    extends=str,
+    latencies=layer_of(LatenciesSpec, **dict.fromkeys(LATENCY_GROUPS, _Latency)),
+)
+"""One YAML text. `all` and `float` set several latencies at once; a class by its name wins."""
