@@ -5,27 +5,35 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable
 from functools import partial, wraps
-from typing import TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
 
 _Object = TypeVar("_Object")
+_Rest = ParamSpec("_Rest")
 _Result = TypeVar("_Result")
+_Kept = dict[tuple[object, ...], _Result]
 
 
-def once_each(function: Callable[[_Object], _Result]) -> Callable[[_Object], _Result]:
-    """`function`, whose result is kept as long as the object lives: nobody may change it.
+def once_each(
+    function: Callable[Concatenate[_Object, _Rest], _Result],
+) -> Callable[Concatenate[_Object, _Rest], _Result]:
+    """`function`, whose results are kept as long as its first argument lives: nobody may change
+    them. Other arguments are given by position.
 
     By the object's identity: equal ones are not looked for (a fabric has no hash, and comparing
     SSA functions takes longer than most analyses). A result that leads to the object would keep it
     for ever. What lets results go is not Python code: an interrupt that came to it would be lost.
     """
-    results: dict[int, tuple[weakref.ref[_Object], _Result]] = {}
+    results: dict[int, tuple[weakref.ref[_Object], _Kept[_Result]]] = {}
 
     @wraps(function)
-    def kept(given: _Object) -> _Result:
+    def kept(given: _Object, /, *rest: _Rest.args, **named: _Rest.kwargs) -> _Result:
+        assert not named
         key = id(given)
         if key not in results:
-            result = function(given)
-            results[key] = weakref.ref(given, partial(results.pop, key)), result
-        return results[key][1]
+            results[key] = weakref.ref(given, partial(results.pop, key)), {}
+        known = results[key][1]
+        if rest not in known:
+            known[rest] = function(given, *rest, **named)
+        return known[rest]
 
     return kept

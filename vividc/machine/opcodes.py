@@ -18,7 +18,13 @@ BASE: Final = 4
 ORDER: Final = -1
 
 
-class Type(Enum):
+class Named(Enum):
+    """An enum whose members hash by identity: they are keys of the busiest tables."""
+
+    __hash__ = object.__hash__
+
+
+class Type(Named):
     """What the bits of a word mean to an operation."""
 
     I32 = "i32"
@@ -31,7 +37,7 @@ class Type(Enum):
     NONE = "none"
 
 
-class LatencyClass(Enum):
+class LatencyClass(Named):
     """Operations that share a latency; a fabric gives the cycles of each class."""
 
     SOURCE = "source"  # not executed: constant, live-in, induction value
@@ -50,7 +56,7 @@ class LatencyClass(Enum):
     GENERIC = "generic"  # an operation of a foreign DFG, known by its name only
 
 
-class Opcode(Enum):
+class Opcode(Named):
     """Every operation of the IR; the value is its name in text, JSON and DOT."""
 
     CONST = "const"

@@ -186,11 +186,10 @@ def _fully(state: State, header: str) -> State | Refusal:
         loops = [loop for loop in find_loops(function) if _stem(loop.header) in inside]
         if not loops:
             return replace(state, function=function, made=state.made | {_around(state, header)})
-        found = [(loop, constant_trips(function, loop, MOST_ITERATIONS)) for loop in loops]
-        known = [(loop, trips) for loop, trips in found if trips is not None]
-        if not known:
+        counted = ((loop, constant_trips(function, loop, MOST_ITERATIONS)) for loop in loops)
+        loop, trips = next((known for known in counted if known[1] is not None), (loops[0], None))
+        if trips is None:
             return Refusal(f"its trip count is not a constant up to {MOST_ITERATIONS}")
-        loop, trips = known[0]
         size = _size(function, loop) * trips.entries
         if size > MOST_INSTRUCTIONS:
             return Refusal(f"it would make {size} instructions")

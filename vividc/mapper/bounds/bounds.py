@@ -25,6 +25,7 @@ from vividc.mapper.resources.dependences import (
     Dependence,
     dependences,
     earliest_starts,
+    least_ii,
     positive_cycle,
 )
 
@@ -143,7 +144,7 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     """RecMII: max over cycles of ceil(sum of separations / sum of distances), with a cycle that
     reaches it.
 
-    Binary search on the II; a cycle with a positive weight at II - 1 is one of ratio above II - 1.
+    A cycle with a positive weight at II - 1 is one of ratio above II - 1.
     """
     edges = _on_cycles(dependences(problem.dfg, problem.fabric))
     found = _recurrence(problem, edges)
@@ -156,25 +157,19 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 
 def _recurrence(problem: MapProblem, edges: Sequence[Dependence]) -> Bound | None:
     nodes = tuple(dict.fromkeys(end for edge in edges for end in (edge.src, edge.dst)))
-    impossible = sum(max(edge.separation, 0) for edge in edges) + 1
-    low, high = 0, impossible
-    while low < high:
-        middle = (low + high) // 2
-        if earliest_starts(nodes, edges, middle) is None:
-            low = middle + 1
-        else:
-            high = middle
-    if low == 0:
+    least = least_ii(nodes, edges)
+    if least == 0:
         return None
-    cycle = positive_cycle(nodes, edges, low - 1)
+    impossible = sum(max(edge.separation, 0) for edge in edges)
+    cycle = positive_cycle(nodes, edges, impossible if least is None else least - 1)
     assumed = _assumed_text(problem, cycle)
-    if low == impossible:
+    if least is None:
         reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}{assumed}"
         return _recurrence_bound(no_ii(problem), reason, cycle)
     latency = sum(edge.separation for edge in cycle)
     distance = sum(edge.distance for edge in cycle)
     reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}{assumed}"
-    return _recurrence_bound(low, reason, cycle)
+    return _recurrence_bound(least, reason, cycle)
 
 
 def _assumed_text(problem: MapProblem, cycle: Sequence[Dependence]) -> str:

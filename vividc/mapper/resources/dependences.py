@@ -57,12 +57,26 @@ def earliest_starts(
     """Longest path from the beginning to each node (Bellman-Ford); None if a cycle is positive, so
     II too small.
     """
-    start = dict.fromkeys(nodes, 0)
-    edges = tuple(edges)
-    for _ in range(len(start) + 1):
-        if not _relax(start, edges, ii):
-            return start
-    return None
+    start, cycle = _longest_paths(nodes, edges, ii)
+    return None if cycle else start
+
+
+def least_ii(nodes: Iterable[int], edges: Iterable[Dependence]) -> int | None:
+    """The least II at which no cycle is positive, so the maximum cycle ratio, rounded up; None if
+    a positive cycle has distance 0.
+
+    Each II that is too small has a positive cycle, whose ratio is the next II to try (Lawler 1976).
+    """
+    nodes, edges = tuple(nodes), tuple(edges)
+    ii = 0
+    while True:
+        _, cycle = _longest_paths(nodes, edges, ii)
+        if not cycle:
+            return ii
+        distance = sum(edge.distance for edge in cycle)
+        if not distance:
+            return None
+        ii = -(-sum(edge.separation for edge in cycle) // distance)
 
 
 def longest_tails(nodes: Iterable[int], edges: Iterable[Dependence], ii: int) -> dict[int, int]:
@@ -79,20 +93,67 @@ def positive_cycle(
 ) -> tuple[Dependence, ...]:
     """Edges of a cycle whose separations exceed II times its distance, or () if there is none."""
     start = dict.fromkeys(nodes, 0)
-    edges = tuple(edges)
+    rows = _weighted(edges, ii)
     into: dict[int, Dependence] = {}
     moved: int | None = None
     for _ in range(len(start) + 1):
-        moved = None
-        for edge in edges:
-            reached = start[edge.src] + edge.weight(ii)
-            if reached > start[edge.dst]:
-                start[edge.dst] = reached
-                into[edge.dst] = edge
-                moved = edge.dst
+        moved = _relax(start, rows, into)
         if moved is None:
             return ()
     return _walk_back(into, moved, len(start)) if moved is not None else ()
+
+
+_Row = tuple[int, int, int, Dependence]
+"""Source, destination and weight of a dependence, and itself."""
+
+
+def _weighted(edges: Iterable[Dependence], ii: int) -> list[_Row]:
+    return [(edge.src, edge.dst, edge.weight(ii), edge) for edge in edges]
+
+
+def _longest_paths(
+    nodes: Iterable[int], edges: Iterable[Dependence], ii: int
+) -> tuple[dict[int, int], tuple[Dependence, ...]]:
+    """Longest path from the beginning to each node, or some positive cycle.
+
+    A cycle of edges that each moved their destination last is positive (Cherkassky and Goldberg
+    1999): it shows long before as many rounds as nodes have passed.
+    """
+    start = dict.fromkeys(nodes, 0)
+    rows = _weighted(edges, ii)
+    into: dict[int, Dependence] = {}
+    for number in range(1, len(start) + 2):
+        moved = _relax(start, rows, into)
+        if moved is None:
+            return start, ()
+        if number & (number - 1) == 0 and (cycle := _cycle_of(into)):
+            return start, cycle
+    return start, _walk_back(into, moved, len(start)) if moved is not None else ()
+
+
+def _relax(start: dict[int, int], rows: list[_Row], into: dict[int, Dependence]) -> int | None:
+    """Moves nodes past those they depend on, once for each edge; the last that moved."""
+    moved = None
+    for src, dst, weight, edge in rows:
+        reached = start[src] + weight
+        if reached > start[dst]:
+            start[dst] = reached
+            into[dst] = edge
+            moved = dst
+    return moved
+
+
+def _cycle_of(into: Mapping[int, Dependence]) -> tuple[Dependence, ...]:
+    """A cycle among edges of which each node has at most one that leads to it; () if none."""
+    walk_of: dict[int, int] = {}
+    for walk in into:
+        node = walk
+        while node in into and node not in walk_of:
+            walk_of[node] = walk
+            node = into[node].src
+        if walk_of.get(node) == walk and node in into:
+            return _walk_back(into, node, 0)
+    return ()
 
 
 def _walk_back(into: Mapping[int, Dependence], node: int, steps: int) -> tuple[Dependence, ...]:
@@ -102,13 +163,3 @@ def _walk_back(into: Mapping[int, Dependence], node: int, steps: int) -> tuple[D
     while cycle[-1].src != node:
         cycle.append(into[cycle[-1].src])
     return tuple(reversed(cycle))
-
-
-def _relax(start: dict[int, int], edges: Iterable[Dependence], ii: int) -> bool:
-    changed = False
-    for edge in edges:
-        reached = start[edge.src] + edge.weight(ii)
-        if reached > start[edge.dst]:
-            start[edge.dst] = reached
-            changed = True
-    return changed

@@ -7,11 +7,14 @@ counter does (steps, shifts, several at once), in any form of loop, with or with
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from vividc.host import time_limit
+from vividc.host.once import once_each
+from vividc.machine.opcodes import Opcode
+from vividc.machine.semantics import SEMANTICS
 from vividc.ssa.analysis.constants import constant_value
-from vividc.ssa.edit import block_of, defined_types, incoming
+from vividc.ssa.edit import block_of, incoming
 from vividc.ssa.flow import Loop, preheader_of
 from vividc.ssa.ir import Block, Const, Function, Phi, Ref, Value
 
@@ -33,18 +36,22 @@ class ConstantTrips:
     iterations: int
 
 
+@once_each
 def constant_trips(function: Function, loop: Loop, limit: int) -> ConstantTrips | None:
     """The loop's trips, or None if they are not constant, more than `limit`, or of a loop so long
     that finding out takes too many visits of blocks.
 
     The loop has one preheader and one latch.
     """
+    blocks = [block for block in function.blocks if block.name in loop.blocks]
+    inside = _possible_constants(blocks)
+    if _always_repeats(loop, blocks, inside):
+        return None
     header = block_of(function, loop.header)
     preheader = preheader_of(function, loop)
     (latch,) = loop.latches
     words = _constants({phi.id: incoming(phi, preheader) for phi in header.phis}, {})
-    blocks = [block for block in function.blocks if block.name in loop.blocks]
-    inside = frozenset(ident for block in blocks for ident in defined_types(block))
+    blocks = [_only(block, inside) for block in blocks]
     visits = 0
     for number in range(1, limit + 2):
         state = _Iteration(loop, blocks, inside, words)
@@ -63,21 +70,71 @@ def constant_trips(function: Function, loop: Loop, limit: int) -> ConstantTrips 
     return None
 
 
+def _possible_constants(blocks: list[Block]) -> frozenset[int]:
+    """Ids that may be constants in some iteration: made of constants, whatever path is taken."""
+    possible: set[int] = set()
+
+    def may_be(value: Value) -> bool:
+        return isinstance(value, Const) or (isinstance(value, Ref) and value.id in possible)
+
+    before = -1
+    while before != (before := len(possible)):
+        for block in blocks:
+            for phi in block.phis:
+                if phi.id not in possible and any(may_be(value) for _, value in phi.incoming):
+                    possible.add(phi.id)
+            for instr in block.instrs:
+                if instr.id not in possible and instr.op in SEMANTICS:
+                    enough = any if instr.op in (Opcode.AND, Opcode.OR) else all
+                    if enough(map(may_be, instr.operands)):
+                        possible.add(instr.id)
+    return frozenset(possible)
+
+
+def _always_repeats(loop: Loop, blocks: list[Block], possible: frozenset[int]) -> bool:
+    """Whether branches that no constant decides lead from the header back to it."""
+    undecided = {
+        block.name: block.branch.successors
+        for block in blocks
+        if not isinstance(block.branch.cond, Const)
+        and not (isinstance(block.branch.cond, Ref) and block.branch.cond.id in possible)
+    }
+    work, seen = [loop.header], set[str]()
+    while work:
+        for target in undecided.get(work.pop(), ()):
+            if target == loop.header:
+                return True
+            if target not in seen:
+                seen.add(target)
+                work.append(target)
+    return False
+
+
+def _only(block: Block, idents: frozenset[int]) -> Block:
+    """`block` with the definitions of these ids alone."""
+    return replace(
+        block,
+        phis=tuple(phi for phi in block.phis if phi.id in idents),
+        instrs=tuple(instr for instr in block.instrs if instr.id in idents),
+    )
+
+
 def _constants(values: dict[int, Value], words: dict[int, int]) -> dict[int, int]:
-    found = {}
+    known = {}
     for ident, value in values.items():
         if isinstance(value, Const):
-            found[ident] = value.word
+            known[ident] = value.word
         elif isinstance(value, Ref) and value.id in words:
-            found[ident] = words[value.id]
-    return found
+            known[ident] = words[value.id]
+    return known
 
 
 @dataclass
 class _Iteration:
     """One pass from the header, on the constants `entering` its phis.
 
-    `varies` are the ids known to be no constant; ids in neither map have not been reached.
+    `inside` are the ids that may be constants, `varies` those known to be none in this iteration;
+    of the others those without a word have not been reached.
     """
 
     loop: Loop
