@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from vividc.dfg.ir import DFG, Control
 from vividc.errors import DFGError, printable
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 
 
@@ -28,7 +29,7 @@ def evaluation_order(dfg: DFG) -> tuple[int, ...]:
             f"nodes {', '.join(map(str, cycle))} form a cycle of distance 0",
             loc=printable(dfg.name),
         )
-    return tuple(order)
+    return order
 
 
 def cyclic_nodes(dfg: DFG) -> tuple[int, ...]:
@@ -53,7 +54,8 @@ def zero_cycle(dfg: DFG) -> tuple[int, ...]:
     return tuple(reversed(cycle))
 
 
-def partial_order(dfg: DFG) -> list[int]:
+@once_each
+def partial_order(dfg: DFG) -> tuple[int, ...]:
     """As `evaluation_order`, without the nodes on cycles of distance 0 and those behind them."""
     position = {node.id: index for index, node in enumerate(dfg.nodes)}
     waits = {node.id: 0 for node in dfg.nodes}
@@ -72,7 +74,7 @@ def partial_order(dfg: DFG) -> list[int]:
             waits[follower] -= 1
             if waits[follower] == 0:
                 heapq.heappush(ready, position[follower])
-    return order
+    return tuple(order)
 
 
 def _precedences(dfg: DFG) -> Iterator[tuple[int, int]]:

@@ -52,6 +52,8 @@ def expansion_pass(policy: Precision) -> Callable[[DFG], DFG]:
 
 
 def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
+    if not any(node.op in expansions for node in dfg.nodes):
+        return dfg
     # Before: an expanded remainder or sine no longer shows its range.
     known = argument_magnitudes(dfg)
     return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known, expansions))

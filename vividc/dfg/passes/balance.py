@@ -12,6 +12,7 @@ import networkx as nx
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.order import evaluation_order
 from vividc.dfg.passes.rewrite import Rewrite, Value
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 
 EXACT: Final = frozenset(
@@ -54,15 +55,16 @@ def pass_for(*, reassociate: bool) -> partial[DFG]:
 
 def _balance_once(dfg: DFG, operations: frozenset[Opcode]) -> DFG:
     rewrite = Rewrite(dfg)
-    levels, component = _levels(dfg), _components(dfg)
     in_loop = any(edge.distance for edge in dfg.edges) or any(
         node.op is Opcode.IV for node in dfg.nodes
     )
     for node in dfg.nodes:
         if node.op in operations and not rewrite.predicated(node.id):
-            tree = _Tree(rewrite, node, levels, component)
+            tree = _Tree(rewrite, node, dfg)
             tree.collect()
-            if tree.is_recurrent or not in_loop:
+            if len(tree.leaves) < _LEAVES_THAT_HAVE_AN_ORDER:
+                continue
+            if not in_loop or tree.is_recurrent:
                 tree.balance()
     return rewrite.result()
 
@@ -73,8 +75,7 @@ class _Tree:
 
     rewrite: Rewrite
     root: Node
-    levels: dict[int, int]
-    component: dict[int, int]
+    before: DFG
     inner: list[int] = field(default_factory=list)
     leaves: list[Value] = field(default_factory=list)
     depths: list[int] = field(default_factory=list)
@@ -87,13 +88,12 @@ class _Tree:
     @property
     def is_recurrent(self) -> bool:
         """Whether a leaf needs what the root gave before."""
-        own = self.component[self.root.id]
-        return any(self.component[leaf.src] == own for leaf in self.leaves)
+        component = _components(self.before)
+        own = component[self.root.id]
+        return any(component[leaf.src] == own for leaf in self.leaves)
 
     def balance(self) -> None:
         """Rewires the operations if that shortens the way of the latest leaf."""
-        if len(self.leaves) < _LEAVES_THAT_HAVE_AN_ORDER:
-            return
         ready = [self._ready(leaf) for leaf in self.leaves]
         now = max(level + depth for level, depth in zip(ready, self.depths, strict=True))
         heap = [(ready[order], order, leaf) for order, leaf in enumerate(self.leaves)]
@@ -134,11 +134,13 @@ class _Tree:
 
     def _ready(self, leaf: Value) -> int:
         """When a leaf is there, in operations; later than all others if it needs the last root."""
-        if self.component[leaf.src] == self.component[self.root.id]:
-            return len(self.levels) + self.levels[leaf.src] * (leaf.distance == 0)
-        return self.levels[leaf.src] if leaf.distance == 0 else 0
+        level, component = _levels(self.before), _components(self.before)
+        if component[leaf.src] == component[self.root.id]:
+            return len(level) + level[leaf.src] * (leaf.distance == 0)
+        return level[leaf.src] if leaf.distance == 0 else 0
 
 
+@once_each
 def _levels(dfg: DFG) -> dict[int, int]:
     """Operations on the longest path to each node within an iteration, itself included."""
     levels: dict[int, int] = {}
@@ -149,6 +151,7 @@ def _levels(dfg: DFG) -> dict[int, int]:
     return levels
 
 
+@once_each
 def _components(dfg: DFG) -> dict[int, int]:
     """The recurrence each node is in, by number; nodes in none have one of their own."""
     graph: nx.DiGraph[int] = nx.DiGraph()

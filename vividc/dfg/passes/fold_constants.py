@@ -9,7 +9,7 @@ from typing import Final
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.passes.identities import IDENTITIES
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.machine.opcodes import PRED, Opcode
+from vividc.machine.opcodes import PRED, SOURCES, Opcode
 from vividc.machine.semantics import SEMANTICS
 from vividc.machine.words import signed
 
@@ -28,7 +28,12 @@ def fold_constants(dfg: DFG) -> DFG:
 
 
 def _fold(rewrite: Rewrite, node: Node) -> bool:
-    return any(rule(rewrite, node) for rule in _RULES)
+    if node.op in SOURCES:
+        return False
+    for rule in _RULES:  # noqa: SIM110 - the busiest loop of the passes
+        if rule(rewrite, node):
+            return True
+    return False
 
 
 def _resolve_predicate(rewrite: Rewrite, node: Node) -> bool:
@@ -56,11 +61,13 @@ def _evaluate(rewrite: Rewrite, node: Node) -> bool:
     function = SEMANTICS.get(node.op)
     if function is None or node.op is Opcode.MOV or rewrite.predicated(node.id):
         return False
-    words = [rewrite.word(value) for value in rewrite.operands(node)]
-    known = [word for word in words if word is not None]
-    if len(known) < len(words):
-        return False
-    result = Value(rewrite.constant(function(*known)))
+    words = []
+    for value in rewrite.operands(node):
+        word = rewrite.word(value)
+        if word is None:
+            return False
+        words.append(word)
+    result = Value(rewrite.constant(function(*words)))
     change_operation(rewrite, node, Opcode.MOV, [result])
     return True
 

@@ -5,9 +5,10 @@ changed.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
-from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.machine.lanes import Lane
@@ -16,8 +17,7 @@ from vividc.machine.opcodes import BASE, PRED, Opcode, Type, never_meet
 _INIT_SOURCES = frozenset({Opcode.CONST, Opcode.LIVE_IN})
 
 
-@dataclass(frozen=True, slots=True)
-class Value:
+class Value(NamedTuple):
     """What an operand reads: node `src`, `distance` iterations ago, `init` before there was one."""
 
     src: int
@@ -41,12 +41,13 @@ class Rewrite:
         self._next_node = dfg.next_id()
         self._into: dict[int, dict[int, None]] = {node.id: {} for node in dfg.nodes}
         self._out: dict[int, dict[int, None]] = {node.id: {} for node in dfg.nodes}
+        self._port: dict[int, dict[int, int]] = {node.id: {} for node in dfg.nodes}
+        """Key of the data edge into each port."""
         self._changed = False
         self._constants: dict[int, int] | None = None
         """Their nodes by word; None: not known."""
-        for key, edge in self._edges.items():
-            self._into[edge.dst][key] = None
-            self._out[edge.src][key] = None
+        for key in self._edges:
+            self._link(key)
 
     def result(self) -> DFG:
         """The edited graph; the original object if nothing changed."""
@@ -68,11 +69,8 @@ class Rewrite:
 
     def edge(self, node_id: int, port: int) -> Edge | None:
         """The data edge into `port`, if any."""
-        for key in self._into[node_id]:
-            edge = self._edges[key]
-            if edge.port == port and edge.is_data:
-                return edge
-        return None
+        key = self._port[node_id].get(port)
+        return None if key is None else self._edges[key]
 
     def operand(self, node_id: int, port: int) -> Value:
         """What data port `port` reads; the port is fed."""
@@ -82,11 +80,12 @@ class Rewrite:
 
     def operands(self, node: Node) -> list[Value]:
         """What ports 0, 1, ... read."""
-        return [self.operand(node.id, port) for port in range(node.info.arity)]
+        keys, edges = self._port[node.id], self._edges
+        return [value_of(edges[keys[port]]) for port in range(node.info.arity)]
 
     def predicated(self, node_id: int) -> bool:
         """Whether the node has a predicate."""
-        return self.edge(node_id, PRED) is not None
+        return PRED in self._port[node_id]
 
     def set_operand(self, node_id: int, port: int, value: Value) -> None:
         """Make `port` read `value`, in the place of the edge that fed it."""
@@ -150,7 +149,7 @@ class Rewrite:
                 del self._edges[key]
         if self.nodes[node_id].const is not None:
             self._constants = None
-        del self.nodes[node_id], self._into[node_id], self._out[node_id]
+        del self.nodes[node_id], self._into[node_id], self._out[node_id], self._port[node_id]
         self._changed = True
 
     def forward(self, node_id: int, value: Value) -> bool:
@@ -206,6 +205,7 @@ class Rewrite:
             self._constants.setdefault(node.const, node.id)
         self._into[node.id] = {}
         self._out[node.id] = {}
+        self._port[node.id] = {}
         self._next_node += 1
         self._changed = True
         for port, value in enumerate(operands):
@@ -231,11 +231,15 @@ class Rewrite:
         edge = self._edges[key]
         self._into[edge.dst][key] = None
         self._out[edge.src][key] = None
+        if edge.kind is EdgeKind.DATA:
+            self._port[edge.dst].setdefault(edge.port, key)
 
     def _unlink(self, key: int) -> None:
         edge = self._edges[key]
         del self._into[edge.dst][key]
         del self._out[edge.src][key]
+        if self._port[edge.dst].get(edge.port) == key:
+            del self._port[edge.dst][edge.port]
 
 
 def change_operation(rewrite: Rewrite, node: Node, op: Opcode, operands: Sequence[Value]) -> None:

@@ -15,6 +15,7 @@ import networkx as nx
 from vividc.dfg.ir import Node
 from vividc.dfg.order import partial_order
 from vividc.errors import printable
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds.pressure import pressure_bounds
 from vividc.mapper.bounds.reach import island_bounds, operand_bounds, unreachable_bounds
@@ -76,15 +77,23 @@ def no_ii(problem: MapProblem) -> int:
 
 def usable_pes(problem: MapProblem, node: Node) -> tuple[int, ...]:
     """Candidate PEs of `node` whose constant store has room for the node's own constants."""
-    keys = frozenset(problem.constants_of(node))
-    if not keys:
-        return problem.candidates(node)
-    return tuple(
-        pe
-        for pe in problem.candidates(node)
-        if len(keys | _resident(problem, pe)) <= problem.fabric.pes[pe].constants
-        or keys <= _resident(problem, pe)
-    )
+    return _usable_pes(problem)[node.id]
+
+
+@once_each
+def _usable_pes(problem: MapProblem) -> dict[int, tuple[int, ...]]:
+    """The same of every node that is placed."""
+    usable = {}
+    for node in problem.dfg.placed:
+        keys = frozenset(problem.constants_of(node))
+        usable[node.id] = tuple(
+            pe
+            for pe in problem.candidates(node)
+            if not keys
+            or len(keys | _resident(problem, pe)) <= problem.fabric.pes[pe].constants
+            or keys <= _resident(problem, pe)
+        )
+    return usable
 
 
 def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:

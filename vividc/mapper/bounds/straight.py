@@ -10,6 +10,7 @@ import numpy as np
 from vividc.arch.fabric import Fabric
 from vividc.dfg.ir import Edge, EdgeKind, Node
 from vividc.errors import MappingFailed
+from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
@@ -175,6 +176,7 @@ def _ends(problem: MapProblem) -> dict[int, int]:
     )
 
 
+@once_each
 def _hops(fabric: Fabric) -> list[list[int]]:
     """Cycles between PEs, links passed one a cycle or as many as the fabric permits; as many as
     there are PEs where no links lead.
