@@ -135,7 +135,11 @@ class Bench:
         estimator = Estimator(self.fabric, options)
         plan = choose(contract(function), estimator, _LOOPS(), parallel)
         state = plan.stages[-1].state
-        optimize_kernel(build_kernel(estimator.prepared(state.function, state.hints)), options)
+        function = estimator.prepared(state.function, state.hints)
+        if hasattr(estimator, "optimized_kernel"):
+            estimator.optimized_kernel(estimator.built(function))
+        else:  # commits before it
+            optimize_kernel(build_kernel(function), options)
 
 
 def serve() -> None:

@@ -345,7 +345,9 @@ def _map_stage(
     sequential: dict[str, str] = {}
     demanded = frozenset[str]() if last_resort else frozenset(stage.state.made)
     while True:
-        function = replace(stage.state.function, sequential=frozenset(sequential))
+        function = stage.state.function
+        if sequential:
+            function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
         kernel = _kernel_of(function, estimator)
         mapping = partial(map_kernel, kernel, estimator.fabric, options, known, demanded=demanded)
@@ -384,9 +386,9 @@ def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Functio
 
 def _kernel_of(function: Function, estimator: Estimator) -> Kernel:
     """The function's regions with optimised graphs; too many contexts are refused before."""
-    built = watched("build-kernel", lambda: build_kernel(function))
+    built = watched("build-kernel", lambda: estimator.built(function))
     check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
-    return watched("optimize", lambda: optimize_kernel(built, estimator.options))
+    return watched("optimize", lambda: estimator.optimized_kernel(built))
 
 
 def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool | None]:

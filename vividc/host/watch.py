@@ -46,6 +46,11 @@ def aside() -> AbstractContextManager[None]:
     return watching(None)
 
 
+def is_watched() -> bool:
+    """Whether someone looks."""
+    return _current.get() is not None
+
+
 def name_of(one: Callable[[_IR], _IR]) -> str:
     """A pass's name on the command line: the function's, with hyphens."""
     return getattr(one, "__name__", type(one).__name__).replace("_", "-")

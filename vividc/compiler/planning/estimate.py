@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from vividc.arch.fabric import Fabric
+from vividc.dfg.check import check
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
-from vividc.dfg.pipeline import PassOptions, pipeline
+from vividc.dfg.pipeline import PassOptions, optimize, optimize_kernel, pipeline
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
+from vividc.host.watch import is_watched
 from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.mapping import Bound
@@ -98,7 +100,11 @@ class Estimator:
 
     fabric: Fabric
     options: PassOptions
-    _optimized: dict[DFG, DFG] = field(default_factory=dict)
+    _prepared: dict[int, tuple[Function, Function]] = field(default_factory=dict)
+    _built: dict[int, tuple[Function, Kernel]] = field(default_factory=dict)
+    """Both by the identity of the function, which is kept so that nothing else gets it."""
+    _optimized: dict[DFG, tuple[DFG, DFG]] = field(default_factory=dict)
+    """A graph and what the passes made of it, by an equal graph without a name."""
     _shapes: dict[DFG, Shape] = field(default_factory=dict)
 
     def estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
@@ -114,8 +120,13 @@ class Estimator:
 
     def prepared(self, function: Function, hints: Mapping[str, float]) -> Function:
         """The normalised function whose regions are built: with numbers of 16 and 8 bits in lanes
-        if it is no slower so.
+        if it is no slower so. A function has the same hints each time.
         """
+        if id(function) not in self._prepared:
+            self._prepared[id(function)] = function, self._prepare(function, hints)
+        return self._prepared[id(function)][1]
+
+    def _prepare(self, function: Function, hints: Mapping[str, float]) -> Function:
         plain = normalize(function)
         packed = pack_lanes(plain)
         if packed is plain:
@@ -125,7 +136,7 @@ class Estimator:
         return plain if is_slower else packed
 
     def _estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
-        kernel = build_kernel(function)
+        kernel = self.built(function)
         shapes = [self.shape(region) for region in kernel.regions]
         return self.priced(function, kernel, shapes, hints)
 
@@ -168,14 +179,35 @@ class Estimator:
         """The region's graph after the passes, unchecked and nameless: an equal one is found
         again.
         """
-        dfg = replace(dfg, name="")
-        if dfg not in self._optimized:
-            done = dfg
+        nameless = replace(dfg, name="")
+        if nameless not in self._optimized:
+            done = nameless
             for step in pipeline(self.options):
                 time_limit.step("regions were optimised")
                 done = step(done)
-            self._optimized[dfg] = done
-        return self._optimized[dfg]
+            self._optimized[nameless] = dfg, done
+        return self._optimized[nameless][1]
+
+    def built(self, function: Function) -> Kernel:
+        """The regions of a prepared function; whoever looks on sees how they are made."""
+        if is_watched():
+            return build_kernel(function)
+        if id(function) not in self._built:
+            self._built[id(function)] = function, build_kernel(function)
+        return self._built[id(function)][1]
+
+    def optimized_kernel(self, kernel: Kernel) -> Kernel:
+        """As `optimize_kernel`; what was estimated is checked, but not optimised again."""
+        if is_watched():
+            return optimize_kernel(kernel, self.options)
+        regions = (replace(region, dfg=self._checked(region.dfg)) for region in kernel.regions)
+        return replace(kernel, regions=tuple(regions))
+
+    def _checked(self, dfg: DFG) -> DFG:
+        known, done = self._optimized.get(replace(dfg, name=""), (None, dfg))
+        if known is not dfg or check(done):  # an equal one may have other source lines
+            return optimize(dfg, self.options)
+        return replace(done, name=dfg.name)
 
 
 def _entries(function: Function, runs: Mapping[str, float]) -> dict[str, float]:

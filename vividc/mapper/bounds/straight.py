@@ -59,43 +59,54 @@ class Heights:
         self._problem = problem
         self._hops = _hops(problem.fabric)
         self._candidates = {n.id: problem.candidates(n) for n in problem.dfg.placed}
-        self._nearest: dict[tuple[int, tuple[int, ...]], int] = {}
+        self._nearest: dict[tuple[int, ...], list[int]] = {}
         self.order = _topological(problem)
         self.of: dict[int, int] = {}
-        self._after: dict[tuple[int, int], int] = {}
+        self._after: dict[int, list[int]] = {}
         for node in reversed(self.order):
-            here = self._candidates[node]
+            after = self._after[node] = self._heights(node)
             own = end_after_start(problem.fabric, problem.dfg.by_id[node])
-            self.of[node] = min((self.after(node, pe) for pe in here), default=own)
+            self.of[node] = min((after[pe] for pe in self._candidates[node]), default=own)
 
     def after(self, node: int, pe: int) -> int:
         """Height of `node` if it lies on `pe`."""
-        known = self._after.get((node, pe))
-        if known is None:
-            known = end_after_start(self._problem.fabric, self._problem.dfg.by_id[node])
-            for edge in self._problem.dfg.out_edges[node]:
-                known = max(known, self.separation(edge, pe) + self.of[edge.dst])
-            self._after[node, pe] = known
-        return known
+        return self._after[node][pe]
 
-    def separation(self, edge: Edge, pe: int | None = None) -> int:
-        """Least start[dst] - start[src], with the producer on `pe` or on its best candidate."""
+    def separation(self, edge: Edge) -> int:
+        """Least start[dst] - start[src], with the producer on its best candidate."""
+        separations = self._separations(edge)
+        if isinstance(separations, int):
+            return separations
+        latency = self._problem.fabric.latency(self._problem.dfg.by_id[edge.src])
+        return min((separations[pe] for pe in self._candidates[edge.src]), default=latency)
+
+    def _heights(self, node: int) -> list[int]:
+        """Heights of `node` on each PE."""
         fabric = self._problem.fabric
-        latency = fabric.latency(self._problem.dfg.by_id[edge.src])
+        heights = [end_after_start(fabric, self._problem.dfg.by_id[node])] * len(fabric.pes)
+        for edge in self._problem.dfg.out_edges[node]:
+            below, separations = self.of[edge.dst], self._separations(edge)
+            if isinstance(separations, int):
+                separations = [separations] * len(heights)
+            heights = [max(h, s + below) for h, s in zip(heights, separations, strict=True)]
+        return heights
+
+    def _separations(self, edge: Edge) -> int | list[int]:
+        """Least start[dst] - start[src], with the producer on each PE if that matters."""
+        fabric = self._problem.fabric
         if edge.kind is EdgeKind.ORDER:
             return 1
+        latency = fabric.latency(self._problem.dfg.by_id[edge.src])
         if edge.kind is EdgeKind.CONTROL:
             return latency + fabric.controller.control_latency
-        sources = self._candidates[edge.src] if pe is None else (pe,)
-        targets = self._candidates[edge.dst]
-        hops = min((self._distance(source, targets) for source in sources), default=0)
-        return latency + max(0, hops - 1)
+        return [latency + max(0, hops - 1) for hops in self._to_nearest(self._candidates[edge.dst])]
 
-    def _distance(self, source: int, targets: tuple[int, ...]) -> int:
-        key = (source, targets)
-        if key not in self._nearest:
-            self._nearest[key] = min((self._hops[source][pe] for pe in targets), default=0)
-        return self._nearest[key]
+    def _to_nearest(self, targets: tuple[int, ...]) -> list[int]:
+        """Hops from each PE to the nearest of `targets`."""
+        if targets not in self._nearest:
+            nearest = [min((row[pe] for pe in targets), default=0) for row in self._hops]
+            self._nearest[targets] = nearest
+        return self._nearest[targets]
 
 
 def _path_bound(problem: MapProblem, heights: Heights) -> Bound:
