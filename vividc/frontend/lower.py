@@ -252,8 +252,9 @@ def _simplified(kernel: Prepared, params: tuple[Param, ...]) -> tuple[WideFuncti
     bounds = _bounds(params) | bounds_of_loads(wide, kernel.arrays)
     bounds |= bounds_of_sizes(wide, MAX_ELEMENTS)
     wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    wide = sign_quotients(wide, Ranges(wide, bounds))
-    return wide, Ranges(wide, bounds)
+    ranges = Ranges(wide, bounds)
+    signed = sign_quotients(wide, ranges)
+    return (wide, ranges) if signed is wide else (signed, Ranges(signed, bounds))
 
 
 def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import cache
 
 from vividc.frontend.llvm.ir import Op
 
@@ -20,11 +21,13 @@ _HIGH = (-1, 0, 1, 2**13, 2**15, 2**31 - 2, 2**31 - 1, 2**32 - 1, 2**63 - 1)
 _CONVERTED: dict[str, Interval] = {"fptosi": S32, "fptoui": U32}
 
 
+@cache
 def width(type_: str) -> int:
     """Bits of an integer type."""
     return int(type_[1:])
 
 
+@cache
 def full(type_: str) -> Interval:
     """All values of an integer type; types of less than a word are taken as unsigned."""
     bits = width(type_)

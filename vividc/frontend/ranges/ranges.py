@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 from vividc.frontend.llvm.ir import (
     Flow,
@@ -135,8 +136,8 @@ class Ranges:
             rounds += 1
             changed = any([self._ascend(block, rounds > _WIDEN_AFTER) for block in blocks])
         for _ in range(_NARROWINGS):
-            for block in blocks:
-                self._descend(block)
+            if not any([self._descend(block) for block in blocks]):
+                break
 
     def _ascend(self, block: WideBlock, widening: bool) -> bool:
         changed = False
@@ -152,11 +153,15 @@ class Ranges:
             self._known[item.name] = new
         return changed
 
-    def _descend(self, block: WideBlock) -> None:
+    def _descend(self, block: WideBlock) -> bool:
+        changed = False
         for item in block.items:
             if item.name in self._known:
-                tighter = intersect(self._known[item.name], self._transfer(item, block.name))
+                old = self._known[item.name]
+                tighter = intersect(old, self._transfer(item, block.name))
+                changed |= tighter != old
                 self._known[item.name] = tighter
+        return changed
 
     def _transfer(self, item: Op | WidePhi, block: str) -> Interval:
         if isinstance(item, WidePhi):
@@ -315,5 +320,6 @@ def _result_type(item: Op | WidePhi) -> str:
     return "i1" if isinstance(item, Op) and item.op in ("icmp", "fcmp") else item.type
 
 
+@cache
 def _is_int(type_: str) -> bool:
     return type_[:1] == "i" and type_[1:].isdigit()
