@@ -12,13 +12,13 @@ from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.machine.opcodes import ORDER, Opcode
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(dfg=dfgs())
 def test_executable_graphs_are_legal(dfg: DFG) -> None:
     assert check(dfg) == []
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(dfg=foreign_dfgs())
 def test_foreign_graphs_are_legal(dfg: DFG) -> None:
     assert check(dfg) == []

@@ -48,7 +48,7 @@ def run(dfg: DFG, memory: list[int], n: int, a: int) -> tuple[list[int], dict[st
 
 
 @pytest.mark.parametrize("step", EXACT, ids=lambda step: step.__name__)
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(
     dfg=dfgs(),
     memory=st.lists(words(), min_size=MEMORY_WORDS, max_size=MEMORY_WORDS),
@@ -65,7 +65,7 @@ def test_a_pass_changes_no_result(
 
 
 @pytest.mark.parametrize("step", PASSES, ids=lambda step: step.__name__)
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(dfg=dfgs())
 def test_a_pass_is_idempotent(step: Callable[[DFG], DFG], dfg: DFG) -> None:
     after = step(dfg)
@@ -73,7 +73,7 @@ def test_a_pass_is_idempotent(step: Callable[[DFG], DFG], dfg: DFG) -> None:
     assert step(after) is after, to_text(after)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(
     dfg=dfgs(),
     memory=st.lists(words(), min_size=MEMORY_WORDS, max_size=MEMORY_WORDS),

@@ -34,7 +34,7 @@ def check_program(program: tuple[object, ...], fabric: str) -> None:
     assert [int(word) for word in memory.view(np.uint32)] == expected
 
 
-@settings(max_examples=25, deadline=None, derandomize=True, phases=PHASES)
+@settings(max_examples=25, phases=PHASES)
 @given(programs())
 @pytest.mark.parametrize("fabric", ["vivid-tile", "mesh-2x2"])
 def test_words_mean_what_the_program_means(fabric: str, program: tuple[object, ...]) -> None:
@@ -42,7 +42,7 @@ def test_words_mean_what_the_program_means(fabric: str, program: tuple[object, .
 
 
 @pytest.mark.slow
-@settings(max_examples=500, deadline=None, phases=PHASES)
+@settings(max_examples=500, phases=PHASES)
 @given(programs())
 @pytest.mark.parametrize("fabric", ["vivid-tile", "vivid-tile-unit", "mesh-2x3", "torus-3x3"])
 def test_words_mean_what_many_programs_mean(fabric: str, program: tuple[object, ...]) -> None:

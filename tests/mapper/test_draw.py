@@ -237,7 +237,7 @@ def test_a_mapping_of_something_else_is_refused(mapping: Mapping, what: str) -> 
         draw(chain(3), FABRIC, mapping)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25)
 @given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 40)), min_size=6, max_size=6))
 def test_any_places_can_be_drawn(places: list[tuple[int, int]]) -> None:
     dfg = chain(6)

@@ -82,7 +82,7 @@ def entries(draw: st.DrawFn, fabric: Fabric) -> Entry:
     )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.data(), st.sampled_from(FABRICS))
 def test_unpack_inverts_pack(data: st.DataObject, name: str) -> None:
     fabric = fabric_of(name)
@@ -94,7 +94,7 @@ def test_unpack_inverts_pack(data: st.DataObject, name: str) -> None:
     assert unpack(layout, words) == entry
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.lists(st.integers(0, (1 << 32) - 1), min_size=5, max_size=5))
 def test_any_words_decode_or_are_refused(words: list[int]) -> None:
     layout = word_layout(fabric_of("vivid-tile"))

@@ -40,7 +40,7 @@ def check(source: tuple[object, ...], fabric: Fabric) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(FABRICS))
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=12)
 @given(programs())
 def test_memory_after_random_programs(name: str, source: tuple[object, ...]) -> None:
     check(source, FABRICS[name])
@@ -48,7 +48,7 @@ def test_memory_after_random_programs(name: str, source: tuple[object, ...]) -> 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(FABRICS))
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=600)
 @given(programs())
 def test_memory_after_many_random_programs(name: str, source: tuple[object, ...]) -> None:
     check(source, FABRICS[name])

@@ -42,7 +42,7 @@ def transformed(function: Function, wanted: list[tuple[Kind, int, int]]) -> Stat
     return state
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=80)
 @given(programs(), choices)
 def test_random_programs(program: tuple[object, ...], wanted: list[tuple[Kind, int, int]]) -> None:
     state = transformed(lower(program), wanted)
@@ -51,7 +51,7 @@ def test_random_programs(program: tuple[object, ...], wanted: list[tuple[Kind, i
     assert memory_after(optimize_kernel(kernel)) == meaning(program)
 
 
-@settings(max_examples=80, deadline=None, derandomize=True)
+@settings(max_examples=80)
 @given(nest_programs(), choices)
 def test_random_nests(program: NestProgram, wanted: list[tuple[Kind, int, int]]) -> None:
     function = lower_nest(program)

@@ -144,7 +144,7 @@ def slow_mapper(monkeypatch: pytest.MonkeyPatch) -> str:
             request.deadline.charge(request.deadline.remaining_s)
             return MapResult("timeout", None, 1, (), None, "slow", 0.0)
         graph = replace(problem.dfg, name="")
-        if graph not in known:  # the machine's load must not matter
+        if graph not in known:
             known[graph] = auto(problem, replace(request, deadline=Deadline.after(30.0)))
         return known[graph]
 

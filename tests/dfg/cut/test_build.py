@@ -40,7 +40,7 @@ def meaning(program: tuple[object, ...]) -> list[int]:
     return memory
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 @given(programs())
 def test_regions_mean_what_the_program_means(program: tuple[object, ...]) -> None:
     kernel = build_kernel(lower(program))
@@ -49,7 +49,7 @@ def test_regions_mean_what_the_program_means(program: tuple[object, ...]) -> Non
     assert memory_after(kernel) == meaning(program)
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 @given(programs())
 def test_loops_that_run_block_by_block_mean_the_same(program: tuple[object, ...]) -> None:
     function = lower(program)

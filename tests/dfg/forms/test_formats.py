@@ -169,7 +169,7 @@ def test_graphviz_dot_as_networkx_writes_it() -> None:
     assert (dfg.name, dfg.edges) == ("g 1", (Edge(0, 1, 0),))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(dfg=dfgs())
 def test_networkx_round_trip(dfg: DFG) -> None:
     graph = to_networkx(dfg)
@@ -178,7 +178,7 @@ def test_networkx_round_trip(dfg: DFG) -> None:
     assert nx.number_of_nodes(graph) == len(dfg.nodes)
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=20)
 @given(dfg=foreign_dfgs())
 def test_networkx_round_trip_of_foreign_graphs(dfg: DFG) -> None:
     assert from_networkx(to_networkx(dfg)) == dfg

@@ -51,7 +51,7 @@ def test_every_form_reads_back_a_published_graph(path: Path, tmp_path: Path) -> 
         assert load(copy) == dfg
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(dfg=dfgs())
 def test_json_and_dot_round_trip(dfg: DFG) -> None:
     for read in (from_json(json.loads(json.dumps(to_json(dfg)))), parse_dot(to_dot(dfg))):
@@ -59,7 +59,7 @@ def test_json_and_dot_round_trip(dfg: DFG) -> None:
         assert [node.loc for node in read.nodes] == [node.loc for node in dfg.nodes]
 
 
-@settings(max_examples=20, deadline=None, derandomize=True)
+@settings(max_examples=20)
 @given(dfg=foreign_dfgs())
 def test_foreign_graphs_round_trip(dfg: DFG) -> None:
     assert from_json(to_json(dfg)) == dfg

@@ -175,7 +175,7 @@ SAMPLES = _samples()
 PIECES = [b"{", b"}", b"[", b"]", b'"', b"\\", b"<", b">", b"/", b"-", b"9" * 40, b"\x00", b"\xff"]
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 @given(
     sample=st.sampled_from(SAMPLES),
     cuts=st.lists(
@@ -217,7 +217,7 @@ KEYS = (
 )
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=150)
 @given(
     st.recursive(
         st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),

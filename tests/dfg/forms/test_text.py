@@ -67,7 +67,7 @@ def test_reading_gives_the_printed_graph_and_its_lines() -> None:
     assert [node.loc for node in read.nodes] == [node.loc for node in example().nodes]
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(dfg=dfgs())
 def test_round_trip(dfg: DFG) -> None:
     read = parse(to_text(dfg))
@@ -75,7 +75,7 @@ def test_round_trip(dfg: DFG) -> None:
     assert [node.loc for node in read.nodes] == [node.loc for node in dfg.nodes]
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(dfg=foreign_dfgs())
 def test_round_trip_of_foreign_graphs(dfg: DFG) -> None:
     assert parse(to_text(dfg)) == dfg

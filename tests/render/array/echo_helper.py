@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from multiprocessing.connection import Connection
+from pathlib import Path
 
 import numpy as np
 
@@ -15,10 +15,11 @@ from vividc.render.array.device.frame import Ledger
 def serve(pipe: Connection) -> None:
     behaviour = pipe.recv()
     if behaviour == "late":
-        time.sleep(60)
+        pipe.recv()  # for ever: nothing is sent before it is ready
     pipe.send("ready")
     while True:
         corners = pipe.recv()
+        Path(os.environ["ECHO_HELPER_TAKEN"]).touch()
         if behaviour == "dies":
             os._exit(1)
         if behaviour == "fails":

@@ -24,20 +24,29 @@ posix = pytest.mark.skipif(os.name != "posix", reason="helpers are started on PO
 
 
 def here(corners: Int32Array) -> Batch:
-    time.sleep(0.2)  # a helper has time to start
     ledger = Ledger()
     ledger.count(here=len(corners))
     return np.full((len(corners), 64, 4), corners[0, 0], np.float32), ledger
 
 
-def shared(behaviour: str | None, monkeypatch: pytest.MonkeyPatch) -> tuple[list[Batch], list[int]]:
-    """What comes of the batches, and the progress told."""
+def shared(behaviour: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> tuple[Any, ...]:
+    """What comes of the batches, and the progress told. This process waits with its second batch
+    until the helper has taken one, unless the helper is late.
+    """
+    taken = tmp_path / "taken"
+    monkeypatch.setenv("ECHO_HELPER_TAKEN", str(taken))
     monkeypatch.syspath_prepend(str(Path(__file__).parent))
     monkeypatch.setattr(crew, "HELPER", "echo_helper")
     monkeypatch.setattr(crew, "processes_for", lambda _: 2)
     told: list[int] = []
-    work = cast("Work | None", behaviour)  # the helper that stands in takes a word
-    return share_out(work, BATCHES, here, told.append), told
+
+    def after_the_helper(corners: Int32Array) -> Batch:
+        while corners is not BATCHES[0] and behaviour != "late" and not taken.exists():
+            time.sleep(0.01)
+        return here(corners)
+
+    work = cast("Work", behaviour)  # the helper that stands in takes a word
+    return share_out(work, BATCHES, after_the_helper, told.append), told
 
 
 def total(results: list[Batch], name: str) -> int:
@@ -46,8 +55,10 @@ def total(results: list[Batch], name: str) -> int:
 
 @posix
 @pytest.mark.parametrize("behaviour", ["works", "fails", "dies", "late"])
-def test_all_batches_are_rendered_in_order(behaviour: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    results, told = shared(behaviour, monkeypatch)
+def test_all_batches_are_rendered_in_order(
+    behaviour: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    results, told = shared(behaviour, monkeypatch, tmp_path)
     for (pixels, _), corners in zip(results, BATCHES, strict=True):
         np.testing.assert_array_equal(pixels, np.full((len(corners), 64, 4), corners[0, 0]))
     rows = sum(map(len, BATCHES))
@@ -59,18 +70,13 @@ def test_all_batches_are_rendered_in_order(behaviour: str, monkeypatch: pytest.M
 
 
 @posix
-def test_a_helper_takes_part(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(time, "sleep", slowly(time.sleep))
-    results, _ = shared("works", monkeypatch)
+def test_a_helper_takes_part(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    results, _ = shared("works", monkeypatch, tmp_path)
     assert total(results, "by_helper")
 
 
-def slowly(sleep: Any) -> Any:
-    return lambda seconds: sleep(5 * seconds)
-
-
-def test_without_work_there_are_no_helpers(monkeypatch: pytest.MonkeyPatch) -> None:
-    results, _ = shared(None, monkeypatch)
+def test_without_work_there_are_no_helpers() -> None:
+    results = share_out(None, BATCHES, here, lambda _: None)
     assert total(results, "here") == sum(map(len, BATCHES))
 
 

@@ -80,7 +80,7 @@ def test_arguments_are_fresh_and_writable() -> None:
 
 
 @given(data=st.data())
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 def test_launches_cover_any_crop_exactly_once_and_fit(data: st.DataObject) -> None:
     width, height = data.draw(st.integers(1, 70)), data.draw(st.integers(1, 70))
     grid = (-(-height // 16), -(-width // 16))

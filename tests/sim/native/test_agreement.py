@@ -86,7 +86,7 @@ def test_branches() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(FABRICS))
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=12)
 @given(programs())
 def test_random_programs(name: str, source: tuple[object, ...]) -> None:
     program, _ = compiled(source, FABRICS[name])
@@ -140,7 +140,7 @@ def test_many_programs_with_changed_words(seed: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(FABRICS))
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400)
 @given(programs())
 def test_many_random_programs(name: str, source: tuple[object, ...]) -> None:
     program, _ = compiled(source, FABRICS[name])

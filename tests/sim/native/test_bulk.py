@@ -64,9 +64,7 @@ def test_faults_limits_and_bank_conflicts() -> None:
 @pytest.mark.parametrize("name", sorted(FABRICS))
 @settings(
     max_examples=12,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(programs())
 def test_random_programs(name: str, source: tuple[object, ...]) -> None:

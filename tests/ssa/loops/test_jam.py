@@ -53,7 +53,7 @@ def demand_jams_mean_the_same(before: Function, loop: Loop, factor: int) -> None
             demand_same(before, after, tries=2)
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200)
 @given(nest_programs(), st.sampled_from([2, 4]))
 def test_jammed_nests_mean_the_same(program: NestProgram, factor: int) -> None:
     before = tidy(lower_nest(program))
@@ -61,7 +61,7 @@ def test_jammed_nests_mean_the_same(program: NestProgram, factor: int) -> None:
         demand_jams_mean_the_same(before, outer_loop(before), factor)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(programs(), st.sampled_from([2, 4]))
 def test_random_programs_mean_the_same(program: tuple[object, ...], factor: int) -> None:
     before = tidy(lower(program))

@@ -32,7 +32,7 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run)
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 @given(programs(), st.sampled_from([2, 4, 8]), st.integers(0, 4))
 def test_unrolled_programs_mean_the_same(
     program: tuple[object, ...], factor: int, which: int

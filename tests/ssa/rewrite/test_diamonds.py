@@ -21,7 +21,7 @@ from vividc.ssa.rewrite.normalize import normalize
 STORES = If(0, 1, (Store(0, 1), Load(2, 1)), (Store(1, 2), Assign(2, "add", 0, 1, None)))
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 @given(programs())
 def test_merging_keeps_the_function_well_formed(program: tuple[object, ...]) -> None:
     function = normalize(lower(program))

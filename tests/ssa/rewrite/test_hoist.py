@@ -17,7 +17,7 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, hoist_invariants)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30)
 @given(programs())
 def test_programs_mean_the_same(program: tuple[object, ...]) -> None:
     before = canonical_loops(lower(program))

@@ -23,7 +23,7 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run, illegal="before")
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(programs())
 def test_programs_mean_the_same(program: tuple[object, ...]) -> None:
     before = lower(program)

@@ -25,7 +25,7 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(programs(), st.integers(0, 3), st.integers(0, 4))
 def test_peeled_programs_mean_the_same(
     program: tuple[object, ...], iterations: int, which: int

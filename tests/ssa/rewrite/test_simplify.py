@@ -22,7 +22,7 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(programs())
 def test_simplified_programs_mean_the_same(program: tuple[object, ...]) -> None:
     before = lower(program)

@@ -61,13 +61,13 @@ def assert_same(program: Program, function: Function) -> None:
     assert memory_after(optimize_kernel(kernel)) == meaning(program)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(nests())
 def test_flattened_nests_mean_the_same(program: Program) -> None:
     assert_same(program, flattened(prepared(program)))
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(programs())
 def test_flattened_programs_mean_the_same(program: Program) -> None:
     before = prepared(program)
@@ -75,13 +75,13 @@ def test_flattened_programs_mean_the_same(program: Program) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=2000, deadline=None)
+@settings(max_examples=2000)
 @given(nests())
 def test_many_flattened_nests_mean_the_same(program: Program) -> None:
     assert_same(program, flattened(prepared(program)))
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40)
 @given(nests(depth=2))
 def test_a_flattened_loop_may_run_block_by_block(program: Program) -> None:
     function = flattened(prepared(program))
@@ -157,7 +157,6 @@ edges = st.integers(-(2**31), 2**31 - 1) | st.sampled_from(
 )
 
 
-@settings(deadline=None, derandomize=True)
 @given(edges, edges, st.integers(-5, 5).filter(bool))
 def test_a_moved_limit_tells_the_last_iteration(at: int, limit: int, step: int) -> None:
     counter = Counter(Phi(0, Type.I32, ()), Input("0"), step, Input("1"))

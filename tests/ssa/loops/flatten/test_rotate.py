@@ -24,7 +24,7 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60)
 @given(nests())
 def test_programs_mean_the_same(program: tuple[object, ...]) -> None:
     before = tidy(lower(program))
