@@ -208,7 +208,7 @@ class _Reader:
         return None
 
     def _registers(self, used: set[tuple[int, int, int]]) -> dict[tuple[int, int, int], int]:
-        """First fit by write time; a stay that fits nowhere shares register 0."""
+        """First fit by write time; a lifetime that fits nowhere shares register 0."""
         chosen: dict[tuple[int, int, int], int] = {}
         busy: set[tuple[int, int, int]] = set()
         for word, pe, first in sorted(used, key=lambda key: (key[1], key[2], key[0])):

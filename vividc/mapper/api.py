@@ -134,10 +134,10 @@ def _minimised(
     search = Search(request.deadline, request.workers)
     try:
         request.tell(f"II {result.ii}: minimising {objective or 'what was added'}")
-        mapping, found = minimise(problem, result.mapping, objective, request.extend, search)
+        mapping, minimum = minimise(problem, result.mapping, objective, request.extend, search)
     except KeyboardInterrupt as stop:
         raise MapInterrupted(result) from stop
-    return replace(result, mapping=mapping, objective=found)
+    return replace(result, mapping=mapping, objective=minimum)
 
 
 def _check_door(mapper: str, extend: Extension | None, objective: str | None) -> None:
@@ -215,9 +215,9 @@ def _check_places(
 def _check_sets(given: object, loc: str, hint: str) -> None:
     if not isinstance(given, ReadOnly):
         raise VividcError(f"{loc} cannot be {quoted(given)}", loc=loc, hint=hint)
-    for key, found in given.items():
-        if not isinstance(found, AbstractSet):
-            reason = f"{loc} cannot have {quoted(found)} for {quoted(key)}: no set"
+    for key, members in given.items():
+        if not isinstance(members, AbstractSet):
+            reason = f"{loc} cannot have {quoted(members)} for {quoted(key)}: no set"
             raise VividcError(reason, loc=loc, hint=hint)
 
 
@@ -241,13 +241,13 @@ def _confirm(problem: MapProblem, result: MapResult, mapper: str) -> None:
     """Refuse an illegal mapping: a bug of ours, or of the package that `mapper` comes from. What a
     guest claims must hold, too, as far as that can be seen without a solver.
     """
-    found = [str(violation) for violation in _violations(problem, result)]
+    faults = [str(violation) for violation in _violations(problem, result)]
     what = f"made an illegal mapping of {printable(problem.dfg.name)!r}"
-    if mapper not in BUILT_IN and not found:
-        found, what = _false_claims(problem, result), "claims what does not hold"
-    if not found:
+    if mapper not in BUILT_IN and not faults:
+        faults, what = _false_claims(problem, result), "claims what does not hold"
+    if not faults:
         return
-    what = f"{what}: {'; '.join(found[:_SHOWN])}"
+    what = f"{what}: {'; '.join(faults[:_SHOWN])}"
     if mapper in BUILT_IN:
         raise InternalError(f"mapper {mapper!r} {what}")
     raise guest_fault(mapper, what)

@@ -63,16 +63,16 @@ def _load(name: str, load: object) -> Mapper:
     if not callable(load):
         raise VividcError(f"mapper {name!r} cannot be loaded", loc="mapper")
     try:
-        found = load()
+        mapper = load()
     except (ImportError, AttributeError) as error:
         hint = "reinstall the package that provides it"
         raise VividcError(
             f"mapper {name!r} cannot be loaded: {error}", loc="mapper", hint=hint
         ) from error
-    if not callable(found):
+    if not callable(mapper):
         hint = "its entry point must name a function (MapProblem, MapRequest) -> MapResult"
         raise VividcError(f"mapper {name!r} is not callable", loc="mapper", hint=hint)
-    return _guarded(name, cast(Mapper, found))
+    return _guarded(name, cast(Mapper, mapper))
 
 
 def _guarded(name: str, guest: Mapper) -> Mapper:

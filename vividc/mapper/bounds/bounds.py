@@ -56,7 +56,7 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         crowded = tuple(bound for bound in issue_bounds(problem) if bound.ii >= no_ii(problem))
         if crowded:  # no need to look at the paths of a graph that is far too large
             return crowded
-    found = [
+    bounds = [
         *island_bounds(problem, candidates),
         *recurrence_bounds(problem),
         *issue_bounds(problem),
@@ -65,9 +65,9 @@ def all_bounds(problem: MapProblem) -> tuple[Bound, ...]:
         *control_bounds(problem),
         *bank_bounds(problem),
     ]
-    found += stage_bounds(problem, mii(found))
-    found += pressure_bounds(problem, mii(found), no_ii(problem))
-    return tuple(sorted(found, key=lambda bound: -bound.ii))
+    bounds += stage_bounds(problem, mii(bounds))
+    bounds += pressure_bounds(problem, mii(bounds), no_ii(problem))
+    return tuple(sorted(bounds, key=lambda bound: -bound.ii))
 
 
 def no_ii(problem: MapProblem) -> int:
@@ -100,11 +100,11 @@ def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     """A bound for each node that no PE can take, a live-out among them that would overwrite the
     word it reads itself.
     """
-    found = []
+    bounds = []
     for node in problem.dfg.placed:
         if node.op is Opcode.LIVE_OUT and _reads_its_own_entry(problem, node):
             reason = f"{_name(node)} reads the entry of the constant store that it writes"
-            found.append(Bound("live-out entry", no_ii(problem), reason, (node.id,)))
+            bounds.append(Bound("live-out entry", no_ii(problem), reason, (node.id,)))
             continue
         if usable_pes(problem, node):
             continue
@@ -115,8 +115,8 @@ def placement_bounds(problem: MapProblem) -> tuple[Bound, ...]:
             else f"its {len(problem.constants_of(node))} constants fit no PE's constant store"
         )
         reason = f"{_name(node)} cannot be placed: {fault}"
-        found.append(Bound("placement", no_ii(problem), reason, (node.id,)))
-    return tuple(found)
+        bounds.append(Bound("placement", no_ii(problem), reason, (node.id,)))
+    return tuple(bounds)
 
 
 def _reads_its_own_entry(problem: MapProblem, live_out: Node) -> bool:
@@ -137,7 +137,7 @@ def lifetime_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     fabric = problem.fabric
     links = len(fabric.links) if fabric.routing.hops else 0
     places = links + sum(pe.registers + 1 for pe in fabric.pes)
-    found = []
+    bounds = []
     for _, edge in problem.dfg.routed_edges():
         latency = fabric.latency(problem.dfg.by_id[edge.src])
         alive = edge.distance - fabric.controller.max_stages - latency
@@ -145,8 +145,8 @@ def lifetime_bounds(problem: MapProblem) -> tuple[Bound, ...]:
             node = problem.dfg.by_id[edge.src]
             reason = f"{_name(node)} is read {edge.distance} iterations later: {alive} of its words"
             reason += f" do not fit the {places} links, registers and outputs"
-            found.append(Bound("lifetime", no_ii(problem), reason, (edge.src, edge.dst)))
-    return tuple(found)
+            bounds.append(Bound("lifetime", no_ii(problem), reason, (edge.src, edge.dst)))
+    return tuple(bounds)
 
 
 def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
@@ -156,12 +156,12 @@ def recurrence_bounds(problem: MapProblem) -> tuple[Bound, ...]:
     A cycle with a positive weight at II - 1 is one of ratio above II - 1.
     """
     edges = _on_cycles(dependences(problem.dfg, problem.fabric))
-    found = _recurrence(problem, edges)
-    if found is None:
+    any_bound = _recurrence(problem, edges)
+    if any_bound is None:
         return ()
     proved = [edge for edge in edges if not problem.dfg.edges[edge.index].assumed]
     sure = _recurrence(problem, proved) if len(proved) < len(edges) else None
-    return (sure if sure is not None and sure.ii == found.ii else found,)
+    return (sure if sure is not None and sure.ii == any_bound.ii else any_bound,)
 
 
 def _recurrence(problem: MapProblem, edges: Sequence[Dependence]) -> Bound | None:
@@ -262,13 +262,13 @@ def hall_sets(candidates: Iterable[Iterable[int]]) -> tuple[frozenset[int], ...]
     """
     basic = sorted({frozenset(pes) for pes in candidates}, key=_order)
     everything: frozenset[int] = frozenset().union(*basic)
-    found = dict.fromkeys([*basic[: _MAX_HALL_SETS - 1], everything])
-    frontier = list(found)
-    while frontier and len(found) < _MAX_HALL_SETS:
-        grown = [a | b for a in frontier for b in basic if (a | b) not in found]
-        frontier = sorted(dict.fromkeys(grown), key=_order)[: _MAX_HALL_SETS - len(found)]
-        found.update(dict.fromkeys(frontier))
-    return tuple(sorted((pes for pes in found if pes), key=_order))
+    sets = dict.fromkeys([*basic[: _MAX_HALL_SETS - 1], everything])
+    frontier = list(sets)
+    while frontier and len(sets) < _MAX_HALL_SETS:
+        grown = [a | b for a in frontier for b in basic if (a | b) not in sets]
+        frontier = sorted(dict.fromkeys(grown), key=_order)[: _MAX_HALL_SETS - len(sets)]
+        sets.update(dict.fromkeys(frontier))
+    return tuple(sorted((pes for pes in sets if pes), key=_order))
 
 
 def _order(pes: frozenset[int]) -> tuple[int, tuple[int, ...]]:
@@ -281,16 +281,16 @@ def _resident(problem: MapProblem, pe: int) -> frozenset[ConstantKey]:
 
 def _hall_bounds(problem: MapProblem, name: str, nodes: Sequence[Node]) -> tuple[Bound, ...]:
     candidates = {node.id: frozenset(usable_pes(problem, node)) for node in nodes}
-    found = []
+    bounds = []
     for pes in hall_sets(candidates.values()) if nodes else ():
         users = [node for node in nodes if candidates[node.id] <= pes]
         cycles = sum(problem.fabric.occupancy(node) for node in users)
         ii = -(-cycles // len(pes))
         kept = "" if cycles == len(users) else f", {cycles} cycles of an FU,"
         reason = f"{len(users)}{kept} on {_pes_text(problem, pes)}: {_names(users)}"
-        found.append(Bound(name, ii, reason, tuple(node.id for node in users)))
-    best = max((bound.ii for bound in found), default=0)
-    return tuple(bound for bound in found if bound.ii == best)[:1]
+        bounds.append(Bound(name, ii, reason, tuple(node.id for node in users)))
+    best = max((bound.ii for bound in bounds), default=0)
+    return tuple(bound for bound in bounds if bound.ii == best)[:1]
 
 
 def _on_cycles(edges: Sequence[Dependence]) -> tuple[Dependence, ...]:

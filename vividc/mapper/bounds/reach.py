@@ -39,14 +39,14 @@ def operand_bounds(
     words: dict[int, set[tuple[int, int]]] = {node: set() for node in candidates}
     for _, edge in problem.dfg.routed_edges():
         words[edge.dst].add((edge.src, edge.distance))
-    found = []
+    bounds = []
     for node, read in words.items():
         least = max((most[pe] for pe in candidates[node]), default=0)
         if len(read) > least:
             reason = f"{_name(problem.dfg.by_id[node])} reads {len(read)} words at once: {least} "
             reason += "come to a PE over its links, from its registers and as results"
-            found.append(Bound("operands", no_ii, reason, (node,)))
-    return tuple(found)
+            bounds.append(Bound("operands", no_ii, reason, (node,)))
+    return tuple(bounds)
 
 
 def _words_at_once(fabric: Fabric, pe: int) -> int:
@@ -72,8 +72,8 @@ def unreachable_bounds(
         for edge in edges:
             before = left[edge.src], left[edge.dst]
             left[edge.src] = frozenset(pe for pe in before[0] if reach[pe] & before[1])
-            found: frozenset[int] = frozenset().union(*(reach[pe] for pe in left[edge.src]))
-            left[edge.dst] = before[1] & found
+            reached: frozenset[int] = frozenset().union(*(reach[pe] for pe in left[edge.src]))
+            left[edge.dst] = before[1] & reached
             if not left[edge.dst]:
                 return (_nowhere(problem.dfg, edge.src, edge.dst, no_ii),)
             changed = changed or before != (left[edge.src], left[edge.dst])
@@ -98,13 +98,13 @@ def island_bounds(problem: MapProblem, candidates: dict[int, frozenset[int]]) ->
         return ()
     position = {node.id: number for number, node in enumerate(problem.dfg.placed)}
     pairs = ((position[e.src], position[e.dst]) for _, e in problem.dfg.routed_edges())
-    found = []
+    bounds = []
     for group in _groups(len(position), pairs):
         nodes = [problem.dfg.placed[number] for number in group]
         bound = _group_bound(problem, nodes, islands, candidates)
         if bound is not None:
-            found.append(bound)
-    return tuple(sorted(found, key=lambda bound: -bound.ii)[:1])
+            bounds.append(bound)
+    return tuple(sorted(bounds, key=lambda bound: -bound.ii)[:1])
 
 
 def _group_bound(

@@ -22,13 +22,13 @@ _SHOWN: Final = 6
 
 def check_bounds(bounds: Sequence[Bound], subject: Subject) -> tuple[Finding, ...]:
     """A finding for each bound: "confirmed" in the words of its check, or "wrong"."""
-    found: dict[int, Finding] = {}
+    findings: dict[int, Finding] = {}
     proved = 1
     for number in sorted(range(len(bounds)), key=lambda at: bounds[at].name == _LIVES):
-        found[number] = _check(_Claim(bounds[number], subject, proved))
-        if found[number].verdict == "confirmed":
+        findings[number] = _check(_Claim(bounds[number], subject, proved))
+        if findings[number].verdict == "confirmed":
             proved = max(proved, bounds[number].ii)
-    return tuple(found[number] for number in range(len(bounds)))
+    return tuple(findings[number] for number in range(len(bounds)))
 
 
 @dataclass(frozen=True)
@@ -120,13 +120,13 @@ def _cycle(claim: _Claim) -> list[Edge]:
         edges = [every[index] for index in claim.bound.edges if 0 <= index < len(every)]
         named = [(edge.src, edge.dst) for edge in edges]
         return edges if named == steps and len(edges) == len(claim.bound.edges) else []
-    found = []
+    cycle = []
     for step in steps:
         parallel = [edge for edge in every if (edge.src, edge.dst) == step]
         if not parallel:
             return []
-        found.append(max(parallel, key=lambda edge: _weight(edge, claim)))
-    return found
+        cycle.append(max(parallel, key=lambda edge: _weight(edge, claim)))
+    return cycle
 
 
 def _weight(edge: Edge, claim: _Claim) -> int:

@@ -53,15 +53,15 @@ def _check_mapping(result: MapResult, subject: Subject) -> Iterator[Finding]:
         if result.ii is not None:
             yield Finding("wrong", f"II {result.ii} is claimed without a mapping")
         return
-    found = violations(
+    faults = violations(
         subject.dfg,
         subject.fabric,
         mapping,
         allowed=subject.allowed,
         resident=subject.resident,
     )
-    yield from (Finding("wrong", f"the mapping breaks a rule: {broken}") for broken in found)
-    if not found:
+    yield from (Finding("wrong", f"the mapping breaks a rule: {broken}") for broken in faults)
+    if not faults:
         yield Finding("confirmed", f"the mapping is legal at II {mapping.ii}")
     if mapping.ii != result.ii:
         yield Finding("wrong", f"the mapping has II {mapping.ii}, the result says {result.ii}")

@@ -24,11 +24,11 @@ def readable_from(fabric: Fabric) -> list[set[int]]:
 
 
 def _all_behind(start: int, next_to: dict[int, set[int]]) -> set[int]:
-    found, fresh = {start}, {start}
+    behind, fresh = {start}, {start}
     while fresh:
-        fresh = {to for item in fresh for to in next_to[item]} - found
-        found |= fresh
-    return found
+        fresh = {to for item in fresh for to in next_to[item]} - behind
+        behind |= fresh
+    return behind
 
 
 def connected(items: Collection[int], pairs: Iterable[tuple[int, int]]) -> list[set[int]]:

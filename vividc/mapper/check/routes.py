@@ -32,9 +32,9 @@ Moves = ReadOnly[tuple[int, int], Collection[int]]
 def route_violations(case: Case) -> tuple[list[Violation], Moves]:
     """Faulty routes, and sound ones that need one resource at once; and what the FUs move."""
     traffic = _Traffic(case)
-    found = [*_faulty_routes(case, traffic)]
+    faults = [*_faulty_routes(case, traffic)]
     traffic.add_results()
-    return [*found, *traffic.conflicts()], traffic.moves
+    return [*faults, *traffic.conflicts()], traffic.moves
 
 
 def carrying(case: Case) -> tuple[int, int]:

@@ -50,21 +50,21 @@ def violations(
     demand_type(mapping, Mapping, "the mapping", "take `.mapping` of a MapResult")
     if mapping.ii < 1:
         return [Violation("ii", f"the II is {mapping.ii}; it must be 1 or more")]
-    found = list(_placement(dfg, fabric, mapping, allowed or {}))
+    faults = list(_placement(dfg, fabric, mapping, allowed or {}))
     places = {n.id: mapping.places[n.id] for n in dfg.placed if _sound(n, fabric, mapping)}
     latency = {n: fabric.latencies[dfg.by_id[n].latency_class] for n in places}
     case = Case(dfg, fabric, mapping, places, latency)
     route_faults, moves = route_violations(case)
-    found += _issue_and_completion(case, moves)
-    found += _controller(case)
-    found += _banks(case)
-    found += _dependences(case)
-    found += _live_outs(case, straight=straight)
-    found += _constants(case, resident or {})
-    found += route_faults
+    faults += _issue_and_completion(case, moves)
+    faults += _controller(case)
+    faults += _banks(case)
+    faults += _dependences(case)
+    faults += _live_outs(case, straight=straight)
+    faults += _constants(case, resident or {})
+    faults += route_faults
     if straight:
-        found += _completes_within_length(case)
-    return found
+        faults += _completes_within_length(case)
+    return faults
 
 
 verify = violations

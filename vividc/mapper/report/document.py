@@ -139,22 +139,22 @@ def read_result(data: object, file: str = "mapping file") -> MapResult:
 def _objective(top: dict[str, Any]) -> Objective | None:
     if top.get("objective") is None:
         return None
-    found = _object(top["objective"], "objective")
+    item = _object(top["objective"], "objective")
     value, before, bound = (
-        None if found.get(key) is None else _get(found, key, int)
+        None if item.get(key) is None else _get(item, key, int)
         for key in ("value", "before", "bound")
     )
-    last_issue = _get(found, "last_issue", int)
-    return Objective(_get(found, "name", str), value, before, bound, last_issue)
+    last_issue = _get(item, "last_issue", int)
+    return Objective(_get(item, "name", str), value, before, bound, last_issue)
 
 
 def _versions() -> dict[str, str]:
     """Of what decides which mapping is found; another one may find another."""
-    found = {"python": platform.python_version()}
+    versions = {"python": platform.python_version()}
     for package in ("vividc", "ortools", "numpy"):
         with contextlib.suppress(PackageNotFoundError):  # run from a checkout
-            found[package] = version(package)
-    return found
+            versions[package] = version(package)
+    return versions
 
 
 def _bound_object(bound: Bound, dfg: DFG) -> dict[str, Any]:
@@ -294,30 +294,30 @@ def _each(item: dict[str, Any], key: str, read: Callable[[dict[str, Any]], T]) -
     for number, entry in enumerate(entries):
         where = f"{key}[{number}]"
         try:
-            found = read(_object(entry, ""))
+            value = read(_object(entry, ""))
         except VividcError as error:
             inner = str(error.loc).removeprefix(_FILE)
             raise _fault(f"{where}.{inner}" if inner else where, error.reason) from error
-        yield found
+        yield value
 
 
 def _by_key(
     item: dict[str, Any], key: str, name: str, read: Callable[[dict[str, Any]], tuple[int, T]]
 ) -> dict[int, T]:
     """The entries of a list by what they are about, which only one of them may be."""
-    found: dict[int, T] = {}
+    by_key: dict[int, T] = {}
     for number, (about, value) in enumerate(_each(item, key, read)):
-        if about in found:
+        if about in by_key:
             raise _fault(f"{key}[{number}].{name}", f"{name} {about} is there already")
-        found[about] = value
-    return found
+        by_key[about] = value
+    return by_key
 
 
 def _integers(item: dict[str, Any], key: str) -> tuple[int, ...]:
-    found = item.get(key)
-    if not isinstance(found, list) or not all(type(number) is int for number in found):
+    numbers = item.get(key)
+    if not isinstance(numbers, list) or not all(type(number) is int for number in numbers):
         raise _fault(key, "not a list of integers")
-    return tuple(found)
+    return tuple(numbers)
 
 
 def _flag(item: dict[str, Any], key: str) -> bool:

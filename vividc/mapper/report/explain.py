@@ -53,9 +53,9 @@ def explain(result: MapResult) -> str:
 
 
 def _headline(result: MapResult) -> str:
-    found = "proved impossible" if result.status == "infeasible" else "nothing found"
+    outcome = "proved impossible" if result.status == "infeasible" else "nothing found"
     what = (
-        found if result.ii is None else f"II {result.ii}, proved lower bound {result.lower_bound}"
+        outcome if result.ii is None else f"II {result.ii}, proved lower bound {result.lower_bound}"
     )
     if result.status == "timeout":
         what += f", proved lower bound {result.lower_bound}"
@@ -145,9 +145,9 @@ def fullest(result: MapResult) -> Fullest | None:
 
 
 def _binding_lines(result: MapResult) -> Iterator[str]:
-    found, ii, lower = binding(result), result.ii, result.lower_bound
-    if found is not None:
-        yield f"what binds: {found.what}{_because(found)}"
+    cause, ii, lower = binding(result), result.ii, result.lower_bound
+    if cause is not None:
+        yield f"what binds: {cause.what}{_because(cause)}"
     if ii is not None and lower < ii:
         missing = f"II {lower}" if lower == ii - 1 else f"II {lower} .. {ii - 1}"
         yield f"{missing} neither mapped nor refuted"
@@ -157,15 +157,15 @@ def _binding_lines(result: MapResult) -> Iterator[str]:
         yield f"fullest in this mapping: {'; '.join(parts)}"
 
 
-def _because(found: Binding) -> str:
-    if found.bound is not None:
-        return f" ({found.bound})"
-    if found.what == _SCHEDULE:
-        return f"; II {found.refuted_ii} has no schedule"
-    if _PLACES_AND_ROUTES not in found.what:
+def _because(cause: Binding) -> str:
+    if cause.bound is not None:
+        return f" ({cause.bound})"
+    if cause.what == _SCHEDULE:
+        return f"; II {cause.refuted_ii} has no schedule"
+    if _PLACES_AND_ROUTES not in cause.what:
         return ""
-    within = " within them" if _WITHIN in found.what else ""
-    return f"; II {found.refuted_ii} passes every bound and cannot be routed{within}"
+    within = " within them" if _WITHIN in cause.what else ""
+    return f"; II {cause.refuted_ii} passes every bound and cannot be routed{within}"
 
 
 def _fullest_parts(room: Fullest, ii: int) -> Iterator[str]:
@@ -194,10 +194,10 @@ def _fullest_of(mapping: Mapping, subject: Subject) -> Fullest:
     if taken:
         fu = FullestFU(*_most(taken))
     if links:
-        index, slots = _most({index: len(found) for index, found in links.items()})
+        index, slots = _most({index: len(used) for index, used in links.items()})
         link = FullestLink(fabric.links[index].src, fabric.links[index].dst, slots)
     if registers:
-        (pe, _), words = _most({key: len(found) for key, found in registers.items()})
+        (pe, _), words = _most({key: len(used) for key, used in registers.items()})
         file = FullestFile(pe, words, fabric.pes[pe].registers)
     return Fullest(fu, link, file)
 

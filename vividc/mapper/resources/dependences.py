@@ -34,7 +34,7 @@ class Dependence:
 
 def dependences(dfg: DFG, fabric: Fabric) -> tuple[Dependence, ...]:
     """Every edge between placed nodes, in edge order."""
-    found = []
+    deps = []
     for index, edge in enumerate(dfg.edges):
         source = dfg.by_id[edge.src]
         if source.is_source:
@@ -45,10 +45,10 @@ def dependences(dfg: DFG, fabric: Fabric) -> tuple[Dependence, ...]:
             EdgeKind.ORDER: 1,
             EdgeKind.CONTROL: latency + fabric.controller.control_latency,
         }[edge.kind]
-        found.append(
+        deps.append(
             Dependence(edge.src, edge.dst, edge.distance, separation, edge.is_data, latency, index)
         )
-    return tuple(found)
+    return tuple(deps)
 
 
 def earliest_starts(

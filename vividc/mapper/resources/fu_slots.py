@@ -22,11 +22,11 @@ def fu_slots(dfg: DFG, fabric: Fabric, mapping: Mapping) -> int:
 
 def fu_slots_by_pe(dfg: DFG, fabric: Fabric, mapping: Mapping) -> Counter[int]:
     """Issue slots of each PE's FU that the mapping takes, by PE id; what takes none is left out."""
-    found = Counter(place.pe for node, place in mapping.places.items() if dfg.by_id[node].uses_fu)
-    found.update(pe for pe, _ in kept(dfg, fabric, mapping))
+    slots = Counter(place.pe for node, place in mapping.places.items() if dfg.by_id[node].uses_fu)
+    slots.update(pe for pe, _ in kept(dfg, fabric, mapping))
     for (pe, _), words in moved(dfg, fabric, mapping).items():
-        found[pe] += len(words)
-    return found
+        slots[pe] += len(words)
+    return slots
 
 
 def kept(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], Node]:
@@ -45,12 +45,12 @@ def moved(dfg: DFG, fabric: Fabric, mapping: Mapping) -> dict[tuple[int, int], t
     A move: a word enters an output register, or registers that only the FU writes, from another
     place.
     """
-    found: dict[tuple[int, int], set[int]] = defaultdict(set)
+    words: dict[tuple[int, int], set[int]] = defaultdict(set)
     for edge, steps in mapping.routes.items():
         for before, step in pairwise(steps):
             by_fu = step.kind == "out" or (step.kind == "reg" and fabric.pes[step.pe].written_by_fu)
             same = (before.kind, before.pe, before.index) == (step.kind, step.pe, step.index)
             stays = same and (step.kind == "reg" or fabric.routing.holds)
             if by_fu and not stays:
-                found[step.pe, (step.time - 1) % mapping.ii].add(dfg.edges[edge].src)
-    return {key: tuple(sorted(values)) for key, values in found.items()}
+                words[step.pe, (step.time - 1) % mapping.ii].add(dfg.edges[edge].src)
+    return {key: tuple(sorted(values)) for key, values in words.items()}

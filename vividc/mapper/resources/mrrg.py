@@ -142,24 +142,24 @@ class MRRG:
         """Least cycles from being at each location to being readable on each PE, int64 (locations,
         PEs); `FAR`: never.
         """
-        found = np.full((self.locations, len(self.fresh)), FAR, dtype=np.int64)
+        cycles = np.full((self.locations, len(self.fresh)), FAR, dtype=np.int64)
         for location in range(self.locations):
-            found[location, self.readers[location]] = 0
+            cycles[location, self.readers[location]] = 0
         ways = [(self.moves[at], self.sides[at]) for at in range(self.locations)]
         changed = True
         while changed:
             changed = False
             for location in reversed(range(self.locations)):
                 onward, beside = ways[location]
-                best = found[location]
+                best = cycles[location]
                 if onward:
-                    best = np.minimum(best, found[onward].min(axis=0) + 1)
+                    best = np.minimum(best, cycles[onward].min(axis=0) + 1)
                 if beside:
-                    best = np.minimum(best, found[beside].min(axis=0))
-                if (best < found[location]).any():
-                    found[location] = best
+                    best = np.minimum(best, cycles[beside].min(axis=0))
+                if (best < cycles[location]).any():
+                    cycles[location] = best
                     changed = True
-        return np.minimum(found, FAR)
+        return np.minimum(cycles, FAR)
 
     @cached_property
     def reach(self) -> Ints:
@@ -168,12 +168,12 @@ class MRRG:
         0 on the PE itself and wherever an entry is readable; `FAR`: never.
         """
         pes = len(self.fresh)
-        found = np.full((pes, pes), FAR, dtype=np.int64)
+        cycles = np.full((pes, pes), FAR, dtype=np.int64)
         for pe in range(pes):
             if self.entries[pe]:
-                found[pe] = self.away[self.entries[pe]].min(axis=0)
-            found[pe, pe] = 0
-        return found
+                cycles[pe] = self.away[self.entries[pe]].min(axis=0)
+            cycles[pe, pe] = 0
+        return cycles
 
     def claims(self, origin: int, target: int) -> tuple[tuple[int, int], ...]:
         """(resource, 0: the slot of the cycle left, 1: of the cycle entered) of one move; `origin`
@@ -258,10 +258,10 @@ class _Builder:
         )
 
     def _spots(self) -> tuple[Spot, ...]:
-        found = [Spot("link", at % self.wires) for at in range(self.links)]
+        spots = [Spot("link", at % self.wires) for at in range(self.links)]
         outs = [Spot("out", pe) for pe in range(self.outs)]
-        found += outs * (2 if self.fabric.routing.holds else 1)
-        return (*found, *(Spot("reg", pe) for pe in self.files))
+        spots += outs * (2 if self.fabric.routing.holds else 1)
+        return (*spots, *(Spot("reg", pe) for pe in self.files))
 
     def _resources(self) -> tuple[Resource, ...]:
         pes = [self.fabric.pes[pe] for pe in self.files]
@@ -279,29 +279,29 @@ class _Builder:
         return self.fabric.pes[pe].written_by_fu
 
     def _entries(self, pe: int) -> list[int]:
-        found = [link.id for link in self.fabric.links_from[pe] if link.id < self.wires]
-        found += [self.links + pe] if self.outs else []
-        return [*found, self.file_of[pe]] if pe in self.file_of else found
+        entries = [link.id for link in self.fabric.links_from[pe] if link.id < self.wires]
+        entries += [self.links + pe] if self.outs else []
+        return [*entries, self.file_of[pe]] if pe in self.file_of else entries
 
     def _moves(self, at: int) -> list[int]:
         """Links, outputs and files of the PEs that read the location, and the location itself or
         the output register it becomes, where it keeps words.
         """
-        found: dict[int, None] = {}
+        targets: dict[int, None] = {}
         for pe in self._readers(at):
-            found |= dict.fromkeys(
+            targets |= dict.fromkeys(
                 link.id for link in self.fabric.links_from[pe] if link.id < self.wires
             )
             if self.fabric.routing.moves:
-                found[self.links + pe] = None
+                targets[self.links + pe] = None
             if pe in self.file_of and not self._enters_with_result(pe):
-                found[self.file_of[pe]] = None
+                targets[self.file_of[pe]] = None
         if at in self.file_of.values():
-            found[at] = None
+            targets[at] = None
         elif at >= self.links and self.fabric.routing.holds:
             pe = (at - self.links) % self.pes
-            found[self.first_held + pe] = None
-        return list(found)
+            targets[self.first_held + pe] = None
+        return list(targets)
 
     def _sides(self, at: int, spot: Spot) -> list[int]:
         if spot.kind == "link":

@@ -9,7 +9,7 @@ from vividc.arch.fabric import Fabric, Routing
 from vividc.host.once import once_each
 from vividc.mapper.mapping import Mapping, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.registers import Stay, allocate
+from vividc.mapper.resources.registers import Lifetime, allocate
 
 _StepKey = tuple[int, int, int]
 """(producer, PE, cycle) of a word in a register."""
@@ -50,15 +50,15 @@ def named_anew(problem: MapProblem, mapping: Mapping) -> Mapping | None:
     """
     if not any(pe.rotating for pe in problem.fabric.pes):
         return mapping
-    stays: dict[int, list[tuple[Stay, list[_StepKey]]]] = defaultdict(list)
-    for keys in _stays(problem, mapping):
+    lifetimes: dict[int, list[tuple[Lifetime, list[_StepKey]]]] = defaultdict(list)
+    for keys in _lifetimes(problem, mapping):
         word, pe, first = keys[0]
-        stays[pe].append((Stay(word, first, keys[-1][2]), keys))
+        lifetimes[pe].append((Lifetime(word, first, keys[-1][2]), keys))
     names: dict[_StepKey, int] = {}
-    for pe, here in stays.items():
+    for pe, here in lifetimes.items():
         file = problem.fabric.pes[pe]
         chosen = allocate(
-            [stay for stay, _ in here], mapping.ii, file.registers, rotating=file.rotating
+            [lifetime for lifetime, _ in here], mapping.ii, file.registers, rotating=file.rotating
         )
         if chosen is None:
             return None
@@ -71,21 +71,21 @@ def named_anew(problem: MapProblem, mapping: Mapping) -> Mapping | None:
     return replace(mapping, routes=routes)
 
 
-def _stays(problem: MapProblem, mapping: Mapping) -> list[list[_StepKey]]:
+def _lifetimes(problem: MapProblem, mapping: Mapping) -> list[list[_StepKey]]:
     """Cycles in a row in which a word is in one register."""
     held: dict[tuple[int, int, int], int] = {}
     for index, route in mapping.routes.items():
         for step in route:
             if step.kind == "reg":
                 held[problem.dfg.edges[index].src, step.pe, step.time] = step.index
-    found: list[list[_StepKey]] = []
+    runs: list[list[_StepKey]] = []
     for key in sorted(held):
         before = (key[0], key[1], key[2] - 1)
-        if found and found[-1][-1] == before and held[before] == held[key]:
-            found[-1].append(key)
+        if runs and runs[-1][-1] == before and held[before] == held[key]:
+            runs[-1].append(key)
         else:
-            found.append([key])
-    return found
+            runs.append([key])
+    return runs
 
 
 def _named(step: Step, word: int, names: dict[_StepKey, int]) -> Step:

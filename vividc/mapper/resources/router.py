@@ -85,16 +85,16 @@ class Places:
         return Step("reg", pe, place - self.registers[pe].start, time)
 
     def _distances(self, start: int) -> list[int]:
-        found = [UNREACHABLE] * len(self.registers)
-        found[start] = 0
+        distance = [UNREACHABLE] * len(self.registers)
+        distance[start] = 0
         frontier = [start]
         while frontier:
             reached = dict.fromkeys(self.end[k] for pe in frontier for k in self.out_of[pe])
-            hops = found[frontier[0]] + 1
-            frontier = [pe for pe in reached if found[pe] == UNREACHABLE]
+            hops = distance[frontier[0]] + 1
+            frontier = [pe for pe in reached if distance[pe] == UNREACHABLE]
             for pe in frontier:
-                found[pe] = hops
-        return found
+                distance[pe] = hops
+        return distance
 
 
 class Journal:

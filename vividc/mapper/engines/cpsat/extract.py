@@ -12,14 +12,14 @@ from vividc.mapper.engines.cpsat.problem import NodeAt, Prepared
 from vividc.mapper.engines.cpsat.variables import Variables
 from vividc.mapper.mapping import Mapping as ModuloMapping
 from vividc.mapper.mapping import Place, Step
-from vividc.mapper.resources.registers import Stay, allocate, conflict
+from vividc.mapper.resources.registers import Lifetime, allocate, conflict
 
 Holds = Callable[[IntVar], bool]
 
 
 @dataclass(frozen=True, slots=True)
 class RegisterConflict:
-    """Stays on one PE that no allocation fits. `inside`: where an unused write, if there can be
+    """Lifetimes on one PE that no allocation fits. `inside`: where an unused write, if there can be
     one, would cut one of them in two.
     """
 
@@ -67,8 +67,8 @@ def extract(problem: Prepared, variables: Variables, holds: Holds) -> Extracted:
         if holds(literal)
     }
     routes = _trace(problem, variables, holds, places)
-    stays = _stays(routes, variables, holds)
-    registers, conflicts = _allocate(problem, variables, stays)
+    lifetimes = _lifetimes(routes, variables, holds)
+    registers, conflicts = _allocate(problem, variables, lifetimes)
     if conflicts:
         return Extracted(None, conflicts)
     steps = {
@@ -174,38 +174,38 @@ class _Walk:
         return literal is not None and self.holds(literal)
 
 
-def _stays(routes: _Routes, v: Variables, holds: Holds) -> dict[int, list[Stay]]:
+def _lifetimes(routes: _Routes, v: Variables, holds: Holds) -> dict[int, list[Lifetime]]:
     """Runs of held cycles on each PE, cut at each write."""
-    found: dict[int, list[Stay]] = {}
+    by_pe: dict[int, list[Lifetime]] = {}
     for word, pe, time in sorted(routes.held):
-        stays = found.setdefault(pe, [])
-        goes_on = stays and stays[-1].word == word and stays[-1].last == time - 1
+        lifetimes = by_pe.setdefault(pe, [])
+        goes_on = lifetimes and lifetimes[-1].word == word and lifetimes[-1].last == time - 1
         if goes_on and not holds(v.written[word, pe, time]):
-            stays[-1] = Stay(word, stays[-1].first, time)
+            lifetimes[-1] = Lifetime(word, lifetimes[-1].first, time)
         else:
-            stays.append(Stay(word, time, time))
-    return found
+            lifetimes.append(Lifetime(word, time, time))
+    return by_pe
 
 
 def _allocate(
-    problem: Prepared, v: Variables, stays: Mapping[int, list[Stay]]
+    problem: Prepared, v: Variables, lifetimes: Mapping[int, list[Lifetime]]
 ) -> tuple[dict[NodeAt, int], tuple[RegisterConflict, ...]]:
     registers: dict[NodeAt, int] = {}
     conflicts = []
-    for pe, here in stays.items():
+    for pe, here in lifetimes.items():
         available, rotating = problem.fabric.pes[pe].registers, problem.fabric.pes[pe].rotating
         chosen = allocate(here, problem.ii, available, rotating=rotating)
         if chosen is None:
             core = conflict(here, problem.ii, available, rotating=rotating)
             conflicts.append(_conflict(pe, core))
             continue
-        for stay, register in zip(here, chosen, strict=True):
-            for time in range(stay.first, stay.last + 1):
-                registers[stay.word, pe, time] = register
+        for lifetime, register in zip(here, chosen, strict=True):
+            for time in range(lifetime.first, lifetime.last + 1):
+                registers[lifetime.word, pe, time] = register
     return registers, tuple(conflicts)
 
 
-def _conflict(pe: int, core: tuple[Stay, ...]) -> RegisterConflict:
+def _conflict(pe: int, core: tuple[Lifetime, ...]) -> RegisterConflict:
     held = tuple((s.word, pe, t) for s in core for t in range(s.first, s.last + 1))
     inside = tuple((s.word, pe, t) for s in core for t in range(s.first + 1, s.last + 1))
     return RegisterConflict(pe, held, inside)

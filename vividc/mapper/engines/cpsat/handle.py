@@ -104,9 +104,9 @@ class ModelHandle:
         *,
         times: bool = False,
     ) -> LinearExprT:
-        found = [(literal, key[2]) for key, literal in literals.items() if wanted(key)]
-        factors = [time if times else 1 for _, time in found]
-        return LinearExpr.weighted_sum([literal for literal, _ in found], factors)
+        terms = [(literal, key[2]) for key, literal in literals.items() if wanted(key)]
+        factors = [time if times else 1 for _, time in terms]
+        return LinearExpr.weighted_sum([literal for literal, _ in terms], factors)
 
 
 def _check(given: int, known: Sequence[int], loc: str, what: str, where: str) -> None:

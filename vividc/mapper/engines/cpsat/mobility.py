@@ -106,14 +106,14 @@ def _near(problem: Prepared) -> tuple[dict[int, bool], ...]:
     """
     fabric = problem.fabric
     hops, a_cycle = hop_distances(fabric), max(fabric.routing.hops, 0)
-    found = []
+    by_edge = []
     for pe in fabric.pes:
         near = {pe.id: True} | dict.fromkeys(fabric.outputs_seen_by[pe.id][1:], False)
         for other in fabric.pes:
             if cycles_for(hops[other.id][pe.id], a_cycle) == 1:
                 near[other.id] = True
-        found.append(near)
-    return tuple(found)
+        by_edge.append(near)
+    return tuple(by_edge)
 
 
 def _one_completion(model: CpModel, problem: Prepared, v: Variables) -> None:

@@ -96,11 +96,11 @@ class Prepared:
     @cached_property
     def reads(self) -> dict[int, tuple[Dependence, ...]]:
         """Routed edges by producer; the keys are the words that exist."""
-        found: dict[int, list[Dependence]] = {}
+        by_word: dict[int, list[Dependence]] = {}
         for edge in self.dependences:
             if edge.routed:
-                found.setdefault(edge.src, []).append(edge)
-        return {word: tuple(edges) for word, edges in found.items()}
+                by_word.setdefault(edge.src, []).append(edge)
+        return {word: tuple(edges) for word, edges in by_word.items()}
 
     @cached_property
     def starts(self) -> tuple[NodeAt, ...]:

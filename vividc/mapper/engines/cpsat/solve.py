@@ -48,7 +48,7 @@ def place_and_route(
     """A mapping within the problem's windows. "refuted": these windows hold none (that satisfies
     what `extend` adds).
 
-    The model counts the words of a register file per slot. When the stays of a solution fit no
+    The model counts the words of a register file per slot. When the lifetimes of a solution fit no
     allocation, that combination is excluded and the model solved again: held cycles that are a
     superset, cut nowhere inside, would fail alike.
     """
@@ -71,8 +71,8 @@ def solved(problem: Prepared, joint: JointModel, search: Search) -> Outcome[Modu
         if outcome.value is None:
             return Outcome(outcome.verdict)
         if outcome.value.mapping is not None:
-            found = outcome.value.mapping
-            return Outcome("found", found, outcome.objective, outcome.bound)
+            mapping = outcome.value.mapping
+            return Outcome("found", mapping, outcome.objective, outcome.bound)
         for clash in outcome.value.conflicts:
             exclude(problem, joint, clash)
 

@@ -88,7 +88,7 @@ def _hops(model: CpModel, problem: Prepared) -> dict[tuple[int, int, int, int], 
 
 
 def _constants(model: CpModel, problem: Prepared) -> dict[tuple[int, ConstantKey], IntVar]:
-    found: dict[tuple[int, ConstantKey], IntVar] = {}
+    entries: dict[tuple[int, ConstantKey], IntVar] = {}
     for pe in problem.fabric.pes:
         resident = problem.task.resident.get(pe.id, frozenset())
         keys = dict.fromkeys(
@@ -101,8 +101,8 @@ def _constants(model: CpModel, problem: Prepared) -> dict[tuple[int, ConstantKey
         if len(keys) + len(resident) <= pe.constants:
             continue
         for key in keys:
-            found[pe.id, key] = model.new_bool_var(f"constant[{pe.id},{key[0]}:{key[1]}]")
-    return found
+            entries[pe.id, key] = model.new_bool_var(f"constant[{pe.id},{key[0]}:{key[1]}]")
+    return entries
 
 
 def _stages(model: CpModel, problem: Prepared) -> dict[int, IntVar]:

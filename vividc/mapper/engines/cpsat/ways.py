@@ -18,11 +18,11 @@ def supply(problem: Prepared, v: Variables, word: int, pe: int, time: int) -> li
     """Literals that let the crossbar of PE `pe` send the word so that it is readable at `time`."""
     before = problem.wrap(time - 1)
     keys = ((word, link.id, before) for link in problem.fabric.links_to[pe])
-    found = [v.link[key] for key in keys if key in v.link]
+    sources = [v.link[key] for key in keys if key in v.link]
     if (word, pe, before) in v.read:
-        found.append(v.read[word, pe, before])
-    found += _outputs(problem, v, word, pe, before)
-    return [*found, *results(problem, v, word, pe, time)]
+        sources.append(v.read[word, pe, before])
+    sources += _outputs(problem, v, word, pe, before)
+    return [*sources, *results(problem, v, word, pe, time)]
 
 
 def results(problem: Prepared, v: Variables, word: int, pe: int, time: int) -> list[IntVar]:
@@ -30,9 +30,9 @@ def results(problem: Prepared, v: Variables, word: int, pe: int, time: int) -> l
     own operation, or of a move.
     """
     issued = (word, pe, problem.wrap(time - problem.latency[word]))
-    found = [v.start[issued]] if issued in v.start else []
+    literals = [v.start[issued]] if issued in v.start else []
     moved = (word, pe, problem.wrap(time - 1))
-    return [*found, v.move[moved]] if moved in v.move else found
+    return [*literals, v.move[moved]] if moved in v.move else literals
 
 
 def readable(problem: Prepared, v: Variables, word: int, pe: int, time: int) -> list[IntVar]:

@@ -105,9 +105,9 @@ def build_task(
     """The arrays, and the ids of the nodes in the order of their numbers."""
     ids = tuple(sorted(node.id for node in problem.dfg.placed))
     number = {node: index for index, node in enumerate(ids)}
-    found = dependences(problem.dfg, problem.fabric)
+    edges = dependences(problem.dfg, problem.fabric)
     nodes, keys = _nodes(problem, ids)
-    return Task(nodes, _edges(found, number, ii), _array(problem, ii, latest, graph, keys)), ids
+    return Task(nodes, _edges(edges, number, ii), _array(problem, ii, latest, graph, keys)), ids
 
 
 def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[ConstantKey, int]]:
@@ -146,12 +146,12 @@ def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[Constan
     return made, number
 
 
-def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edges:
-    ends = [(number[e.src], number[e.dst]) for e in found]
+def _edges(deps: Sequence[Dependence], number: dict[int, int], ii: int) -> Edges:
+    ends = [(number[e.src], number[e.dst]) for e in deps]
     of: list[list[int]] = [[] for _ in number]
     sinks: list[list[int]] = [[] for _ in number]
     fed: list[dict[int, None]] = [{} for _ in number]
-    for index, (edge, (src, dst)) in enumerate(zip(found, ends, strict=True)):
+    for index, (edge, (src, dst)) in enumerate(zip(deps, ends, strict=True)):
         if src != dst:
             of[src].append(index)
             of[dst].append(index)
@@ -163,10 +163,10 @@ def _edges(found: Sequence[Dependence], number: dict[int, int], ii: int) -> Edge
     return Edges(
         ints(src for src, _ in ends),
         ints(dst for _, dst in ends),
-        ints(e.separation - ii * e.distance for e in found),
-        ints(e.latency - ii * e.distance for e in found),
-        ints(ii * e.distance for e in found),
-        np.array([e.routed for e in found], dtype=np.uint8),
+        ints(e.separation - ii * e.distance for e in deps),
+        ints(e.latency - ii * e.distance for e in deps),
+        ints(ii * e.distance for e in deps),
+        np.array([e.routed for e in deps], dtype=np.uint8),
         *(part for rows in packed for part in (rows.begin, rows.items)),
     )
 

@@ -31,9 +31,9 @@ def first_result(
             steps = [pool.submit(_step, attempt) for attempt in going]
             ended = [step.result() for step in steps]
             charge(max((end for end in ended if isinstance(end, float)), default=0.0))
-            found = [end[0] for end in ended if isinstance(end, tuple) and end[0] is not None]
-            if found:
-                return found[0]
+            results = [end[0] for end in ended if isinstance(end, tuple) and end[0] is not None]
+            if results:
+                return results[0]
             pairs = zip(going, ended, strict=True)
             going = [attempt for attempt, end in pairs if isinstance(end, float)]
     return None

@@ -39,7 +39,7 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.mapper.resources.distances import FAR, hop_distances
 from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
-from vividc.mapper.resources.registers import Stay, allocate
+from vividc.mapper.resources.registers import Lifetime, allocate
 
 _MOVES_PER_NODE: Final = 8000
 _ROUNDS: Final = 30
@@ -181,9 +181,11 @@ def _with_room(problem: MapProblem, start: ReadOnly[int, int], latest: int) -> R
 
 
 def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
-    found = violations(task.dfg, task.fabric, mapping, allowed=task.allowed, resident=task.resident)
-    if found:
-        raise InternalError(f"negotiated mapping of {task.dfg.name}: {found[0].message}")
+    faults = violations(
+        task.dfg, task.fabric, mapping, allowed=task.allowed, resident=task.resident
+    )
+    if faults:
+        raise InternalError(f"negotiated mapping of {task.dfg.name}: {faults[0].message}")
     return mapping
 
 
@@ -386,36 +388,36 @@ class Negotiation:
         rows = self.traffic.cut[producer, :count].tolist()
         return {(location, ready + cycle) for cycle, location in rows}
 
-    def _stays(self, producer: int) -> list[tuple[int, Stay]]:
-        """(PE, stay) of a word in each register that it is in."""
+    def _lifetimes(self, producer: int) -> list[tuple[int, Lifetime]]:
+        """(PE, lifetime) of a word in each register that it is in."""
         cuts = self._cuts(producer)
-        found: list[tuple[int, Stay]] = []
+        spans: list[tuple[int, Lifetime]] = []
         for location, cycle, before in self._cells(producer):
             if self.mrrg.spots[location].kind != "reg":
                 continue
             pe = int(self.mrrg.owner[location])
             if before == location and (location, cycle) not in cuts:
-                found[-1] = (pe, Stay(producer, found[-1][1].first, cycle))
+                spans[-1] = (pe, Lifetime(producer, spans[-1][1].first, cycle))
             else:
-                found.append((pe, Stay(producer, cycle, cycle)))
-        return found
+                spans.append((pe, Lifetime(producer, cycle, cycle)))
+        return spans
 
     def _name_registers(self) -> tuple[_Held, list[int]]:
-        """Registers of all stays, and the PEs whose words do not fit theirs."""
-        stays: dict[int, list[Stay]] = defaultdict(list)
+        """Registers of all lifetimes, and the PEs whose words do not fit theirs."""
+        lifetimes: dict[int, list[Lifetime]] = defaultdict(list)
         for producer in range(len(self.ids)):
-            for pe, stay in self._stays(producer):
-                stays[pe].append(stay)
+            for pe, lifetime in self._lifetimes(producer):
+                lifetimes[pe].append(lifetime)
         registers: _Held = {}
         crowded: list[int] = []
-        for pe, here in stays.items():
+        for pe, here in lifetimes.items():
             chosen = allocate(here, self.ii, self.problem.fabric.pes[pe].registers)
             if chosen is None:
                 crowded.append(pe)
                 continue
-            for stay, register in zip(here, chosen, strict=True):
-                for cycle in range(stay.first, stay.last + 1):
-                    registers[stay.word, pe, cycle] = register
+            for lifetime, register in zip(here, chosen, strict=True):
+                for cycle in range(lifetime.first, lifetime.last + 1):
+                    registers[lifetime.word, pe, cycle] = register
         return registers, crowded
 
     def _mapping(self, registers: _Held) -> Mapping:

@@ -123,12 +123,12 @@ def _try_move(router: Router, undo: Undo, node: int, heat: Heat) -> None:
     _save(task, traffic, undo)
     for at in range(1, undo.words[0] + 1):
         rip_up(traffic, task.array.ii, undo.words[at])
-    found = True
+    routed = True
     for at in range(1, undo.words[0] + 1):
-        if found:
-            found = route(router, undo.words[at])
+        if routed:
+            routed = route(router, undo.words[at])
     change = traffic.totals[WIRE] + _CROWDED * traffic.totals[OVER] - before
-    if found and (
+    if routed and (
         change <= 0 or draw(places.random, 1 << 24) < math.exp(-change / heat.value[0]) * (1 << 24)
     ):
         return

@@ -79,11 +79,11 @@ def route_as_shown(router: Router, words: Words) -> int:
 @inlined
 def _route_as_shown(router: Router, words: Words, producer: int) -> bool:
     _bar_outputs(router, words, producer, 1)
-    found = route(router, producer)
+    routed = route(router, producer)
     _bar_outputs(router, words, producer, 0)
-    if not found:
+    if not routed:
         rip_up(router.traffic, router.task.array.ii, producer)
-    return bool(found)
+    return bool(routed)
 
 
 @inlined
@@ -104,7 +104,7 @@ def route(router: Router, producer: int) -> bool:
     edges, places, scratch = router.task.edges, router.places, router.scratch
     ready = places.time[producer] + router.task.nodes.latency[producer]
     begin, stop = edges.sink_begin[producer], edges.sink_begin[producer + 1]
-    edge, cycles, found = -1, -1, True
+    edge, cycles, routed = -1, -1, True
     fresh = router.graph.fresh[places.pe[producer]]
     if fresh >= 0 and router.task.nodes.kind[producer] & FU:
         _take_output(router, producer, fresh, ready)
@@ -115,14 +115,14 @@ def route(router: Router, producer: int) -> bool:
         if cycles == 0 and fresh < 0 and aim.target == places.pe[producer]:
             router.traffic.end[edge] = DIRECT
         elif cycles < 0 or cycles >= scratch.cost.shape[0] or not _reach(router, aim):
-            found = False
+            routed = False
             break
-    if found:
-        found = _cut_stays(router, producer, ready)
+    if routed:
+        routed = _cut_lifetimes(router, producer, ready)
     for at in range(router.traffic.size[producer, 0]):
         cell = router.traffic.cell[producer, at]
         scratch.mark[cell[0], cell[1]] = 0
-    return found
+    return routed
 
 
 @inlined
@@ -332,7 +332,7 @@ def _leave(router: Router, producer: int, location: int, cycle: int, ready: int)
 
 
 @inlined
-def _cut_stays(router: Router, producer: int, ready: int) -> bool:
+def _cut_lifetimes(router: Router, producer: int, ready: int) -> bool:
     """A word that stays in a file for more than II cycles changes registers before its successor
     comes. False if there is no room.
     """

@@ -202,12 +202,12 @@ def _nearest(array: Array, words: Words, read: Read) -> int:
     """The cell from which a read can be served that has the fewest links to it: the first, if there
     is none.
     """
-    found, fewest = 0, 1 << 20
+    nearest, fewest = 0, 1 << 20
     for at in range(words.size[read.word]):
         hops = array.hop[words.pe[read.word, at], read.target]
         if hops < fewest and read.gap - words.cycle[read.word, at] >= max(hops - 1, 0):
-            found, fewest = at, hops
-    return found
+            nearest, fewest = at, hops
+    return nearest
 
 
 @inlined

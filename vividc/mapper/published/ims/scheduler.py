@@ -89,12 +89,12 @@ class _Schedule:
         nodes = [node.id for node in problem.dfg.placed]
         self.edges: dict[int, list[tuple[int, Edge, Dependence]]] = {node: [] for node in nodes}
         placed = [(i, e) for i, e in enumerate(problem.dfg.edges) if e.src in self.edges]
-        found = dependences(problem.dfg, problem.fabric)
-        for (index, edge), dependence in zip(placed, found, strict=True):
+        deps = dependences(problem.dfg, problem.fabric)
+        for (index, edge), dependence in zip(placed, deps, strict=True):
             for end in dict.fromkeys((edge.src, edge.dst)):
                 self.edges[end].append((index, edge, dependence))
-        self.feasible = earliest_starts(nodes, found, ii) is not None
-        self.height = longest_tails(nodes, found, ii) if self.feasible else {}
+        self.feasible = earliest_starts(nodes, deps, ii) is not None
+        self.height = longest_tails(nodes, deps, ii) if self.feasible else {}
         self.last_time: dict[int, int] = {}
 
     def run(self) -> Mapping | None:

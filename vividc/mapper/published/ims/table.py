@@ -35,13 +35,13 @@ class ReservationTable:
 
     def in_the_way(self, node: Node, place: Place) -> list[int]:
         """Nodes to take away before `node` fits at `place`, latest first; empty: it fits."""
-        found: dict[int, None] = {}
+        nodes: dict[int, None] = {}
         for key, capacity in self._claims(node, place):
             users = list(self._users.get(key, ()))
-            found |= dict.fromkeys(users[: max(len(users) - capacity + 1, 0)])
-        found |= dict.fromkeys(self._rivals(node, place.pe))
-        found |= dict.fromkeys(self._crowding_store(node, place.pe))
-        return list(found)
+            nodes |= dict.fromkeys(users[: max(len(users) - capacity + 1, 0)])
+        nodes |= dict.fromkeys(self._rivals(node, place.pe))
+        nodes |= dict.fromkeys(self._crowding_store(node, place.pe))
+        return list(nodes)
 
     def enter(self, node: Node, place: Place) -> None:
         """Claim."""
@@ -108,9 +108,9 @@ class ReservationTable:
         excess = len(held | wanted) - free
         if excess <= 0 or wanted <= held:
             return []
-        found: list[int] = []
+        crowding: list[int] = []
         for key, users in entries.items():
             if excess > 0 and key not in wanted and key not in resident:
-                found += users
+                crowding += users
                 excess -= 1
-        return found
+        return crowding

@@ -11,7 +11,7 @@ from typing import Final
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.mapping import Step
 from vividc.mapper.resources.mrrg import MRRG, NONE
-from vividc.mapper.resources.registers import Stay, allocate
+from vividc.mapper.resources.registers import Lifetime, allocate
 
 Cell = tuple[int, int]
 """(location, cycle of the producer's iteration)."""
@@ -101,12 +101,12 @@ class Words:
             yield from self._read(location, cycle)
 
     def _moves(self, way: Way) -> Iterator[Cell]:
-        stay = 0
+        waited = 0
         for before, cell in zip((None, *way), way, strict=False):
-            stay = _stay(stay, before, cell)
-            yield from self._move(before, cell, stay)
+            waited = _waited(waited, before, cell)
+            yield from self._move(before, cell, waited)
 
-    def _move(self, before: Cell | None, cell: Cell, stay: int) -> Iterator[Cell]:
+    def _move(self, before: Cell | None, cell: Cell, waited: int) -> Iterator[Cell]:
         """Claims of one move; a word that has stayed for II cycles is written to another register:
         then the next iteration's word wants the place.
         """
@@ -114,7 +114,7 @@ class Words:
         origin = NONE if before is None else before[0]
         for resource, after in self.graph.claims(origin, location):
             yield resource, cycle - 1 + after
-        if stay and stay % self.ii == 0:
+        if waited and waited % self.ii == 0:
             yield int(self.graph.entering[location]), cycle - 1
             yield from self._read(location, cycle - 1)
 
@@ -144,14 +144,14 @@ class Words:
         for location in self.graph.entries[result.pe]:
             self._push(heap, result.word, 0, None, (location, result.ready), 0)
         origin: dict[Cell, Cell | None] = {}
-        stays: dict[Cell, int] = {}
+        waited_in: dict[Cell, int] = {}
         while heap and not self.deadline.passed:
             cost, cell, sender = heapq.heappop(heap)
             self.deadline.charge(_CELL_S)
             if cell in origin:
                 continue
             origin[cell] = None if sender == cell else sender
-            stays[cell] = _stay(stays.get(sender, 0), origin[cell], cell)
+            waited_in[cell] = _waited(waited_in.get(sender, 0), origin[cell], cell)
             location, cycle = cell
             if cycle == time:
                 way = _back(origin, cell)
@@ -163,8 +163,8 @@ class Words:
             for onward in self.graph.moves[location]:
                 after = (onward, cycle + 1)
                 if after not in origin and tree.get(after, cell) == cell:
-                    stay = _stay(stays[cell], cell, after)
-                    self._push(heap, result.word, cost, cell, after, stay, way)
+                    waited = _waited(waited_in[cell], cell, after)
+                    self._push(heap, result.word, cost, cell, after, waited, way)
         return None
 
     def _push(
@@ -174,7 +174,7 @@ class Words:
         cost: int,
         before: Cell | None,
         cell: Cell,
-        stay: int,
+        waited: int,
         way: Way = (),
     ) -> None:
         """Offer a cell, if its claims are free and nothing else drives it for this word."""
@@ -183,28 +183,30 @@ class Words:
             if tree[cell] == before:
                 heapq.heappush(heap, (cost, cell, before or cell))
             return
-        if not self._are_free(word, self._move(before, cell, stay), way):
+        if not self._are_free(word, self._move(before, cell, waited), way):
             return
-        heapq.heappush(heap, (cost + (_WAIT if stay else _MOVE), cell, before or cell))
+        heapq.heappush(heap, (cost + (_WAIT if waited else _MOVE), cell, before or cell))
 
     def _register_names(self) -> dict[tuple[int, Cell], int] | None:
         names: dict[tuple[int, Cell], int] = {}
-        stays: dict[int, list[Stay]] = defaultdict(list)
+        lifetimes: dict[int, list[Lifetime]] = defaultdict(list)
         for word, tree in self._tree.items():
-            for location, stay in self._stays(word, tree):
-                stays[location].append(stay)
-        for location, here in stays.items():
+            for location, lifetime in self._lifetimes(word, tree):
+                lifetimes[location].append(lifetime)
+        for location, here in lifetimes.items():
             room = self.graph.resources[int(self.graph.occupies[location])].capacity
             chosen = allocate(here, self.ii, room)
             if chosen is None:
                 self.crowded.append(location)
                 continue
-            for stay, name in zip(here, chosen, strict=True):
-                for cycle in range(stay.first, stay.last + 1):
-                    names[stay.word, (location, cycle)] = name
+            for lifetime, name in zip(here, chosen, strict=True):
+                for cycle in range(lifetime.first, lifetime.last + 1):
+                    names[lifetime.word, (location, cycle)] = name
         return None if self.crowded else names
 
-    def _stays(self, word: int, tree: dict[Cell, Cell | None]) -> Iterator[tuple[int, Stay]]:
+    def _lifetimes(
+        self, word: int, tree: dict[Cell, Cell | None]
+    ) -> Iterator[tuple[int, Lifetime]]:
         """Runs of cycles in one register file, cut after II cycles: then the word of the next
         iteration wants the place, and it moves to another.
         """
@@ -218,7 +220,7 @@ class Words:
             ):
                 last += 1
             for begin in range(first, last + 1, self.ii):
-                yield location, Stay(word, begin, min(begin + self.ii - 1, last))
+                yield location, Lifetime(word, begin, min(begin + self.ii - 1, last))
 
     def _step(self, word: int, cell: Cell, names: dict[tuple[int, Cell], int]) -> Step:
         location, cycle = cell
@@ -228,9 +230,9 @@ class Words:
         return Step("reg", pe, names[word, cell], cycle)
 
 
-def _stay(stay: int, before: Cell | None, cell: Cell) -> int:
+def _waited(waited: int, before: Cell | None, cell: Cell) -> int:
     """Cycles for which a word has been in the register file of `cell`, 0 on a link."""
-    return stay + 1 if before is not None and before[0] == cell[0] else 0
+    return waited + 1 if before is not None and before[0] == cell[0] else 0
 
 
 def _back(origin: dict[Cell, Cell | None], cell: Cell) -> Way:

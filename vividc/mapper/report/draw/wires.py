@@ -42,23 +42,23 @@ def wrap_arounds(fabric: Fabric) -> frozenset[int]:
     pes, cols = range(len(fabric.pes)), fabric.cols
     rows = [pes[first : first + cols] for first in pes[::cols]]
     columns = [pes[col::cols] for col in range(cols)]
-    found: set[int] = set()
+    wrapping: set[int] = set()
     for lines in (rows, columns):
         closing = [_closing(line, ids) for line in lines]
         if 2 * sum(map(bool, closing)) > len(lines):
-            found.update(*closing)
-    return frozenset(found)
+            wrapping.update(*closing)
+    return frozenset(wrapping)
 
 
 def _closing(line: range, ids: Mapping[tuple[int, int], int]) -> list[int]:
     """The links from an end of the line to the other that close a ring with the links on it."""
-    found = []
+    closing = []
     for way in (line, line[::-1]):
         ends = (way[-1], way[0])
         between_neighbours = ends in pairwise(line) or ends in pairwise(line[::-1])
         if ends in ids and not between_neighbours and all(pair in ids for pair in pairwise(way)):
-            found.append(ids[ends])
-    return found
+            closing.append(ids[ends])
+    return closing
 
 
 def wires(grid: Grid, wrapped: frozenset[int], links: Iterable[Link]) -> list[Wire]:
