@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from vividc.frontend.llvm.ir import Float, Int, Local, Op, WideFunction, WidePhi
 from vividc.frontend.llvm.reader import read_function
+from vividc.ssa.ir import Float, Function, Input, Int, Phi, Ref
 
 JOINED = """
 define i32 @f(i32 %a, i1 %c, i32 %n) {{
@@ -24,12 +24,12 @@ end:
 """
 
 
-def read(type_: str, first: str, second: str, rest: str, one: str = "") -> WideFunction:
+def read(type_: str, first: str, second: str, rest: str, one: str = "") -> Function:
     text = JOINED.format(type=type_, first=first, second=second, rest=rest, one=one)
     return read_function(text, "f", "f.py")
 
 
-def phis(function: WideFunction) -> list[WidePhi]:
+def phis(function: Function) -> list[Phi]:
     return list(function.by_name["end"].phis)
 
 
@@ -51,8 +51,8 @@ def test_a_phi_of_constants_and_inserted_values(constant: str, values: tuple[int
     )
     one, other = phis(function)
     assert one.incoming == (("one", Int(4)), ("two", Int(values[0])))
-    assert other.incoming == (("one", Local("a")), ("two", Int(values[1])))
-    assert function.by_name["end"].exit.value == Local(other.name)
+    assert other.incoming == (("one", Input("a")), ("two", Int(values[1])))
+    assert function.by_name["end"].branch.value == Ref(other.id)
 
 
 def test_bytes_are_printed_as_a_string() -> None:
@@ -79,7 +79,7 @@ def test_structures_in_arrays_have_elements_of_their_types() -> None:
         Int(0),
         Float(0.0),
     ]
-    assert function.by_name["end"].exit.value == Local(phis(function)[2].name)
+    assert function.by_name["end"].branch.value == Ref(phis(function)[2].id)
 
 
 def test_a_choice_of_aggregates_is_one_of_each_element() -> None:
@@ -90,9 +90,9 @@ def test_a_choice_of_aggregates_is_one_of_each_element() -> None:
         "%s = select i1 %c, [2 x i32] %t, [2 x i32] [i32 5, i32 6]\n"
         "  %z = freeze [2 x i32] %s\n  %r = extractvalue [2 x i32] %z, 0",
     )
-    ops = [op for op in function.by_name["end"].ops if op.op == "select"]
-    assert [op.args[2] for op in ops] == [Int(5), Int(6)]
-    assert {op.type for op in function.by_name["end"].ops} == {"i32"}
+    ops = [op for op in function.by_name["end"].instrs if op.op == "select"]
+    assert [op.operands[2] for op in ops] == [Int(5), Int(6)]
+    assert {op.type for op in function.by_name["end"].instrs} == {"i32"}
 
 
 def test_what_a_call_gives_stays_whole() -> None:
@@ -104,4 +104,5 @@ def test_what_a_call_gives_stays_whole() -> None:
         one="%u = call { i32, i1 } @llvm.sadd.with.overflow.i32(i32 %a, i32 %n)",
     )
     assert [phi.type for phi in phis(function)] == ["{i32,i1}"]
-    assert isinstance(function.definitions["r"], Op)
+    [part] = [i for b in function.blocks for i in b.instrs if i.op == "extractvalue"]
+    assert function.by_name["end"].branch.value == Ref(part.id)

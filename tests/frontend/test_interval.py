@@ -5,7 +5,6 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vividc.frontend.llvm.ir import Op
 from vividc.frontend.ranges.interval import (
     BOTTOM,
     Interval,
@@ -18,6 +17,7 @@ from vividc.frontend.ranges.interval import (
     widen,
     width,
 )
+from vividc.ssa.ir import Instr
 
 BINARY = ("add", "sub", "mul", "and", "or", "xor", "shl", "lshr", "ashr")
 FLOORS = ("sfloordiv", "sfloorrem", "ufloordiv", "ufloorrem")
@@ -97,7 +97,7 @@ def test_results_lie_in_the_interval(data: st.DataObject, type_: str, name: str)
     left, a = data.draw(interval_and_value(type_))
     right, b = data.draw(interval_and_value(type_))
     call = name in EXTREMA
-    op = Op("r", "call" if call else name, type_, (), pred=f"llvm.{name}.{type_}" if call else "")
+    op = Instr(0, "call" if call else name, type_, (), pred=f"llvm.{name}.{type_}" if call else "")
     result = concrete(name, a, b, type_)
     low, high = evaluate(op, (left, right))
     assert result is None or low <= result <= high
@@ -108,7 +108,7 @@ def test_small_types_are_kept_without_sign(data: st.DataObject, type_: str, name
     left, a = data.draw(interval_and_value(type_))
     right, b = data.draw(interval_and_value(type_))
     call = name in EXTREMA
-    op = Op("r", "call" if call else name, type_, (), pred=f"llvm.{name}.{type_}" if call else "")
+    op = Instr(0, "call" if call else name, type_, (), pred=f"llvm.{name}.{type_}" if call else "")
     result = concrete(name, wrapped(a, type_), wrapped(b, type_), type_)
     low, high = evaluate(op, (left, right))
     assert result is None or low <= unsigned(result, type_) <= high
@@ -134,7 +134,7 @@ def test_conversions_keep_the_value(data: st.DataObject, name: str, types: tuple
     interval, value = data.draw(interval_and_value(source))
     result = unsigned(value, source) if name == "zext" else wrapped(value, source)
     result = unsigned(result, target) if width(target) < 32 else wrapped(result, target)
-    low, high = evaluate(Op("r", name, target, (), source=source), (interval,))
+    low, high = evaluate(Instr(0, name, target, (), source=source), (interval,))
     assert low <= result <= high
 
 

@@ -13,7 +13,6 @@ from typing import Any
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
-from vividc.frontend.llvm.ir import WideFunction, remove_dead, remove_unreachable
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function
 from vividc.frontend.memory.flags import load_flags
@@ -39,7 +38,9 @@ from vividc.lang.numba_words import is_numbas, plain
 from vividc.machine.params import MAX_ELEMENTS, WIDE_DTYPES, DType, Param
 from vividc.ssa.check import check_function
 from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.dead import remove_dead
 from vividc.ssa.rewrite.hoist import hoist_invariants
+from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
 from vividc.ssa.rewrite.value_numbering import merge_equal
 
 # What numba raises for functions that it did not foresee.
@@ -209,11 +210,11 @@ def lower_words(
 class Prepared:
     """A function without pointers, and the arrays of its own by name."""
 
-    function: WideFunction
+    function: Function
     arrays: dict[str, Held]
 
 
-def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared:
+def prepared(wide: Function, text: str, *, packed: bool = False) -> Prepared:
     """What was read from LLVM, without dead code, calls that cannot run, and pointers.
 
     `text`: the module it was read from, whose constant arrays become tables. `packed`: as of
@@ -225,11 +226,11 @@ def prepared(wide: WideFunction, text: str, *, packed: bool = False) -> Prepared
         The kernel calls what the array cannot run, never ends, or uses pointers other than into
         arrays.
     """
-    wide = recover_divisions(remove_dead(remove_unreachable(wide)))
+    wide = recover_divisions(remove_dead(remove_unreachable_blocks(wide)))
     holding = hold_arrays(fold_overlaps(wide), text, packed=packed)
     wide = remove_dead(holding.function)
     refuse_calls(wide)
-    if all(block.exit.targets for block in wide.blocks):
+    if all(block.branch.successors for block in wide.blocks):
         raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
     # Memory first: the other stages know no pointers.
     wide, traps = trap_raises(resolve_memory(drop_null_choices(wide), holding.arrays))
@@ -245,7 +246,7 @@ def _narrowed(
     return replace(narrowed, function=with_locals(narrowed.function, kernel.arrays))
 
 
-def _simplified(kernel: Prepared, params: tuple[Param, ...]) -> tuple[WideFunction, Ranges]:
+def _simplified(kernel: Prepared, params: tuple[Param, ...]) -> tuple[Function, Ranges]:
     """Without small integers in memory, and without what the ranges of values decide."""
     wide = load_flags(kernel.function, _flag_arrays(params))
     wide = store_low_bits(extend_loads(wide))

@@ -71,11 +71,11 @@ def _operands(fn: Function) -> Iterator[str]:
 
 
 def _operands_of(instr: Instr, block: Block) -> Iterator[str]:
-    place = f"{instr.op.value} {instr.id} in {block.name}"
+    place = f"{instr.mnemonic} {instr.id} in {block.name}"
     if instr.op in _NOT_INSTRUCTIONS:
         yield f"{place} is no instruction"
         return
-    expected = OPCODES[instr.op].arity + (1 if instr.op in MEMORY else 0)
+    expected = OPCODES[instr.opcode].arity + (1 if instr.op in MEMORY else 0)
     predicated = 1 if instr.op in MEMORY else 0
     if not expected <= len(instr.operands) <= expected + predicated:
         yield f"{place} has {len(instr.operands)} operands instead of {expected}"
@@ -125,7 +125,7 @@ def _order(block: Block, home: dict[int, str], dominating: frozenset[str]) -> It
     for instr in block.instrs:
         for value in instr.operands:
             if _is_in(value, later) or not _available(value, home, dominating):
-                place = f"{instr.op.value} {instr.id} in {block.name}"
+                place = f"{instr.mnemonic} {instr.id} in {block.name}"
                 yield f"{place} reads {value} before its definition"
         later.discard(instr.id)
     for read in block.branch.read:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from operator import is_
 
 from vividc.host import time_limit
-from vividc.machine.opcodes import Type
-from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Value
 
 
 def next_id(function: Function) -> int:
@@ -18,7 +17,28 @@ def next_id(function: Function) -> int:
     )
 
 
-def defined_types(block: Block) -> dict[int, Type]:
+class FreshIds:
+    """Ids that a function does not use, for the values that a pass adds.
+
+    `ids(key, ...)` is the same id each time for the same key, so that a value can be named before
+    it is made; `ids()` is a new one.
+    """
+
+    def __init__(self, function: Function) -> None:
+        self._next = next_id(function)
+        self._made: dict[tuple[Hashable, ...], int] = {}
+
+    def __call__(self, *key: Hashable) -> int:
+        """The id of a key."""
+        if key in self._made:
+            return self._made[key]
+        self._next += 1
+        if key:
+            self._made[key] = self._next - 1
+        return self._next - 1
+
+
+def defined_types(block: Block) -> dict[int, Kind]:
     """Type of each value that `block` defines, by id."""
     phis = {phi.id: phi.type for phi in block.phis}
     return phis | {instr.id: instr.type for instr in block.instrs}
@@ -136,6 +156,13 @@ def uses(block: Block) -> Iterator[Value]:
     for instr in block.instrs:
         yield from instr.operands
     yield from block.branch.read
+
+
+def read_values(block: Block) -> Iterator[Value]:
+    """Operands of a block's phis, instructions and branch."""
+    for phi in block.phis:
+        yield from (value for _, value in phi.incoming)
+    yield from uses(block)
 
 
 def incoming(phi: Phi, source: str) -> Value:

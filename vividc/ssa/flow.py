@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import networkx as nx
 
@@ -132,3 +133,108 @@ def preheader_of(function: Function, loop: Loop) -> str:
         for block in function.blocks
         if loop.header in block.branch.successors and block.name not in loop.blocks
     )
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Dominators of a control-flow graph (Cooper, Harvey and Kennedy 2001)."""
+
+    entry: str
+    successors: Mapping[str, tuple[str, ...]]
+    order: tuple[str, ...] = field(init=False)
+    predecessors: dict[str, tuple[str, ...]] = field(init=False)
+    idom: dict[str, str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        order = _reverse_postorder(self.entry, self.successors)
+        preds: dict[str, list[str]] = {name: [] for name in order}
+        for name in order:
+            for target in dict.fromkeys(self.successors[name]):
+                preds[target].append(name)
+        object.__setattr__(self, "order", tuple(order))
+        object.__setattr__(self, "predecessors", {k: tuple(v) for k, v in preds.items()})
+        object.__setattr__(self, "idom", _immediate_dominators(order, self.predecessors))
+
+    def dominates(self, a: str, b: str) -> bool:
+        """Whether every path from the entry to `b` passes `a` (a block dominates itself)."""
+        while b not in (a, self.entry):
+            b = self.idom[b]
+        return a == b
+
+    def dominators(self, name: str) -> Iterator[str]:
+        """`name`, its immediate dominator, and so on up to the entry."""
+        yield name
+        while name != self.entry:
+            name = self.idom[name]
+            yield name
+
+    @cached_property
+    def loops(self) -> dict[str, frozenset[str]]:
+        """Blocks of the natural loop of each header, in reverse postorder of the headers."""
+        found: dict[str, frozenset[str]] = {}
+        for header in self.order:
+            latches = [p for p in self.predecessors[header] if self.dominates(header, p)]
+            if latches:
+                found[header] = self._natural_loop(header, latches)
+        return found
+
+    def _natural_loop(self, header: str, latches: list[str]) -> frozenset[str]:
+        body = {header}
+        pending = list(latches)
+        while pending:
+            name = pending.pop()
+            if name not in body:
+                body.add(name)
+                pending.extend(self.predecessors[name])
+        return frozenset(body)
+
+
+@once_each
+def flow_of(function: Function) -> Flow:
+    """Dominators and loops of a function without unreachable blocks."""
+    successors = {block.name: block.branch.successors for block in function.blocks}
+    return Flow(function.blocks[0].name, successors)
+
+
+def _reverse_postorder(entry: str, successors: Mapping[str, tuple[str, ...]]) -> list[str]:
+    order: list[str] = []
+    seen = {entry}
+    stack = [(entry, iter(successors[entry]))]
+    while stack:
+        name, targets = stack[-1]
+        target = next((t for t in targets if t not in seen), None)
+        if target is None:
+            order.append(name)
+            stack.pop()
+        else:
+            seen.add(target)
+            stack.append((target, iter(successors[target])))
+    return order[::-1]
+
+
+def _immediate_dominators(
+    order: list[str], predecessors: Mapping[str, tuple[str, ...]]
+) -> dict[str, str]:
+    rank = {name: index for index, name in enumerate(order)}
+    idom = {order[0]: order[0]}
+
+    def meet(a: str, b: str) -> str:
+        while a != b:
+            if rank[a] > rank[b]:
+                a = idom[a]
+            else:
+                b = idom[b]
+        return a
+
+    changed = True
+    while changed:
+        changed = False
+        for name in order[1:]:
+            known = [p for p in predecessors[name] if p in idom]
+            best = known[0]
+            for other in known[1:]:
+                best = meet(best, other)
+            if idom.get(name) != best:
+                idom[name] = best
+                changed = True
+    return idom

@@ -34,7 +34,19 @@ from typing import Final
 from vividc.errors import SourceLoc
 from vividc.machine.params import LocalArray, Param
 from vividc.machine.text_line import location_text
-from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Undefined, Value
+from vividc.ssa.ir import (
+    Block,
+    Branch,
+    Const,
+    Function,
+    Input,
+    Instr,
+    Phi,
+    Ref,
+    Undefined,
+    Value,
+    type_name,
+)
 from vividc.ssa.text_parser import PLAIN, parse
 
 __all__ = ["parse", "to_text"]
@@ -98,11 +110,11 @@ def _block(block: Block) -> Iterator[str]:
 
 def _phi(phi: Phi) -> str:
     incoming = (f"{_name(block)}: {_value(value)}" for block, value in phi.incoming)
-    return f"%{phi.id} {phi.type.value} = phi [{', '.join(incoming)}]"
+    return f"%{phi.id} {type_name(phi.type)} = phi [{', '.join(incoming)}]"
 
 
 def _instr(instr: Instr) -> str:
-    parts = [f"%{instr.id} {instr.type.value} = {instr.op.value}"]
+    parts = [f"%{instr.id} {type_name(instr.type)} = {instr.mnemonic}"]
     if instr.operands:
         parts.append(", ".join(map(_value, instr.operands)))
     if instr.array:

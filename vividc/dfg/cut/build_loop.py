@@ -18,7 +18,7 @@ from vividc.ssa.analysis.affine import AffineAnalysis
 from vividc.ssa.analysis.counted import Trip
 from vividc.ssa.edit import incoming
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Named, Phi, Ref, Value
 
 
 @dataclass(frozen=True)
@@ -117,6 +117,7 @@ class _LoopEmitter:
         if item not in self.values:
             if isinstance(item, Const):
                 return self.builder.const(item.word)
+            assert isinstance(item, Named)
             name = item.key if isinstance(item, Input) else variable(item.id)
             self.values[item] = self.builder.live_in(name)
         return self.values[item]
@@ -207,7 +208,7 @@ class _LoopEmitter:
     def _emit(self, block: str, instr: Instr) -> Operand:
         if instr.op not in MEMORY:
             operands = [self.value(item) for item in instr.operands]
-            return self.builder.add(instr.op, operands, instr.loc, instr.lane)
+            return self.builder.add(instr.opcode, operands, instr.loc, instr.lane)
         is_store = instr.op is Opcode.STORE
         address = self._address(instr)
         pred, unless_exit = self._guard(block) if is_store else self._load_guard(block)

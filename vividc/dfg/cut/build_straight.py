@@ -33,6 +33,7 @@ def build_straight(
             return builder.const(item.word)
         if isinstance(item, Input):
             return builder.live_in(item.key)
+        assert isinstance(item, Ref)
         return own[item.id] if item.id in own else builder.live_in(variable(item.id))
 
     accesses: list[Access] = []
@@ -64,7 +65,7 @@ def _emit(
     builder: GraphBuilder, instr: Instr, operands: list[Operand], accesses: list[Access]
 ) -> Operand:
     if instr.op not in MEMORY:
-        return builder.add(instr.op, operands, instr.loc, instr.lane)
+        return builder.add(instr.opcode, operands, instr.loc, instr.lane)
     base, index, *rest = operands
     values = OPCODES[instr.op].arity - 1
     pred = rest.pop() if len(rest) > values else None

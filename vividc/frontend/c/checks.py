@@ -13,9 +13,9 @@ import networkx as nx
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.c.source import Body, without_strings
-from vividc.frontend.llvm.ir import Int
 from vividc.frontend.llvm.layout import offsets
 from vividc.frontend.llvm.tokens import Cursor, Structs, bare
+from vividc.ssa.ir import Int
 
 
 class Locate(Protocol):

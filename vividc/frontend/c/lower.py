@@ -17,7 +17,6 @@ from vividc.frontend.c.source import Body, bodies
 from vividc.frontend.c.unrotate import unrotate
 from vividc.frontend.llvm.calls import ALLOCATE
 from vividc.frontend.llvm.child.client import Late, Lost, ask
-from vividc.frontend.llvm.ir import Int, Local, Op, WideBlock, WideFunction
 from vividc.frontend.llvm.layout import size_of, structs_of
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import Locations, read_function, signature
@@ -26,7 +25,7 @@ from vividc.frontend.lower import Prepared, counting_parameters, located, lower_
 from vividc.frontend.memory.local_arrays import RAW
 from vividc.frontend.numba.length import refuse_long
 from vividc.machine.params import WIDE_DTYPES, DType, Param
-from vividc.ssa.ir import Function
+from vividc.ssa.ir import Block, Function, Instr, Int, Ref
 
 _LINK_LIMIT_S = 20
 _HINTS = re.compile(
@@ -200,17 +199,17 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
     _refuse_kept_calls(wide, frozenset(body.name for body in bodies(text)), function.loc)
     structs = structs_of(optimised)
     blocks = tuple(
-        replace(block, ops=tuple(_recognised(op, structs) for op in block.ops))
+        replace(block, instrs=tuple(_recognised(op, structs) for op in block.instrs))
         for block in wide.blocks
     )
     kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
     return replace(kernel, function=unrotate(kernel.function))
 
 
-def _refuse_kept_calls(wide: WideFunction, defined: frozenset[str], loc: SourceLoc) -> None:
+def _refuse_kept_calls(wide: Function, defined: frozenset[str], loc: SourceLoc) -> None:
     """A function of the file that LLVM does not inline, whatever its name, is none of math.h's."""
     for block in wide.blocks:
-        for op in block.ops:
+        for op in block.instrs:
             if op.op == "call" and op.pred in defined:
                 reason = f"the function `{op.pred}` is called, and LLVM cannot inline it"
                 hint = (
@@ -236,11 +235,11 @@ def _linked(entry: str, parts: list[str], loc: SourceLoc) -> str:
     return str(answer["text"])
 
 
-def _recognised(op: Op, structs: Structs) -> Op:
+def _recognised(op: Instr, structs: Structs) -> Instr:
     """A call of `library` as the comparison that it stands for, an array of C's own as one."""
-    size = size_of(op.type, structs) if op.op == "alloca" else None
+    size = size_of(str(op.type), structs) if op.op == "alloca" else None
     if size is not None:
-        return replace(op, op="call", type="ptr", pred=ALLOCATE + RAW, args=(Int(size),))
+        return replace(op, op="call", type="ptr", pred=ALLOCATE + RAW, operands=(Int(size),))
     if op.op != "call":
         return op
     if op.pred == BELOW:
@@ -248,7 +247,7 @@ def _recognised(op: Op, structs: Structs) -> Op:
     return op
 
 
-def _params(function: CFunction, wide: WideFunction) -> tuple[Param, ...]:
+def _params(function: CFunction, wide: Function) -> tuple[Param, ...]:
     accessed = _accessed(wide.blocks)
     return tuple(
         Param(param.name, _element(param, accessed.get(param.name, set())), 1, flat=True)
@@ -258,31 +257,31 @@ def _params(function: CFunction, wide: WideFunction) -> tuple[Param, ...]:
     )
 
 
-def _accessed(blocks: tuple[WideBlock, ...]) -> dict[str, set[str]]:
+def _accessed(blocks: tuple[Block, ...]) -> dict[str, set[str]]:
     """LLVM types of the accesses to each array, and "signed" if all loads are sign-extended."""
     extended = _extended(blocks)
     found: dict[str, set[str]] = {}
     unsigned: set[str] = set()
     for block in blocks:
-        for op in block.ops:
+        for op in block.instrs:
             if op.array:
-                found.setdefault(op.array, set()).add(op.type)
-            if op.op == "load" and extended.get(op.name, set()) != {"sext"}:
+                found.setdefault(op.array, set()).add(str(op.type))
+            if op.op == "load" and extended.get(op.id, set()) != {"sext"}:
                 unsigned.add(op.array)
-    loaded = {op.array for block in blocks for op in block.ops if op.op == "load"}
+    loaded = {op.array for block in blocks for op in block.instrs if op.op == "load"}
     for array in loaded - unsigned:
         found[array].add("signed")
     return found
 
 
-def _extended(blocks: tuple[WideBlock, ...]) -> dict[str, set[str]]:
+def _extended(blocks: tuple[Block, ...]) -> dict[int, set[str]]:
     """By which operations each value is used, phis and exits left out."""
-    found: dict[str, set[str]] = {}
+    found: dict[int, set[str]] = {}
     for block in blocks:
-        for op in block.ops:
-            for arg in op.args:
-                if isinstance(arg, Local):
-                    found.setdefault(arg.name, set()).add(op.op)
+        for op in block.instrs:
+            for arg in op.operands:
+                if isinstance(arg, Ref):
+                    found.setdefault(arg.id, set()).add(op.mnemonic)
     return found
 
 

@@ -12,24 +12,23 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import SourceLoc
-from vividc.frontend.llvm.ir import (
-    Exit,
-    Float,
-    Flow,
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideBlock,
-    WideFunction,
-    WidePhi,
-    flow_of,
-    map_operands,
-    type_of,
-    uses,
-)
 from vividc.frontend.ranges.interval import compare
 from vividc.frontend.ranges.ranges import Ranges
+from vividc.ssa.edit import FreshIds, map_values, read_values, retarget
+from vividc.ssa.flow import Flow, flow_of
+from vividc.ssa.ir import (
+    Block,
+    Branch,
+    Float,
+    Function,
+    Instr,
+    Int,
+    Named,
+    Phi,
+    Ref,
+    Value,
+    type_of,
+)
 
 _SWAPPED = {"eq": "eq", "ne": "ne", "slt": "sgt", "sle": "sge", "ult": "ugt", "ule": "uge"}
 _SWAPPED |= {v: k for k, v in _SWAPPED.items()}
@@ -47,7 +46,7 @@ _IMPLIED_BY = {
 }
 
 
-_After = dict[str, dict[Operand, Operand]]
+_After = dict[str, dict[Value, Value]]
 """What replaces values in each block."""
 
 
@@ -55,11 +54,11 @@ _After = dict[str, dict[Operand, Operand]]
 class _Test:
     """The loop goes on while `next pred limit`, where `next` is the latch's value of `phi`."""
 
-    phi: WidePhi
+    phi: Phi
     step: int
     pred: str
-    limit: Operand
-    op: Op
+    limit: Value
+    op: Instr
     flags: frozenset[str]
 
 
@@ -67,15 +66,15 @@ class _Test:
 class _Rotated:
     """A loop whose test can be moved from its latch to its start."""
 
-    header: WideBlock
-    latch: WideBlock
+    header: Block
+    latch: Block
     body: frozenset[str]
     outside: str
     only_exit: bool
     test: _Test
 
 
-def unrotate(function: WideFunction) -> WideFunction:
+def unrotate(function: Function) -> Function:
     """The function with every loop in `while` form whose first iteration is sure to be run.
 
     Parameters
@@ -97,14 +96,14 @@ def unrotate(function: WideFunction) -> WideFunction:
             return function
 
 
-def _rotated_loops(function: WideFunction, flow: Flow, refused: set[str]) -> Iterator[_Rotated]:
+def _rotated_loops(function: Function, flow: Flow, refused: set[str]) -> Iterator[_Rotated]:
     for header, body in flow.loops.items():
         latches = [name for name in flow.predecessors[header] if name in body]
         if header in refused or header == flow.entry or len(latches) != 1:
             continue
         latch = function.by_name[latches[0]]
-        outside = [name for name in latch.exit.targets if name not in body]
-        if len(outside) != 1 or header not in latch.exit.targets:
+        outside = [name for name in latch.branch.successors if name not in body]
+        if len(outside) != 1 or header not in latch.branch.successors:
             continue
         test = _test(function, function.by_name[header], latch, body)
         if test is not None:
@@ -113,14 +112,12 @@ def _rotated_loops(function: WideFunction, flow: Flow, refused: set[str]) -> Ite
             yield _Rotated(function.by_name[header], latch, body, outside[0], only, test)
 
 
-def _test(
-    function: WideFunction, header: WideBlock, latch: WideBlock, body: frozenset[str]
-) -> _Test | None:
-    op = _definition(function, latch.exit.cond)
-    if not isinstance(op, Op) or op.op != "icmp" or op.type not in ("i32", "i64"):
+def _test(function: Function, header: Block, latch: Block, body: frozenset[str]) -> _Test | None:
+    op = _definition(function, latch.branch.cond)
+    if not isinstance(op, Instr) or op.op != "icmp" or op.type not in ("i32", "i64"):
         return None
-    stays = op.pred if latch.exit.targets[0] == header.name else _NEGATED[op.pred]
-    left, right = op.args
+    stays = op.pred if latch.branch.successors[0] == header.name else _NEGATED[op.pred]
+    left, right = op.operands
     for value, limit, pred in ((left, right, stays), (right, left, _SWAPPED[stays])):
         if not _is_invariant(function, limit, body):
             continue
@@ -132,22 +129,22 @@ def _test(
 
 
 def _test_of_phi(
-    function: WideFunction,
-    phi: WidePhi,
+    function: Function,
+    phi: Phi,
     latch: str,
-    comparison: tuple[Operand, str, Operand, Op],
+    comparison: tuple[Value, str, Value, Instr],
 ) -> _Test | None:
     value, pred, limit, op = comparison
     following = dict(phi.incoming)[latch]
     step = _definition(function, following)
-    if not isinstance(step, Op) or step.op != "add" or step.args[0] != Local(phi.name):
+    if not isinstance(step, Instr) or step.op != "add" or step.operands[0] != Ref(phi.id):
         return None
-    if not isinstance(step.args[1], Int):
+    if not isinstance(step.operands[1], Int):
         return None
-    by = step.args[1].value
+    by = step.operands[1].value
     if value == following:
         return _Test(phi, by, pred, limit, op, step.flags)
-    if value == Local(phi.name) and isinstance(limit, Int) and "nsw" in step.flags:
+    if value == Ref(phi.id) and isinstance(limit, Int) and "nsw" in step.flags:
         # `phi pred limit` is `phi + by pred limit + by` where neither sum wraps.
         moved = limit.value + by
         bits = 31 if op.type == "i32" else 63
@@ -157,8 +154,8 @@ def _test_of_phi(
 
 
 def _with_test_first(
-    function: WideFunction, flow: Flow, ranges: Ranges, rotated: _Rotated
-) -> WideFunction | None:
+    function: Function, flow: Flow, ranges: Ranges, rotated: _Rotated
+) -> Function | None:
     pred = _moved_predicate(function, flow, ranges, rotated)
     if pred is None:
         return None
@@ -168,7 +165,7 @@ def _with_test_first(
 
 
 def _moved_predicate(
-    function: WideFunction, flow: Flow, ranges: Ranges, rotated: _Rotated
+    function: Function, flow: Flow, ranges: Ranges, rotated: _Rotated
 ) -> str | None:
     """How the counter compares with the limit before each iteration, the first included."""
     test = rotated.test
@@ -186,7 +183,7 @@ def _moved_predicate(
 
 
 def _holds_first(
-    function: WideFunction, flow: Flow, ranges: Ranges, rotated: _Rotated, pred: str
+    function: Function, flow: Flow, ranges: Ranges, rotated: _Rotated, pred: str
 ) -> bool:
     """Whether the counter's first value compares so with the limit, on every way into the loop."""
     limit = rotated.test.limit
@@ -202,11 +199,11 @@ def _holds_first(
 
 
 def _compared_before(
-    function: WideFunction,
+    function: Function,
     flow: Flow,
     ranges: Ranges,
     block: str,
-    claim: tuple[Operand, str, Operand],
+    claim: tuple[Value, str, Value],
 ) -> bool:
     """Whether a branch that leads to the block has compared the same two values."""
     start, pred, limit = claim
@@ -223,46 +220,47 @@ def _compared_before(
     return False
 
 
-def _unextended(function: WideFunction, ranges: Ranges, operand: Operand, block: str) -> Operand:
+def _unextended(function: Function, ranges: Ranges, operand: Value, block: str) -> Value:
     """The word that was extended, where extending it keeps the signed order."""
-    while isinstance(operand, Local):
+    while isinstance(operand, Named):
         definition = _definition(function, operand)
-        if not isinstance(definition, Op) or definition.source != "i32":
+        if not isinstance(definition, Instr) or definition.source != "i32":
             return operand
-        if definition.op == "zext" and ranges.at(definition.args[0], block)[0] < 0:
+        if definition.op == "zext" and ranges.at(definition.operands[0], block)[0] < 0:
             return operand
         if definition.op not in ("sext", "zext"):
             return operand
-        operand = definition.args[0]
+        operand = definition.operands[0]
     return operand
 
 
 class _Carried:
     """Values of the loop as they are when its test, moved to the start, fails."""
 
-    def __init__(self, function: WideFunction, rotated: _Rotated) -> None:
-        self.phis: list[WidePhi] = []
+    def __init__(self, function: Function, rotated: _Rotated) -> None:
+        self.phis: list[Phi] = []
+        self.ids = FreshIds(function)
         self._function = function
         self._rotated = rotated
         latch = rotated.latch.name
-        self._known = {dict(phi.incoming)[latch]: phi.name for phi in rotated.header.phis}
+        self._known = {dict(phi.incoming)[latch]: phi.id for phi in rotated.header.phis}
 
-    def value(self, value: Local) -> Operand:
+    def value(self, value: Named) -> Value:
         """Of the iteration that was the last one."""
         if value not in self._known:
             type_ = type_of(self._function, value)
-            nothing: Operand = Float(0.0) if type_ in ("float", "double") else Int(0)
+            nothing: Value = Float(0.0) if type_ in ("float", "double") else Int(0)
             latch = self._rotated.latch.name
             before = [s for s, _ in self._rotated.header.phis[0].incoming if s != latch]
             incoming = (*((source, nothing) for source in before), (latch, value))
-            name = f"{value.name}.after.{self._rotated.header.name}"
-            self.phis.append(WidePhi(name, type_, incoming, _place(self._function, value)))
-            self._known[value] = name
-        return Local(self._known[value])
+            phi = Phi(self.ids(), type_, incoming, _place(self._function, value))
+            self.phis.append(phi)
+            self._known[value] = phi.id
+        return Ref(self._known[value])
 
 
 def _values_after(
-    function: WideFunction, flow: Flow, rotated: _Rotated, carried: _Carried
+    function: Function, flow: Flow, rotated: _Rotated, carried: _Carried
 ) -> _After | None:
     """What replaces the loop's values in each block after it, and on the edge from the latch; None
     if a value is used where the loop's ways out have met.
@@ -282,32 +280,30 @@ def _values_after(
     return found
 
 
-def _handed_out(function: WideFunction, rotated: _Rotated) -> Iterator[Local]:
+def _handed_out(function: Function, rotated: _Rotated) -> Iterator[Named]:
     for phi in function.by_name[rotated.outside].phis:
         for source, value in phi.incoming:
             if source == rotated.latch.name and _is_of(function, value, rotated.body):
-                assert isinstance(value, Local)
+                assert isinstance(value, Named)
                 yield value
 
 
-def _used_outside(
-    function: WideFunction, block: WideBlock, body: frozenset[str]
-) -> Iterator[Local]:
+def _used_outside(function: Function, block: Block, body: frozenset[str]) -> Iterator[Named]:
     """Values of the loop that the block uses, or hands to phis of its successors."""
     handed = [
         value
-        for target in block.exit.targets
+        for target in block.branch.successors
         for phi in function.by_name[target].phis
         for source, value in phi.incoming
         if source == block.name
     ]
-    for operand in (*uses(replace(block, phis=())), *handed):
-        if isinstance(operand, Local) and _is_of(function, operand, body):
+    for operand in (*read_values(replace(block, phis=())), *handed):
+        if isinstance(operand, Named) and _is_of(function, operand, body):
             yield operand
 
 
-def _is_of(function: WideFunction, value: Operand, body: frozenset[str]) -> bool:
-    return isinstance(value, Local) and function.block_of.get(value.name) in body
+def _is_of(function: Function, value: Value, body: frozenset[str]) -> bool:
+    return isinstance(value, Named) and function.block_of.get(value.key) in body
 
 
 def _reached(flow: Flow, source: str) -> set[str]:
@@ -322,40 +318,38 @@ def _reached(flow: Flow, source: str) -> set[str]:
 
 
 def _rebuilt(
-    function: WideFunction,
+    function: Function,
     rotated: _Rotated,
     pred: str,
     carried: _Carried,
     after: _After,
-) -> WideFunction:
+) -> Function:
     header, latch, test = rotated.header, rotated.latch, rotated.test
     first, end = f"{header.name}.while", f"{header.name}.end"
-    blocks: list[WideBlock] = []
+    blocks: list[Block] = []
     for old in function.blocks:
         known = {} if old.name == latch.name else after.get(old.name, {})
-        block = map_operands(old, _replacer(known))
+        block = map_values(old, _replacer(known))
         from_latch = end if old.name == rotated.outside else latch.name
         phis = tuple(_incoming(phi, after, {latch.name: from_latch}) for phi in old.phis)
         block = replace(block, phis=() if old.name == header.name else phis)
-        targets = tuple(first if name == header.name else name for name in block.exit.targets)
-        leave = replace(block.exit, targets=targets)
+        leave = retarget(block.branch, header.name, first)
         if old.name == latch.name:
-            leave = Exit((first,), loc=old.exit.loc)
-        blocks.append(replace(block, exit=leave))
-    name = f"{first}.test"
-    args = (Local(test.phi.name), test.limit)
-    compared = Op(name, "icmp", test.op.type, args, pred, loc=test.op.loc)
-    way = Exit((header.name, end), Local(name), loc=latch.exit.loc)
-    blocks.append(WideBlock(first, (*header.phis, *carried.phis), (compared,), way))
-    blocks.append(WideBlock(end, (), (), Exit((rotated.outside,), loc=latch.exit.loc)))
+            leave = Branch(first, loc=old.branch.loc)
+        blocks.append(replace(block, branch=leave))
+    args = (Ref(test.phi.id), test.limit)
+    compared = Instr(carried.ids(), "icmp", test.op.type, args, pred=pred, loc=test.op.loc)
+    way = Branch(header.name, Ref(compared.id), end, loc=latch.branch.loc)
+    blocks.append(Block(first, (*header.phis, *carried.phis), (compared,), way))
+    blocks.append(Block(end, (), (), Branch(rotated.outside, loc=latch.branch.loc)))
     return replace(function, blocks=tuple(blocks))
 
 
-def _replacer(known: dict[Operand, Operand]) -> Callable[[Operand], Operand]:
+def _replacer(known: dict[Value, Value]) -> Callable[[Value], Value]:
     return lambda operand: known.get(operand, operand)
 
 
-def _incoming(phi: WidePhi, after: _After, renamed: dict[str, str]) -> WidePhi:
+def _incoming(phi: Phi, after: _After, renamed: dict[str, str]) -> Phi:
     incoming = tuple(
         (renamed.get(source, source), after.get(source, {}).get(value, value))
         for source, value in phi.incoming
@@ -363,14 +357,14 @@ def _incoming(phi: WidePhi, after: _After, renamed: dict[str, str]) -> WidePhi:
     return replace(phi, incoming=incoming)
 
 
-def _definition(function: WideFunction, operand: Operand | None) -> Op | WidePhi | None:
-    return function.definitions.get(operand.name) if isinstance(operand, Local) else None
+def _definition(function: Function, operand: Value | None) -> Instr | Phi | None:
+    return function.definitions.get(operand.key) if isinstance(operand, Named) else None
 
 
-def _is_invariant(function: WideFunction, operand: Operand, body: frozenset[str]) -> bool:
-    return isinstance(operand, Int | Local) and not _is_of(function, operand, body)
+def _is_invariant(function: Function, operand: Value, body: frozenset[str]) -> bool:
+    return isinstance(operand, Int | Named) and not _is_of(function, operand, body)
 
 
-def _place(function: WideFunction, value: Local) -> SourceLoc | None:
-    definition = function.definitions.get(value.name)
+def _place(function: Function, value: Named) -> SourceLoc | None:
+    definition = function.definitions.get(value.key)
     return None if definition is None else definition.loc

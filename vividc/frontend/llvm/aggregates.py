@@ -11,20 +11,23 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import accumulate
 
-from vividc.frontend.llvm.ir import (
-    Float,
-    Int,
-    Local,
-    Op,
-    Operand,
-    Parts,
-    WideBlock,
-    WideFunction,
-    WidePhi,
-    substitute,
-)
 from vividc.frontend.llvm.layout import members
 from vividc.frontend.llvm.tokens import Structs
+from vividc.ssa.edit import FreshIds, substitute
+from vividc.ssa.ir import (
+    Block,
+    Float,
+    Function,
+    Instr,
+    Int,
+    Key,
+    Kind,
+    Named,
+    Parts,
+    Phi,
+    Ref,
+    Value,
+)
 
 _ARRAY = re.compile(r"\[(\d+)x(.*)\]")
 _MOST = 1024
@@ -33,12 +36,12 @@ _PARTS = frozenset({"insertvalue", "extractvalue"})
 _JOINS = frozenset({"select", "freeze"})
 
 
-def split_aggregates(function: WideFunction, structs: Structs) -> WideFunction:
+def split_aggregates(function: Function, structs: Structs) -> Function:
     """Replace phis, choices and parts of aggregates by those of their elements.
 
     What comes out of a call or a load stays whole, with all that is made of it.
     """
-    if not any(op.op in _PARTS for block in function.blocks for op in block.ops):
+    if not any(op.op in _PARTS for block in function.blocks for op in block.instrs):
         return function
     splitter = _Splitter(function, structs)
     blocks = tuple(splitter.block(block) for block in function.blocks)
@@ -48,26 +51,29 @@ def split_aggregates(function: WideFunction, structs: Structs) -> WideFunction:
 class _Splitter:
     """Elements of a function's aggregates; `known`: what each `extractvalue` gives."""
 
-    def __init__(self, function: WideFunction, structs: Structs) -> None:
-        self.known: dict[str, Operand] = {}
+    def __init__(self, function: Function, structs: Structs) -> None:
+        self.known: dict[int, Value] = {}
+        self._ids = FreshIds(function)
         self._definitions = function.definitions
         self._structs = structs
         self._whole = self._unknown()
 
-    def block(self, block: WideBlock) -> WideBlock:
+    def block(self, block: Block) -> Block:
         """The block without aggregates that could be taken apart."""
         phis = tuple(part for phi in block.phis for part in self._phi(phi))
-        ops = tuple(part for op in block.ops for part in self._op(op))
-        return replace(block, phis=phis, ops=ops)
+        ops = tuple(part for op in block.instrs for part in self._op(op))
+        return replace(block, phis=phis, instrs=ops)
 
-    def _unknown(self) -> set[str]:
+    def _unknown(self) -> set[Key]:
         """Aggregates that stay whole."""
         whole = {
             name
             for name, item in self._definitions.items()
             if not self._types(item.type)
             or (
-                isinstance(item, Op) and _is_aggregate(item.type) and item.op not in _PARTS | _JOINS
+                isinstance(item, Instr)
+                and _is_aggregate(item.type)
+                and item.op not in _PARTS | _JOINS
             )
         }
         while True:
@@ -75,58 +81,58 @@ class _Splitter:
                 name
                 for name, item in self._definitions.items()
                 if name not in whole
-                and any(isinstance(arg, Local) and arg.name in whole for arg in _aggregates(item))
+                and any(isinstance(arg, Named) and arg.key in whole for arg in _aggregates(item))
             }
             if not more:
                 return whole
             whole |= more
 
-    def _phi(self, phi: WidePhi) -> Iterator[WidePhi]:
-        if phi.name in self._whole or not _is_aggregate(phi.type):
+    def _phi(self, phi: Phi) -> Iterator[Phi]:
+        if phi.id in self._whole or not _is_aggregate(phi.type):
             yield phi
             return
         columns = [self._elements(value, phi.type) for _, value in phi.incoming]
         for number, type_ in enumerate(self._types(phi.type)):
             values = (column[number] for column in columns)
             incoming = tuple(zip((pred for pred, _ in phi.incoming), values, strict=True))
-            yield WidePhi(_part(phi.name, number), type_, incoming, phi.loc)
+            yield Phi(self._ids(phi.id, number), type_, incoming, phi.loc)
 
-    def _op(self, op: Op) -> Iterator[Op]:
-        if op.name in self._whole or not (op.op in _PARTS or _is_aggregate(op.type)):
+    def _op(self, op: Instr) -> Iterator[Instr]:
+        if op.id in self._whole or not (op.op in _PARTS or _is_aggregate(op.type)):
             yield op
         elif op.op == "extractvalue" and not _is_aggregate(op.type):
-            self.known[op.name] = self._picked(op)[0]
+            self.known[op.id] = self._picked(op)[0]
         elif op.op in _JOINS:
-            first = len(op.args) - len(_aggregates(op))
-            columns = [self._elements(arg, op.type) for arg in op.args[first:]]
+            first = len(op.operands) - len(_aggregates(op))
+            columns = [self._elements(arg, op.type) for arg in op.operands[first:]]
             for number, type_ in enumerate(self._types(op.type)):
-                args = (*op.args[:first], *(column[number] for column in columns))
-                yield replace(op, name=_part(op.name, number), type=type_, args=args)
+                args = (*op.operands[:first], *(column[number] for column in columns))
+                yield replace(op, id=self._ids(op.id, number), type=type_, operands=args)
 
-    def _elements(self, operand: Operand, type_: str) -> tuple[Operand, ...]:
+    def _elements(self, operand: Value, type_: Kind) -> tuple[Value, ...]:
         """The elements of an aggregate in order."""
         if isinstance(operand, Parts):
             return tuple(self._constants(operand, type_))
-        assert isinstance(operand, Local)
-        definition = self._definitions[operand.name]
-        if isinstance(definition, Op) and definition.op == "extractvalue":
+        assert isinstance(operand, Named)
+        definition = self._definitions[operand.key]
+        if isinstance(definition, Instr) and definition.op == "extractvalue":
             return self._picked(definition)
-        if isinstance(definition, Op) and definition.op == "insertvalue":
+        if isinstance(definition, Instr) and definition.op == "insertvalue":
             return self._inserted(definition)
-        return tuple(Local(_part(operand.name, n)) for n in range(len(self._types(type_))))
+        return tuple(Ref(self._ids(operand.key, n)) for n in range(len(self._types(type_))))
 
-    def _inserted(self, op: Op) -> tuple[Operand, ...]:
-        whole = self._elements(op.args[0], op.type)
+    def _inserted(self, op: Instr) -> tuple[Value, ...]:
+        whole = self._elements(op.operands[0], op.type)
         start, stop = self._span(op.type, op.strides)
         is_aggregate = _is_aggregate(op.source)
-        value = self._elements(op.args[1], op.source) if is_aggregate else (op.args[1],)
+        value = self._elements(op.operands[1], op.source) if is_aggregate else (op.operands[1],)
         return (*whole[:start], *value, *whole[stop:])
 
-    def _picked(self, op: Op) -> tuple[Operand, ...]:
+    def _picked(self, op: Instr) -> tuple[Value, ...]:
         start, stop = self._span(op.source, op.strides)
-        return self._elements(op.args[0], op.source)[start:stop]
+        return self._elements(op.operands[0], op.source)[start:stop]
 
-    def _span(self, type_: str, indices: tuple[int, ...]) -> tuple[int, int]:
+    def _span(self, type_: Kind, indices: tuple[int, ...]) -> tuple[int, int]:
         """First and end of the elements at `indices`."""
         start, stop = 0, len(self._types(type_))
         for index in indices:
@@ -135,20 +141,21 @@ class _Splitter:
             type_, start, stop = inner[index], ends[index], ends[index + 1]
         return start, stop
 
-    def _types(self, type_: str) -> tuple[str, ...]:
+    def _types(self, type_: Kind) -> tuple[str, ...]:
         """Types of the elements, however deep; of what is no aggregate itself; () of too many."""
         if not _is_aggregate(type_):
-            return (type_,)
+            return (str(type_),)
         found = tuple(leaf for one in self._inner(type_) for leaf in self._types(one))
         return found if len(found) <= _MOST else ()
 
-    def _inner(self, type_: str) -> list[str]:
-        array = _ARRAY.fullmatch(type_)
+    def _inner(self, type_: Kind) -> list[str]:
+        text = str(type_)
+        array = _ARRAY.fullmatch(text)
         if array is not None:
             return [array[2]] * min(int(array[1]), _MOST + 1)
-        return list(members(type_, self._structs))
+        return list(members(text, self._structs))
 
-    def _constants(self, parts: Parts, type_: str) -> Iterator[Operand]:
+    def _constants(self, parts: Parts, type_: Kind) -> Iterator[Value]:
         """Without values: of an aggregate that is zero, or undefined."""
         if not parts.values:
             for leaf in self._types(type_):
@@ -161,18 +168,14 @@ class _Splitter:
                 yield value
 
 
-def _part(name: str, number: int) -> str:
-    return f"{name}.part{number}"
+def _is_aggregate(type_: Kind) -> bool:
+    return str(type_)[:1] in ("[", "{", "%")
 
 
-def _is_aggregate(type_: str) -> bool:
-    return type_[:1] in ("[", "{", "%")
-
-
-def _aggregates(item: Op | WidePhi) -> tuple[Operand, ...]:
+def _aggregates(item: Instr | Phi) -> tuple[Value, ...]:
     """Operands whose elements make those of the result."""
-    if isinstance(item, WidePhi):
+    if isinstance(item, Phi):
         return tuple(value for _, value in item.incoming)
     if item.op == "select":
-        return item.args[1:]
-    return item.args if item.op in _PARTS | {"freeze"} else ()
+        return item.operands[1:]
+    return item.operands if item.op in _PARTS | {"freeze"} else ()

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 
 from vividc.errors import KernelError
-from vividc.frontend.llvm.ir import Int, Operand
 from vividc.frontend.llvm.tokens import Cursor, Structs
+from vividc.ssa.ir import Int, Value
 
 _BYTES = {"i1": 1, "i8": 1, "i16": 2, "i32": 4, "float": 4, "ptr": 4, "i64": 8, "double": 8}
 _STRUCT = re.compile(r'^(%(?:"[^"]*"|\S+)) = type (\{.*\})$', re.MULTILINE)
@@ -21,13 +21,13 @@ def structs_of(text: str) -> Structs:
 
 
 def offsets(
-    element: str, indices: tuple[Operand, ...], structs: Structs
-) -> tuple[tuple[Operand, ...], tuple[int, ...]] | None:
+    element: str, indices: tuple[Value, ...], structs: Structs
+) -> tuple[tuple[Value, ...], tuple[int, ...]] | None:
     """Indices and the bytes per unit of each; a member's index becomes its offset.
 
     None if an element's size is not known.
     """
-    found: list[tuple[Operand, int]] = []
+    found: list[tuple[Value, int]] = []
     for position, index in enumerate(indices):
         inside = list(members(element, structs)) if position else []
         if inside:

@@ -1,4 +1,4 @@
-"""Read the text of LLVM IR into `ssa.WideFunction`: as much of the language as kernels use.
+"""Read the text of LLVM IR into `ssa.Function`: as much of the language as kernels use.
 
 Debug locations are read from the metadata once. Of a chain of inlined calls the innermost line in
 the user's own file counts: a fault inside a helper or inside numba is reported where the kernel
@@ -10,14 +10,14 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from vividc.errors import InternalError, SourceLoc
 from vividc.frontend.llvm.aggregates import split_aggregates
-from vividc.frontend.llvm.ir import Exit, Op, Operand, WideBlock, WideFunction, WidePhi
 from vividc.frontend.llvm.layout import offsets, part_type, structs_of
 from vividc.frontend.llvm.subscripts import Subscripts
-from vividc.frontend.llvm.tokens import CASTS, Cursor, Structs, bare
+from vividc.frontend.llvm.tokens import CASTS, Cursor, Names, Structs, bare
+from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Value
 
 _DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILINE)
 _LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
@@ -26,7 +26,7 @@ _FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
 _LINE = re.compile(r"[1-9][0-9]{0,9}")
 
 
-def read_function(text: str, name: str, file: str) -> WideFunction:
+def read_function(text: str, name: str, file: str) -> Function:
     """Read one function of a module.
 
     Parameters
@@ -48,8 +48,9 @@ def read_function(text: str, name: str, file: str) -> WideFunction:
     params, returns = signature(header)
     locations = Locations(text, file)
     structs = structs_of(text)
-    blocks = tuple(_blocks(lines, locations, structs, Subscripts(text)))
-    return split_aggregates(WideFunction(params, blocks, returns), structs)
+    reader = _Lines(locations, structs, Subscripts(text), Names(name for name, _ in params))
+    blocks = tuple(reader.blocks(lines))
+    return split_aggregates(Function(name, (), blocks, inputs=params, result=returns), structs)
 
 
 def _function_span(text: str, name: str) -> tuple[int, int]:
@@ -150,29 +151,51 @@ class Locations:
         return os.path.abspath(name if inside else f"{directory}/{name}")
 
 
-def _blocks(
-    lines: list[str], locations: Locations, structs: Structs, subscripts: Subscripts
-) -> Iterator[WideBlock]:
-    name = ""
-    phis: list[WidePhi] = []
-    ops: list[Op] = []
-    for line in joined(lines):
-        label = label_of(line)
-        if label:
-            name = label
-            continue
-        stripped = line.strip()
-        if not stripped or stripped.startswith((";", "#dbg")):
-            continue
-        item = _instruction(Cursor(stripped, structs), locations(stripped))
-        if isinstance(item, WidePhi):
-            phis.append(item)
-        elif isinstance(item, Op):
-            subscript = subscripts(stripped)
-            ops.append(replace(item, subscript=subscript) if subscript else item)
-        else:
-            yield WideBlock(name, tuple(phis), tuple(ops), item)
-            phis, ops = [], []
+@dataclass(frozen=True, slots=True)
+class _Lines:
+    """What the lines of a function are read with."""
+
+    locations: Locations
+    structs: Structs
+    subscripts: Subscripts
+    names: Names
+
+    def blocks(self, lines: list[str]) -> Iterator[Block]:
+        """The function's blocks in order."""
+        name = ""
+        phis: list[Phi] = []
+        instrs: list[Instr] = []
+        for line in joined(lines):
+            label = label_of(line)
+            if label:
+                name = label
+                continue
+            stripped = line.strip()
+            if not stripped or stripped.startswith((";", "#dbg")):
+                continue
+            item = self._instruction(stripped)
+            if isinstance(item, Phi):
+                phis.append(item)
+            elif isinstance(item, Instr):
+                instrs.append(item)
+            else:
+                yield Block(name, tuple(phis), tuple(instrs), item)
+                phis, instrs = [], []
+
+    def _instruction(self, line: str) -> Instr | Phi | Branch:
+        cursor = Cursor(line, self.structs, self.names)
+        name = ""
+        if cursor.peek[:1] == "%":
+            name = bare(cursor.take())
+            cursor.expect("=")
+        cursor.skip_flags()
+        opcode = cursor.take()
+        flags = cursor.skip_flags()
+        reader = _READERS.get(opcode, _read_other)
+        item = reader(cursor, self.names.result(name), opcode, self.locations(line))
+        if not isinstance(item, Instr):
+            return item
+        return replace(item, flags=flags, subscript=self.subscripts(line))
 
 
 def label_of(line: str) -> str:
@@ -194,22 +217,9 @@ def joined(lines: list[str]) -> Iterator[str]:
         pending = ""
 
 
-def _instruction(cursor: Cursor, loc: SourceLoc | None) -> Op | WidePhi | Exit:
-    name = ""
-    if cursor.peek[:1] == "%":
-        name = bare(cursor.take())
-        cursor.expect("=")
-    cursor.skip_flags()
-    opcode = cursor.take()
-    flags = cursor.skip_flags()
-    reader = _READERS.get(opcode, _read_other)
-    item = reader(cursor, name, opcode, loc)
-    return replace(item, flags=flags) if flags and isinstance(item, Op) else item
-
-
-def _read_phi(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> WidePhi:
+def _read_phi(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Phi:
     type_ = cursor.type()
-    incoming: list[tuple[str, Operand]] = []
+    incoming: list[tuple[str, Value]] = []
     while cursor.accept("["):
         value = cursor.operand(type_)
         cursor.expect(",")
@@ -218,12 +228,12 @@ def _read_phi(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> 
         if not cursor.accept(","):
             break
     # A predecessor with two edges is listed twice.
-    return WidePhi(name, type_, tuple(dict.fromkeys(incoming)), loc)
+    return Phi(id_, type_, tuple(dict.fromkeys(incoming)), loc)
 
 
-def _read_br(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+def _read_br(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Branch:
     if cursor.accept("label"):
-        return Exit((bare(cursor.take()),), loc=loc)
+        return Branch(bare(cursor.take()), loc=loc)
     _, cond = cursor.typed_operand()
     targets = []
     while cursor.accept(","):
@@ -231,77 +241,77 @@ def _read_br(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> E
             break
         targets.append(bare(cursor.take()))
     if targets[0] == targets[1]:
-        return Exit((targets[0],), loc=loc)
-    return Exit((targets[0], targets[1]), cond, loc=loc)
+        return Branch(targets[0], loc=loc)
+    return Branch(targets[0], cond, targets[1], loc=loc)
 
 
-def _read_ret(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
+def _read_ret(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Branch:
     if cursor.peek == "void":
-        return Exit(loc=loc)
-    return Exit(value=cursor.typed_operand()[1], loc=loc)
+        return Branch(loc=loc)
+    return Branch(value=cursor.typed_operand()[1], loc=loc)
 
 
-def _read_unreachable(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Exit:
-    return Exit(unreachable=True, loc=loc)
+def _read_unreachable(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Branch:
+    return Branch(unreachable=True, loc=loc)
 
 
-def _read_compare(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_compare(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     pred = cursor.take()
     type_, left = cursor.typed_operand()
     cursor.expect(",")
-    return Op(name, opcode, type_, (left, cursor.operand(type_)), pred=pred, loc=loc)
+    return Instr(id_, opcode, type_, (left, cursor.operand(type_)), pred=pred, loc=loc)
 
 
-def _read_select(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_select(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     _, cond = cursor.typed_operand()
     cursor.expect(",")
     type_, left = cursor.typed_operand()
     cursor.expect(",")
     _, right = cursor.typed_operand()
-    return Op(name, opcode, type_, (cond, left, right), loc=loc)
+    return Instr(id_, opcode, type_, (cond, left, right), loc=loc)
 
 
-def _read_cast(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_cast(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     source, value = cursor.typed_operand()
     cursor.expect("to")
-    return Op(name, opcode, cursor.type(), (value,), source=source, loc=loc)
+    return Instr(id_, opcode, cursor.type(), (value,), source=source, loc=loc)
 
 
-def _read_load(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_load(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     type_ = cursor.type()
     cursor.expect(",")
-    return Op(name, opcode, type_, (cursor.typed_operand()[1],), loc=loc)
+    return Instr(id_, opcode, type_, (cursor.typed_operand()[1],), loc=loc)
 
 
-def _read_store(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_store(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     type_, value = cursor.typed_operand()
     cursor.expect(",")
-    return Op("", opcode, type_, (value, cursor.typed_operand()[1]), loc=loc)
+    return Instr(id_, opcode, type_, (value, cursor.typed_operand()[1]), loc=loc)
 
 
-def _read_gep(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_gep(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     element, args = cursor.address()
     found = offsets(element, args[1:], cursor.structs)
     indices, strides = found or (args[1:], ())
     operands = (args[0], *indices)
-    return Op(name, opcode, "ptr", operands, source=element, strides=strides, loc=loc)
+    return Instr(id_, opcode, "ptr", operands, source=element, strides=strides, loc=loc)
 
 
-def _read_call(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_call(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     type_ = cursor.type()
     while cursor.peek[:1] not in ("@", "%", ""):
         type_ = cursor.type()
         cursor.skip_parentheses()
     callee = cursor.take()
-    args: list[Operand] = []
+    args: list[Value] = []
     cursor.expect("(")
     while not cursor.accept(")"):
         args.append(cursor.typed_operand()[1])
         cursor.accept(",")
-    return Op(name, "call", type_, tuple(args), pred=bare(callee), loc=loc)
+    return Instr(id_, "call", type_, tuple(args), pred=bare(callee), loc=loc)
 
 
-def _read_part(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_part(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     """`extractvalue` and `insertvalue`, with constant indices."""
     type_, whole = cursor.typed_operand()
     args, source = [whole], type_
@@ -314,20 +324,20 @@ def _read_part(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) ->
         indices.append(int(cursor.take()))
     if opcode == "extractvalue":
         type_ = part_type(type_, tuple(indices), cursor.structs)
-    return Op(name, opcode, type_, tuple(args), source=source, strides=tuple(indices), loc=loc)
+    return Instr(id_, opcode, type_, tuple(args), source=source, strides=tuple(indices), loc=loc)
 
 
-def _read_other(cursor: Cursor, name: str, opcode: str, loc: SourceLoc | None) -> Op:
+def _read_other(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     """Arithmetic: `op type a[, b]`. What the kernel may not use is refused later, by opcode, with
     its line.
     """
     type_ = cursor.type()
-    args: list[Operand] = []
+    args: list[Value] = []
     if opcode in ARITHMETIC:
         args.append(cursor.operand(type_))
         while cursor.accept(",") and cursor.peek[:1] != "!":
             args.append(cursor.operand(type_))
-    return Op(name, opcode, type_, tuple(args), loc=loc)
+    return Instr(id_, opcode, type_, tuple(args), loc=loc)
 
 
 ARITHMETIC = frozenset(
@@ -354,8 +364,8 @@ ARITHMETIC = frozenset(
         "freeze",
     ]
 )
-_Item = Op | WidePhi | Exit
-_Reader = Callable[[Cursor, str, str, SourceLoc | None], _Item]
+_Item = Instr | Phi | Branch
+_Reader = Callable[[Cursor, int, str, SourceLoc | None], _Item]
 _READERS: dict[str, _Reader] = {
     "phi": _read_phi,
     "br": _read_br,

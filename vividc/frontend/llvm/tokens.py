@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
-from vividc.frontend.llvm.ir import Float, Global, Int, Local, Operand, Parts
+from vividc.ssa.ir import Float, Global, Input, Int, Named, Parts, Ref, Value
 
 _TOKEN = re.compile(
     r'(?P<quoted>[%@]"(?:[^"\\]|\\.)*")|(?P<name>[%@][-\w.$]+)|(?P<meta>![\w.]*)|(?P<string>c?"[^"]*")'
@@ -79,12 +79,41 @@ class Structs(dict[str, str]):
         self.layouts: dict[str, tuple[int, int] | None] = {}
 
 
+class Names:
+    """What a function's local names stand for: inputs, and results numbered as they are met."""
+
+    def __init__(self, inputs: Iterable[str] = ()) -> None:
+        self._values: dict[str, Named] = {name: Input(name) for name in inputs}
+        self._count = 0
+
+    def value(self, name: str) -> Named:
+        """The value called `name`."""
+        if name not in self._values:
+            self._values[name] = Ref(self.fresh())
+        return self._values[name]
+
+    def result(self, name: str) -> int:
+        """The id of an instruction or phi; one of its own if it has no name."""
+        value = self.value(name) if name else Ref(self.fresh())
+        assert isinstance(value, Ref)  # LLVM gives a name once
+        return value.id
+
+    def fresh(self) -> int:
+        """An id that nothing has."""
+        self._count += 1
+        return self._count - 1
+
+
 @dataclass
 class Cursor:
-    """Tokens of one line, read from left to right; `structs`: members of named structures."""
+    """Tokens of one line, read from left to right.
+
+    `structs`: members of named structures; `names`: those of the function.
+    """
 
     text: str
     structs: Structs = field(default_factory=Structs)
+    names: Names = field(default_factory=Names)
     tokens: list[str] = field(init=False)
     position: int = 0
 
@@ -136,11 +165,11 @@ class Cursor:
             return "".join([*parts, self.take()])
         return token
 
-    def operand(self, type_: str) -> Operand:
+    def operand(self, type_: str) -> Value:
         """A value of the given type; a constant expression is kept as its operation's name."""
         token = self.take()
         if token[:1] in ("%", "@"):
-            return Local(bare(token)) if token[0] == "%" else Global(bare(token))
+            return self.names.value(bare(token)) if token[0] == "%" else Global(bare(token))
         if type_[:1] in ("[", "{"):
             return self._aggregate(token)
         return self._constant(token, type_)
@@ -149,14 +178,14 @@ class Cursor:
         """A constant of several values: in brackets, as a string of bytes, or all zero."""
         if token.startswith('c"'):
             return Parts(tuple(Int(byte) for byte in unescaped(token[2:-1])))
-        values: list[Operand] = []
+        values: list[Value] = []
         closing = {"[": "]", "{": "}"}.get(token)
         while closing is not None and not self.accept(closing):
             values.append(self.typed_operand()[1])
             self.accept(",")
         return Parts(tuple(values))
 
-    def _constant(self, token: str, type_: str) -> Operand:
+    def _constant(self, token: str, type_: str) -> Value:
         if token in ("true", "false"):
             return Int(int(token == "true"))
         if type_ in ("float", "double"):
@@ -214,17 +243,17 @@ class Cursor:
             self.take()
         self.skip_parentheses()
 
-    def address(self) -> tuple[str, tuple[Operand, ...]]:
+    def address(self) -> tuple[str, tuple[Value, ...]]:
         """What follows a `getelementptr` and its flags: the element's type, pointer and indices."""
         element = self.type()
-        args: list[Operand] = []
+        args: list[Value] = []
         while self.accept(","):
             if self.peek[:1] == "!":
                 break
             args.append(self.typed_operand()[1])
         return element, tuple(args)
 
-    def typed_operand(self) -> tuple[str, Operand]:
+    def typed_operand(self) -> tuple[str, Value]:
         type_ = self.type()
         self.skip_attributes()
         return type_, self.operand(type_)

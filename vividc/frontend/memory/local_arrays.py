@@ -16,28 +16,16 @@ import numpy as np
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.llvm.calls import ALLOCATE, COPY
-from vividc.frontend.llvm.ir import (
-    Float,
-    Global,
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideFunction,
-    WidePhi,
-    flow_of,
-    map_operands,
-    remove_dead,
-    substitute,
-    uses,
-)
 from vividc.frontend.memory.pick import expand_picks
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
 from vividc.frontend.ranges.interval import Interval
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.lang.numba_words import plain
 from vividc.machine.params import Formula, LocalArray
-from vividc.ssa.ir import Function
+from vividc.ssa.edit import FreshIds, map_values, read_values, substitute
+from vividc.ssa.flow import flow_of
+from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Key, Named, Phi, Ref, Value
+from vividc.ssa.rewrite.dead import remove_dead
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}
@@ -88,11 +76,11 @@ class Held:
 class Holding:
     """A function whose own arrays are pointer parameters called "&" + name."""
 
-    function: WideFunction
+    function: Function
     arrays: dict[str, Held]
 
 
-def hold_arrays(function: WideFunction, text: str, *, packed: bool = False) -> Holding:
+def hold_arrays(function: Function, text: str, *, packed: bool = False) -> Holding:
     """Find the arrays of the kernel's own.
 
     Parameters
@@ -113,48 +101,48 @@ def hold_arrays(function: WideFunction, text: str, *, packed: bool = False) -> H
     function, constant = _hold_tables(function, tables, packed=packed)
     arrays = {held.array.name: held for held in (*allocated, *constant)}
     params = tuple((f"&{name}", "ptr") for name in arrays)
-    return Holding(replace(function, params=(*function.params, *params)), arrays)
+    return Holding(replace(function, inputs=(*function.inputs, *params)), arrays)
 
 
-def _hold_allocations(function: WideFunction) -> tuple[WideFunction, list[Held]]:
+def _hold_allocations(function: Function) -> tuple[Function, list[Held]]:
     held: list[Held] = []
-    known: dict[str, Operand] = {}
+    known: dict[int, Value] = {}
     sizes: LaunchSizes | None = None
     loops = flow_of(function).loops if _allocates(function) else {}
     for block in function.blocks:
-        for op in block.ops:
+        for op in block.instrs:
             if _is_allocation(op):
                 _refuse_kept(function, block.name, op)
                 formula: Formula | None = None
-                if not isinstance(op.args[0], Int):
+                if not isinstance(op.operands[0], Int):
                     sizes = sizes or LaunchSizes(function)
-                    formula = sizes.bound(op.args[0], block.name)
+                    formula = sizes.bound(op.operands[0], block.name)
                 made = _allocated(function, op, formula, len(held))
                 heads = (function.by_name[h] for h, body in loops.items() if block.name in body)
-                around = tuple(h.exit.loc for h in heads if h.exit.loc is not None)
+                around = tuple(h.branch.loc for h in heads if h.branch.loc is not None)
                 held.append(replace(made, array=replace(made.array, loops=around)))
-                known[op.name] = Local(f"&{held[-1].array.name}")
+                known[op.id] = Input(f"&{held[-1].array.name}")
     if not held:
         return function, held
     blocks = tuple(
-        replace(block, ops=tuple(op for op in block.ops if not _is_allocation(op)))
+        replace(block, instrs=tuple(op for op in block.instrs if not _is_allocation(op)))
         for block in function.blocks
     )
     return substitute(replace(function, blocks=blocks), known), held
 
 
-def _allocates(function: WideFunction) -> bool:
-    return any(_is_allocation(op) for block in function.blocks for op in block.ops)
+def _allocates(function: Function) -> bool:
+    return any(_is_allocation(op) for block in function.blocks for op in block.instrs)
 
 
-def _is_allocation(op: Op) -> bool:
+def _is_allocation(op: Instr) -> bool:
     return op.op == "call" and op.pred.startswith(ALLOCATE)
 
 
-def _allocated(function: WideFunction, op: Op, formula: Formula | None, number: int) -> Held:
+def _allocated(function: Function, op: Instr, formula: Formula | None, number: int) -> Held:
     """The array of an allocation; `formula`: its size where that is not a constant."""
     dtype = op.pred.removeprefix(ALLOCATE)
-    count = op.args[0]
+    count = op.operands[0]
     if dtype == RAW and isinstance(count, Int):
         return Held(LocalArray(f"local{number}", -(-count.value // 4)), "i8", packed=True)
     element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
@@ -175,28 +163,28 @@ def _allocated(function: WideFunction, op: Op, formula: Formula | None, number: 
     return Held(LocalArray(name, 0, size=(*formula, words, "*")), element)
 
 
-def _copied_element(function: WideFunction, copy: Op) -> str | None:
+def _copied_element(function: Function, copy: Instr) -> str | None:
     """Type of the elements of a temporary copy."""
     for block in function.blocks:
-        for op in block.ops:
-            if op.op == "getelementptr" and op.args[0] == Local(copy.name) and op.source in _BYTES:
+        for op in block.instrs:
+            if op.op == "getelementptr" and op.operands[0] == Ref(copy.id) and op.source in _BYTES:
                 return op.source
     return None
 
 
-def _refuse_kept(function: WideFunction, home: str, op: Op) -> None:
+def _refuse_kept(function: Function, home: str, op: Instr) -> None:
     """Each iteration's array has the same place, so none may be read in the next iteration."""
-    aliases = {op.name}
+    aliases: set[Key] = {op.id}
     pointers = [d for d in function.definitions.values() if d.type == "ptr"]
     grown = True
     while grown:
         grown = False
         for definition in pointers:
-            if definition.name not in aliases and aliases & _pointers_of(definition):
-                aliases.add(definition.name)
+            if definition.id not in aliases and aliases & _pointers_of(definition):
+                aliases.add(definition.id)
                 grown = True
     for header, body in flow_of(function).loops.items():
-        if home in body and any(phi.name in aliases for phi in function.by_name[header].phis):
+        if home in body and any(phi.id in aliases for phi in function.by_name[header].phis):
             raise KernelError(
                 "an array made in a loop is kept for the next iteration",
                 loc=op.loc,
@@ -204,40 +192,39 @@ def _refuse_kept(function: WideFunction, home: str, op: Op) -> None:
             )
 
 
-def _pointers_of(definition: Op | WidePhi) -> set[str]:
-    operands: tuple[Operand, ...] = (
+def _pointers_of(definition: Instr | Phi) -> set[Key]:
+    operands: tuple[Value, ...] = (
         tuple(value for _, value in definition.incoming)
-        if isinstance(definition, WidePhi)
-        else definition.args
+        if isinstance(definition, Phi)
+        else definition.operands
     )
-    return {operand.name for operand in operands if isinstance(operand, Local)}
+    return {operand.key for operand in operands if isinstance(operand, Named)}
 
 
 def _hold_tables(
-    function: WideFunction, tables: dict[str, Table], *, packed: bool
-) -> tuple[WideFunction, list[Held]]:
+    function: Function, tables: dict[str, Table], *, packed: bool
+) -> tuple[Function, list[Held]]:
     """Constant tables that the function reads."""
     function = remove_dead(function)
     held: dict[str, Held] = {}
-    starts: dict[str, Op] = {}
+    starts: dict[Global, Instr] = {}
+    ids = FreshIds(function)
 
-    def change(operand: Operand) -> Operand:
+    def change(operand: Value) -> Value:
         if not isinstance(operand, Global) or operand.name not in held:
             return operand
-        base = f"&{held[operand.name].array.name}"
+        base = Input(f"&{held[operand.name].array.name}")
         if not operand.offset:
-            return Local(base)
-        name = f"{base}+{operand.offset}"
-        starts[name] = Op(
-            name, "getelementptr", "ptr", (Local(base), Int(operand.offset)), "", "i8", strides=(1,)
-        )
-        return Local(name)
+            return base
+        at = (base, Int(operand.offset))
+        place = Instr(ids(operand), "getelementptr", "ptr", at, source="i8", strides=(1,))
+        return Ref(starts.setdefault(operand, place).id)
 
     for name, loc in _tables_read(function):
         if name in tables and name not in held:
             held[name] = _table(tables[name], f"table{len(held)}", loc, packed=packed)
-    blocks = [map_operands(block, change) for block in function.blocks]
-    blocks[0] = replace(blocks[0], ops=(*starts.values(), *blocks[0].ops))
+    blocks = [map_values(block, change) for block in function.blocks]
+    blocks[0] = replace(blocks[0], instrs=(*starts.values(), *blocks[0].instrs))
     return replace(function, blocks=tuple(blocks)), list(held.values())
 
 
@@ -251,18 +238,18 @@ def _table(table: Table, name: str, loc: SourceLoc | None, *, packed: bool) -> H
     return Held(LocalArray(name, len(words), words), table.element, signed)
 
 
-def _tables_read(function: WideFunction) -> Iterator[tuple[str, SourceLoc | None]]:
+def _tables_read(function: Function) -> Iterator[tuple[str, SourceLoc | None]]:
     for block in function.blocks:
-        for op in block.ops:
-            yield from ((arg.name, op.loc) for arg in op.args if isinstance(arg, Global))
-        yield from ((use.name, None) for use in uses(block) if isinstance(use, Global))
+        for op in block.instrs:
+            yield from ((arg.name, op.loc) for arg in op.operands if isinstance(arg, Global))
+        yield from ((use.name, None) for use in read_values(block) if isinstance(use, Global))
 
 
-Terms = tuple[tuple[Operand, int], ...]
+Terms = tuple[tuple[Value, int], ...]
 
 
 def in_words(
-    function: WideFunction, terms: Terms, offset: int, held: Held, loc: SourceLoc | None
+    function: Function, terms: Terms, offset: int, held: Held, loc: SourceLoc | None
 ) -> tuple[Terms, int]:
     """A byte address within LLVM's array as one within ours, whose elements are words.
 
@@ -284,28 +271,28 @@ def in_words(
     return scaled, offset // size * _WORD_BYTES
 
 
-def _unscaled(function: WideFunction, value: Operand, stride: int) -> tuple[Operand, int]:
+def _unscaled(function: Function, value: Value, stride: int) -> tuple[Value, int]:
     """A term whose constant factors are all in its stride: LLVM prefers (i << 3) * 1 to i * 8."""
-    definition = function.definitions.get(value.name) if isinstance(value, Local) else None
-    if isinstance(definition, Op) and definition.op in ("shl", "mul"):
-        factor = definition.args[1]
+    definition = function.definitions.get(value.key) if isinstance(value, Named) else None
+    if isinstance(definition, Instr) and definition.op in ("shl", "mul"):
+        factor = definition.operands[1]
         if isinstance(factor, Int):
             by = 1 << factor.value if definition.op == "shl" else factor.value
-            return _unscaled(function, definition.args[0], stride * by)
+            return _unscaled(function, definition.operands[0], stride * by)
     return value, stride
 
 
-def as_words(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], Op, tuple[Op, ...]]:
+def as_words(
+    op: Instr, held: Held, ids: FreshIds
+) -> tuple[tuple[Instr, ...], Instr, tuple[Instr, ...]]:
     """What comes before a load or store, the access of a word, and what comes after.
-
-    `number` is the access's own.
 
     Raises
     ------
     KernelError
         The access is of another size than the array's elements.
     """
-    if _BYTES.get(op.type) != held.element_bytes:
+    if _BYTES.get(str(op.type)) != held.element_bytes:
         raise KernelError(
             f"an access of type {op.type} to an array of {held.element}",
             loc=op.loc,
@@ -315,17 +302,16 @@ def as_words(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], Op, tuple
         return (), op, ()
     wide = "float" if held.element == "double" else "i32"
     if op.op == "load":
-        word = Local(f"{op.name}.word")
-        back = Op(op.name, _from_word(held), op.type, (word,), source=wide, loc=op.loc)
-        return (), replace(op, name=word.name, type=wide), (back,)
-    if isinstance(op.args[0], Float):
-        _check_literal(op.args[0], op.loc)
-    if not isinstance(op.args[0], Local):
+        word = replace(op, id=ids(), type=wide)
+        back = Instr(op.id, _from_word(held), op.type, (Ref(word.id),), source=wide, loc=op.loc)
+        return (), word, (back,)
+    if isinstance(op.operands[0], Float):
+        _check_literal(op.operands[0], op.loc)
+    if not isinstance(op.operands[0], Named):
         return (), replace(op, type=wide), ()
-    value = Local(f"{op.args[0].name}.stored{number}")
     convert = "fptrunc" if held.element == "double" else "zext"
-    before = Op(value.name, convert, wide, (op.args[0],), source=op.type, loc=op.loc)
-    return (before,), replace(op, type=wide, args=(value, op.args[1])), ()
+    value = Instr(ids(), convert, wide, op.operands[:1], source=str(op.type), loc=op.loc)
+    return (value,), replace(op, type=wide, operands=(Ref(value.id), op.operands[1])), ()
 
 
 def _check_literal(literal: Float, loc: SourceLoc | None) -> None:
@@ -340,9 +326,11 @@ def _check_literal(literal: Float, loc: SourceLoc | None) -> None:
         )
 
 
-def wide_access(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], tuple[Op, ...]]:
+def wide_access(
+    op: Instr, held: Held, ids: FreshIds
+) -> tuple[tuple[Instr, ...], tuple[Instr, ...]]:
     """A load or store of an element of two words: the accesses, low word first, behind what they
-    store; for a load they come first, and then what joins them. `number` is the access's own.
+    store; for a load they come first, and then what joins them.
 
     Raises
     ------
@@ -357,26 +345,28 @@ def wide_access(op: Op, held: Held, number: int) -> tuple[tuple[Op, ...], tuple[
         )
     half = replace(op, type="i32")
     if op.op == "load":
-        low, high = f"{op.name}.low", f"{op.name}.high"
-        joined = (
-            Op(f"{low}64", "zext", "i64", (Local(low),), source="i32", loc=op.loc),
-            Op(f"{high}64", "zext", "i64", (Local(high),), source="i32", loc=op.loc),
-            Op(f"{high}.up", "shl", "i64", (Local(f"{high}64"), Int(32)), loc=op.loc),
-            Op(op.name, "or", "i64", (Local(f"{high}.up"), Local(f"{low}64")), loc=op.loc),
-        )
-        return (replace(half, name=low), replace(half, name=high)), joined
-    value, pointer = op.args
+        low, high = replace(half, id=ids()), replace(half, id=ids())
+        return (low, high), tuple(_joined(op, Ref(low.id), Ref(high.id), ids))
+    value, pointer = op.operands
+    words: tuple[Value, Value]
     if isinstance(value, Int):
         words = (Int(_signed_word(value.value)), Int(_signed_word(value.value >> 32)))
-        return (), tuple(replace(half, args=(word, pointer)) for word in words)
-    assert isinstance(value, Local)
-    low, high = (f"{value.name}.{part}{number}" for part in ("low", "high"))
-    split = (
-        Op(low, "trunc", "i32", (value,), source="i64", loc=op.loc),
-        Op(f"{high}.down", "lshr", "i64", (value, Int(32)), loc=op.loc),
-        Op(high, "trunc", "i32", (Local(f"{high}.down"),), source="i64", loc=op.loc),
-    )
-    return split, tuple(replace(half, args=(Local(word), pointer)) for word in (low, high))
+        split: tuple[Instr, ...] = ()
+    else:
+        cut = Instr(ids(), "trunc", "i32", (value,), source="i64", loc=op.loc)
+        down = Instr(ids(), "lshr", "i64", (value, Int(32)), loc=op.loc)
+        above = replace(cut, id=ids(), operands=(Ref(down.id),))
+        split, words = (cut, down, above), (Ref(cut.id), Ref(above.id))
+    return split, tuple(replace(half, id=ids(), operands=(word, pointer)) for word in words)
+
+
+def _joined(op: Instr, low: Ref, high: Ref, ids: FreshIds) -> Iterator[Instr]:
+    """The result of `op` from its two words."""
+    below = Instr(ids(), "zext", "i64", (low,), source="i32", loc=op.loc)
+    above = replace(below, id=ids(), operands=(high,))
+    up = Instr(ids(), "shl", "i64", (Ref(above.id), Int(32)), loc=op.loc)
+    yield from (below, above, up)
+    yield Instr(op.id, "or", "i64", (Ref(up.id), Ref(below.id)), loc=op.loc)
 
 
 def _signed_word(value: int) -> int:
@@ -393,15 +383,15 @@ def _from_word(held: Held) -> str:
     return "sext" if held.signed else "zext"
 
 
-def bounds_of_loads(function: WideFunction, arrays: dict[str, Held]) -> dict[str, Interval]:
+def bounds_of_loads(function: Function, arrays: dict[str, Held]) -> dict[Key, Interval]:
     """Values that the integers read from constant tables can have, by name of the load."""
-    found: dict[str, Interval] = {}
+    found: dict[Key, Interval] = {}
     for block in function.blocks:
-        for op in block.ops:
+        for op in block.instrs:
             held = arrays.get(op.array) if op.op == "load" and op.type == "i32" else None
             if held is not None and held.array.contents and op.width == _WORD_BYTES:
                 values = [w - ((w & _SIGN) << 1) for w in held.array.contents]
-                found[op.name] = (min(values), max(values))
+                found[op.id] = (min(values), max(values))
     return found
 
 

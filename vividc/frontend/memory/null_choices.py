@@ -6,33 +6,26 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from vividc.frontend.llvm.ir import (
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideFunction,
-    WidePhi,
-    remove_dead,
-    substitute,
-)
+from vividc.ssa.edit import substitute
+from vividc.ssa.ir import Function, Instr, Int, Named, Phi, Ref, Value
+from vividc.ssa.rewrite.dead import remove_dead
 
 _OBSERVES = frozenset({"icmp", "ptrtoint", "ptrtoaddr"})
 
 
-def drop_null_choices(function: WideFunction) -> WideFunction:
+def drop_null_choices(function: Function) -> Function:
     """A choice between a pointer and null is the pointer, as an access through null is undefined;
     where two ways meet, of which one brings null, it brings the start of the other's array.
 
     Not where the function looks at addresses: it may ask which of the two it was.
     """
-    if any(_observes(op) for block in function.blocks for op in block.ops):
+    if any(_observes(op) for block in function.blocks for op in block.instrs):
         return function
     function = _drop_null_merges(function)
     chosen = {
-        op.name: pointer
+        op.id: pointer
         for block in function.blocks
-        for op in block.ops
+        for op in block.instrs
         if (pointer := _only_pointer(op)) is not None
     }
     if not chosen:
@@ -40,21 +33,21 @@ def drop_null_choices(function: WideFunction) -> WideFunction:
     return remove_dead(substitute(function, {name: _last(chosen, name) for name in chosen}))
 
 
-def _drop_null_merges(function: WideFunction) -> WideFunction:
+def _drop_null_merges(function: Function) -> Function:
     definitions = function.definitions
 
-    def start(pointer: Operand) -> Local | None:
+    def start(pointer: Value) -> Named | None:
         """The parameter that a pointer points into, where no other choice lies between."""
-        while isinstance(pointer, Local):
-            definition = definitions.get(pointer.name)
+        while isinstance(pointer, Named):
+            definition = definitions.get(pointer.key)
             if definition is None:
                 return pointer
-            if not isinstance(definition, Op) or definition.op != "getelementptr":
+            if not isinstance(definition, Instr) or definition.op != "getelementptr":
                 return None
-            pointer = definition.args[0]
+            pointer = definition.operands[0]
         return None
 
-    def without_null(phi: WidePhi) -> WidePhi:
+    def without_null(phi: Phi) -> Phi:
         if phi.type != "ptr" or not any(isinstance(value, Int) for _, value in phi.incoming):
             return phi
         arrays = {start(value) for _, value in phi.incoming if not isinstance(value, Int)}
@@ -73,21 +66,21 @@ def _drop_null_merges(function: WideFunction) -> WideFunction:
     return replace(function, blocks=tuple(blocks))
 
 
-def _observes(op: Op) -> bool:
+def _observes(op: Instr) -> bool:
     return op.op in _OBSERVES and (op.op != "icmp" or op.type == "ptr")
 
 
-def _only_pointer(op: Op) -> Local | None:
+def _only_pointer(op: Instr) -> Named | None:
     if op.op != "select" or op.type != "ptr":
         return None
-    pointers = [arg for arg in op.args[1:] if isinstance(arg, Local)]
-    nulls = [arg for arg in op.args[1:] if isinstance(arg, Int)]
+    pointers = [arg for arg in op.operands[1:] if isinstance(arg, Named)]
+    nulls = [arg for arg in op.operands[1:] if isinstance(arg, Int)]
     return pointers[0] if len(pointers) == len(nulls) == 1 else None
 
 
-def _last(chosen: dict[str, Local], name: str) -> Operand:
-    """What the name stands for in the end: one choice may be of another."""
-    pointer = chosen[name]
-    while pointer.name in chosen:
-        pointer = chosen[pointer.name]
+def _last(chosen: dict[int, Named], id_: int) -> Value:
+    """What the choice stands for in the end: one choice may be of another."""
+    pointer = chosen[id_]
+    while isinstance(pointer, Ref) and pointer.id in chosen:
+        pointer = chosen[pointer.id]
     return pointer

@@ -11,22 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.llvm.ir import (
-    Global,
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideBlock,
-    WideFunction,
-    WidePhi,
-    remove_dead,
-)
 from vividc.frontend.memory.local_arrays import Held, as_words, in_words, wide_access
 from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.memory.unmerge import split_merged_loads
+from vividc.ssa.edit import FreshIds
+from vividc.ssa.ir import Block, Function, Global, Instr, Int, Key, Named, Phi, Ref, Value
+from vividc.ssa.rewrite.dead import remove_dead
 
-_SUFFIX = ".bytes"
 _BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
 _LOCAL_HINT = "use scalar variables, or an array of constant size: np.zeros(16, np.float32)"
 _GLOBAL_HINT = "pass it as a parameter: constants are numbers, tuples of them, and arrays"
@@ -37,11 +28,11 @@ class _Address:
     """Byte address: base of `array` + sum of value * stride + offset."""
 
     array: str
-    terms: tuple[tuple[Operand, int], ...] = ()
+    terms: tuple[tuple[Value, int], ...] = ()
     offset: int = 0
 
 
-def resolve_memory(function: WideFunction, own: dict[str, Held] | None = None) -> WideFunction:
+def resolve_memory(function: Function, own: dict[str, Held] | None = None) -> Function:
     """Give every load and store its array, and drop all pointers; `own`: the kernel's own arrays.
 
     Raises
@@ -56,19 +47,19 @@ def resolve_memory(function: WideFunction, own: dict[str, Held] | None = None) -
 class _Resolver:
     """One function's pointers, resolved on demand."""
 
-    def __init__(self, function: WideFunction, own: dict[str, Held]) -> None:
+    def __init__(self, function: Function, own: dict[str, Held]) -> None:
         self._function = function
         self._own = own
         self._definitions = function.definitions
-        self._arrays: dict[str, str] = {}
-        self._stores = 0
-        for name, type_ in function.params:
+        self._arrays: dict[Key, str] = {}
+        self._ids = FreshIds(function)
+        for name, type_ in function.inputs:
             if type_ == "ptr":
                 self._arrays[name] = name.removeprefix("&")
         self._find_arrays_of_merges()
         self._differences = differences(function, self._root)
 
-    def run(self) -> WideFunction:
+    def run(self) -> Function:
         blocks = tuple(self._block(block) for block in self._function.blocks)
         return replace(self._function, blocks=blocks)
 
@@ -81,8 +72,8 @@ class _Resolver:
             for merge in merges:
                 roots = [self._root(pointer) for pointer in _merged(merge)]
                 known = next((root for root in roots if root), "")
-                if known and merge.name not in self._arrays:
-                    self._arrays[merge.name] = known
+                if known and merge.id not in self._arrays:
+                    self._arrays[merge.id] = known
                     changed = True
         for merge in merges:
             if len({self._root(pointer) for pointer in _merged(merge)}) > 1:
@@ -92,63 +83,64 @@ class _Resolver:
                     hint="write an `if` with an access in each branch",
                 )
 
-    def _root(self, pointer: Operand) -> str:
-        while isinstance(pointer, Local) and pointer.name not in self._arrays:
-            definition = self._definitions.get(pointer.name)
-            if not isinstance(definition, Op) or definition.op != "getelementptr":
+    def _root(self, pointer: Value) -> str:
+        while isinstance(pointer, Named) and pointer.key not in self._arrays:
+            definition = self._definitions.get(pointer.key)
+            if not isinstance(definition, Instr) or definition.op != "getelementptr":
                 return ""
-            pointer = definition.args[0]
-        return self._arrays[pointer.name] if isinstance(pointer, Local) else ""
+            pointer = definition.operands[0]
+        return self._arrays[pointer.key] if isinstance(pointer, Named) else ""
 
-    def _block(self, block: WideBlock) -> WideBlock:
-        ops = tuple(new for op in block.ops for new in self._rewrite(op))
-        return replace(block, phis=tuple(self._phi(phi) for phi in block.phis), ops=ops)
+    def _block(self, block: Block) -> Block:
+        ops = tuple(new for op in block.instrs for new in self._rewrite(op))
+        return replace(block, phis=tuple(self._phi(phi) for phi in block.phis), instrs=ops)
 
-    def _phi(self, phi: WidePhi) -> WidePhi:
+    def _phi(self, phi: Phi) -> Phi:
         if phi.type != "ptr":
             return phi
         incoming = tuple((pred, self._bytes(value, phi.loc)) for pred, value in phi.incoming)
-        return WidePhi(phi.name + _SUFFIX, "i32", incoming, phi.loc)
+        return Phi(self._bytes_of(phi.id).id, "i32", incoming, phi.loc)
 
-    def _rewrite(self, op: Op) -> Iterator[Op]:
+    def _rewrite(self, op: Instr) -> Iterator[Instr]:
         if op.op == "load":
-            yield from self._access(op, op.args[0])
+            yield from self._access(op, op.operands[0])
         elif op.op == "store":
-            yield from self._access(op, op.args[1])
+            yield from self._access(op, op.operands[1])
         elif op.op == "getelementptr":
             yield from self._gep_bytes(op)
         elif op.op == "select" and op.type == "ptr":
-            chosen = tuple(self._bytes(pointer, op.loc) for pointer in op.args[1:])
-            yield replace(op, name=op.name + _SUFFIX, type="i32", args=(op.args[0], *chosen))
+            chosen = tuple(self._bytes(pointer, op.loc) for pointer in op.operands[1:])
+            yield replace(
+                op, id=self._bytes_of(op.id).id, type="i32", operands=(op.operands[0], *chosen)
+            )
         elif op.op == "alloca":
             raise KernelError("a local array or tuple", loc=op.loc, hint=_LOCAL_HINT)
         elif op.op == "icmp" and op.type == "ptr":
             yield compare_pointers(op, self._root, lambda p: self._bytes(p, op.loc))
-        elif op.name in self._differences:
+        elif op.id in self._differences:
             yield self._as_offset(op)
         elif op.op in ("ptrtoint", "ptrtoaddr", "inttoptr"):
             raise KernelError("arithmetic on addresses", loc=op.loc, hint="use indices")
         else:
             yield op
 
-    def _access(self, op: Op, pointer: Operand) -> Iterator[Op]:
+    def _access(self, op: Instr, pointer: Value) -> Iterator[Instr]:
         address = self._address(pointer, op.loc)
         held = self._own.get(address.array)
         if held is None or held.packed:
             yield from self._word_access(op, address)
             return
         terms, offset = in_words(self._function, address.terms, address.offset, held, op.loc)
-        self._stores += 1
         if held.is_wide:
             yield from self._wide_access(op, _Address(address.array, terms, offset), held)
             return
-        before, access, after = as_words(op, held, self._stores)
+        before, access, after = as_words(op, held, self._ids)
         yield from before
         yield from self._word_access(access, _Address(address.array, terms, offset))
         yield from after
 
-    def _wide_access(self, op: Op, address: _Address, held: Held) -> Iterator[Op]:
-        first, second = wide_access(op, held, self._stores)
+    def _wide_access(self, op: Instr, address: _Address, held: Held) -> Iterator[Instr]:
+        first, second = wide_access(op, held, self._ids)
         for new in (*first, *second):
             if new.op not in ("load", "store"):
                 yield new
@@ -157,89 +149,94 @@ class _Resolver:
             place = replace(address, offset=address.offset + _BYTES["i32"] * is_high)
             yield from self._word_access(new, place)
 
-    def _word_access(self, op: Op, address: _Address) -> Iterator[Op]:
+    def _word_access(self, op: Instr, address: _Address) -> Iterator[Instr]:
         if op.type not in _BYTES:
             raise KernelError(
                 f"an array access of type {op.type}",
                 loc=op.loc,
                 hint="arrays hold float32, bool, or integers of 8, 16 or 32 bits",
             )
-        index: Operand = Int(0)
-        shift = _BYTES[op.type].bit_length() - 1
+        index: Value = Int(0)
+        shift = _BYTES[str(op.type)].bit_length() - 1
         if address.terms:
             unit = min(stride & -stride for _, stride in address.terms)
             shift = unit.bit_length() - 1
-            self._stores += 1
-            name = op.name or f".store{self._stores}"
-            computed, index = _sum(name + ".index", address.terms, unit, op.loc)
+            computed, index = _sum(self._ids, address.terms, unit, op.loc)
             yield from computed
         yield replace(
             op,
-            args=(*op.args[:-1], index),
+            operands=(*op.operands[:-1], index),
             array=address.array,
             shift=shift,
             offset=address.offset,
-            width=_BYTES[op.type],
+            width=_BYTES[str(op.type)],
         )
 
-    def _gep_bytes(self, op: Op) -> Iterator[Op]:
+    def _gep_bytes(self, op: Instr) -> Iterator[Instr]:
         """The byte offset as a value, for phis and selects of pointers; dead otherwise."""
-        if not op.strides or not self._root(Local(op.name)):
+        if not op.strides or not self._root(Ref(op.id)):
             return
-        address = self._address(Local(op.name), op.loc)
+        address = self._address(Ref(op.id), op.loc)
         terms = (*address.terms, (Int(address.offset), 1))
-        computed, total = _sum(op.name + _SUFFIX, terms, 1, op.loc)
-        yield from computed
-        if total != Local(op.name + _SUFFIX):
-            yield Op(op.name + _SUFFIX, "add", "i32", (total, Int(0)), loc=op.loc)
+        computed, total = _sum(self._ids, terms, 1, op.loc)
+        result = self._bytes_of(op.id).id
+        if computed:
+            yield from computed[:-1]
+            yield replace(computed[-1], id=result)
+        else:
+            yield Instr(result, "add", "i32", (total, Int(0)), loc=op.loc)
 
-    def _as_offset(self, op: Op) -> Op:
+    def _as_offset(self, op: Instr) -> Instr:
         """An address as an integer: the byte offset will do, where only differences are taken."""
-        offset = self._bytes(self._differences[op.name], op.loc)
+        offset = self._bytes(self._differences[op.id], op.loc)
         if op.type == "i64":
-            return Op(op.name, "sext", "i64", (offset,), source="i32", loc=op.loc)
-        return Op(op.name, "add", "i32", (offset, Int(0)), loc=op.loc)
+            return Instr(op.id, "sext", "i64", (offset,), source="i32", loc=op.loc)
+        return Instr(op.id, "add", "i32", (offset, Int(0)), loc=op.loc)
 
-    def _bytes(self, pointer: Operand, loc: SourceLoc | None) -> Operand:
-        if isinstance(pointer, Local) and pointer.name in self._definitions:
-            return Local(pointer.name + _SUFFIX)
+    def _bytes(self, pointer: Value, loc: SourceLoc | None) -> Value:
+        if isinstance(pointer, Named) and pointer.key in self._definitions:
+            return self._bytes_of(pointer.key)
         self._address(pointer, loc)
         return Int(0)
 
-    def _address(self, pointer: Operand, loc: SourceLoc | None) -> _Address:
+    def _bytes_of(self, pointer: Key) -> Ref:
+        """The byte offset of a pointer that is computed."""
+        return Ref(self._ids(pointer))
+
+    def _address(self, pointer: Value, loc: SourceLoc | None) -> _Address:
         if isinstance(pointer, Global):
             raise KernelError(
                 "an access to a global that is no constant", loc=loc, hint=_GLOBAL_HINT
             )
-        if not isinstance(pointer, Local):
+        if not isinstance(pointer, Named):
             raise KernelError("an access through a null pointer", loc=loc, hint=_LOCAL_HINT)
-        definition = self._definitions.get(pointer.name)
+        definition = self._definitions.get(pointer.key)
         if definition is None:
-            return _Address(self._arrays[pointer.name])
+            return _Address(self._arrays[pointer.key])
         if _merged(definition):
-            return _Address(self._arrays[pointer.name], ((Local(pointer.name + _SUFFIX), 1),))
+            return _Address(self._arrays[pointer.key], ((self._bytes_of(pointer.key), 1),))
         if (
-            not isinstance(definition, Op)
+            not isinstance(definition, Instr)
             or definition.op != "getelementptr"
             or not definition.strides
         ):
             raise KernelError("a pointer that is no array parameter", loc=loc, hint=_LOCAL_HINT)
-        return _extend(self._address(definition.args[0], loc), definition)
+        return _extend(self._address(definition.operands[0], loc), definition)
 
 
-def _merged(definition: Op | WidePhi | None) -> tuple[Operand, ...]:
+def _merged(definition: Instr | Phi | None) -> tuple[Value, ...]:
     """The pointers that a pointer phi or select chooses from."""
     if definition is None or definition.type != "ptr":
         return ()
-    if isinstance(definition, WidePhi):
+    if isinstance(definition, Phi):
         return tuple(value for _, value in definition.incoming)
-    return definition.args[1:] if definition.op == "select" else ()
+    return definition.operands[1:] if definition.op == "select" else ()
 
 
-def _extend(base: _Address, gep: Op) -> _Address:
+def _extend(base: _Address, gep: Instr) -> _Address:
     terms = list(base.terms)
     offset = base.offset
-    for index, stride in zip(gep.args[1:], gep.strides, strict=True):
+    for index, stride in zip(gep.operands[1:], gep.strides, strict=True):
         if isinstance(index, Int):
             offset += index.value * stride
         else:
@@ -248,21 +245,19 @@ def _extend(base: _Address, gep: Op) -> _Address:
 
 
 def _sum(
-    name: str, terms: tuple[tuple[Operand, int], ...], unit: int, loc: SourceLoc | None
-) -> tuple[list[Op], Operand]:
+    ids: FreshIds, terms: tuple[tuple[Value, int], ...], unit: int, loc: SourceLoc | None
+) -> tuple[list[Instr], Value]:
     """Instructions that add up value * (stride / unit), and the operand that holds the sum."""
-    out: list[Op] = []
-    total: Operand | None = None
-    for position, (value, stride) in enumerate(terms):
+    out: list[Instr] = []
+    total: Value | None = None
+    for value, stride in terms:
         term = value
         if stride != unit:
-            scaled = f"{name}.mul{position}"
-            out.append(Op(scaled, "mul", "i32", (value, Int(stride // unit)), loc=loc))
-            term = Local(scaled)
+            out.append(Instr(ids(), "mul", "i32", (value, Int(stride // unit)), loc=loc))
+            term = Ref(out[-1].id)
         if total is not None:
-            sum_name = name if position == len(terms) - 1 else f"{name}.add{position}"
-            out.append(Op(sum_name, "add", "i32", (total, term), loc=loc))
-            term = Local(sum_name)
+            out.append(Instr(ids(), "add", "i32", (total, term), loc=loc))
+            term = Ref(out[-1].id)
         total = term
     assert total is not None
     return out, total

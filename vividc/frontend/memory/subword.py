@@ -7,27 +7,16 @@ keeps them so. Run when memory is resolved.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
-from vividc.frontend.llvm.ir import (
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideBlock,
-    WideFunction,
-    WidePhi,
-    remove_dead,
-    type_of,
-    uses,
-)
+from vividc.ssa.edit import FreshIds, read_values
+from vividc.ssa.ir import Block, Function, Instr, Int, Kind, Phi, Ref, Value, type_of
+from vividc.ssa.rewrite.dead import remove_dead
 
 _SMALL = {"i8": 8, "i16": 16}
 _WORD = "i32"
 _WORD_BYTES = 4
-_SIGNED = ".signed"
-_LOW = ".low"
 _EXTREMA = ("llvm.smin.", "llvm.smax.")
 _SIGNED_OPS = frozenset({"sext", "sitofp", "ashr", "sdiv", "srem"})
 _SIGNED_CALLS = ("llvm.abs.", "llvm.sadd.sat.", "llvm.ssub.sat.")
@@ -35,7 +24,7 @@ _UNSIGNED_OPS = frozenset({"zext", "uitofp", "lshr", "udiv", "urem"})
 _RING = frozenset({"add", "sub", "mul", "and", "or", "xor"})
 
 
-def extend_loads(function: WideFunction) -> WideFunction:
+def extend_loads(function: Function) -> Function:
     """Let loads, and the phis and selects among them, hold signed words where most uses are signed.
 
     A use that needs the bits of the small type gets a `trunc`; a returned value needs none.
@@ -43,63 +32,66 @@ def extend_loads(function: WideFunction) -> WideFunction:
     chosen = _signed_values(function)
     if not chosen:
         return function
-    rewriter = _SignedWords(chosen, _read_by_phis(function, chosen))
+    rewriter = _SignedWords(chosen, _read_by_phis(function, chosen), FreshIds(function))
     return replace(function, blocks=tuple(rewriter.block(block) for block in function.blocks))
 
 
-def _read_by_phis(function: WideFunction, chosen: dict[str, str]) -> dict[str, tuple[WidePhi, ...]]:
-    found: dict[str, tuple[WidePhi, ...]] = {}
+def _read_by_phis(function: Function, chosen: dict[int, str]) -> dict[str, tuple[Phi, ...]]:
+    found: dict[str, tuple[Phi, ...]] = {}
     for block in function.blocks:
         for phi in block.phis:
             for pred, value in phi.incoming:
-                if phi.name not in chosen and isinstance(value, Local) and value.name in chosen:
+                if phi.id not in chosen and isinstance(value, Ref) and value.id in chosen:
                     found[pred] = (*found.get(pred, ()), phi)
     return found
 
 
-def _signed_values(function: WideFunction) -> dict[str, str]:
+def _signed_values(function: Function) -> dict[int, str]:
     """Small type of each value to hold sign-extended."""
-    members = {name: item for name, item in function.definitions.items() if item.type in _SMALL}
-    sources = {name: _merged(item) for name, item in members.items()}
-    members = {name: item for name, item in members.items() if sources[name] is not None}
-    while lost := [name for name in members if not _only(sources[name], members)]:
-        for name in lost:
-            del members[name]
-    groups = _Groups(members)
-    for name in members:
-        for operand in sources[name] or ():
-            if isinstance(operand, Local):
-                groups.join(name, operand.name)
-    votes = dict.fromkeys(members, 0)
+    small = [item for block in function.blocks for item in block.items if item.type in _SMALL]
+    sources = {item.id: merged for item in small if (merged := _merged(item)) is not None}
+    while lost := [id_ for id_, values in sources.items() if not _only(values, sources)]:
+        for id_ in lost:
+            del sources[id_]
+    groups = _Groups(sources)
+    for id_, values in sources.items():
+        for value in values:
+            if isinstance(value, Ref):
+                groups.join(id_, value.id)
+    votes = dict.fromkeys(sources, 0)
     for block in function.blocks:
-        for op in block.ops:
-            for arg in op.args:
-                if isinstance(arg, Local) and arg.name in members:
-                    votes[groups.root(arg.name)] += _vote(op)
-    return {name: item.type for name, item in members.items() if votes[groups.root(name)] > 0}
+        for op in block.instrs:
+            for arg in op.operands:
+                if isinstance(arg, Ref) and arg.id in sources:
+                    votes[groups.root(arg.id)] += _vote(op)
+    return {
+        item.id: str(item.type)
+        for item in small
+        if item.id in sources and votes[groups.root(item.id)] > 0
+    }
 
 
-def _merged(item: Op | WidePhi) -> tuple[Operand, ...] | None:
+def _merged(item: Instr | Phi) -> tuple[Value, ...] | None:
     """The values among which a phi, select or extremum chooses; none for a load; None for anything
     else.
     """
-    if isinstance(item, WidePhi):
+    if isinstance(item, Phi):
         return tuple(value for _, value in item.incoming)
     if item.op == "select":
-        return item.args[1:]
+        return item.operands[1:]
     if item.op == "call" and item.pred.startswith(_EXTREMA):
-        return item.args
+        return item.operands
     return () if item.op == "load" else None
 
 
-def _only(operands: tuple[Operand, ...] | None, members: dict[str, Op | WidePhi]) -> bool:
-    return operands is not None and all(
-        isinstance(operand, Int) or (isinstance(operand, Local) and operand.name in members)
-        for operand in operands
+def _only(values: tuple[Value, ...], members: Collection[int]) -> bool:
+    return all(
+        isinstance(value, Int) or (isinstance(value, Ref) and value.id in members)
+        for value in values
     )
 
 
-def _vote(op: Op) -> int:
+def _vote(op: Instr) -> int:
     """1 if the operation reads its operand as signed, -1 as unsigned, 0 if it does not matter."""
     if op.op == "icmp":
         return {"s": 1, "u": -1}.get(op.pred[0], 0)
@@ -108,29 +100,26 @@ def _vote(op: Op) -> int:
     return int(op.op in _SIGNED_OPS) - int(op.op in _UNSIGNED_OPS)
 
 
-@dataclass
 class _Groups:
-    """Disjoint sets of names."""
+    """Disjoint sets of ids."""
 
-    parent: dict[str, str]
+    def __init__(self, ids: Iterable[int]) -> None:
+        self._parent = {id_: id_ for id_ in ids}
 
-    def __init__(self, names: dict[str, Op | WidePhi]) -> None:
-        self.parent = {name: name for name in names}
+    def root(self, id_: int) -> int:
+        """The id that stands for the set of `id_`."""
+        while self._parent[id_] != id_:
+            id_ = self._parent[id_]
+        return id_
 
-    def root(self, name: str) -> str:
-        """The name that stands for the set of `name`."""
-        while self.parent[name] != name:
-            name = self.parent[name]
-        return name
-
-    def join(self, one: str, other: str) -> None:
+    def join(self, one: int, other: int) -> None:
         """Make one set of two."""
-        self.parent[self.root(one)] = self.root(other)
+        self._parent[self.root(one)] = self.root(other)
 
 
 @dataclass
 class _SignedWords:
-    """Rewrites the chosen values, each to a word called `name` + ".signed", and their uses.
+    """Rewrites the chosen values, each to a signed word, and their uses.
 
     Where the small value is read it is cut from its word, in the reading block: a loop need not
     cut what is read behind it.
@@ -143,125 +132,123 @@ class _SignedWords:
         By block, the phis that read a chosen value from there and are not chosen themselves.
     """
 
-    chosen: dict[str, str]
-    read_by_phis: dict[str, tuple[WidePhi, ...]]
-    cuts: int = 0
+    chosen: dict[int, str]
+    read_by_phis: dict[str, tuple[Phi, ...]]
+    ids: FreshIds
 
-    def block(self, block: WideBlock) -> WideBlock:
+    def block(self, block: Block) -> Block:
         """One block."""
-        ops = [new for op in block.ops for new in self.rewritten(op)]
+        ops = [new for op in block.instrs for new in self.rewritten(op)]
         for phi in self.read_by_phis.get(block.name, ()):
             value = dict(phi.incoming)[block.name]
-            assert isinstance(value, Local)
-            ops.append(self.cut(value, _cut_name(phi, block.name), phi))
-        leave = block.exit
+            assert isinstance(value, Ref)
+            ops.append(self.cut(value, self.ids(phi.id, block.name), phi))
+        leave = block.branch
         if leave.value is not None and self.has_word(leave.value):
             leave = replace(leave, value=self.word(leave.value))
-        return WideBlock(block.name, tuple(map(self.phi, block.phis)), tuple(ops), leave)
+        return Block(block.name, tuple(map(self.phi, block.phis)), tuple(ops), leave)
 
-    def phi(self, phi: WidePhi) -> WidePhi:
+    def phi(self, phi: Phi) -> Phi:
         """The phi on words if it is chosen, else on what its predecessors cut for it."""
-        if phi.name in self.chosen:
+        if phi.id in self.chosen:
             words = tuple((pred, self.word(value, phi.type)) for pred, value in phi.incoming)
-            return WidePhi(phi.name + _SIGNED, _WORD, words, phi.loc)
+            return Phi(self.ids(phi.id), _WORD, words, phi.loc)
         incoming = tuple(
-            (pred, Local(_cut_name(phi, pred)) if self.has_word(value) else value)
+            (pred, Ref(self.ids(phi.id, pred)) if self.has_word(value) else value)
             for pred, value in phi.incoming
         )
         return replace(phi, incoming=incoming)
 
-    def rewritten(self, op: Op) -> Iterator[Op]:
+    def rewritten(self, op: Instr) -> Iterator[Instr]:
         """The operation on words, behind the cuts that it needs."""
-        if op.name in self.chosen:
+        if op.id in self.chosen:
             first = 1 if op.op == "select" else 0
-            words = () if op.op == "load" else tuple(self.word(a, op.type) for a in op.args[first:])
+            words = (
+                () if op.op == "load" else tuple(self.word(a, op.type) for a in op.operands[first:])
+            )
             yield replace(
                 op,
-                name=op.name + _SIGNED,
+                id=self.ids(op.id),
                 type=_WORD,
-                args=op.args if op.op == "load" else (*op.args[:first], *words),
-                pred=op.pred.replace(op.type, _WORD),
+                operands=op.operands if op.op == "load" else (*op.operands[:first], *words),
+                pred=op.pred.replace(str(op.type), _WORD),
                 signed=op.op == "load",
             )
             return
         op = self.use(op)
-        args: list[Operand] = []
-        for arg in op.args:
-            if isinstance(arg, Local) and self.has_word(arg):
-                self.cuts += 1
-                yield self.cut(arg, f"{arg.name}.cut{self.cuts}", op)
-                args.append(Local(f"{arg.name}.cut{self.cuts}"))
+        args: list[Value] = []
+        for arg in op.operands:
+            if isinstance(arg, Ref) and self.has_word(arg):
+                cut = self.cut(arg, self.ids(), op)
+                yield cut
+                args.append(Ref(cut.id))
             else:
                 args.append(arg)
-        yield replace(op, args=tuple(args))
+        yield replace(op, operands=tuple(args))
 
-    def use(self, op: Op) -> Op:
+    def use(self, op: Instr) -> Instr:
         """The operation with words for its chosen operands, where that is possible."""
         if op.op == "icmp":
             return self.comparison(op)
-        if not op.args or not self.has_word(op.args[0]):
+        if not op.operands or not self.has_word(op.operands[0]):
             return op
-        word = self.word(op.args[0])
+        word = self.word(op.operands[0])
         if op.op == "store":
-            return replace(op, type=_WORD, args=(word, *op.args[1:]))
+            return replace(op, type=_WORD, operands=(word, *op.operands[1:]))
         if op.op not in ("sext", "sitofp", "trunc"):
             return op
         opcode = "trunc" if op.op == "sext" and op.type in _SMALL else op.op
         if op.op == "sext" and op.type == _WORD:
             opcode = "freeze"
-        return replace(op, op=opcode, args=(word,), source=_WORD)
+        return replace(op, op=opcode, operands=(word,), source=_WORD)
 
-    def comparison(self, op: Op) -> Op:
+    def comparison(self, op: Instr) -> Instr:
         """Sign extension keeps the order of signed numbers and that of unsigned ones."""
-        chosen = [self.has_word(arg) for arg in op.args]
-        constant = [isinstance(arg, Int) for arg in op.args]
+        chosen = [self.has_word(arg) for arg in op.operands]
+        constant = [isinstance(arg, Int) for arg in op.operands]
         if not any(chosen) or not all(a or b for a, b in zip(chosen, constant, strict=True)):
             return op
-        args = tuple(self.word(arg, op.type) for arg in op.args)
-        return replace(op, type=_WORD, args=args)
+        args = tuple(self.word(arg, op.type) for arg in op.operands)
+        return replace(op, type=_WORD, operands=args)
 
-    def has_word(self, operand: Operand) -> bool:
+    def has_word(self, operand: Value) -> bool:
         """Whether the operand is held as a signed word."""
-        return isinstance(operand, Local) and operand.name in self.chosen
+        return isinstance(operand, Ref) and operand.id in self.chosen
 
-    def word(self, operand: Operand, type_: str = "") -> Operand:
+    def word(self, operand: Value, type_: Kind = "") -> Value:
         """The signed word of a chosen value, or of a constant of the small type `type_`."""
         if isinstance(operand, Int):
-            half = 1 << _SMALL[type_] - 1
+            half = 1 << _SMALL[str(type_)] - 1
             return Int((operand.value + half) % (2 * half) - half)
-        assert isinstance(operand, Local)
-        return Local(operand.name + _SIGNED)
+        assert isinstance(operand, Ref)
+        return Ref(self.ids(operand.id))
 
-    def cut(self, value: Local, name: str, user: Op | WidePhi) -> Op:
-        """The small value as `name`."""
+    def cut(self, value: Ref, id_: int, user: Instr | Phi) -> Instr:
+        """The small value with an id of its own."""
         word = self.word(value)
-        return Op(name, "trunc", self.chosen[value.name], (word,), source=_WORD, loc=user.loc)
+        return Instr(id_, "trunc", self.chosen[value.id], (word,), source=_WORD, loc=user.loc)
 
 
-def _cut_name(phi: WidePhi, pred: str) -> str:
-    return f"{phi.name}.cut.{pred}"
-
-
-def store_low_bits(function: WideFunction) -> WideFunction:
+def store_low_bits(function: Function) -> Function:
     """Compute what is only stored in fewer bits in words: the store leaves the upper bits out."""
-    counts: dict[str, int] = {}
+    counts: dict[int, int] = {}
     for block in function.blocks:
-        for operand in uses(block):
-            if isinstance(operand, Local):
-                counts[operand.name] = counts.get(operand.name, 0) + 1
-    low = _LowWords(function, counts)
-    stores = [op for block in function.blocks for op in block.ops if _is_narrow_store(op)]
+        for operand in read_values(block):
+            if isinstance(operand, Ref):
+                counts[operand.id] = counts.get(operand.id, 0) + 1
+    low = _LowWords(function, counts, FreshIds(function))
+    stores = [op for block in function.blocks for op in block.instrs if _is_narrow_store(op)]
     if not stores:
         return function
-    values = {op: low.word(op.args[0]) for op in stores}
+    values = {op: low.word(op.operands[0]) for op in stores}
     blocks = tuple(
-        replace(block, ops=tuple(new for op in block.ops for new in low.placed(op, values)))
+        replace(block, instrs=tuple(new for op in block.instrs for new in low.placed(op, values)))
         for block in function.blocks
     )
     return remove_dead(replace(function, blocks=blocks))
 
 
-def _is_narrow_store(op: Op) -> bool:
+def _is_narrow_store(op: Instr) -> bool:
     return op.op == "store" and op.width < _WORD_BYTES
 
 
@@ -272,54 +259,57 @@ class _LowWords:
     Attributes
     ----------
     counts
-        Uses of each name: an operation with several is kept, rather than computed twice.
+        Uses of each result: an operation with several is kept, rather than computed twice.
     added
-        Operations to place behind the definition of each name.
+        Operations to place behind the definition of each result.
     """
 
-    function: WideFunction
-    counts: dict[str, int]
-    added: dict[str, Op] = field(default_factory=dict)
+    function: Function
+    counts: dict[int, int]
+    ids: FreshIds
+    added: dict[int, Instr] = field(default_factory=dict)
 
-    def word(self, operand: Operand) -> Operand:
+    def word(self, operand: Value) -> Value:
         """A word with the operand's bits, and anything above them."""
-        if not isinstance(operand, Local):
+        if not isinstance(operand, Ref):
             return operand
         type_ = type_of(self.function, operand)
         if type_ not in _SMALL:
             return operand
-        definition = self.function.definitions.get(operand.name)
-        if not isinstance(definition, Op):
+        definition = self.function.definitions.get(operand.id)
+        if not isinstance(definition, Instr):
             return operand
-        if operand.name not in self.added:
+        if operand.id not in self.added:
             made = self.made(definition)
             if made is None:
                 return operand
-            self.added[operand.name] = made
-        return Local(operand.name + _LOW)
+            self.added[operand.id] = made
+        return Ref(self.ids(operand.id))
 
-    def made(self, op: Op) -> Op | None:
+    def made(self, op: Instr) -> Instr | None:
         """The operation in words; None if its result is cheapest as it is."""
-        name = op.name + _LOW
+        id_ = self.ids(op.id)
         if op.op == "trunc":
             opcode = "trunc" if op.source == "i64" else "freeze"
-            return replace(op, name=name, op=opcode, type=_WORD, args=(self.word(op.args[0]),))
-        if self.counts.get(op.name, 0) > 1:
+            return replace(op, id=id_, op=opcode, type=_WORD, operands=(self.word(op.operands[0]),))
+        if self.counts.get(op.id, 0) > 1:
             return None
         if op.op in _RING:
-            return replace(op, name=name, type=_WORD, args=tuple(map(self.word, op.args)))
+            return replace(op, id=id_, type=_WORD, operands=tuple(map(self.word, op.operands)))
         if op.op == "select":
-            args = (op.args[0], *map(self.word, op.args[1:]))
-            return replace(op, name=name, type=_WORD, args=args)
-        if op.op == "shl" and isinstance(op.args[1], Int):
-            return replace(op, name=name, type=_WORD, args=(self.word(op.args[0]), op.args[1]))
+            args = (op.operands[0], *map(self.word, op.operands[1:]))
+            return replace(op, id=id_, type=_WORD, operands=args)
+        if op.op == "shl" and isinstance(op.operands[1], Int):
+            return replace(
+                op, id=id_, type=_WORD, operands=(self.word(op.operands[0]), op.operands[1])
+            )
         return None
 
-    def placed(self, op: Op, values: dict[Op, Operand]) -> Iterator[Op]:
+    def placed(self, op: Instr, values: dict[Instr, Value]) -> Iterator[Instr]:
         """The operation, a store with its word, and behind it the word it got."""
         if op in values:
-            yield replace(op, type=_WORD, args=(values[op], *op.args[1:]))
+            yield replace(op, type=_WORD, operands=(values[op], *op.operands[1:]))
             return
         yield op
-        if op.name in self.added:
-            yield self.added[op.name]
+        if op.id in self.added:
+            yield self.added[op.id]

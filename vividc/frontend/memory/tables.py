@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vividc.errors import InternalError, KernelError, SourceLoc
-from vividc.frontend.llvm.ir import Float, Int
 from vividc.frontend.llvm.tokens import Cursor, bare, unescaped
 from vividc.frontend.ranges.interval import S32, U32
+from vividc.ssa.ir import Float, Int
 
 _GLOBAL = re.compile(r'^(@(?:"(?:[^"\\]|\\.)*"|[-\w.$]+)) = .*?\bconstant (\[.*)$', re.MULTILINE)
 _ARRAY = re.compile(r"\[(\d+)x(.*)\]")

@@ -11,9 +11,9 @@ import re
 from dataclasses import replace
 
 from vividc.frontend.llvm.calls import RAISE_PREFIX
-from vividc.frontend.llvm.ir import Exit, Float, Int, Op, Operand, WideFunction
 from vividc.frontend.memory.local_arrays import Held
 from vividc.machine.params import TRAP, LocalArray
+from vividc.ssa.ir import Branch, Float, Function, Instr, Int, Value
 
 _TRAPPED = (
     "zero-size",
@@ -29,27 +29,27 @@ _TRAPPED = (
 """What exceptions of numba's functions say, of conditions that only the launch decides."""
 _FAR = 0x7FFFFFFC
 """No array has a byte here."""
-_NOTHING: dict[str, Operand | None] = {"void": None, "float": Float(0.0), "double": Float(0.0)}
+_NOTHING: dict[str, Value | None] = {"void": None, "float": Float(0.0), "double": Float(0.0)}
 _PATH = re.compile(r"File '.*")
 _NAMELESS = re.compile(r"\W+")
 
 
-def trap_raises(function: WideFunction) -> tuple[WideFunction, dict[str, Held]]:
+def trap_raises(function: Function) -> tuple[Function, dict[str, Held]]:
     """Make stores of the raises, and the arrays by name that they store to."""
     held: dict[str, Held] = {}
     blocks = []
     for block in function.blocks:
-        names = {op.pred: _name(op.pred) for op in block.ops if _is_trap(op)}
+        names = {op.pred: _name(op.pred) for op in block.instrs if _is_trap(op)}
         held |= {name: Held(LocalArray(name, 0), "i32") for name in names.values()}
-        ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.ops)
-        leave = Exit(value=_NOTHING.get(function.returns, Int(0)), loc=block.exit.loc)
-        blocks.append(replace(block, ops=ops, exit=leave if names else block.exit))
+        ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.instrs)
+        leave = Branch(value=_NOTHING.get(function.result, Int(0)), loc=block.branch.loc)
+        blocks.append(replace(block, instrs=ops, branch=leave if names else block.branch))
     if not held:
         return function, held
     return replace(function, blocks=tuple(blocks)), held
 
 
-def _is_trap(op: Op) -> bool:
+def _is_trap(op: Instr) -> bool:
     return (
         op.op == "call"
         and op.pred.startswith(RAISE_PREFIX)
@@ -62,6 +62,6 @@ def _name(callee: str) -> str:
     return f"{TRAP}{kind}.{_NAMELESS.sub('_', text).strip('_')}".rstrip(".")
 
 
-def _store(op: Op, name: str) -> Op:
+def _store(op: Instr, name: str) -> Instr:
     """Resolved already: no pointer is needed."""
-    return Op("", "store", "i32", (Int(0), Int(_FAR)), array=name, loc=op.loc)
+    return Instr(op.id, "store", "i32", (Int(0), Int(_FAR)), array=name, loc=op.loc)

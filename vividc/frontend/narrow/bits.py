@@ -7,22 +7,21 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.errors import KernelError
-from vividc.frontend.llvm.ir import Int, Op
 from vividc.frontend.narrow.emit import WORD_HINT, Emitter
 from vividc.frontend.narrow.small import emit_masked, sign_extended
 from vividc.frontend.ranges.interval import width
 from vividc.machine.opcodes import Opcode, Type
-from vividc.ssa.ir import Const, Value
+from vividc.ssa.ir import Const, Instr, Int, Value
 
-Rule = Callable[[Emitter, Op], None]
+Rule = Callable[[Emitter, Instr], None]
 _WORD = 32
 _MASK = 0xFFFFFFFF
 _INT_MAX = 0x7FFFFFFF
 
 
-def _count_ones(emitter: Emitter, op: Op) -> None:
+def _count_ones(emitter: Emitter, op: Instr) -> None:
     word = _word(emitter, op)
-    if width(op.type) <= _WORD or emitter.range(op.args[0])[0] >= 0:
+    if width(op.type) <= _WORD or emitter.range(op.operands[0])[0] >= 0:
         emitter.emit(op, Opcode.CTPOP, (word,))
         return
     ones = emitter.helper(op, Opcode.CTPOP, word)
@@ -31,7 +30,7 @@ def _count_ones(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.ADD, (ones, above))
 
 
-def _leading_zeros(emitter: Emitter, op: Op) -> None:
+def _leading_zeros(emitter: Emitter, op: Instr) -> None:
     """A word has 32 - width more; the upper word of a 64-bit value is 0, or all ones."""
     bits = width(op.type)
     word = _word(emitter, op)
@@ -40,7 +39,7 @@ def _leading_zeros(emitter: Emitter, op: Op) -> None:
         return
     zeros = emitter.helper(op, Opcode.CTLZ, word)
     difference = Const(bits - _WORD & _MASK)
-    if bits < _WORD or emitter.range(op.args[0])[0] >= 0:
+    if bits < _WORD or emitter.range(op.operands[0])[0] >= 0:
         emitter.emit(op, Opcode.ADD, (zeros, difference))
         return
     total = emitter.helper(op, Opcode.ADD, zeros, difference)
@@ -48,13 +47,13 @@ def _leading_zeros(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.SELECT, (negative, Const(0), total))
 
 
-def _trailing_zeros(emitter: Emitter, op: Op) -> None:
+def _trailing_zeros(emitter: Emitter, op: Instr) -> None:
     """0 has as many as its type has bits, unless LLVM gives it no meaning."""
     bits = width(op.type)
     word = _word(emitter, op)
     if bits < _WORD:
         word = emitter.helper(op, Opcode.OR, word, Const(1 << bits))
-    if bits <= _WORD or op.args[1] == Int(1):
+    if bits <= _WORD or op.operands[1] == Int(1):
         emitter.emit(op, Opcode.CTTZ, (word,))
         return
     zeros = emitter.helper(op, Opcode.CTTZ, word)
@@ -62,9 +61,9 @@ def _trailing_zeros(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.SELECT, (exists, zeros, Const(bits)))
 
 
-def _word(emitter: Emitter, op: Op) -> Value:
+def _word(emitter: Emitter, op: Instr) -> Value:
     """The word of the operand, which determines it."""
-    operand = op.args[0]
+    operand = op.operands[0]
     if width(op.type) > _WORD and not emitter.unsigned(operand):
         emitter.require_signed(operand, op.loc, "the operand of a bit count", WORD_HINT)
     return emitter.value(operand)
@@ -73,11 +72,11 @@ def _word(emitter: Emitter, op: Op) -> Value:
 def _permutation(opcode: Opcode) -> Rule:
     """The bits of a smaller type end up at the top of the word."""
 
-    def rule(emitter: Emitter, op: Op) -> None:
+    def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
         if bits > _WORD:
             raise KernelError("the bits of a 64-bit integer", loc=op.loc, hint="use np.uint32(...)")
-        word = emitter.value(op.args[0])
+        word = emitter.value(op.operands[0])
         if bits == _WORD:
             emitter.emit(op, opcode, (word,))
             return
@@ -90,15 +89,15 @@ def _permutation(opcode: Opcode) -> Rule:
 def _funnel(left: bool) -> Rule:
     """fshl, fshr: shifts of two integers side by side, by an amount modulo their width."""
 
-    def rule(emitter: Emitter, op: Op) -> None:
+    def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
         if bits > _WORD:
             raise KernelError("a rotation of a 64-bit integer", loc=op.loc, hint="use np.uint32")
         if bits < _WORD:
             _funnel_small(emitter, op, left)
-        elif isinstance(op.args[2], Int):
-            _funnel_constant(emitter, op, op.args[2].value % bits, left)
-        elif op.args[0] == op.args[1]:
+        elif isinstance(op.operands[2], Int):
+            _funnel_constant(emitter, op, op.operands[2].value % bits, left)
+        elif op.operands[0] == op.operands[1]:
             _rotate(emitter, op, left)
         else:
             _funnel_variable(emitter, op, left)
@@ -106,8 +105,8 @@ def _funnel(left: bool) -> Rule:
     return rule
 
 
-def _funnel_constant(emitter: Emitter, op: Op, amount: int, left: bool) -> None:
-    high, low = (emitter.value(arg) for arg in op.args[:2])
+def _funnel_constant(emitter: Emitter, op: Instr, amount: int, left: bool) -> None:
+    high, low = (emitter.value(arg) for arg in op.operands[:2])
     by = amount if left else -amount % _WORD
     if by == 0:
         emitter.emit(op, Opcode.MOV, (high if left else low,))
@@ -117,9 +116,9 @@ def _funnel_constant(emitter: Emitter, op: Op, amount: int, left: bool) -> None:
     emitter.emit(op, Opcode.OR, (up, down))
 
 
-def _rotate(emitter: Emitter, op: Op, left: bool) -> None:
+def _rotate(emitter: Emitter, op: Instr, left: bool) -> None:
     """The machine's amounts count modulo 32, so that -amount does for 32 - amount."""
-    word, amount = emitter.value(op.args[0]), emitter.value(op.args[2])
+    word, amount = emitter.value(op.operands[0]), emitter.value(op.operands[2])
     back = emitter.helper(op, Opcode.SUB, Const(0), amount)
     first, second = (Opcode.SHL, Opcode.LSHR) if left else (Opcode.LSHR, Opcode.SHL)
     one = emitter.helper(op, first, word, amount)
@@ -127,9 +126,9 @@ def _rotate(emitter: Emitter, op: Op, left: bool) -> None:
     emitter.emit(op, Opcode.OR, (one, other))
 
 
-def _funnel_variable(emitter: Emitter, op: Op, left: bool) -> None:
+def _funnel_variable(emitter: Emitter, op: Instr, left: bool) -> None:
     """By one, then by 31 - amount: a shift by 32 would be one by 0."""
-    high, low, amount = (emitter.value(arg) for arg in op.args)
+    high, low, amount = (emitter.value(arg) for arg in op.operands)
     rest = emitter.helper(op, Opcode.XOR, amount, Const(_WORD - 1))
     if left:
         near = emitter.helper(op, Opcode.SHL, high, amount)
@@ -142,12 +141,12 @@ def _funnel_variable(emitter: Emitter, op: Op, left: bool) -> None:
     emitter.emit(op, Opcode.OR, (near, far))
 
 
-def _funnel_small(emitter: Emitter, op: Op, left: bool) -> None:
+def _funnel_small(emitter: Emitter, op: Instr, left: bool) -> None:
     """Both halves side by side in one word; the types that LLVM makes have 8 or 16 bits."""
     bits = width(op.type)
     if 2 * bits > _WORD or bits & (bits - 1):
         raise KernelError(f"a rotation of {op.type}", loc=op.loc, hint="use np.uint32")
-    high, low, amount = (emitter.value(arg) for arg in op.args)
+    high, low, amount = (emitter.value(arg) for arg in op.operands)
     up = emitter.helper(op, Opcode.SHL, high, Const(bits))
     both = emitter.helper(op, Opcode.OR, up, low)
     by = emitter.helper(op, Opcode.AND, amount, Const(bits - 1))
@@ -161,7 +160,7 @@ def _funnel_small(emitter: Emitter, op: Op, left: bool) -> None:
 def _saturating(opcode: Opcode, is_signed: bool) -> Rule:
     """Sums and differences that stop at the ends of their type."""
 
-    def rule(emitter: Emitter, op: Op) -> None:
+    def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
         if bits > _WORD:
             _saturating_wide(emitter, op, opcode, is_signed)
@@ -175,32 +174,32 @@ def _saturating(opcode: Opcode, is_signed: bool) -> Rule:
     return rule
 
 
-def _saturating_wide(emitter: Emitter, op: Op, opcode: Opcode, is_signed: bool) -> None:
+def _saturating_wide(emitter: Emitter, op: Instr, opcode: Opcode, is_signed: bool) -> None:
     """Only unsigned differences of words: all else may need more than a word."""
     if is_signed or opcode is Opcode.ADD:
         raise KernelError("a saturating sum of 64-bit integers", loc=op.loc, hint=WORD_HINT)
-    if not emitter.unsigned(*op.args):
-        emitter.require_signed(op.args[0], op.loc, "the operand of a subtraction", WORD_HINT)
+    if not emitter.unsigned(*op.operands):
+        emitter.require_signed(op.operands[0], op.loc, "the operand of a subtraction", WORD_HINT)
         raise KernelError(
             "a saturating subtraction of negative integers", loc=op.loc, hint=WORD_HINT
         )
     _saturating_unsigned(emitter, op, opcode)
 
 
-def _saturating_small(emitter: Emitter, op: Op, opcode: Opcode, is_signed: bool) -> None:
+def _saturating_small(emitter: Emitter, op: Instr, opcode: Opcode, is_signed: bool) -> None:
     bits = width(op.type)
     low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if is_signed else (0, (1 << bits) - 1)
     if is_signed:
-        left, right = (sign_extended(emitter, op, arg, bits) for arg in op.args)
+        left, right = (sign_extended(emitter, op, arg, bits) for arg in op.operands)
     else:
-        left, right = (emitter.value(arg) for arg in op.args)
+        left, right = (emitter.value(arg) for arg in op.operands)
     exact = emitter.helper(op, opcode, left, right)
     above = emitter.helper(op, Opcode.SMAX, exact, Const(low & _MASK))
     emit_masked(emitter, op, Opcode.SMIN, above, Const(high))
 
 
-def _saturating_unsigned(emitter: Emitter, op: Op, opcode: Opcode) -> None:
-    left, right = (emitter.value(arg) for arg in op.args)
+def _saturating_unsigned(emitter: Emitter, op: Instr, opcode: Opcode) -> None:
+    left, right = (emitter.value(arg) for arg in op.operands)
     result = emitter.helper(op, opcode, left, right)
     if opcode is Opcode.ADD:
         wraps = emitter.helper(op, Opcode.ICMP_ULT, result, left, type_=Type.PRED)
@@ -210,9 +209,9 @@ def _saturating_unsigned(emitter: Emitter, op: Op, opcode: Opcode) -> None:
     emitter.emit(op, Opcode.SELECT, (wraps, limit, result))
 
 
-def _saturating_signed(emitter: Emitter, op: Op, opcode: Opcode) -> None:
+def _saturating_signed(emitter: Emitter, op: Instr, opcode: Opcode) -> None:
     """The result wrapped if its sign is wrong: not the left operand's, though it must be."""
-    left, right = (emitter.value(arg) for arg in op.args)
+    left, right = (emitter.value(arg) for arg in op.operands)
     result = emitter.helper(op, opcode, left, right)
     changed = emitter.helper(op, Opcode.XOR, result, left)
     other = result if opcode is Opcode.ADD else left

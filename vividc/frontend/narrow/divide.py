@@ -16,13 +16,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError
-from vividc.frontend.llvm.ir import Op, Operand
 from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.small import sign_extended, signed_range
 from vividc.frontend.ranges.interval import S32, U32, Interval, contains, width
 from vividc.machine.division import multiplier, quotient_by_constant, remainder_by_constant
 from vividc.machine.opcodes import OPCODES, Opcode, Type
-from vividc.ssa.ir import Const, Value
+from vividc.ssa.ir import Const, Instr, Value
 
 _WORD = 32
 _MASK = 0xFFFFFFFF
@@ -35,7 +34,7 @@ class _Term:
 
     word: Value
     range: Interval
-    source: Operand
+    source: Value
 
     @property
     def is_signed(self) -> bool:
@@ -53,7 +52,7 @@ class _Term:
         return max(abs(bound) for bound in self.range)
 
 
-def divide(emitter: Emitter, op: Op, hint: str) -> None:
+def divide(emitter: Emitter, op: Instr, hint: str) -> None:
     """Write the division or remainder `op`; refused with `hint` if an operand may fit no word.
 
     Raises
@@ -61,7 +60,7 @@ def divide(emitter: Emitter, op: Op, hint: str) -> None:
     KernelError
         No word holds an operand.
     """
-    result = _Division(emitter, op, hint).result(is_quotient=op.op.endswith("div"))
+    result = _Division(emitter, op, hint).result(is_quotient=op.mnemonic.endswith("div"))
     bits = width(op.type)
     if bits < _WORD:
         emitter.emit(op, Opcode.AND, (result, Const((1 << bits) - 1)))
@@ -72,15 +71,15 @@ def divide(emitter: Emitter, op: Op, hint: str) -> None:
 class _Division:
     """One division: its operands, and the instructions that it writes."""
 
-    def __init__(self, emitter: Emitter, op: Op, hint: str) -> None:
+    def __init__(self, emitter: Emitter, op: Instr, hint: str) -> None:
         self._emitter = emitter
         self._op = op
         self._hint = hint
-        self._rounds_down = "floor" in op.op
-        self._dividend = self._term(op.args[0], "the dividend")
-        self._divisor = self._term(op.args[1], "the divisor")
+        self._rounds_down = "floor" in op.mnemonic
+        self._dividend = self._term(op.operands[0], "the dividend")
+        self._divisor = self._term(op.operands[1], "the divisor")
         # By zero Python's is 0; LLVM's has no meaning.
-        self._may_be_zero = self._rounds_down and not emitter.is_nonzero(op.args[1])
+        self._may_be_zero = self._rounds_down and not emitter.is_nonzero(op.operands[1])
 
     def result(self, *, is_quotient: bool) -> Value:
         """The word of the result."""
@@ -96,9 +95,9 @@ class _Division:
                 return biased
         return self._floor(is_quotient)
 
-    def _term(self, operand: Operand, what: str) -> _Term:
+    def _term(self, operand: Value, what: str) -> _Term:
         emitter, op = self._emitter, self._op
-        bits, is_signed = width(op.type), op.op[0] == "s"
+        bits, is_signed = width(op.type), op.mnemonic[0] == "s"
         interval = emitter.range(operand)
         if bits < _WORD and is_signed:
             word = sign_extended(emitter, op, operand, bits)
@@ -137,10 +136,10 @@ class _Division:
         self._may_be_zero = False
 
     def _is_shared(self, is_quotient: bool) -> bool:
-        other = self._op.op[:-3] + ("rem" if is_quotient else "div")
+        other = self._op.mnemonic[:-3] + ("rem" if is_quotient else "div")
         definitions = self._emitter.function.definitions.values()
         return any(
-            isinstance(item, Op) and item.op == other and item.args == self._op.args
+            isinstance(item, Instr) and item.op == other and item.operands == self._op.operands
             for item in definitions
         )
 

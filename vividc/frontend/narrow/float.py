@@ -8,14 +8,13 @@ from collections.abc import Callable
 import numpy as np
 
 from vividc.errors import KernelError
-from vividc.frontend.llvm.ir import Float, Local, Op, Operand
 from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.small import emit_masked, is_small, sign_extended
 from vividc.frontend.ranges.interval import width
 from vividc.machine.opcodes import Opcode, Type
-from vividc.ssa.ir import Const
+from vividc.ssa.ir import Const, Float, Instr, Named, Value
 
-Rule = Callable[[Emitter, Op], None]
+Rule = Callable[[Emitter, Instr], None]
 
 _O = Opcode
 _COMPARE: dict[str, tuple[Opcode, bool]] = {
@@ -39,9 +38,9 @@ _MASK = 0xFFFFFFFF
 
 
 def _direct(opcode: Opcode) -> Rule:
-    def rule(emitter: Emitter, op: Op) -> None:
+    def rule(emitter: Emitter, op: Instr) -> None:
         _check_type(op)
-        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.operands))
 
     return rule
 
@@ -50,7 +49,7 @@ def _arithmetic(opcode: Opcode) -> Rule:
     """As `_direct`, and a double's result is rounded differently."""
     plain = _direct(opcode)
 
-    def rule(emitter: Emitter, op: Op) -> None:
+    def rule(emitter: Emitter, op: Instr) -> None:
         if op.type == "double":
             _check_literals(op)
             emitter.demote(op)
@@ -59,9 +58,9 @@ def _arithmetic(opcode: Opcode) -> Rule:
     return rule
 
 
-def _check_literals(op: Op) -> None:
+def _check_literals(op: Instr) -> None:
     """A literal that float32 would turn into infinity or zero is refused, not rounded."""
-    for arg in op.args:
+    for arg in op.operands:
         if not isinstance(arg, Float) or not math.isfinite(arg.value) or arg.value == 0:
             continue
         with np.errstate(over="ignore", under="ignore"):
@@ -74,35 +73,35 @@ def _check_literals(op: Op) -> None:
             )
 
 
-def _check_type(op: Op) -> None:
+def _check_type(op: Instr) -> None:
     if op.type not in ("float", "double"):
         raise KernelError(f"arithmetic on {op.type}", loc=op.loc, hint="use float32")
 
 
-def _compare(emitter: Emitter, op: Op) -> None:
-    if op.type == "double" and not all(_is_float32(emitter, arg) for arg in op.args):
+def _compare(emitter: Emitter, op: Instr) -> None:
+    if op.type == "double" and not all(_is_float32(emitter, arg) for arg in op.operands):
         _check_literals(op)
         emitter.demote(op)
     opcode, swap = _COMPARE[op.pred]
-    left, right = (emitter.value(arg) for arg in op.args)
+    left, right = (emitter.value(arg) for arg in op.operands)
     emitter.emit(op, opcode, (right, left) if swap else (left, right))
 
 
-def _is_float32(emitter: Emitter, operand: Operand) -> bool:
+def _is_float32(emitter: Emitter, operand: Value) -> bool:
     """Whether a double is a float32 exactly."""
     if isinstance(operand, Float):
         with np.errstate(over="ignore"):
             rounded = float(np.float32(operand.value))
         return rounded == operand.value or operand.value != operand.value
     definition = (
-        emitter.function.definitions.get(operand.name) if isinstance(operand, Local) else None
+        emitter.function.definitions.get(operand.key) if isinstance(operand, Named) else None
     )
-    return isinstance(definition, Op) and definition.op == "fpext"
+    return isinstance(definition, Instr) and definition.op == "fpext"
 
 
-def _from_int(emitter: Emitter, op: Op) -> None:
+def _from_int(emitter: Emitter, op: Instr) -> None:
     """The conversion rounds once, from the exact integer."""
-    [operand] = op.args
+    [operand] = op.operands
     source = op.source
     if source == "i1":
         word = emitter.value(operand)
@@ -129,20 +128,20 @@ def _from_int(emitter: Emitter, op: Op) -> None:
         raise KernelError("a negative integer, converted as unsigned", loc=op.loc, hint=hint)
 
 
-def _to_signed(emitter: Emitter, op: Op) -> None:
+def _to_signed(emitter: Emitter, op: Instr) -> None:
     if op.type == "i64":
         emitter.saturated.append(op.loc)
-    emit_masked(emitter, op, Opcode.FPTOSI, emitter.value(op.args[0]))
+    emit_masked(emitter, op, Opcode.FPTOSI, emitter.value(op.operands[0]))
 
 
-def _to_unsigned(emitter: Emitter, op: Op) -> None:
+def _to_unsigned(emitter: Emitter, op: Instr) -> None:
     """Values from 2**31 on are converted less 2**31, which is exact."""
     if is_small(op.type):
         _to_signed(emitter, op)
         return
     if op.type == "i64":
         emitter.saturated.append(op.loc)
-    value = emitter.value(op.args[0])
+    value = emitter.value(op.operands[0])
     limit = Const(0x4F000000)  # 2**31 as a float32
     small = emitter.helper(op, Opcode.FCMP_OLT, value, limit, type_=Type.PRED)
     less = emitter.helper(op, Opcode.FSUB, value, limit, type_=Type.F32)
@@ -152,22 +151,22 @@ def _to_unsigned(emitter: Emitter, op: Op) -> None:
     emitter.emit(op, Opcode.XOR, (word, high))
 
 
-def _copysign(emitter: Emitter, op: Op) -> None:
+def _copysign(emitter: Emitter, op: Instr) -> None:
     _check_type(op)
-    magnitude, sign = (emitter.value(arg) for arg in op.args)
+    magnitude, sign = (emitter.value(arg) for arg in op.operands)
     bits = emitter.helper(op, Opcode.AND, magnitude, Const(_SIGN - 1))
     top = emitter.helper(op, Opcode.AND, sign, Const(_SIGN))
     emitter.emit(op, Opcode.OR, (bits, top))
 
 
-def _ldexp(emitter: Emitter, op: Op) -> None:
+def _ldexp(emitter: Emitter, op: Instr) -> None:
     """x * 2**n, rounded once: factors of 2**127 and 2**-102 until n is a normal exponent. After the
     latter a number that lost bits vanishes with the rest of n.
     """
     _check_type(op)
     if op.type == "double":
         emitter.demote(op)
-    x, n = (emitter.value(arg) for arg in op.args)
+    x, n = (emitter.value(arg) for arg in op.operands)
     for step in (-102, -102, 127, 127):
         bounds = (n, Const(-126 & _MASK)) if step < 0 else (Const(127), n)
         beyond = emitter.helper(op, Opcode.ICMP_SLT, *bounds, type_=Type.PRED)

@@ -10,17 +10,17 @@ from collections.abc import Callable
 from typing import Final
 
 from vividc.formats import FORMATS, Format
-from vividc.frontend.llvm.ir import Op
 from vividc.frontend.narrow.emit import Emitter
 from vividc.lang.numba_types import symbol
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Instr
 
-Rule = Callable[[Emitter, Op], None]
+Rule = Callable[[Emitter, Instr], None]
 
 
 def _rule(opcode: Opcode) -> Rule:
-    def rule(emitter: Emitter, op: Op) -> None:
-        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+    def rule(emitter: Emitter, op: Instr) -> None:
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.operands))
 
     return rule
 

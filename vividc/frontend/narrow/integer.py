@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.errors import KernelError
-from vividc.frontend.llvm.ir import Int, Op, Operand
 from vividc.frontend.narrow.divide import divide
 from vividc.frontend.narrow.emit import WORD_HINT, Emitter
 from vividc.frontend.narrow.floor_division import FLOOR_DIVISIONS
@@ -13,9 +12,9 @@ from vividc.frontend.narrow.small import emit_masked, sign_extended
 from vividc.frontend.ranges.interval import width
 from vividc.lang.operations import MULHS, MULHU
 from vividc.machine.opcodes import Opcode, Type
-from vividc.ssa.ir import Const, Value
+from vividc.ssa.ir import Const, Instr, Int, Value
 
-Rule = Callable[[Emitter, Op], None]
+Rule = Callable[[Emitter, Instr], None]
 
 _WORD = 32
 _HINT = WORD_HINT
@@ -33,7 +32,7 @@ _SIGNED: dict[str, tuple[Opcode, bool]] = {
 }
 
 
-def computes(op: Op) -> bool:
+def computes(op: Instr) -> bool:
     """Whether a conversion is more than another name for its operand's word."""
     if op.op == "trunc":
         return width(op.type) < _WORD
@@ -45,8 +44,8 @@ def computes(op: Op) -> bool:
 def _ring(opcode: Opcode) -> Rule:
     """The low word of the result depends on the low words of the operands only."""
 
-    def rule(emitter: Emitter, op: Op) -> None:
-        operands = tuple(emitter.value(arg) for arg in op.args)
+    def rule(emitter: Emitter, op: Instr) -> None:
+        operands = tuple(emitter.value(arg) for arg in op.operands)
         bits = width(op.type)
         if bits >= _WORD or opcode in (Opcode.AND, Opcode.OR, Opcode.XOR):
             emitter.emit(op, opcode, operands)
@@ -57,15 +56,15 @@ def _ring(opcode: Opcode) -> Rule:
     return rule
 
 
-def _truncate(emitter: Emitter, op: Op) -> None:
+def _truncate(emitter: Emitter, op: Instr) -> None:
     mask = Const((1 << width(op.type)) - 1)
-    emitter.emit(op, Opcode.AND, (emitter.value(op.args[0]), mask))
+    emitter.emit(op, Opcode.AND, (emitter.value(op.operands[0]), mask))
 
 
-def _sign_extend(emitter: Emitter, op: Op) -> None:
+def _sign_extend(emitter: Emitter, op: Instr) -> None:
     """From less than a word: its upper bits are 0 in our representation."""
     bits = width(op.source)
-    word = emitter.value(op.args[0])
+    word = emitter.value(op.operands[0])
     if bits == 1:
         emit_masked(emitter, op, Opcode.SUB, Const(0), word)
         return
@@ -73,11 +72,11 @@ def _sign_extend(emitter: Emitter, op: Op) -> None:
     emit_masked(emitter, op, Opcode.ASHR, up, Const(_WORD - bits))
 
 
-def _small(op: Op) -> bool:
+def _small(op: Instr) -> bool:
     return width(op.type) < _WORD
 
 
-def _whole(emitter: Emitter, op: Op, *operands: Operand, what: str) -> bool:
+def _whole(emitter: Emitter, op: Instr, *operands: Value, what: str) -> bool:
     """Whether the operands' words are to be read as signed (else as unsigned); refuses if neither
     is right.
     """
@@ -90,17 +89,17 @@ def _whole(emitter: Emitter, op: Op, *operands: Operand, what: str) -> bool:
     raise KernelError(f"{what} mixes negative and large unsigned integers", loc=op.loc, hint=_HINT)
 
 
-def _compare(emitter: Emitter, op: Op) -> None:
+def _compare(emitter: Emitter, op: Instr) -> None:
     pred = op.pred
     if not _small(op):
         pred = _word_predicate(emitter, op)
     opcode, swap = _SIGNED[pred]
-    left, right = _extended(emitter, op, op.args, is_signed=op.pred[0] == "s")
+    left, right = _extended(emitter, op, op.operands, is_signed=op.pred[0] == "s")
     emitter.emit(op, opcode, (right, left) if swap else (left, right))
 
 
 def _extended(
-    emitter: Emitter, op: Op, operands: tuple[Operand, ...], *, is_signed: bool
+    emitter: Emitter, op: Instr, operands: tuple[Value, ...], *, is_signed: bool
 ) -> tuple[Value, ...]:
     """The operands' words, those of less than a word as signed or unsigned."""
     if not is_signed:
@@ -108,38 +107,38 @@ def _extended(
     return tuple(sign_extended(emitter, op, operand, width(op.type)) for operand in operands)
 
 
-def _word_predicate(emitter: Emitter, op: Op) -> str:
+def _word_predicate(emitter: Emitter, op: Instr) -> str:
     """The same comparison of words. Signed where both agree: the controller counts such loops."""
     pred = op.pred
     if pred in ("eq", "ne"):
         if width(op.type) > _WORD:
-            _whole(emitter, op, *op.args, what="the compared integer")
+            _whole(emitter, op, *op.operands, what="the compared integer")
         return pred
-    nonnegative = all(emitter.range(arg)[0] >= 0 for arg in op.args)
+    nonnegative = all(emitter.range(arg)[0] >= 0 for arg in op.operands)
     if width(op.type) == _WORD:
         return "s" + pred[1:] if nonnegative else pred
-    if _whole(emitter, op, *op.args, what="the compared integer"):
+    if _whole(emitter, op, *op.operands, what="the compared integer"):
         # Sign extension keeps the unsigned order too.
         return "s" + pred[1:] if nonnegative else pred
     return "u" + pred[1:]
 
 
-def _shift_left(emitter: Emitter, op: Op) -> None:
+def _shift_left(emitter: Emitter, op: Instr) -> None:
     if _small(op):
-        emit_masked(emitter, op, Opcode.SHL, *(emitter.value(arg) for arg in op.args))
+        emit_masked(emitter, op, Opcode.SHL, *(emitter.value(arg) for arg in op.operands))
         return
-    value, amount = op.args
+    value, amount = op.operands
     _emit_shift(emitter, op, Opcode.SHL, emitter.value(value), amount, outside=Const(0))
 
 
-def _shift_right(emitter: Emitter, op: Op) -> None:
+def _shift_right(emitter: Emitter, op: Instr) -> None:
     """Logical or arithmetic; a value of 64 bits must be its word's extension, and its sign decides
     which.
     """
     if _small(op):
         _shift_right_small(emitter, op)
         return
-    value, amount = op.args
+    value, amount = op.operands
     word = emitter.value(value)
     if width(op.type) == _WORD:
         opcode = Opcode.ASHR if op.op == "ashr" else Opcode.LSHR
@@ -162,7 +161,7 @@ def _shift_right(emitter: Emitter, op: Op) -> None:
         _emit_shift(emitter, op, Opcode.ASHR, word, amount, outside=outside)
 
 
-def _shift_sign_down(emitter: Emitter, op: Op, word: Value, amount: Operand) -> None:
+def _shift_sign_down(emitter: Emitter, op: Instr, word: Value, amount: Value) -> None:
     """lshr i64 of a negative value: below 32 the result's low word is that of ashr, from 32 on the
     sign's.
     """
@@ -175,13 +174,13 @@ def _shift_sign_down(emitter: Emitter, op: Op, word: Value, amount: Operand) -> 
     emitter.emit(op, Opcode.LSHR, (sign, Const(amount.value - _WORD)))
 
 
-def _may_exceed(emitter: Emitter, amount: Operand) -> bool:
+def _may_exceed(emitter: Emitter, amount: Value) -> bool:
     low, high = emitter.range(amount)
     return low < 0 or high >= _WORD
 
 
 def _emit_shift(
-    emitter: Emitter, op: Op, opcode: Opcode, word: Value, amount: Operand, outside: Value
+    emitter: Emitter, op: Instr, opcode: Opcode, word: Value, amount: Value, outside: Value
 ) -> None:
     """The machine's amounts count modulo 32; LLVM's go up to the width of the type."""
     if width(op.type) == _WORD or not _may_exceed(emitter, amount):
@@ -193,9 +192,9 @@ def _emit_shift(
     emitter.emit(op, Opcode.SELECT, (inside, shifted, outside))
 
 
-def _shift_right_small(emitter: Emitter, op: Op) -> None:
+def _shift_right_small(emitter: Emitter, op: Instr) -> None:
     """LLVM gives amounts from the type's width on no meaning."""
-    value, amount = op.args
+    value, amount = op.operands
     if op.op == "lshr":
         emitter.emit(op, Opcode.LSHR, (emitter.value(value), emitter.value(amount)))
         return
@@ -203,21 +202,21 @@ def _shift_right_small(emitter: Emitter, op: Op) -> None:
     emit_masked(emitter, op, Opcode.ASHR, word, emitter.value(amount))
 
 
-def _divide(emitter: Emitter, op: Op) -> None:
+def _divide(emitter: Emitter, op: Instr) -> None:
     divide(emitter, op, _HINT)
 
 
 def _extremum(signed: bool, largest: bool) -> Rule:
-    def rule(emitter: Emitter, op: Op) -> None:
+    def rule(emitter: Emitter, op: Instr) -> None:
         if _small(op):
             # Unsigned ones are positive words.
-            words = _extended(emitter, op, op.args[:2], is_signed=signed)
+            words = _extended(emitter, op, op.operands[:2], is_signed=signed)
             emit_masked(emitter, op, Opcode.SMAX if largest else Opcode.SMIN, *words)
             return
-        left, right = (emitter.value(arg) for arg in op.args[:2])
+        left, right = (emitter.value(arg) for arg in op.operands[:2])
         as_signed = signed
         if width(op.type) > _WORD:
-            whole = _whole(emitter, op, *op.args[:2], what="the compared integer")
+            whole = _whole(emitter, op, *op.operands[:2], what="the compared integer")
             as_signed = signed and whole
         if as_signed:
             emitter.emit(op, Opcode.SMAX if largest else Opcode.SMIN, (left, right))
@@ -228,8 +227,8 @@ def _extremum(signed: bool, largest: bool) -> Rule:
     return rule
 
 
-def _abs(emitter: Emitter, op: Op) -> None:
-    value = op.args[0]
+def _abs(emitter: Emitter, op: Instr) -> None:
+    value = op.operands[0]
     if width(op.type) > _WORD and not emitter.signed(value):
         emitter.require_signed(value, op.loc, "the operand of abs", _HINT)
     word = sign_extended(emitter, op, value, width(op.type))
@@ -240,21 +239,21 @@ def _abs(emitter: Emitter, op: Op) -> None:
 def _three_way(signed: bool) -> Rule:
     """scmp, ucmp: (a > b) - (a < b)."""
 
-    def rule(emitter: Emitter, op: Op) -> None:
-        source = emitter.type_of(op.args[0]) or emitter.type_of(op.args[1])
+    def rule(emitter: Emitter, op: Instr) -> None:
+        source = emitter.type_of(op.operands[0]) or emitter.type_of(op.operands[1])
         bits = width(source)
         left, right = (
             sign_extended(emitter, op, arg, bits) if signed else emitter.value(arg)
-            for arg in op.args[:2]
+            for arg in op.operands[:2]
         )
         as_signed = signed
         if bits > _WORD:
-            if not emitter.signed(*op.args[:2]) and not emitter.unsigned(*op.args[:2]):
+            if not emitter.signed(*op.operands[:2]) and not emitter.unsigned(*op.operands[:2]):
                 raise KernelError(
                     "a three-way comparison of 64-bit integers", loc=op.loc, hint=_HINT
                 )
             # Zero extensions are ordered as words are; sign extensions keep the unsigned order.
-            as_signed = signed and emitter.signed(*op.args[:2])
+            as_signed = signed and emitter.signed(*op.operands[:2])
         less = Opcode.ICMP_SLT if as_signed else Opcode.ICMP_ULT
         above = emitter.helper(op, less, right, left, type_=Type.PRED)
         below = emitter.helper(op, less, left, right, type_=Type.PRED)
@@ -264,8 +263,8 @@ def _three_way(signed: bool) -> Rule:
 
 
 def _high_product(opcode: Opcode) -> Rule:
-    def rule(emitter: Emitter, op: Op) -> None:
-        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.args))
+    def rule(emitter: Emitter, op: Instr) -> None:
+        emitter.emit(op, opcode, tuple(emitter.value(arg) for arg in op.operands))
 
     return rule
 

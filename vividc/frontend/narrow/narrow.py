@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.llvm.calls import RAISE_PREFIX, hint_of_raise
-from vividc.frontend.llvm.ir import Exit, Op, Operand, WideBlock, WideFunction
 from vividc.frontend.narrow import (
     bits as narrow_bits,
 )
@@ -30,7 +29,7 @@ from vividc.frontend.narrow import (
 from vividc.frontend.narrow import (
     integer as narrow_int,
 )
-from vividc.frontend.narrow.emit import ALIASES, Emitter, result_type
+from vividc.frontend.narrow.emit import ALIASES, Emitter, word_type
 from vividc.frontend.narrow.wide.phis import high_phis
 from vividc.frontend.narrow.wide.rules import saturates_wide, translate_wide
 from vividc.frontend.narrow.wide.words import Words
@@ -51,7 +50,7 @@ class Narrowed:
 
 
 def narrow(
-    function: WideFunction,
+    function: Function,
     ranges: Ranges,
     name: str,
     params: tuple[Param, ...],
@@ -77,26 +76,26 @@ def narrow(
 class _Narrower:
     """Translates block by block. Results are numbered beforehand: a phi may name a later one."""
 
-    def __init__(self, function: WideFunction, ranges: Ranges, returns: DType | None) -> None:
+    def __init__(self, function: Function, ranges: Ranges, returns: DType | None) -> None:
         self._function = function
         self._names = {block.name: f"b{index}" for index, block in enumerate(function.blocks)}
-        ids = {name: index for index, name in enumerate(_results(function))}
+        ids = {id_: index for index, id_ in enumerate(_results(function))}
         self.emitter = Emitter(function, ranges, ids, returned=returns in WIDE_DTYPES)
 
-    def block(self, block: WideBlock, returns: DType | None) -> Block:
+    def block(self, block: Block, returns: DType | None) -> Block:
         """One block."""
         emitter = self.emitter
         emitter.start(block.name)
         phis = tuple(
             Phi(
-                emitter.ids[phi.name],
-                result_type(phi.type),
+                emitter.ids[phi.id],
+                word_type(phi.type),
                 tuple((self._names[pred], emitter.value(v)) for pred, v in phi.incoming),
                 phi.loc,
             )
             for phi in block.phis
         )
-        for op in block.ops:
+        for op in block.instrs:
             if not translate_wide(emitter, op):
                 _translate(emitter, op)
         branch = self._branch(block, returns)
@@ -113,18 +112,18 @@ class _Narrower:
             changed[block.name] = replace(block, phis=(*block.phis, high.phi))
         return tuple(changed.values())
 
-    def _branch(self, block: WideBlock, returns: DType | None) -> Branch:
-        leave = block.exit
+    def _branch(self, block: Block, returns: DType | None) -> Branch:
+        leave = block.branch
         if leave.unreachable:
             raise KernelError("the kernel can reach code that has no meaning", loc=leave.loc)
-        targets = [self._names[target] for target in leave.targets]
+        targets = [self._names[target] for target in leave.successors]
         if not targets:
             return self._return(leave, returns)
         if leave.cond is None:
             return Branch(targets[0], loc=leave.loc)
         return Branch(targets[0], self.emitter.value(leave.cond), targets[1], loc=leave.loc)
 
-    def _return(self, leave: Exit, returns: DType | None) -> Branch:
+    def _return(self, leave: Branch, returns: DType | None) -> Branch:
         if leave.value is None or returns is None:
             return Branch(loc=leave.loc)
         low = self.emitter.value(leave.value)
@@ -137,32 +136,32 @@ class _Narrower:
         """Whether every returned value is its word, read as the type says."""
         fits = S32 if returns is DType.I64 else U32
         return all(
-            contains(fits, self.emitter.range_at(block.exit.value, block.name))
+            contains(fits, self.emitter.range_at(block.branch.value, block.name))
             for block in self._function.blocks
-            if block.exit.value is not None
+            if block.branch.value is not None
         )
 
-    def _high(self, leave: Exit) -> Value:
+    def _high(self, leave: Branch) -> Value:
         assert leave.value is not None
-        return Words(self.emitter, Op("", "ret", "i64", (), loc=leave.loc)).high(leave.value)
+        return Words(self.emitter, Instr(-1, "ret", "i64", (), loc=leave.loc)).high(leave.value)
 
 
-def _results(function: WideFunction) -> list[str]:
-    """Names that become instructions or phis of their own."""
+def _results(function: Function) -> list[int]:
+    """Results that become instructions or phis of their own."""
     return [
-        item.name
+        item.id
         for block in function.blocks
         for item in block.items
-        if item.name and not (isinstance(item, Op) and item.op in ALIASES and not _masks(item))
+        if isinstance(item, Phi) or (item.has_result and (item.op not in ALIASES or _masks(item)))
     ]
 
 
-def _masks(op: Op) -> bool:
+def _masks(op: Instr) -> bool:
     """A conversion that computes: to or from less than a word."""
     return narrow_int.computes(op)
 
 
-def _translate(emitter: Emitter, op: Op) -> None:
+def _translate(emitter: Emitter, op: Instr) -> None:
     if op.op == "bitcast" and "float" not in (op.type, op.source):
         raise KernelError(f"the bits of a {op.source}", loc=op.loc, hint="use float32 and int32")
     if op.op in ALIASES and not _masks(op):
@@ -170,24 +169,24 @@ def _translate(emitter: Emitter, op: Op) -> None:
     if op.op == "call":
         _call(emitter, op)
     elif op.op == "load":
-        _memory(emitter, op, Opcode.LOAD, (op.args[0],))
+        _memory(emitter, op, Opcode.LOAD, (op.operands[0],))
     elif op.op == "store":
-        _memory(emitter, op, Opcode.STORE, (op.args[1], op.args[0]))
+        _memory(emitter, op, Opcode.STORE, (op.operands[1], op.operands[0]))
     elif op.op == "select":
-        emitter.emit(op, Opcode.SELECT, tuple(emitter.value(arg) for arg in op.args))
+        emitter.emit(op, Opcode.SELECT, tuple(emitter.value(arg) for arg in op.operands))
     elif op.op in narrow_float.RULES:
-        narrow_float.RULES[op.op](emitter, op)
+        narrow_float.RULES[op.mnemonic](emitter, op)
     elif op.op in narrow_int.RULES:
-        narrow_int.RULES[op.op](emitter, op)
+        narrow_int.RULES[op.mnemonic](emitter, op)
     else:
         raise KernelError(f"LLVM's `{op.op}` cannot run on the array", loc=op.loc)
 
 
-def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, ...]) -> None:
+def _memory(emitter: Emitter, op: Instr, opcode: Opcode, operands: tuple[Value, ...]) -> None:
     instr = Instr(
         emitter.id_of(op),
         opcode,
-        result_type(op.type) if opcode is Opcode.LOAD else Type.NONE,
+        word_type(op.type) if opcode is Opcode.LOAD else Type.NONE,
         (Input(f"&{op.array}"), *(emitter.value(operand) for operand in operands)),
         array=op.array,
         shift=op.shift,
@@ -200,21 +199,21 @@ def _memory(emitter: Emitter, op: Op, opcode: Opcode, operands: tuple[Operand, .
     emitter.instrs.append(instr)
 
 
-def refuse_calls(function: WideFunction) -> None:
+def refuse_calls(function: Function) -> None:
     """Refuse a kernel that calls what the array cannot run; a raise may yet prove unreachable."""
     for block in function.blocks:
-        for op in block.ops:
+        for op in block.instrs:
             if op.op != "call" or _raises(op) or saturates_wide(op):
                 continue
             if _call_rule(op) is None:
                 raise _refused(op)
 
 
-def _raises(op: Op) -> bool:
+def _raises(op: Instr) -> bool:
     return op.pred.startswith(RAISE_PREFIX)
 
 
-def _call(emitter: Emitter, op: Op) -> None:
+def _call(emitter: Emitter, op: Instr) -> None:
     rule = _call_rule(op)
     if rule is None:
         raise _refused(op)
@@ -230,7 +229,7 @@ def _stem(callee: str) -> str:
     return _TYPES.sub("", callee.removeprefix("llvm."))
 
 
-def _call_rule(op: Op) -> narrow_int.Rule | None:
+def _call_rule(op: Instr) -> narrow_int.Rule | None:
     stem = _stem(op.pred)
     tables = (narrow_float.CALLS, narrow_int.CALLS, narrow_bits.CALLS, narrow_format.CALLS)
     return next((table[stem] for table in tables if stem in table), None)
@@ -249,7 +248,7 @@ _INSTEAD = {
 """What to write instead of a function of C's library."""
 
 
-def _refused(op: Op) -> KernelError:
+def _refused(op: Instr) -> KernelError:
     callee = op.pred
     if callee.startswith(RAISE_PREFIX):
         what = callee.removeprefix(RAISE_PREFIX).removesuffix(": ")

@@ -10,23 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from vividc.frontend.llvm.ir import (
-    Exit,
-    Flow,
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideBlock,
-    WideFunction,
-    flow_of,
-    map_operands,
-    remove_dead,
-    remove_unreachable,
-)
 from vividc.frontend.ranges.interval import compare
-
-_SUFFIX = ".last"
+from vividc.ssa.edit import FreshIds, fresh_name, map_values, rename_incoming, retarget
+from vividc.ssa.flow import Flow, flow_of
+from vividc.ssa.ir import Block, Branch, Function, Instr, Int, Ref, Value, definition_of
+from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +24,14 @@ class _Once:
     second.
     """
 
-    header: WideBlock
+    header: Block
     body: frozenset[str]
     latch: str
     stay: str
     leave: str
 
 
-def straighten_single_trips(function: WideFunction) -> WideFunction:
+def straighten_single_trips(function: Function) -> Function:
     """Turn each loop that runs exactly once into straight code."""
     while True:
         flow = flow_of(function)
@@ -51,10 +40,10 @@ def straighten_single_trips(function: WideFunction) -> WideFunction:
         )
         if found is None:
             return function
-        function = remove_dead(remove_unreachable(_straightened(function, found)))
+        function = remove_dead(remove_unreachable_blocks(_straightened(function, found)))
 
 
-def _once(function: WideFunction, flow: Flow, name: str) -> _Once | None:
+def _once(function: Function, flow: Flow, name: str) -> _Once | None:
     body = flow.loops[name]
     header = function.by_name[name]
     entries = [pred for pred in flow.predecessors[name] if pred not in body]
@@ -62,18 +51,18 @@ def _once(function: WideFunction, flow: Flow, name: str) -> _Once | None:
     exits = [block for block in body for target in flow.successors[block] if target not in body]
     if len(entries) != 1 or len(latches) != 1 or exits != [name] or latches == [name]:
         return None
-    first: dict[str, int | None] = {}
-    second: dict[str, int | None] = {}
+    first: dict[int, int | None] = {}
+    second: dict[int, int | None] = {}
     for phi in header.phis:
         incoming = dict(phi.incoming)
-        first[phi.name] = _constant(function, incoming[entries[0]], {})
+        first[phi.id] = _constant(function, incoming[entries[0]], {})
     for phi in header.phis:
-        second[phi.name] = _constant(function, dict(phi.incoming)[latches[0]], first)
-    stay, leave = header.exit.targets
+        second[phi.id] = _constant(function, dict(phi.incoming)[latches[0]], first)
+    stay, leave = header.branch.successors
     if stay not in body:
         stay, leave = leave, stay
-    wanted = int(stay == header.exit.targets[0])
-    cond = header.exit.cond
+    wanted = int(stay == header.branch.successors[0])
+    cond = header.branch.cond
     assert cond is not None
     if (
         _constant(function, cond, first) != wanted
@@ -83,18 +72,16 @@ def _once(function: WideFunction, flow: Flow, name: str) -> _Once | None:
     return _Once(header, body, latches[0], stay, leave)
 
 
-def _constant(
-    function: WideFunction, operand: Operand, phis: Mapping[str, int | None]
-) -> int | None:
+def _constant(function: Function, operand: Value, phis: Mapping[int, int | None]) -> int | None:
     """Value of an operand if it follows from the header's phis; only what a counter needs."""
-    if not isinstance(operand, Local):
-        return operand.value if isinstance(operand, Int) else None
-    if operand.name in phis:
-        return phis[operand.name]
-    definition = function.definitions.get(operand.name)
-    if not isinstance(definition, Op) or definition.op not in ("add", "icmp"):
+    if isinstance(operand, Int):
+        return operand.value
+    if isinstance(operand, Ref) and operand.id in phis:
+        return phis[operand.id]
+    definition = definition_of(function, operand)
+    if not isinstance(definition, Instr) or definition.op not in ("add", "icmp"):
         return None
-    left, right = (_constant(function, arg, phis) for arg in definition.args)
+    left, right = (_constant(function, arg, phis) for arg in definition.operands)
     if left is None or right is None:
         return None
     if definition.op == "add":
@@ -104,48 +91,37 @@ def _constant(
     return None if outcome is None else int(outcome)
 
 
-def _straightened(function: WideFunction, once: _Once) -> WideFunction:
+def _straightened(function: Function, once: _Once) -> Function:
     """The header's second visit becomes a block of its own, after the body."""
-    header = once.header
-    last = header.name + _SUFFIX
-    final: dict[str, Operand] = {phi.name: dict(phi.incoming)[once.latch] for phi in header.phis}
-    final.update((op.name, Local(op.name + _SUFFIX)) for op in header.ops if op.name)
+    header, ids = once.header, FreshIds(function)
+    last = fresh_name(function, f"{header.name}.last")
+    final: dict[Value, Value] = {Ref(phi.id): dict(phi.incoming)[once.latch] for phi in header.phis}
+    final |= {Ref(op.id): Ref(ids(op.id)) for op in header.instrs}
 
-    def at_last(operand: Operand) -> Operand:
-        return final.get(operand.name, operand) if isinstance(operand, Local) else operand
+    def at_last(operand: Value) -> Value:
+        return final.get(operand, operand)
 
-    ops = tuple(
-        replace(op, name=op.name and op.name + _SUFFIX, args=tuple(map(at_last, op.args)))
-        for op in header.ops
+    instrs = tuple(
+        replace(op, id=ids(op.id), operands=tuple(map(at_last, op.operands)))
+        for op in header.instrs
     )
-    visit = WideBlock(last, (), ops, Exit((once.leave,), loc=header.exit.loc))
-    blocks: list[WideBlock] = []
+    visit = Block(last, (), instrs, Branch(once.leave, loc=header.branch.loc))
+    blocks: list[Block] = []
     for block in function.blocks:
         if block.name == header.name:
             blocks += [_entered_once(header, once), visit]
         elif block.name in once.body:
-            blocks.append(_retargeted(block, header.name, last))
+            blocks.append(replace(block, branch=retarget(block.branch, header.name, last)))
         else:
-            blocks.append(_renamed(map_operands(block, at_last), header.name, last))
+            changed = map_values(block, at_last)
+            phis = tuple(rename_incoming(phi, header.name, last) for phi in changed.phis)
+            blocks.append(replace(changed, phis=phis))
     return replace(function, blocks=tuple(blocks))
 
 
-def _entered_once(header: WideBlock, once: _Once) -> WideBlock:
+def _entered_once(header: Block, once: _Once) -> Block:
     phis = tuple(
         replace(phi, incoming=tuple(item for item in phi.incoming if item[0] != once.latch))
         for phi in header.phis
     )
-    return WideBlock(header.name, phis, header.ops, Exit((once.stay,), loc=header.exit.loc))
-
-
-def _retargeted(block: WideBlock, old: str, new: str) -> WideBlock:
-    targets = tuple(new if target == old else target for target in block.exit.targets)
-    return replace(block, exit=replace(block.exit, targets=targets))
-
-
-def _renamed(block: WideBlock, old: str, new: str) -> WideBlock:
-    phis = tuple(
-        replace(phi, incoming=tuple((new if p == old else p, v) for p, v in phi.incoming))
-        for phi in block.phis
-    )
-    return replace(block, phis=phis)
+    return Block(header.name, phis, header.instrs, Branch(once.stay, loc=header.branch.loc))

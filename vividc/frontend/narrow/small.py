@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from vividc.frontend.llvm.ir import Int, Op, Operand
 from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.ranges.interval import Interval, as_signed, width
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.ir import Const, Value
+from vividc.ssa.ir import Const, Instr, Int, Kind, Value
 
 _WORD = 32
 _MASK = 0xFFFFFFFF
 
 
-def is_small(type_: str) -> bool:
+def is_small(type_: Kind) -> bool:
     """Whether an integer type has less bits than a word."""
     return width(type_) < _WORD
 
 
-def sign_extended(emitter: Emitter, op: Op, operand: Operand, bits: int) -> Value:
+def sign_extended(emitter: Emitter, op: Instr, operand: Value, bits: int) -> Value:
     """The word of an operand of `bits` bits, read as signed; free where it is not negative."""
     if bits >= _WORD:
         return emitter.value(operand)
@@ -37,7 +36,7 @@ def signed_range(interval: Interval, bits: int) -> Interval:
     return as_signed(interval, bits)
 
 
-def emit_masked(emitter: Emitter, op: Op, opcode: Opcode, *operands: Value) -> None:
+def emit_masked(emitter: Emitter, op: Instr, opcode: Opcode, *operands: Value) -> None:
     """The instruction for `op`, and zeros above its bits."""
     bits = width(op.type)
     if bits >= _WORD:

@@ -6,7 +6,7 @@ from types import FunctionType
 from typing import Final
 
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.llvm.ir import WideFunction
+from vividc.ssa.ir import Function
 
 MAX_INSTRUCTIONS: Final = 8192
 """Of a function with all that it calls: what 16 PEs of 512 contexts hold."""
@@ -17,7 +17,7 @@ _BYTES: Final = 2
 _HINT: Final = "make several kernels of it, or loops of what repeats"
 
 
-def refuse_long(wide: WideFunction, loc: SourceLoc) -> None:
+def refuse_long(wide: Function, loc: SourceLoc) -> None:
     """Refuse a function that is longer than the array.
 
     Raises

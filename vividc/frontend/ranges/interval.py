@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from functools import cache
 
-from vividc.frontend.llvm.ir import Op
+from vividc.ssa.ir import Instr, Kind
 
 Interval = tuple[int, int]
 BOTTOM: Interval = (1, 0)  # no value: not reached (yet)
@@ -22,13 +22,19 @@ _CONVERTED: dict[str, Interval] = {"fptosi": S32, "fptoui": U32}
 
 
 @cache
-def width(type_: str) -> int:
+def width(type_: Kind) -> int:
     """Bits of an integer type."""
-    return int(type_[1:])
+    return int(str(type_)[1:])
 
 
 @cache
-def full(type_: str) -> Interval:
+def is_integer(type_: Kind) -> bool:
+    """Whether a type is one of integers."""
+    return str(type_)[:1] == "i" and str(type_)[1:].isdigit()
+
+
+@cache
+def full(type_: Kind) -> Interval:
     """All values of an integer type; types of less than a word are taken as unsigned."""
     bits = width(type_)
     return (0, 2**bits - 1) if bits < _WORD else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
@@ -54,7 +60,7 @@ def intersect(a: Interval, b: Interval) -> Interval:
     return (low, high) if low <= high else BOTTOM
 
 
-def widen(old: Interval, new: Interval, type_: str) -> Interval:
+def widen(old: Interval, new: Interval, type_: Kind) -> Interval:
     """Move a bound that grew to the next of a few fixed ones, so that the analysis ends."""
     if BOTTOM in (old, new):
         return new
@@ -119,14 +125,14 @@ def _without(a: Interval, b: Interval) -> Interval:
     return (low, high) if low <= high else BOTTOM
 
 
-def comparable(op: Op) -> bool:
+def comparable(op: Instr) -> bool:
     """Whether intervals say anything about the comparison: not about pointers, nor signed ones of
     small types.
     """
-    return op.type[:1] == "i" and not (width(op.type) < _WORD and op.pred[0] == "s")
+    return is_integer(op.type) and not (width(op.type) < _WORD and op.pred[0] == "s")
 
 
-def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
+def evaluate(op: Instr, operands: tuple[Interval, ...]) -> Interval:
     """Interval of an instruction's result from those of its operands."""
     if op.op in ("icmp", "fcmp"):
         decided = compare(op.pred, *operands) if op.op == "icmp" and comparable(op) else None
@@ -146,7 +152,7 @@ def evaluate(op: Op, operands: tuple[Interval, ...]) -> Interval:
     return result if contains(full(op.type), result) else full(op.type)
 
 
-def _regardless_of_operands(op: Op) -> Interval | None:
+def _regardless_of_operands(op: Instr) -> Interval | None:
     if op.op == "load" and op.signed:
         half = 1 << 8 * op.width - 1
         return (-half, half - 1)
@@ -155,9 +161,9 @@ def _regardless_of_operands(op: Op) -> Interval | None:
     return None
 
 
-def _name(op: Op) -> str:
+def _name(op: Instr) -> str:
     """The operation, or the intrinsic without its types."""
-    return _TYPES.sub("", op.pred) if op.op == "call" else op.op
+    return _TYPES.sub("", op.pred) if op.op == "call" else op.mnemonic
 
 
 def as_signed(interval: Interval, bits: int) -> Interval:
@@ -177,7 +183,7 @@ def _unsigned(interval: Interval, bits: int) -> Interval:
     return (low + 2**bits, high + 2**bits) if low < 0 else interval
 
 
-def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
+def _of_signed(op: Instr, operands: tuple[Interval, ...]) -> Interval:
     """A signed operation on a type of less than a word."""
     bits = width(op.type)
     key = _name(op)
@@ -187,7 +193,7 @@ def _of_signed(op: Op, operands: tuple[Interval, ...]) -> Interval:
     return _unsigned((low, high), bits)
 
 
-def _convert(op: Op, a: Interval) -> Interval:
+def _convert(op: Instr, a: Interval) -> Interval:
     if op.op == "trunc":
         return a if contains(full(op.type), a) else full(op.type)
     if op.op == "sext":
@@ -199,18 +205,18 @@ def _convert(op: Op, a: Interval) -> Interval:
     return (a[0] + modulus, a[1] + modulus) if a[1] < 0 else (0, modulus - 1)
 
 
-def _mul(op: Op, a: Interval, b: Interval) -> Interval:
+def _mul(op: Instr, a: Interval, b: Interval) -> Interval:
     products = [x * y for x in a for y in b]
     return (min(products), max(products))
 
 
-def _shl(op: Op, a: Interval, b: Interval) -> Interval:
+def _shl(op: Instr, a: Interval, b: Interval) -> Interval:
     if b[0] < 0 or b[1] >= width(op.type):
         return full(op.type)
     return _mul(op, a, (2 ** b[0], 2 ** b[1]))
 
 
-def _lshr(op: Op, a: Interval, b: Interval) -> Interval:
+def _lshr(op: Instr, a: Interval, b: Interval) -> Interval:
     if b[0] < 0:
         return full(op.type)
     if a[0] >= 0:
@@ -218,7 +224,7 @@ def _lshr(op: Op, a: Interval, b: Interval) -> Interval:
     return (0, (2 ** width(op.type) - 1) >> b[0]) if b[0] > 0 else full(op.type)
 
 
-def _ashr(op: Op, a: Interval, b: Interval) -> Interval:
+def _ashr(op: Instr, a: Interval, b: Interval) -> Interval:
     if b[0] < 0:
         return full(op.type)
     shifted = [x >> y for x in a for y in b]
@@ -230,23 +236,23 @@ def _bits(*intervals: Interval) -> int:
     return max(max(x if x >= 0 else ~x for x in interval).bit_length() for interval in intervals)
 
 
-def _bitwise(op: Op, a: Interval, b: Interval) -> Interval:
+def _bitwise(op: Instr, a: Interval, b: Interval) -> Interval:
     limit = 2 ** _bits(a, b)
     return (0, limit - 1) if a[0] >= 0 and b[0] >= 0 else (-limit, limit - 1)
 
 
-def _and(op: Op, a: Interval, b: Interval) -> Interval:
+def _and(op: Instr, a: Interval, b: Interval) -> Interval:
     highs = [interval[1] for interval in (a, b) if interval[0] >= 0]
     return (0, min(highs)) if highs else _bitwise(op, a, b)
 
 
-def _umin(op: Op, a: Interval, b: Interval) -> Interval:
+def _umin(op: Instr, a: Interval, b: Interval) -> Interval:
     if a[0] >= 0 and b[0] >= 0:
         return (min(a[0], b[0]), min(a[1], b[1]))
     return _and(op, a, b) if max(a[0], b[0]) >= 0 else full(op.type)
 
 
-def _umax(op: Op, a: Interval, b: Interval) -> Interval:
+def _umax(op: Instr, a: Interval, b: Interval) -> Interval:
     if a[0] >= 0 and b[0] >= 0:
         return (max(a[0], b[0]), max(a[1], b[1]))
     return full(op.type)
@@ -266,11 +272,11 @@ def _toward_zero(x: int, y: int) -> int:
     return abs(x) // abs(y) * (1 if (x < 0) == (y < 0) else -1)
 
 
-def _divide(op: Op, a: Interval, b: Interval) -> Interval:
+def _divide(op: Instr, a: Interval, b: Interval) -> Interval:
     """Also Python's, whose quotients by zero are 0."""
-    if op.op[0] == "u" and (a[0] < 0 or b[0] < 0):
+    if op.mnemonic[0] == "u" and (a[0] < 0 or b[0] < 0):
         return full(op.type)
-    if "floor" in op.op:
+    if "floor" in op.mnemonic:
         quotients = _quotient(a, b, lambda x, y: x // y)
         if b[0] <= 0 <= b[1]:
             quotients.append(0)
@@ -279,14 +285,14 @@ def _divide(op: Op, a: Interval, b: Interval) -> Interval:
     return (min(quotients), max(quotients))
 
 
-def _remainder(op: Op, a: Interval, b: Interval) -> Interval:
+def _remainder(op: Instr, a: Interval, b: Interval) -> Interval:
     """Smaller than the divisor, with the sign of the dividend (LLVM's) or of the divisor."""
-    if op.op[0] == "u" and b[0] < 0:
+    if op.mnemonic[0] == "u" and b[0] < 0:
         return full(op.type)
-    if op.op[0] == "u":
+    if op.mnemonic[0] == "u":
         high = max(b[1] - 1, 0)
         return (0, min(high, a[1]) if a[0] >= 0 else high)
-    if "floor" not in op.op:
+    if "floor" not in op.mnemonic:
         largest = max(abs(b[0]), abs(b[1]), 1) - 1
         return (max(-largest, min(a[0], 0)), min(largest, max(a[1], 0)))
     low, high = min(b[0] + 1, 0), max(b[1] - 1, 0)
@@ -295,7 +301,7 @@ def _remainder(op: Op, a: Interval, b: Interval) -> Interval:
     return (low, high)
 
 
-def _abs(op: Op, a: Interval, _: Interval) -> Interval:
+def _abs(op: Instr, a: Interval, _: Interval) -> Interval:
     low = 0 if a[0] <= 0 <= a[1] else min(abs(a[0]), abs(a[1]))
     return (low, max(abs(a[0]), abs(a[1])))
 

@@ -8,9 +8,10 @@ loop's counter its start or its limit.
 
 from __future__ import annotations
 
-from vividc.frontend.llvm.ir import Int, Local, Op, Operand, WideFunction, WidePhi
+from vividc.frontend.ranges.interval import Interval
 from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.params import MAX_DIMENSION, Formula
+from vividc.ssa.ir import Function, Input, Instr, Int, Key, Phi, Ref, Value, definition_of
 
 _LARGEST = 1 << 31
 """What no counter goes below."""
@@ -25,83 +26,84 @@ _LONGEST = 200
 class LaunchSizes:
     """Upper bounds of a function's integers."""
 
-    def __init__(self, function: WideFunction) -> None:
-        self._definitions = function.definitions
-        self._params = dict(function.params)
-        bounds = {name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name}
+    def __init__(self, function: Function) -> None:
+        self._function = function
+        self._params = dict(function.inputs)
+        bounds: dict[Key, Interval] = {
+            name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name
+        }
         self._ranges = Ranges(function, bounds)
         self._loops = self._ranges.flow.loops
-        self._by_name = function.by_name
         self._counters = {
-            phi.name: name for name in self._loops for phi in function.by_name[name].phis
+            phi.id: name for name in self._loops for phi in function.by_name[name].phis
         }
 
-    def bound(self, operand: Operand, block: str) -> Formula | None:
+    def bound(self, operand: Value, block: str) -> Formula | None:
         """What `operand` is at most while `block` runs; None: nothing known at launch bounds it."""
         formula = self._bound(operand, block, False, _DEPTH)
         return None if formula is None or len(formula) > _LONGEST else formula
 
-    def _bound(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+    def _bound(self, operand: Value, block: str, signed: bool, depth: int) -> Formula | None:
         formula = self._formula(operand, block, signed, depth)
         if formula is None and depth:
             high = self._ranges.at(operand, block)[1]
             return (high,) if high <= _FEW else None
         return formula
 
-    def _formula(self, operand: Operand, block: str, signed: bool, depth: int) -> Formula | None:
+    def _formula(self, operand: Value, block: str, signed: bool, depth: int) -> Formula | None:
         if isinstance(operand, Int):
             return (operand.value,)
-        if not isinstance(operand, Local) or not depth:
+        if not depth:
             return None
-        if operand.name in self._params:
-            wide = self._params[operand.name] == "i64"
-            return (("s:" if signed or wide else "u:") + operand.name,)
-        definition = self._definitions.get(operand.name)
-        if isinstance(definition, WidePhi):
+        if isinstance(operand, Input):
+            wide = self._params[operand.key] == "i64"
+            return (("s:" if signed or wide else "u:") + operand.key,)
+        definition = definition_of(self._function, operand)
+        if isinstance(definition, Phi):
             return self._joined(definition, block, depth)
-        if isinstance(definition, Op):
+        if isinstance(definition, Instr):
             return self._of(definition, block, signed, depth)
         return None
 
-    def _joined(self, phi: WidePhi, block: str, depth: int) -> Formula | None:
-        if phi.name in self._counters:
+    def _joined(self, phi: Phi, block: str, depth: int) -> Formula | None:
+        if phi.id in self._counters:
             return self._counter(phi, depth)
         return self._all("max", [value for _, value in phi.incoming], block, depth)
 
-    def _of(self, op: Op, block: str, signed: bool, depth: int) -> Formula | None:
+    def _of(self, op: Instr, block: str, signed: bool, depth: int) -> Formula | None:
         if op.source == "i1":
             return (0,) if op.op == "sext" else (1,)
-        if op.op in ("sdiv", "udiv") and isinstance(op.args[1], Int) and op.args[1].value:
-            return self._quotient(op.args[0], op.args[1].value, block, depth)
+        if op.op in ("sdiv", "udiv") and isinstance(op.operands[1], Int) and op.operands[1].value:
+            return self._quotient(op.operands[0], op.operands[1].value, block, depth)
         if op.op in _ALIASES:
             given = op.op == "sext" or "nneg" in op.flags
-            return self._bound(op.args[0], block, given, depth - 1)
+            return self._bound(op.operands[0], block, given, depth - 1)
         if op.op == "add" and signed and "nsw" in op.flags:
-            return self._all("+", op.args, block, depth, signed=True)
+            return self._all("+", op.operands, block, depth, signed=True)
         rules = {"mul": self._product, "shl": self._product, "sub": self._difference}
         rules |= dict.fromkeys(("sdiv", "sfloordiv", "ufloordiv", "ashr"), self._divided)
         rules |= {"add": self._sum, "or": self._sum, "select": self._choice, "call": self._call}
-        rule = rules.get(op.op)
+        rule = rules.get(op.mnemonic)
         return None if rule is None else rule(op, block, depth)
 
-    def _sum(self, op: Op, block: str, depth: int) -> Formula | None:
+    def _sum(self, op: Instr, block: str, depth: int) -> Formula | None:
         """A sum; of a disjunction with a constant the sum is a bound."""
-        right = op.args[1]
+        right = op.operands[1]
         if op.op == "or" and not (isinstance(right, Int) and right.value >= 0):
             return None
-        return self._all("+", op.args, block, depth)
+        return self._all("+", op.operands, block, depth)
 
-    def _difference(self, op: Op, block: str, depth: int) -> Formula | None:
-        left = self._bound(op.args[0], block, False, depth - 1)
-        less = self._negative(op.args[1], block, depth - 1)
+    def _difference(self, op: Instr, block: str, depth: int) -> Formula | None:
+        left = self._bound(op.operands[0], block, False, depth - 1)
+        less = self._negative(op.operands[1], block, depth - 1)
         return None if left is None or less is None else (*left, *less, "+")
 
-    def _divided(self, op: Op, block: str, depth: int) -> Formula | None:
+    def _divided(self, op: Instr, block: str, depth: int) -> Formula | None:
         """Of a division by a positive constant, of which what is negative has none above 0; by
         anything else an input is no more than itself without its sign.
         """
-        by = op.args[1]
-        left = self._bound(op.args[0], block, op.op != "ufloordiv", depth - 1)
+        by = op.operands[1]
+        left = self._bound(op.operands[0], block, op.op != "ufloordiv", depth - 1)
         if left is None:
             return None
         if isinstance(by, Int) and by.value > 0:
@@ -111,28 +113,28 @@ class LaunchSizes:
             return None
         return (*left, *left, -1, "*", "max")
 
-    def _quotient(self, dividend: Operand, divisor: int, block: str, depth: int) -> Formula | None:
+    def _quotient(self, dividend: Value, divisor: int, block: str, depth: int) -> Formula | None:
         """A quotient that rounds to zero, by a constant: of a negative one 0 is a bound."""
         most = self._bound(dividend, block, False, depth - 1)
         if divisor < 0:
             most = self._negative(dividend, block, depth - 1)
         return None if most is None else (*most, 0, "max", abs(divisor), "//")
 
-    def _negative(self, operand: Operand, block: str, depth: int) -> Formula | None:
+    def _negative(self, operand: Value, block: str, depth: int) -> Formula | None:
         """What minus `operand` is at most: a constant, or of a difference its other sign."""
-        op = self._definitions.get(operand.name) if isinstance(operand, Local) else None
-        if isinstance(op, Op) and op.op == "sub" and depth:
-            right = self._bound(op.args[1], block, False, depth - 1)
-            less = self._negative(op.args[0], block, depth - 1)
+        op = definition_of(self._function, operand)
+        if isinstance(op, Instr) and op.op == "sub" and depth:
+            right = self._bound(op.operands[1], block, False, depth - 1)
+            less = self._negative(op.operands[0], block, depth - 1)
             if right is not None and less is not None:
                 return (*right, *less, "+")
         low = self._ranges.at(operand, block)[0]
         # That a dimension is no longer than a scratchpad is no size for an array.
         return (-low,) if low > -MAX_DIMENSION else None
 
-    def _counter(self, phi: WidePhi, depth: int) -> Formula | None:
+    def _counter(self, phi: Phi, depth: int) -> Formula | None:
         """A loop's counter: its start or, if it grows, the limit that its header tests."""
-        header = self._counters[phi.name]
+        header = self._counters[phi.id]
         body = self._loops[header]
         steps = [self._step(phi, value) for pred, value in phi.incoming if pred in body]
         starts = [value for pred, value in phi.incoming if pred not in body]
@@ -141,46 +143,50 @@ class LaunchSizes:
         if first is None or len(known) < len(steps):
             return None
         if max(known) <= 0:
-            is_word = self._ranges.at(Local(phi.name), header)[0] >= -_LARGEST
+            is_word = self._ranges.at(Ref(phi.id), header)[0] >= -_LARGEST
             return first if is_word else None
         limit = self._limit(phi, header, depth)
         return None if limit is None else (*first, *limit, max(known) - 1, "+", "max")
 
-    def _step(self, phi: WidePhi, again: Operand) -> int | None:
-        op = self._definitions.get(again.name) if isinstance(again, Local) else None
-        if not isinstance(op, Op) or op.op != "add" or op.args[0] != Local(phi.name):
+    def _step(self, phi: Phi, again: Value) -> int | None:
+        op = definition_of(self._function, again)
+        if not isinstance(op, Instr) or op.op != "add" or op.operands[0] != Ref(phi.id):
             return None
-        return op.args[1].value if isinstance(op.args[1], Int) else None
+        return op.operands[1].value if isinstance(op.operands[1], Int) else None
 
-    def _limit(self, phi: WidePhi, header: str, depth: int) -> Formula | None:
+    def _limit(self, phi: Phi, header: str, depth: int) -> Formula | None:
         """What the counter is below of, when the loop goes on."""
-        leave = self._by_name[header].exit
-        test = self._definitions.get(leave.cond.name) if isinstance(leave.cond, Local) else None
-        inside = [target in self._loops[header] for target in leave.targets]
-        if not isinstance(test, Op) or inside != [True, False] or test.args[0] != Local(phi.name):
+        leave = self._function.by_name[header].branch
+        test = definition_of(self._function, leave.cond)
+        inside = [target in self._loops[header] for target in leave.successors]
+        if (
+            not isinstance(test, Instr)
+            or inside != [True, False]
+            or test.operands[0] != Ref(phi.id)
+        ):
             return None
-        limit = test.args[1]
+        limit = test.operands[1]
         if test.pred != "slt" and (test.pred != "ult" or self._ranges.at(limit, header)[0] < 0):
             return None
         return self._bound(limit, header, test.pred == "slt", depth - 1)
 
-    def _choice(self, op: Op, block: str, depth: int) -> Formula | None:
-        return self._all("max", op.args[1:], block, depth)
+    def _choice(self, op: Instr, block: str, depth: int) -> Formula | None:
+        return self._all("max", op.operands[1:], block, depth)
 
-    def _call(self, op: Op, block: str, depth: int) -> Formula | None:
+    def _call(self, op: Instr, block: str, depth: int) -> Formula | None:
         signed = op.pred.startswith(("llvm.smax", "llvm.smin"))
         if op.pred.startswith(("llvm.smax", "llvm.umax")):
-            return self._all("max", op.args, block, depth, signed=signed)
+            return self._all("max", op.operands, block, depth, signed=signed)
         if op.pred.startswith(("llvm.smin", "llvm.umin")):
-            known = [self._bound(arg, block, signed, depth - 1) for arg in op.args]
+            known = [self._bound(arg, block, signed, depth - 1) for arg in op.operands]
             one, other = known
             if one is None or other is None:
                 return one or other
             return (*one, *other, "min")
         return None
 
-    def _product(self, op: Op, block: str, depth: int) -> Formula | None:
-        left, right = op.args
+    def _product(self, op: Instr, block: str, depth: int) -> Formula | None:
+        left, right = op.operands
         if op.op == "shl":
             if not isinstance(right, Int):
                 return None
@@ -201,7 +207,7 @@ class LaunchSizes:
     def _all(
         self,
         operator: str,
-        operands: list[Operand] | tuple[Operand, ...],
+        operands: list[Value] | tuple[Value, ...],
         block: str,
         depth: int,
         *,

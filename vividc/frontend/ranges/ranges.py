@@ -9,19 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 
-from vividc.frontend.llvm.ir import (
-    Flow,
-    Int,
-    Local,
-    Op,
-    Operand,
-    WideBlock,
-    WideFunction,
-    WidePhi,
-    flow_of,
-)
 from vividc.frontend.ranges.interval import (
     BOTTOM,
     Interval,
@@ -30,12 +18,27 @@ from vividc.frontend.ranges.interval import (
     evaluate,
     full,
     intersect,
+    is_integer,
     refine,
     union,
     widen,
 )
 from vividc.frontend.ranges.trips import counter_bounds
 from vividc.host import time_limit
+from vividc.ssa.flow import Flow, flow_of
+from vividc.ssa.ir import (
+    Block,
+    Function,
+    Instr,
+    Int,
+    Key,
+    Kind,
+    Named,
+    Phi,
+    Value,
+    definition_of,
+    result_type,
+)
 
 _WIDEN_AFTER = 3
 _NARROWINGS = 4
@@ -50,14 +53,14 @@ _SWAPPED |= {v: k for k, v in _SWAPPED.items()}
 class Fact:
     """`value pred other` holds; `type` is that of both."""
 
-    value: Operand
+    value: Value
     pred: str
-    other: Operand
-    type: str
+    other: Value
+    type: Kind
 
 
-_About = dict[str, tuple[tuple[str, Operand], ...]]
-"""By name: (predicate, other operand) of each comparison that holds of the value."""
+_About = dict[Key, tuple[tuple[str, Value], ...]]
+"""By key: (predicate, other operand) of each comparison that holds of the value."""
 
 
 class Ranges:
@@ -71,14 +74,19 @@ class Ranges:
         Intervals of parameters and of instructions that are tighter than their type.
     """
 
-    def __init__(self, function: WideFunction, bounds: dict[str, Interval]) -> None:
+    def __init__(self, function: Function, bounds: dict[Key, Interval]) -> None:
         self._function = function
-        self._definitions = function.definitions
-        self._flow: Flow = flow_of(function)
-        self._types = dict(function.params)
+        self._flow = flow_of(function)
+        self._types = dict(function.inputs)
         self._bounds = bounds
-        self._known: dict[str, Interval] = {}
-        self._limits: dict[str, Interval] = {}
+        self._integers = {
+            item.id
+            for block in function.blocks
+            for item in block.items
+            if is_integer(result_type(item)) and (isinstance(item, Phi) or item.has_result)
+        }
+        self._known: dict[Key, Interval] = {}
+        self._limits: dict[int, Interval] = {}
         self._facts: dict[str, tuple[Fact, ...]] = {}
         self._about: dict[str, _About] = {}
         for name in self._flow.order:  # a block comes after those that dominate it
@@ -89,15 +97,15 @@ class Ranges:
             self._known = {}
             self._solve()
 
-    def at(self, operand: Operand, block: str) -> Interval:
+    def at(self, operand: Value, block: str) -> Interval:
         """Values that `operand` can have while `block` runs."""
         return self._at(operand, block, _DEPTH)
 
-    def compare_at(self, op: Op, block: str) -> bool | None:
+    def compare_at(self, op: Instr, block: str) -> bool | None:
         """Whether the comparison is always true, always false, or neither."""
         if op.op != "icmp" or not comparable(op):
             return None
-        return compare(op.pred, self.at(op.args[0], block), self.at(op.args[1], block))
+        return compare(op.pred, self.at(op.operands[0], block), self.at(op.operands[1], block))
 
     def facts(self, block: str) -> tuple[Fact, ...]:
         """Comparisons that hold wherever `block` runs: those of branches on every way to it."""
@@ -108,7 +116,7 @@ class Ranges:
         """Dominators and loops of the function."""
         return self._flow
 
-    def is_nonzero(self, operand: Operand, block: str) -> bool:
+    def is_nonzero(self, operand: Value, block: str) -> bool:
         """Whether `operand` is known not to be 0 while `block` runs."""
         low, high = self.at(operand, block)
         if low > 0 or high < 0:
@@ -119,13 +127,13 @@ class Ranges:
             for fact in self._facts[block]
         )
 
-    def _unextended(self, operand: Operand) -> Operand:
+    def _unextended(self, operand: Value) -> Value:
         """What was sign- or zero-extended to the operand."""
-        while isinstance(operand, Local):
-            definition = self._definitions.get(operand.name)
-            if not isinstance(definition, Op) or definition.op not in ("sext", "zext"):
+        while True:
+            definition = definition_of(self._function, operand)
+            if not isinstance(definition, Instr) or definition.op not in ("sext", "zext"):
                 break
-            operand = definition.args[0]
+            operand = definition.operands[0]
         return operand
 
     def _solve(self) -> None:
@@ -139,65 +147,65 @@ class Ranges:
             if not any([self._descend(block) for block in blocks]):
                 break
 
-    def _ascend(self, block: WideBlock, widening: bool) -> bool:
+    def _ascend(self, block: Block, widening: bool) -> bool:
         changed = False
         time_limit.step("ranges of values were found")
         for item in block.items:
-            if not item.name or not _is_int(_result_type(item)):
+            if item.id not in self._integers:
                 continue
-            old = self._known.get(item.name, BOTTOM)
+            old = self._known.get(item.id, BOTTOM)
             new = union(old, self._transfer(item, block.name))
-            if widening and isinstance(item, WidePhi):
+            if widening and isinstance(item, Phi):
                 new = widen(old, new, item.type)
             changed |= new != old
-            self._known[item.name] = new
+            self._known[item.id] = new
         return changed
 
-    def _descend(self, block: WideBlock) -> bool:
+    def _descend(self, block: Block) -> bool:
         changed = False
         for item in block.items:
-            if item.name in self._known:
-                old = self._known[item.name]
+            if item.id in self._known:
+                old = self._known[item.id]
                 tighter = intersect(old, self._transfer(item, block.name))
                 changed |= tighter != old
-                self._known[item.name] = tighter
+                self._known[item.id] = tighter
         return changed
 
-    def _transfer(self, item: Op | WidePhi, block: str) -> Interval:
-        if isinstance(item, WidePhi):
+    def _transfer(self, item: Instr | Phi, block: str) -> Interval:
+        if isinstance(item, Phi):
             total = BOTTOM
             for pred, value in item.incoming:
                 total = union(total, self._on_edge(value, pred, block))
-            limit = self._limits.get(item.name)
+            limit = self._limits.get(item.id)
             return total if limit is None else intersect(total, limit)
         interval = self._evaluate(item, block, _DEPTH)
-        bound = self._bounds.get(item.name)
+        bound = self._bounds.get(item.id)
         return interval if bound is None else intersect(interval, bound)
 
-    def _evaluate(self, op: Op, block: str, depth: int) -> Interval:
+    def _evaluate(self, op: Instr, block: str, depth: int) -> Interval:
         if op.op == "select":
             return self._select(op, block, depth)
-        operands = tuple(self._at(arg, block, depth) for arg in op.args)
+        operands = tuple(self._at(arg, block, depth) for arg in op.operands)
         interval = evaluate(op, operands)
         return intersect(interval, (0, interval[1])) if self._is_distance(op) else interval
 
-    def _is_distance(self, op: Op) -> bool:
+    def _is_distance(self, op: Instr) -> bool:
         """Whether `op` is the maximum of two values less their minimum, which is not negative."""
-        if op.op != "sub" or not all(isinstance(arg, Local) for arg in op.args):
+        if op.op != "sub":
             return False
-        extrema = [self._definitions.get(arg.name) for arg in op.args if isinstance(arg, Local)]
-        if not all(isinstance(item, Op) and item.op == "call" for item in extrema):
+        extrema = [definition_of(self._function, arg) for arg in op.operands]
+        if not all(isinstance(item, Instr) and item.op == "call" for item in extrema):
             return False
-        largest, smallest = (item for item in extrema if isinstance(item, Op))
+        largest, smallest = (item for item in extrema if isinstance(item, Instr))
         pair = (largest.pred.split(".")[1], smallest.pred.split(".")[1])
         if pair == ("umax", "umin"):
-            signless = all(self._base(arg)[0] >= 0 for arg in largest.args)
+            signless = all(self._base(arg)[0] >= 0 for arg in largest.operands)
         else:
             signless = pair == ("smax", "smin")
-        return signless and set(largest.args) == set(smallest.args)
+        return signless and set(largest.operands) == set(smallest.operands)
 
-    def _select(self, op: Op, block: str, depth: int) -> Interval:
-        cond, yes, no = op.args
+    def _select(self, op: Instr, block: str, depth: int) -> Interval:
+        cond, yes, no = op.operands
         decided = self._at(cond, block, depth)
         total = BOTTOM
         for truth, value in ((True, yes), (False, no)):
@@ -207,47 +215,47 @@ class Ranges:
             total = union(total, self._apply(facts, value, self._at(value, block, depth)))
         return total
 
-    def _on_edge(self, value: Operand, pred: str, block: str) -> Interval:
-        leave = self._function.by_name[pred].exit
+    def _on_edge(self, value: Value, pred: str, block: str) -> Interval:
+        leave = self._function.by_name[pred].branch
         if pred not in self._facts:
             return BOTTOM
         interval = self.at(value, pred)
         if leave.cond is None:
             return interval
-        if self._at(leave.cond, pred, _DEPTH) == (int(block != leave.targets[0]),) * 2:
+        if self._at(leave.cond, pred, _DEPTH) == (int(block != leave.successors[0]),) * 2:
             return BOTTOM
-        facts = tuple(self._holding(leave.cond, block == leave.targets[0]))
+        facts = tuple(self._holding(leave.cond, block == leave.successors[0]))
         return self._apply(facts, value, interval)
 
-    def _at(self, operand: Operand, block: str, depth: int) -> Interval:
+    def _at(self, operand: Value, block: str, depth: int) -> Interval:
         if isinstance(operand, Int):
             return (operand.value, operand.value)
-        if not isinstance(operand, Local):
+        if not isinstance(operand, Named):
             return full("i64")
         interval = self._base(operand)
-        definition = self._definitions.get(operand.name)
+        definition = definition_of(self._function, operand)
         if (
             depth > 0
-            and isinstance(definition, Op)
+            and isinstance(definition, Instr)
             and interval != BOTTOM
             and _is_cheap(definition)
         ):
             interval = intersect(interval, self._evaluate(definition, block, depth - 1))
-        for pred, other in self._about[block].get(operand.name, ()):
+        for pred, other in self._about[block].get(operand.key, ()):
             interval = refine(interval, pred, self._base(other))
         return interval
 
-    def _base(self, operand: Operand) -> Interval:
+    def _base(self, operand: Value) -> Interval:
         if isinstance(operand, Int):
             return (operand.value, operand.value)
-        if not isinstance(operand, Local):
+        if not isinstance(operand, Named):
             return full("i64")
-        if operand.name in self._types:
-            type_ = self._types[operand.name]
-            return self._bounds.get(operand.name, full(type_ if _is_int(type_) else "i64"))
-        return self._known.get(operand.name, BOTTOM)
+        if operand.key in self._types:
+            type_ = self._types[operand.key]
+            return self._bounds.get(operand.key, full(type_ if is_integer(type_) else "i64"))
+        return self._known.get(operand.key, BOTTOM)
 
-    def _apply(self, facts: tuple[Fact, ...], operand: Operand, interval: Interval) -> Interval:
+    def _apply(self, facts: tuple[Fact, ...], operand: Value, interval: Interval) -> Interval:
         for fact in facts:
             if fact.value == operand:
                 interval = refine(interval, fact.pred, self._base(fact.other))
@@ -270,56 +278,47 @@ class Ranges:
                     (fact.other, _SWAPPED[fact.pred], fact.value),
                     (fact.value, fact.pred, fact.other),
                 ):
-                    if isinstance(value, Local) and (value is fact.value or other != value):
-                        merged[value.name] = ((pred, other), *merged.get(value.name, ()))
+                    if isinstance(value, Named) and (value is fact.value or other != value):
+                        merged[value.key] = ((pred, other), *merged.get(value.key, ()))
             self._about[block] = merged
 
     def _own_facts(self, block: str) -> Iterator[Fact]:
         """What the branch to the block says, if only one leads there."""
         preds = self._flow.predecessors[block]
         if len(preds) == 1:
-            leave = self._function.by_name[preds[0]].exit
+            leave = self._function.by_name[preds[0]].branch
             if leave.cond is not None:
-                yield from self._holding(leave.cond, block == leave.targets[0])
+                yield from self._holding(leave.cond, block == leave.successors[0])
 
-    def _holding(self, cond: Operand, truth: bool) -> Iterator[Fact]:
+    def _holding(self, cond: Value, truth: bool) -> Iterator[Fact]:
         """What is known if `cond` has the given truth."""
-        definition = self._definitions.get(cond.name) if isinstance(cond, Local) else None
-        if not isinstance(definition, Op):
+        definition = definition_of(self._function, cond)
+        if not isinstance(definition, Instr):
             return
         if definition.op == "icmp":
             if not comparable(definition):
                 return
             pred = definition.pred if truth else _NEGATED[definition.pred]
-            yield Fact(definition.args[0], pred, definition.args[1], definition.type)
-        elif definition.op == "xor" and definition.args[1] in (Int(1), Int(-1)):
-            yield from self._holding(definition.args[0], not truth)
+            yield Fact(definition.operands[0], pred, definition.operands[1], definition.type)
+        elif definition.op == "xor" and definition.operands[1] in (Int(1), Int(-1)):
+            yield from self._holding(definition.operands[0], not truth)
         elif _is_conjunction(definition) if truth else _is_disjunction(definition):
-            for part in definition.args:
+            for part in definition.operands:
                 yield from self._holding(part, truth)
 
 
-def _is_conjunction(op: Op) -> bool:
+def _is_conjunction(op: Instr) -> bool:
     return (op.op == "and" and op.type == "i1") or (
-        op.op == "select" and op.args[2] == Int(0) and op.type == "i1"
+        op.op == "select" and op.operands[2] == Int(0) and op.type == "i1"
     )
 
 
-def _is_disjunction(op: Op) -> bool:
+def _is_disjunction(op: Instr) -> bool:
     return (op.op == "or" and op.type == "i1") or (
-        op.op == "select" and op.args[1] == Int(1) and op.type == "i1"
+        op.op == "select" and op.operands[1] == Int(1) and op.type == "i1"
     )
 
 
-def _is_cheap(op: Op) -> bool:
+def _is_cheap(op: Instr) -> bool:
     """Worth evaluating again with what is known in a later block."""
     return op.op in ("add", "sub", "sext", "zext", "trunc", "shl", "select", "and", "freeze", "mul")
-
-
-def _result_type(item: Op | WidePhi) -> str:
-    return "i1" if isinstance(item, Op) and item.op in ("icmp", "fcmp") else item.type
-
-
-@cache
-def _is_int(type_: str) -> bool:
-    return type_[:1] == "i" and type_[1:].isdigit()

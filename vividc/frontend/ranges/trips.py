@@ -9,11 +9,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vividc.frontend.llvm.ir import Exit, Flow, Int, Local, Op, Operand, WideFunction, WidePhi
-from vividc.frontend.ranges.interval import BOTTOM, Interval, contains, full, union, width
+from vividc.frontend.ranges.interval import (
+    BOTTOM,
+    Interval,
+    contains,
+    full,
+    is_integer,
+    union,
+    width,
+)
+from vividc.ssa.flow import Flow
+from vividc.ssa.ir import Branch, Function, Instr, Int, Phi, Ref, Value, definition_of
 
 _WORD = 32
-Range = Callable[[Operand, str], Interval]
+Range = Callable[[Value, str], Interval]
 _UPWARD = {"slt": 0, "ult": 0, "sle": 1, "ule": 1}
 _DOWNWARD = {"sgt": 0, "sge": 1}
 _SWAPPED = {"slt": "sgt", "sle": "sge", "sgt": "slt", "sge": "sle", "ugt": "ult", "uge": "ule"}
@@ -21,7 +30,7 @@ _NEGATED = {"slt": "sge", "sle": "sgt", "sgt": "sle", "sge": "slt", "ult": "uge"
 _NEGATED |= {"ugt": "ule", "uge": "ult"}
 
 
-def counter_bounds(function: WideFunction, flow: Flow, range_at: Range) -> dict[str, Interval]:
+def counter_bounds(function: Function, flow: Flow, range_at: Range) -> dict[int, Interval]:
     """Intervals of the phis of loop headers, from trip counts.
 
     Parameters
@@ -30,12 +39,12 @@ def counter_bounds(function: WideFunction, flow: Flow, range_at: Range) -> dict[
         Sound intervals of operands in blocks.
     """
     analysis = _Counters(function, flow, range_at)
-    bounds: dict[str, Interval] = {}
+    bounds: dict[int, Interval] = {}
     for header in flow.loops:
         for phi in function.by_name[header].phis:
             bound = analysis.bound(phi, header)
             if bound is not None:
-                bounds[phi.name] = bound
+                bounds[phi.id] = bound
     return bounds
 
 
@@ -43,24 +52,23 @@ def counter_bounds(function: WideFunction, flow: Flow, range_at: Range) -> dict[
 class _Edges:
     """Values of a header's phi: from before the loop, and from its only latch."""
 
-    entries: tuple[tuple[str, Operand], ...]
+    entries: tuple[tuple[str, Value], ...]
     latch: str
-    again: Operand
+    again: Value
 
 
 class _Counters:
-    def __init__(self, function: WideFunction, flow: Flow, range_at: Range) -> None:
+    def __init__(self, function: Function, flow: Flow, range_at: Range) -> None:
         self._function = function
-        self._definitions = function.definitions
         self._block_of = function.block_of
         self._flow = flow
         self._range_at = range_at
-        self._growths: dict[tuple[str, str], Interval | None] = {}
+        self._growths: dict[tuple[int, int], Interval | None] = {}
         self._trips = {header: self._trip_bound(header) for header in flow.loops}
 
-    def bound(self, phi: WidePhi, header: str) -> Interval | None:
+    def bound(self, phi: Phi, header: str) -> Interval | None:
         """Interval of a header's phi; None if the loop or the growth is not bounded."""
-        if phi.type[:1] != "i":
+        if not is_integer(phi.type):
             return None
         edges = self._edges(phi, header)
         growth = self._growth_in_loop(phi, header)
@@ -72,68 +80,70 @@ class _Counters:
         total = (start[0] + growth[0], start[1] + growth[1])
         return total if start != BOTTOM and contains(full(phi.type), total) else None
 
-    def _edges(self, phi: WidePhi, header: str) -> _Edges | None:
+    def _edges(self, phi: Phi, header: str) -> _Edges | None:
         body = self._flow.loops[header]
         entries = tuple(item for item in phi.incoming if item[0] not in body)
         again = [item for item in phi.incoming if item[0] in body]
         return _Edges(entries, again[0][0], again[0][1]) if len(again) == 1 else None
 
-    def _growth_in_loop(self, phi: WidePhi, header: str) -> Interval | None:
+    def _growth_in_loop(self, phi: Phi, header: str) -> Interval | None:
         """By how much the phi can differ from its first value."""
         trips = self._trips[header]
         edges = self._edges(phi, header)
         if trips is None or edges is None:
             return None
-        step = self._growth(edges.again, phi.name)
+        step = self._growth(edges.again, phi.id)
         if step is None:
             return None
         return (min(0, step[0] * trips), max(0, step[1] * trips))
 
-    def _growth(self, value: Operand, base: str) -> Interval | None:
+    def _growth(self, value: Value, base: int) -> Interval | None:
         """`value - base` in one iteration; None if it is not base plus something bounded."""
-        if not isinstance(value, Local):
+        if not isinstance(value, Ref):
             return None
-        key = (value.name, base)
+        key = (value.id, base)
         if key not in self._growths:
             self._growths[key] = self._growth_of(value, base)
         return self._growths[key]
 
-    def _growth_of(self, value: Local, base: str) -> Interval | None:
-        if value == Local(base):
+    def _growth_of(self, value: Ref, base: int) -> Interval | None:
+        if value == Ref(base):
             return (0, 0)
-        definition = self._definitions.get(value.name)
-        if isinstance(definition, WidePhi):
+        definition = definition_of(self._function, value)
+        if isinstance(definition, Phi):
             return self._growth_of_phi(definition, base)
         return None if definition is None else self._growth_of_op(definition, base)
 
-    def _growth_of_op(self, definition: Op, base: str) -> Interval | None:
+    def _growth_of_op(self, definition: Instr, base: int) -> Interval | None:
         if definition.op == "add":
-            left, right = definition.args
+            left, right = definition.operands
             return self._sum(definition, left, right, base) or self._sum(
                 definition, right, left, base
             )
         if definition.op == "sub":
-            return self._sum(definition, definition.args[0], definition.args[1], base, sign=-1)
+            return self._sum(
+                definition, definition.operands[0], definition.operands[1], base, sign=-1
+            )
         if definition.op == "select":
-            return self._join([self._growth(arg, base) for arg in definition.args[1:]])
+            return self._join([self._growth(arg, base) for arg in definition.operands[1:]])
         return None
 
     def _sum(
-        self, op: Op, relative: Operand, addend: Operand, base: str, sign: int = 1
+        self, op: Instr, relative: Value, addend: Value, base: int, sign: int = 1
     ) -> Interval | None:
         growth = self._growth(relative, base)
         if growth is None:
             return None
-        low, high = self._range_at(addend, self._block_of[op.name])
+        low, high = self._range_at(addend, self._block_of[op.id])
         if sign < 0:
             low, high = -high, -low
         return (growth[0] + low, growth[1] + high) if low <= high else None
 
-    def _growth_of_phi(self, phi: WidePhi, base: str) -> Interval | None:
-        block = self._block_of[phi.name]
+    def _growth_of_phi(self, phi: Phi, base: int) -> Interval | None:
+        block = self._block_of[phi.id]
         if block not in self._flow.loops:
             return self._join([self._growth(value, base) for _, value in phi.incoming])
-        if phi.name == base or self._flow.dominates(block, self._block_of[base]):
+        if phi.id == base or self._flow.dominates(block, self._block_of[base]):
             return None  # a phi of the same or an outer loop
         edges = self._edges(phi, block)
         inner = self._growth_in_loop(phi, block)
@@ -168,14 +178,14 @@ class _Counters:
         """Loop goes on while `iv pred limit`, where iv is a phi of the header with a constant step,
         or its next.
         """
-        leave = self._function.by_name[name].exit
+        leave = self._function.by_name[name].branch
         body = self._flow.loops[header]
-        if leave.cond is None or all(target in body for target in leave.targets):
+        if leave.cond is None or all(target in body for target in leave.successors):
             return None
-        test = self._definitions.get(leave.cond.name) if isinstance(leave.cond, Local) else None
-        if not isinstance(test, Op) or test.op != "icmp" or test.type[:1] != "i":
+        test = definition_of(self._function, leave.cond)
+        if not isinstance(test, Instr) or test.op != "icmp" or not is_integer(test.type):
             return None
-        left, right = test.args
+        left, right = test.operands
         for induction, limit in ((left, right), (right, left)):
             pred = _staying(test.pred, leave, body, swap=induction is right)
             bound = None if pred is None else self._bound(header, name, induction, pred, limit)
@@ -184,7 +194,7 @@ class _Counters:
         return None
 
     def _bound(
-        self, header: str, name: str, induction: Operand, pred: str, limit: Operand
+        self, header: str, name: str, induction: Value, pred: str, limit: Value
     ) -> int | None:
         found = self._induction(header, induction)
         if found is None:
@@ -205,35 +215,34 @@ class _Counters:
         return None
 
     @staticmethod
-    def _cannot_wrap(phi: WidePhi, step: int, limit: Interval) -> bool:
+    def _cannot_wrap(phi: Phi, step: int, limit: Interval) -> bool:
         """The first value past the limit is still a value of the type."""
         return contains(full(phi.type), (limit[0] - abs(step), limit[1] + abs(step)))
 
-    def _induction(self, header: str, operand: Operand) -> tuple[WidePhi, int] | None:
+    def _induction(self, header: str, operand: Value) -> tuple[Phi, int] | None:
         """The header's phi and its step, if `operand` is that phi or the phi plus its step."""
-        phis = {phi.name: phi for phi in self._function.by_name[header].phis}
-        name = operand.name if isinstance(operand, Local) else ""
-        definition = self._definitions.get(name)
-        if isinstance(definition, Op) and definition.op == "add":
-            first = definition.args[0]
-            name = first.name if isinstance(first, Local) else ""
-        phi = phis.get(name)
+        phis: dict[Value, Phi] = {Ref(phi.id): phi for phi in self._function.by_name[header].phis}
+        definition = definition_of(self._function, operand)
+        if isinstance(definition, Instr) and definition.op == "add":
+            phi = phis.get(definition.operands[0])
+        else:
+            phi = phis.get(operand)
         edges = self._edges(phi, header) if phi is not None else None
-        if phi is None or edges is None or not isinstance(edges.again, Local):
+        if phi is None or edges is None:
             return None
-        step = self._definitions.get(edges.again.name)
-        if not isinstance(step, Op) or step.op != "add" or step.args[0] != Local(phi.name):
+        step = definition_of(self._function, edges.again)
+        if not isinstance(step, Instr) or step.op != "add" or step.operands[0] != Ref(phi.id):
             return None
-        if operand not in (Local(phi.name), edges.again) or not isinstance(step.args[1], Int):
+        if operand not in (Ref(phi.id), edges.again) or not isinstance(step.operands[1], Int):
             return None
-        return (phi, step.args[1].value) if step.args[1].value else None
+        return (phi, step.operands[1].value) if step.operands[1].value else None
 
 
-def _staying(pred: str, leave: Exit, body: frozenset[str], *, swap: bool) -> str | None:
+def _staying(pred: str, leave: Branch, body: frozenset[str], *, swap: bool) -> str | None:
     """The predicate that holds when the loop goes on, with the induction on the left."""
     held: str | None = pred
     if swap:
         held = _SWAPPED.get(pred) or next((k for k, v in _SWAPPED.items() if v == pred), None)
-    if held is not None and leave.targets[0] not in body:
+    if held is not None and leave.successors[0] not in body:
         held = _NEGATED.get(held)
     return held

@@ -9,7 +9,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
 from vividc.ssa.edit import incoming
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Const, Function, Instr, Phi, Ref, Value
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class AffineAnalysis:
 
     def is_invariant(self, value: Value) -> bool:
         """Whether `value` is defined outside the loop."""
-        if isinstance(value, Const | Input):
+        if not isinstance(value, Ref):
             return True
         return not (value.id in self._instrs or value.id in self._phis or value.id in self._merges)
 
@@ -131,7 +131,7 @@ class AffineAnalysis:
         return Affine(step, 0).plus(start)
 
     def _instr(self, instr: Instr) -> Affine | None:
-        rule = _RULES.get(instr.op)
+        rule = _RULES.get(instr.opcode)
         if rule is None:
             return None
         operands = [self.of(operand) for operand in instr.operands]

@@ -10,10 +10,9 @@ from functools import cached_property
 
 import networkx as nx
 
-from vividc.machine.opcodes import Type
 from vividc.ssa.edit import block_of, defined_types, fresh_name, redirect_edge, uses
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.ir import Block, Branch, Function, Ref, Value
+from vividc.ssa.ir import Block, Branch, Function, Kind, Ref, Value
 
 _SINK = ""
 
@@ -118,9 +117,9 @@ class Level:
         return self.loop.latches[0]
 
     @cached_property
-    def types(self) -> dict[int, Type]:
+    def types(self) -> dict[int, Kind]:
         """Types of the values that the loop defines."""
-        found: dict[int, Type] = {}
+        found: dict[int, Kind] = {}
         for block in self.blocks.values():
             found |= defined_types(block)
         return found

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
-from vividc.ssa.ir import Const, Function, Input, Instr, Value
+from vividc.ssa.ir import Const, Function, Instr, Ref, Value
 
 Monomial = tuple[Value, ...]
 _MAX_TERMS = 12
@@ -92,10 +92,10 @@ class Polynomials:
     def _compute(self, value: Value) -> Polynomial:
         if isinstance(value, Const):
             return constant(value.word)
-        if isinstance(value, Input) or value.id not in self._instrs:
+        if not isinstance(value, Ref) or value.id not in self._instrs:
             return symbol(value)
         instr = self._instrs[value.id]
-        rule = _RULES.get(instr.op)
+        rule = _RULES.get(instr.opcode)
         found = None if rule is None else rule([self.of(operand) for operand in instr.operands])
         if found is None or len(found.terms) > _MAX_TERMS:
             return symbol(value)

@@ -198,7 +198,7 @@ class _Carrier(_Rounding):
 
     def _op(self, ident: int) -> Opcode | None:
         item = self.definitions.get(ident)
-        return item.op if isinstance(item, Instr) else None
+        return item.opcode if isinstance(item, Instr) else None
 
     def _readers(self) -> dict[int, list[int]]:
         """Ids of what reads each value; -1 stands for a branch."""

@@ -86,7 +86,7 @@ class _Finder:
             for instr in block.instrs:
                 if self._packs(instr):
                     level = levels[instr.id] if instr.lane is None else 0
-                    rows[level, instr.op].append(instr)
+                    rows[level, instr.opcode].append(instr)
             for (_, opcode), members in sorted(rows.items(), key=lambda row: row[0][0]):
                 self._collect(block, opcode, members)
         yield from self.found

@@ -13,7 +13,7 @@ from vividc.ssa.analysis.alias import different_elements
 from vividc.ssa.analysis.counted import count_loop
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops, preheader_of
-from vividc.ssa.ir import Const, Function, Input, Instr, Value
+from vividc.ssa.ir import Function, Instr, Ref, Value
 from vividc.ssa.rewrite.refusal import Refusal
 
 _WORD_BYTES = 4
@@ -212,7 +212,7 @@ def _same_trips(function: Function, outer: Loop, inner: Loop) -> bool:
     phis = {p.id for b in counted.blocks if b.name in outer.blocks for p in b.phis}
 
     def fixed(value: Value) -> bool:
-        if isinstance(value, Const | Input) or (value.id not in own and value.id not in phis):
+        if not isinstance(value, Ref) or (value.id not in own and value.id not in phis):
             return True
         instr = own.get(value.id)
         return instr is not None and instr.op not in MEMORY and all(map(fixed, instr.operands))
@@ -221,4 +221,5 @@ def _same_trips(function: Function, outer: Loop, inner: Loop) -> bool:
 
 
 def _place(instr: Instr) -> str:
-    return instr.op.value if instr.loc is None else f"{instr.op.value} in line {instr.loc.line}"
+    name = instr.mnemonic
+    return name if instr.loc is None else f"{name} in line {instr.loc.line}"

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product as combinations
 
-from vividc.machine.opcodes import Opcode
+from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import TRAP
 from vividc.machine.product import Factor, Product, Size
 from vividc.machine.semantics import evaluate
@@ -209,7 +209,7 @@ class _Matcher:
     def _sum(self, inner: Loop) -> tuple[Phi, Instr]:
         """The sum that the inner loop carries, and the product that it adds."""
         phis = block_of(self._function, inner.header).phis
-        floats = [phi for phi in phis if phi.type.value == "f32"]
+        floats = [phi for phi in phis if phi.type is Type.F32]
         _demand(len(floats) == 1, "its inner loop does not carry one sum")
         (phi,) = floats
         update = next(value for source, value in phi.incoming if source in inner.blocks)
@@ -272,7 +272,9 @@ class _Matcher:
         inside = [self._plain(arm) for arm in select.operands[1:] if arm != Const(0)]
         condition = select.operands[0]
         test = self._made[condition.id] if isinstance(condition, Ref) else None
-        if len(inside) != 1 or not isinstance(test, Instr) or not test.op.value.startswith("fcmp"):
+        if len(inside) != 1 or not isinstance(test, Instr):
+            return False, value
+        if not test.mnemonic.startswith("fcmp"):
             return False, value
         (x,) = inside
         if any(self._plain(operand) not in (x, Const(0)) for operand in test.operands):
@@ -281,7 +283,7 @@ class _Matcher:
         for word, wanted in expected.items():
             words = [word if self._plain(o) == x else 0 for o in test.operands]
             arms = [word if self._plain(o) == x else 0 for o in select.operands[1:]]
-            if arms[1 - evaluate(test.op, words)] != wanted:
+            if arms[1 - evaluate(test.opcode, words)] != wanted:
                 return False, value
         return True, x
 

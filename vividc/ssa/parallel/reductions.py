@@ -131,11 +131,11 @@ def _way(item: Phi | Instr, ids: frozenset[int], tests: dict[int, Instr]) -> set
     if item.op is Opcode.SELECT:
         own = [_among(operand, ids) for operand in item.operands]
         return set() if own == [False, True, True] else None
-    position = {Opcode.SUB: 0, Opcode.FSUB: 0, Opcode.FMA: 2}.get(item.op)
+    position = {Opcode.SUB: 0, Opcode.FSUB: 0, Opcode.FMA: 2}.get(item.opcode)
     own_at = [port for port, value in enumerate(item.operands) if _among(value, ids)]
     if len(own_at) != 1 or position not in (None, own_at[0]):
         return None
-    op = _SAME.get(item.op, item.op)
+    op = _SAME.get(item.opcode, item.opcode)
     if op not in _IDENTITIES:
         return None
     return {Reduction(op.value, _IDENTITIES[op], 0)}
@@ -153,7 +153,7 @@ def _by_comparison(item: Instr, ids: frozenset[int], tests: dict[int, Instr]) ->
         return None
     swapped = own[0]  # total is the first operand of the comparison
     taken = _among(item.operands[2], ids)  # the new one is chosen where the test holds
-    ordered = not test.op.value.startswith("fcmp.u")
-    if test.op.value.startswith("fcmp") and ordered is not taken:
+    ordered = not test.mnemonic.startswith("fcmp.u")
+    if test.mnemonic.startswith("fcmp") and ordered is not taken:
         return None  # a NaN would replace the total, and the order of iterations would matter
-    return Reduction(test.op.value, None, 0, swapped=swapped, taken=taken)
+    return Reduction(test.mnemonic, None, 0, swapped=swapped, taken=taken)

@@ -140,9 +140,10 @@ class TermTable:
             return self._add(Term(CONST, word=signed(value.word)))
         if isinstance(value, Input):
             number = self._add(Term(INPUT, key=value.key))
-        elif value.id == self._index:
+        elif value == Ref(self._index):
             number = self._add(Term(INDEX))
         else:
+            assert isinstance(value, Ref)
             definition = self._values[value.id]
             number = (
                 self._phi(definition, facts)
@@ -311,7 +312,7 @@ class TermTable:
         if value not in test.operands or len(test.operands) != 2:  # noqa: PLR2004
             return number
         is_first = value == test.operands[0]
-        relation = _relation(test.op, taken, is_first)
+        relation = _relation(test.opcode, taken, is_first)
         if relation is None:
             return number
         other = self.of(test.operands[1 if is_first else 0], self.facts(self._home[cond].name))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
 from vividc.ssa.edit import incoming, next_id, with_blocks
 from vividc.ssa.flow import blocks_of_pipelined_loops, predecessors
-from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Undefined, Value
+from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Undefined, Value
 from vividc.ssa.rewrite.normalize import merge_chains
 
 _MOST_OPERATIONS = 16
@@ -161,7 +161,7 @@ class _Edit:
         return self.inverted
 
     def _emit(
-        self, op: Opcode, kind: Type, operands: tuple[Value, ...], like: Phi | None = None
+        self, op: Opcode, kind: Kind, operands: tuple[Value, ...], like: Phi | None = None
     ) -> Value:
         loc = None if like is None else like.loc
         self.instrs.append(Instr(self.free, op, kind, operands, loc=loc))

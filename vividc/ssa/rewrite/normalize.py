@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from operator import is_
 
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.edit import (
@@ -34,7 +35,7 @@ from vividc.ssa.flow import (
     pipelined_loops,
     predecessors,
 )
-from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Value
 
 
 def normalize(function: Function) -> Function:
@@ -111,18 +112,25 @@ def _heads_of_chains(function: Function) -> dict[str, str]:
 
 def remove_unreachable_blocks(function: Function) -> Function:
     """Drops blocks that no path from the entry reaches, and the phi inputs that came from them."""
-    reachable = set(block_graph(function).nodes)
-    if len(reachable) == len(function.blocks):
-        return function
-    kept = []
-    for block in function.blocks:
-        if block.name in reachable:
-            phis = tuple(
-                replace(phi, incoming=tuple(i for i in phi.incoming if i[0] in reachable))
-                for phi in block.phis
-            )
-            kept.append(replace(block, phis=phis))
-    return replace(function, blocks=tuple(kept))
+    graph = block_graph(function)
+    kept = tuple(
+        _along_edges(block, set(graph.predecessors(block.name)))
+        for block in function.blocks
+        if block.name in graph
+    )
+    same = len(kept) == len(function.blocks) and all(map(is_, kept, function.blocks))
+    return function if same else replace(function, blocks=kept)
+
+
+def _along_edges(block: Block, sources: set[str]) -> Block:
+    """The block whose phis take values from its predecessors only."""
+    if all(name in sources for phi in block.phis for name, _ in phi.incoming):
+        return block
+    phis = tuple(
+        replace(phi, incoming=tuple(item for item in phi.incoming if item[0] in sources))
+        for phi in block.phis
+    )
+    return replace(block, phis=phis)
 
 
 def split_critical_edges(function: Function) -> Function:
@@ -279,7 +287,7 @@ def _number_exits(function: Function, loop: Loop, targets: list[str]) -> Functio
 def _close_loop(function: Function, loop: Loop) -> Function:
     """Every value of the loop that is used outside passes through a phi of the exit block."""
     exit_name = loop.exits[0][1]
-    inside: dict[int, Type] = {}
+    inside: dict[int, Kind] = {}
     for block in function.blocks:
         if block.name in loop.blocks:
             inside |= defined_types(block)

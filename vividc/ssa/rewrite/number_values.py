@@ -49,6 +49,6 @@ def number_values(function: Function) -> Function:
 
 def _key(instr: Instr, known: dict[int, Value]) -> _Key:
     operands = [known.get(v.id, v) if isinstance(v, Ref) else v for v in instr.operands]
-    if OPCODES[instr.op].commutes:
+    if OPCODES[instr.opcode].commutes:
         operands[:2] = sorted(operands[:2], key=repr)
-    return instr.op, tuple(operands)
+    return instr.opcode, tuple(operands)

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from vividc.errors import InternalError, SourceLoc
-from vividc.machine.opcodes import Type
 from vividc.ssa.edit import map_values, next_id
-from vividc.ssa.ir import Block, Function, Phi, Ref, Value
+from vividc.ssa.ir import Block, Function, Kind, Phi, Ref, Value
 
 
 def repair(
     function: Function,
     ident: int,
-    type_: Type,
+    type_: Kind,
     definitions: Mapping[str, Value],
     loc: SourceLoc | None = None,
 ) -> Function:
@@ -43,7 +42,7 @@ def repair(
 class _Repair:
     function: Function
     ident: int
-    type: Type
+    type: Kind
     at_end: dict[str, Value]
     loc: SourceLoc | None
     phis: dict[str, Phi] = field(default_factory=dict)

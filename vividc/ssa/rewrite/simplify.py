@@ -13,7 +13,7 @@ from vividc.host import time_limit
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.ssa.analysis.constants import constant_value
 from vividc.ssa.edit import incoming, map_values, rename_incoming
-from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value, truth_of
 from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
 
 
@@ -58,19 +58,11 @@ def fold_values(function: Function) -> Function:
 
 def fold_branches(function: Function) -> Function:
     """Branches on constants, and to one target twice, become jumps; what nobody reaches goes."""
-    changed: dict[str, Block] = {}
-    dropped: set[tuple[str, str]] = set()
-    for block in function.blocks:
-        jump = _decided(block.branch)
-        if jump is not None:
-            changed[block.name] = replace(block, branch=jump)
-            gone = set(block.branch.successors) - set(jump.successors)
-            dropped |= {(block.name, target) for target in gone}
-    if not changed:
+    jumps = {block.name: _decided(block.branch) for block in function.blocks}
+    if not any(jumps.values()):
         return function
-    blocks = (changed.get(block.name, block) for block in function.blocks)
-    pruned = tuple(_without_edges(block, dropped) for block in blocks)
-    return remove_unreachable_blocks(replace(function, blocks=pruned))
+    blocks = (replace(b, branch=jumps[b.name] or b.branch) for b in function.blocks)
+    return remove_unreachable_blocks(replace(function, blocks=tuple(blocks)))
 
 
 def merge_straight_chains(function: Function) -> Function:
@@ -165,7 +157,7 @@ def _neutral(instr: Instr, operands: tuple[Value, ...], flags: Set[int]) -> Valu
 
     `flags`: ids of predicates. The lowest bit of a word is a predicate, too, made by `and` with 1.
     """
-    word = _NEUTRAL.get(instr.op)
+    word = _NEUTRAL.get(instr.opcode)
     if word is None:
         return None
     if instr.op is Opcode.AND and any(isinstance(v, Ref) and v.id in flags for v in operands):
@@ -173,7 +165,7 @@ def _neutral(instr: Instr, operands: tuple[Value, ...], flags: Set[int]) -> Valu
     left, right = operands
     if right == Const(word):
         return left
-    return right if left == Const(word) and OPCODES[instr.op].commutes else None
+    return right if left == Const(word) and OPCODES[instr.opcode].commutes else None
 
 
 def _decided(branch: Branch) -> Branch | None:
@@ -181,19 +173,10 @@ def _decided(branch: Branch) -> Branch | None:
         return None
     if branch.target == branch.otherwise:
         return Branch(branch.target, loc=branch.loc)
-    if not isinstance(branch.cond, Const):
+    taken = truth_of(branch.cond)
+    if taken is None:
         return None
-    return Branch(branch.target if branch.cond.word else branch.otherwise, loc=branch.loc)
-
-
-def _without_edges(block: Block, dropped: set[tuple[str, str]]) -> Block:
-    if not block.phis:
-        return block
-    phis = tuple(
-        replace(phi, incoming=tuple(i for i in phi.incoming if (i[0], block.name) not in dropped))
-        for phi in block.phis
-    )
-    return replace(block, phis=phis)
+    return Branch(branch.target if taken else branch.otherwise, loc=branch.loc)
 
 
 def _without(function: Function, known: Mapping[int, Value]) -> Function:

@@ -40,7 +40,7 @@ def _kept(block: Block, same: dict[int, Value]) -> tuple[Instr, ...]:
 
 
 def _ordered(instr: Instr, operands: tuple[Value, ...]) -> tuple[Value, ...]:
-    if not OPCODES[instr.op].commutes:
+    if not OPCODES[instr.opcode].commutes:
         return operands
     first, second, *rest = operands
     return (*sorted((first, second), key=str), *rest)

@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vividc.frontend.llvm.ir import Int, Op, Operand
 from vividc.frontend.narrow.wide.shifts import ashr, lshr
 from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.ir import Const, Value
+from vividc.ssa.ir import Const, Instr, Int, Value
 
 _BITS = 64
 _LIMIT = 1 << _BITS
@@ -32,9 +31,9 @@ class _Division:
     remainder: Pair
 
 
-def divide(w: Words, op: Op) -> Pair:
+def divide(w: Words, op: Instr) -> Pair:
     """sdiv, udiv, srem, urem. Division by 0 gives some integer: LLVM leaves it undefined."""
-    value, divisor = op.args
+    value, divisor = op.operands
     signed = op.op in _SIGNED
     if isinstance(divisor, Int):
         magnitude = abs(divisor.value) if signed else divisor.value % _LIMIT
@@ -48,10 +47,10 @@ def divide(w: Words, op: Op) -> Pair:
     return _signed(w, result.remainder, sign)
 
 
-def divide_down(w: Words, op: Op) -> Pair:
+def divide_down(w: Words, op: Instr) -> Pair:
     """sfloordiv, sfloorrem, ufloordiv, ufloorrem: as Python rounds, and 0 by zero."""
-    value, divisor = op.args
-    signed, is_quotient = op.op[0] == "s", op.op.endswith("div")
+    value, divisor = op.operands
+    signed, is_quotient = op.mnemonic[0] == "s", op.mnemonic.endswith("div")
     dividend, sign = _magnitude(w, value, signed=signed)
     d, divisor_sign = _magnitude(w, divisor, signed=signed)
     result = _by_magnitude(w, dividend, d)
@@ -87,7 +86,7 @@ def _power_of(d: Pair) -> int | None:
     return max(divisor.bit_length() - 1, 0) if divisor & (divisor - 1) == 0 else None
 
 
-def _magnitude(w: Words, operand: Operand, *, signed: bool) -> tuple[Pair, Value]:
+def _magnitude(w: Words, operand: Value, *, signed: bool) -> tuple[Pair, Value]:
     """|operand|, and its sign as a word of ones or zeros."""
     pair = w.pair(operand)
     if not signed or w.range(operand)[0] >= 0:
@@ -108,12 +107,12 @@ def _constant(value: int) -> Pair:
     return Pair(Const(value & MASK), Const(value >> WORD & MASK))
 
 
-def _by_power(w: Words, op: Op, magnitude: int, *, negative: bool) -> Pair:
+def _by_power(w: Words, op: Instr, magnitude: int, *, negative: bool) -> Pair:
     """A shift or a mask, after a bias that lets negative dividends round towards 0."""
-    value = w.pair(op.args[0])
+    value = w.pair(op.operands[0])
     power = max(magnitude.bit_length() - 1, 0)
     bias = _NOTHING
-    if op.op in _SIGNED and w.range(op.args[0])[0] < 0 and power > 0:
+    if op.op in _SIGNED and w.range(op.operands[0])[0] < 0 and power > 0:
         sign = w.sign(value)
         bias = lshr(w, Pair(sign, sign), _BITS - power, (_BITS - power, _BITS - power))
     biased = w.add(value, bias)

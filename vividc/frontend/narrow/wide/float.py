@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from vividc.frontend.llvm.ir import Op
 from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.ir import Value
+from vividc.ssa.ir import Instr, Value
 
 _SIGN = 0x80000000
 _TWO_24 = 0x4B800000  # as a float32, like the next
@@ -14,9 +13,9 @@ _EXPONENT_SHIFT = 23
 _BIAS = 127
 
 
-def to_float(w: Words, op: Op) -> Value:
+def to_float(w: Words, op: Instr) -> Value:
     """sitofp, uitofp: correctly rounded to nearest even (a double runs in float32)."""
-    [operand] = op.args
+    [operand] = op.operands
     low, high = w.range(operand)
     if op.type == "double":
         w.emitter.demote(op)

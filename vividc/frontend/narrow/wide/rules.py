@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.errors import KernelError
-from vividc.frontend.llvm.ir import Int, Op, Operand
 from vividc.frontend.narrow.demand_high import WIDE, reads_high, stem
 from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.wide.divide import divide, divide_down
@@ -17,13 +16,13 @@ from vividc.frontend.narrow.wide.shifts import ashr, funnel_left, funnel_right, 
 from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
 from vividc.frontend.ranges.interval import S32, contains
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.ir import Const, Value
+from vividc.ssa.ir import Const, Instr, Int, Value
 
-Rule = Callable[[Words, Op], Pair | Value]
+Rule = Callable[[Words, Instr], Pair | Value]
 _MIN = 1 << 31
 
 
-def translate_wide(emitter: Emitter, op: Op) -> bool:
+def translate_wide(emitter: Emitter, op: Instr) -> bool:
     """Emits `op` in two words if one does not do; False if one does.
 
     Raises
@@ -31,10 +30,10 @@ def translate_wide(emitter: Emitter, op: Op) -> bool:
     KernelError
         Two words are needed, and there is no rule for them.
     """
-    wanted = emitter.high_ids.get(op.name)
+    wanted = emitter.high_ids.get(op.id)
     if wanted is None and not reads_high(op, emitter.facts, wanted=False):
         return False
-    rule = _CALLS.get(stem(op.pred)) if op.op == "call" else _RULES.get(op.op)
+    rule = _CALLS.get(stem(op.pred)) if op.op == "call" else _RULES.get(op.mnemonic)
     if rule is None:
         what = stem(op.pred) if op.op == "call" else op.op
         raise KernelError(
@@ -44,33 +43,33 @@ def translate_wide(emitter: Emitter, op: Op) -> bool:
         )
     words = Words(emitter, op)
     value = rule(words, op)
-    words.results(emitter.ids.get(op.name), wanted, value)
+    words.results(emitter.ids.get(op.id), wanted, value)
     return True
 
 
-def saturates_wide(op: Op) -> bool:
+def saturates_wide(op: Instr) -> bool:
     """Whether a call is a saturating sum or difference that has a rule in two words only."""
     return op.type == WIDE and stem(op.pred) in ("uadd.sat", "sadd.sat", "ssub.sat")
 
 
-def _add(w: Words, op: Op) -> Pair:
+def _add(w: Words, op: Instr) -> Pair:
     return w.add(*_pairs(w, op))
 
 
-def _sub(w: Words, op: Op) -> Pair:
+def _sub(w: Words, op: Instr) -> Pair:
     return w.sub(*_pairs(w, op))
 
 
-def _pairs(w: Words, op: Op) -> tuple[Pair, Pair]:
-    left, right = op.args[:2]
+def _pairs(w: Words, op: Instr) -> tuple[Pair, Pair]:
+    left, right = op.operands[:2]
     return w.pair(left), w.pair(right)
 
 
-def _mul(w: Words, op: Op) -> Pair:
+def _mul(w: Words, op: Instr) -> Pair:
     """A signed word times a signed word is one high product; a factor's sign else takes the other
     factor away.
     """
-    left, right = op.args
+    left, right = op.operands
     a, b = _pairs(w, op)
     if w.emitter.signed(left, right):
         return Pair(w.op(Opcode.MUL, a.low, b.low), w.op(Opcode.MULHS, a.low, b.low))
@@ -84,29 +83,29 @@ def _mul(w: Words, op: Op) -> Pair:
 
 
 def _logic(opcode: Opcode) -> Rule:
-    def rule(w: Words, op: Op) -> Pair:
+    def rule(w: Words, op: Instr) -> Pair:
         # A mask of a word hides the other operand's high word, which then is not computed.
-        pairs = [Pair(w.emitter.value(arg), _high_or_hidden(w, op, arg)) for arg in op.args]
+        pairs = [Pair(w.emitter.value(arg), _high_or_hidden(w, op, arg)) for arg in op.operands]
         return w.logic(opcode, pairs[0], pairs[1])
 
     return rule
 
 
-def _high_or_hidden(w: Words, op: Op, operand: Operand) -> Value:
-    hides = any(isinstance(arg, Int) and 0 <= arg.value <= MASK for arg in op.args)
+def _high_or_hidden(w: Words, op: Instr, operand: Value) -> Value:
+    hides = any(isinstance(arg, Int) and 0 <= arg.value <= MASK for arg in op.operands)
     return ZERO if op.op == "and" and hides else w.high(operand)
 
 
-def _select(w: Words, op: Op) -> Pair:
-    condition, yes, no = op.args
+def _select(w: Words, op: Instr) -> Pair:
+    condition, yes, no = op.operands
     return w.select(w.emitter.value(condition), w.pair(yes), w.pair(no))
 
 
-def _freeze(w: Words, op: Op) -> Pair:
-    return w.pair(op.args[0])
+def _freeze(w: Words, op: Instr) -> Pair:
+    return w.pair(op.operands[0])
 
 
-def _compare(w: Words, op: Op) -> Value:
+def _compare(w: Words, op: Instr) -> Value:
     a, b = _pairs(w, op)
     if op.pred in ("eq", "ne"):
         same = w.equal(a, b)
@@ -117,7 +116,7 @@ def _compare(w: Words, op: Op) -> Value:
 
 
 def _extremum(*, signed: bool, largest: bool) -> Rule:
-    def rule(w: Words, op: Op) -> Pair:
+    def rule(w: Words, op: Instr) -> Pair:
         a, b = _pairs(w, op)
         less = w.less(a, b, signed=signed)
         return w.select(less, b, a) if largest else w.select(less, a, b)
@@ -125,15 +124,15 @@ def _extremum(*, signed: bool, largest: bool) -> Rule:
     return rule
 
 
-def _abs(w: Words, op: Op) -> Pair:
-    a = w.pair(op.args[0])
+def _abs(w: Words, op: Instr) -> Pair:
+    a = w.pair(op.operands[0])
     return w.negate_if(a, w.sign(a))
 
 
 def _three_way(*, signed: bool) -> Rule:
     """scmp, ucmp: (a > b) - (a < b)."""
 
-    def rule(w: Words, op: Op) -> Pair:
+    def rule(w: Words, op: Instr) -> Pair:
         a, b = _pairs(w, op)
         below = w.less(a, b, signed=signed)
         above = w.less(b, a, signed=signed)
@@ -143,7 +142,7 @@ def _three_way(*, signed: bool) -> Rule:
     return rule
 
 
-def _saturating_unsigned(w: Words, op: Op) -> Pair:
+def _saturating_unsigned(w: Words, op: Instr) -> Pair:
     a, b = _pairs(w, op)
     if stem(op.pred) == "usub.sat":
         return w.select(w.less(a, b, signed=False), Pair(ZERO, ZERO), w.sub(a, b))
@@ -151,7 +150,7 @@ def _saturating_unsigned(w: Words, op: Op) -> Pair:
     return w.select(w.less(total, a, signed=False), Pair(Const(MASK), Const(MASK)), total)
 
 
-def _saturating_signed(w: Words, op: Op) -> Pair:
+def _saturating_signed(w: Words, op: Instr) -> Pair:
     """The sum overflows if its sign differs from both operands' (a - b: from a's, and b's from
     a's).
     """
@@ -169,23 +168,23 @@ def _saturating_signed(w: Words, op: Op) -> Pair:
 def _bytes_reversed(opcode: Opcode) -> Rule:
     """bswap, bitreverse."""
 
-    def rule(w: Words, op: Op) -> Pair:
-        low, high = w.pair(op.args[0])
+    def rule(w: Words, op: Instr) -> Pair:
+        low, high = w.pair(op.operands[0])
         return Pair(w.op(opcode, high), w.op(opcode, low))
 
     return rule
 
 
-def _population(w: Words, op: Op) -> Pair:
-    low, high = w.pair(op.args[0])
+def _population(w: Words, op: Instr) -> Pair:
+    low, high = w.pair(op.operands[0])
     return Pair(w.op(Opcode.ADD, w.op(Opcode.CTPOP, low), w.op(Opcode.CTPOP, high)), ZERO)
 
 
 def _zeros(opcode: Opcode) -> Rule:
     """ctlz, cttz: those of the first word looked at, and of the second where that is 0."""
 
-    def rule(w: Words, op: Op) -> Pair:
-        low, high = w.pair(op.args[0])
+    def rule(w: Words, op: Instr) -> Pair:
+        low, high = w.pair(op.operands[0])
         first, second = (high, low) if opcode is Opcode.CTLZ else (low, high)
         beyond = w.op(Opcode.ADD, w.op(opcode, second), WORD)
         is_zero = w.op(Opcode.ICMP_EQ, first, ZERO)
@@ -195,8 +194,8 @@ def _zeros(opcode: Opcode) -> Rule:
 
 
 def _funnel(*, left: bool) -> Rule:
-    def rule(w: Words, op: Op) -> Pair:
-        high, low, amount = op.args
+    def rule(w: Words, op: Instr) -> Pair:
+        high, low, amount = op.operands
         by: Value | int = amount.value % 64 if isinstance(amount, Int) else w.emitter.value(amount)
         return (funnel_left if left else funnel_right)(w, w.pair(high), w.pair(low), by)
 
@@ -204,8 +203,8 @@ def _funnel(*, left: bool) -> Rule:
 
 
 def _shift(shift: Callable[..., Pair]) -> Rule:
-    def rule(w: Words, op: Op) -> Pair:
-        value, amount = op.args
+    def rule(w: Words, op: Instr) -> Pair:
+        value, amount = op.operands
         if isinstance(amount, Int):
             by = amount.value % 64
             # All that is shifted beyond the high word leaves it unread.

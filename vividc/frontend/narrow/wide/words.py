@@ -10,8 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from vividc.frontend.llvm.ir import Op, Operand
-from vividc.frontend.narrow.emit import Emitter, result_type
+from vividc.frontend.narrow.emit import Emitter, word_type
 from vividc.frontend.ranges.interval import Interval
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.semantics import evaluate
@@ -42,23 +41,23 @@ class Pair(NamedTuple):
 class Words:
     """Emits the operations on the way to the result of one wide instruction."""
 
-    def __init__(self, emitter: Emitter, op: Op) -> None:
+    def __init__(self, emitter: Emitter, op: Instr) -> None:
         self.emitter = emitter
         self._op = op
         self._start = len(emitter.instrs)
 
-    def pair(self, operand: Operand) -> Pair:
+    def pair(self, operand: Value) -> Pair:
         """Both words of an operand."""
         return Pair(self.emitter.value(operand), self.high(operand))
 
-    def high(self, operand: Operand) -> Value:
+    def high(self, operand: Value) -> Value:
         """The high word of an operand: known, computed beside the low one, or its extension."""
         known = self.emitter.known_high(operand)
         if known is not None:
             return known
         return self.op(Opcode.ASHR, self.emitter.value(operand), _SIGN_SHIFT)
 
-    def range(self, operand: Operand) -> Interval:
+    def range(self, operand: Value) -> Interval:
         """Values of an operand here."""
         return self.emitter.range(operand)
 
@@ -170,7 +169,7 @@ class Words:
         del emitter.instrs[self._start :]
         pair = value if isinstance(value, Pair) else Pair(value, ZERO)
         compares = self._op.op in ("icmp", "fcmp")
-        type_ = result_type("i1" if compares else self._op.type)
+        type_ = word_type("i1" if compares else self._op.type)
         renamed: dict[Value, Ref] = {}
         moves: list[tuple[int, Value]] = []
         own = {Ref(instr.id) for instr in emitted}

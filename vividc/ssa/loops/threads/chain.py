@@ -10,7 +10,7 @@ from vividc.errors import SourceLoc
 from vividc.machine.compare import INVERSES
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import OPCODES, Opcode, Type
-from vividc.ssa.ir import Block, Branch, Const, Instr, Phi, Ref, Undefined, Value
+from vividc.ssa.ir import Block, Branch, Const, Instr, Kind, Phi, Ref, Undefined, Value
 
 _Key = tuple[Opcode, tuple[Value, ...]]
 
@@ -60,7 +60,7 @@ class Chain:
         self._blocks[-1].branch = branch
         return self.block
 
-    def phi(self, kind: Type, *incoming: tuple[str, Value], loc: SourceLoc | None = None) -> Phi:
+    def phi(self, kind: Kind, *incoming: tuple[str, Value], loc: SourceLoc | None = None) -> Phi:
         """A phi of the open block; more inputs may be given later."""
         phi = Phi(self.fresh(), kind, incoming, loc)
         self._blocks[-1].phis.append(phi)
@@ -97,7 +97,7 @@ class Chain:
         finally:
             self._known = before
 
-    def emit(self, op: Opcode, kind: Type, *operands: Value) -> Value:
+    def emit(self, op: Opcode, kind: Kind, *operands: Value) -> Value:
         """One more operation, or the same one of before."""
         return self.copy(Instr(0, op, kind, operands, loc=self._loc))
 
@@ -119,7 +119,7 @@ class Chain:
         if isinstance(value, Const):
             return Const(1 - value.word)
         made = self._made.get(value.id) if isinstance(value, Ref) else None
-        found = INVERSES.get(made.op) if made is not None else None
+        found = INVERSES.get(made.opcode) if made is not None else None
         if made is None or found is None:
             return self.emit(Opcode.XOR, Type.PRED, value, Const(1))
         left, right = made.operands
@@ -145,13 +145,13 @@ class Chain:
             return self.inverted(stop)
         return self.emit(Opcode.ICMP_ULT, Type.PRED, stop, wanted)
 
-    def select(self, when: Value | None, then: Value, other: Value, kind: Type) -> Value:
+    def select(self, when: Value | None, then: Value, other: Value, kind: Kind) -> Value:
         """`then` where `when` is 1, else `other`."""
         if when is None or then == other or isinstance(other, Undefined):
             return then
         return other if isinstance(then, Undefined) else self._choice(when, then, other, kind)
 
-    def keep_unless(self, stop: Value, value: Value, kept: Value, kind: Type) -> Value:
+    def keep_unless(self, stop: Value, value: Value, kept: Value, kind: Kind) -> Value:
         """`kept` where `stop` is 1, else `value`.
 
         If `value` is itself a choice whose other arm is `kept`, one choice serves both.
@@ -181,12 +181,12 @@ class Chain:
         self._parts[lane.thread, lane.origin] += 1
         return replace(lane, part=part)
 
-    def _choice(self, when: Value, then: Value, other: Value, kind: Type) -> Value:
+    def _choice(self, when: Value, then: Value, other: Value, kind: Kind) -> Value:
         return self.emit(Opcode.SELECT, kind, when, then, other)
 
 
 def _key(instr: Instr) -> _Key:
     operands = instr.operands
-    if OPCODES[instr.op].commutes:
+    if OPCODES[instr.opcode].commutes:
         operands = (*sorted(operands[:2], key=repr), *operands[2:])
-    return instr.op, operands
+    return instr.opcode, operands
