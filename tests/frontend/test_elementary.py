@@ -12,9 +12,9 @@ import numba
 import numpy as np
 import pytest
 
-from tests.frontend.cfg_eval import run
 from vividc.errors import VividcWarning
 from vividc.frontend import KernelFunction
+from vividc.ssa.interpret import interpret as run
 
 UNARY: dict[str, Callable[..., object]] = {
     "math.log": lambda a, b: math.log(a),

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.frontend.cfg_eval import run
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.interpret import interpret as run
 
 EDGES = (0, 1, 2, 7, 10, 255, 65536, 1000003, 2**31 - 1)
 VALUES = sorted({sign * edge for edge in EDGES for sign in (1, -1)} | {-(2**31)})

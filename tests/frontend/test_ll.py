@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.cfg_eval import run
 from vividc.errors import ArgumentError, KernelError, VividcWarning
 from vividc.frontend.c import source as ll_source
 from vividc.frontend.llvm.child.client import Lost
 from vividc.machine.params import DType
+from vividc.ssa.interpret import interpret as run
 
 LOOP = """
 define i32 @sum(ptr %x, i32 %n) {

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.cfg_eval import run
 from vividc.errors import KernelError, SimulationError, TimeLimit, VividcError
 from vividc.frontend.c import host as ll_host
 from vividc.frontend.memory.tables import tables_of
+from vividc.ssa.interpret import interpret as run
 
 HEAD = "define void @f(ptr %x, i32 %n) {\n"
 BLOCKS = """

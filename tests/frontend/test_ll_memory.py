@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.cfg_eval import run
 from vividc.errors import KernelError
 from vividc.machine.params import DType
+from vividc.ssa.interpret import interpret as run
 
 FILE = Path(__file__).parent / "c" / "memory.ll"
 _RNG = np.random.default_rng(1)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.frontend.cfg_eval import run
 from vividc.frontend.c.source import bodies
+from vividc.ssa.interpret import interpret as run
 
 FOLDER = Path(__file__).parent / "c"
 LOOPS = [body.name for body in bodies((FOLDER / "loops.ll").read_text())]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from tests.frontend import kernels as k
-from tests.frontend.cfg_eval import run
 from vividc.errors import VividcWarning
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.check import check_function
+from vividc.ssa.interpret import interpret as run
 from vividc.ssa.ir import Function, Instr
 
 # numba contracts nothing, and float64 that runs in float32 costs a few units in the last place.

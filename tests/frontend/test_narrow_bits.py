@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.frontend.cfg_eval import run
 from vividc.frontend.llvm.reader import read_function
 from vividc.frontend.narrow.narrow import narrow
-from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.params import DType, Param
+from vividc.ssa.interpret import interpret as run
 
 VALUES = (0, 1, 2, 7, 8, 31, 127, 128, 255, 256, 32768, 65535, 2**31 - 1, 2**31, 2**32 - 1)
 WIDTHS = (8, 16, 32)
@@ -91,7 +91,7 @@ def lowered(line: str, result: str, bits: int) -> Callable[[int, int, int], int]
         f"  %r = {line}\n{extend}  ret i32 {back}\n}}\n"
     )
     wide = read_function(text, "k", "k.ll")
-    function = narrow(wide, Ranges(wide, {}), "k", PARAMS, DType.U32, "k.ll").function
+    function = narrow(replace(wide, params=PARAMS, returns=DType.U32)).function
 
     def call(a: int, b: int, c: int) -> int:
         value = run(function, a, b, c)
@@ -171,7 +171,7 @@ def test_bit_counts_of_64_bit_integers_that_words_hold(word: int) -> None:
             "  %t = trunc i64 %r to i32\n  ret i32 %t\n}\n"
         )
         wide = read_function(text, "k", "k.ll")
-        function = narrow(wide, Ranges(wide, {}), "k", PARAMS, DType.U32, "k.ll").function
+        function = narrow(replace(wide, params=PARAMS, returns=DType.U32)).function
         assert run(function, word, 0, 0) == expected, name
 
 

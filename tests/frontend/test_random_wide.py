@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.frontend.cfg_eval import run
 from tests.frontend.random_wide import random_wide_kernel
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
@@ -19,6 +18,7 @@ from vividc.dfg.pipeline import optimize_kernel
 from vividc.errors import KernelError
 from vividc.frontend import KernelFunction
 from vividc.machine.params import DType, joined
+from vividc.ssa.interpret import interpret as run
 
 FAST = range(14)
 SLOW = (*range(14, 24), *range(1000, 1400))

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.frontend import subscript_kernels as k
-from tests.frontend.cfg_eval import run
 from vividc.frontend import KernelFunction
+from vividc.ssa.interpret import interpret as run
 
 Load = Callable[[str, str], KernelFunction]
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tests.frontend import narrow_kernels
-from tests.frontend.cfg_eval import run
 from vividc.compiler.driver import lower
 from vividc.frontend import KernelFunction
 from vividc.machine.opcodes import MEMORY, Opcode
+from vividc.ssa.interpret import interpret as run
 
 
 def all_bytes(dtype: str) -> np.ndarray:

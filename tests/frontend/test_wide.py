@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from tests.frontend import wide_kernels
-from tests.frontend.cfg_eval import run
 from vividc.frontend import KernelFunction, kernel
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType
+from vividc.ssa.interpret import interpret as run
 from vividc.ssa.ir import Function
 
 KERNELS = [item for item in vars(wide_kernels).values() if isinstance(item, KernelFunction)]

@@ -231,9 +231,14 @@ def _of_graphs(home: Path) -> Iterator[Kind]:
         yield Kind(f"graph {name}", form, file, (home / file).read_bytes(), mapping, share=8)
     stages = ("compile", home / "sums.py", "--fabric", "mesh-2x2", "--stop-after", "frontend")
     _run(*stages, "--print-to", home / "stages")
-    function = (home / "stages/000-frontend.txt").read_bytes()
+    function = next((home / "stages").glob("*-frontend.txt")).read_bytes()
     passes = ("opt", "{file}", "--passes", "normalize,hoist-loads,merge-diamonds,tidy")
     yield Kind("function text", "text", "f.ssa", function, passes, share=20)
+    read = next((home / "stages").glob("*-straighten-single-trips.txt"))
+    narrowing = "recover-extensions,straighten-single-trips,unrotate,load-flags,extend-loads,"
+    narrowing += "store-low-bits,fold-by-ranges,sign-quotients,narrow"
+    passes = ("opt", "{file}", "--passes", narrowing)
+    yield Kind("function text of LLVM", "text", "f.ssa", read.read_bytes(), passes, share=20)
     passes = ("opt", "{file}", "--passes", "fold-constants,expand-math,balance-reductions")
     yield Kind("graph of opt", "text", "g.dfg", (home / "g.dfg").read_bytes(), passes)
     published = (ROOT / "tests/data/foreign_accumulate.json").read_bytes()

@@ -11,13 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.frontend.cfg_eval import run
 from tests.rules import Language
 from vividc.machine.parallel import Term
 from vividc.machine.params import Param
 from vividc.ssa.check import check_function
 from vividc.ssa.edit import definitions, map_values
 from vividc.ssa.flow import Loop, find_loops
+from vividc.ssa.interpret import interpret as run
 from vividc.ssa.ir import Block, Function, Ref, Value
 from vividc.ssa.text import parse, to_text
 

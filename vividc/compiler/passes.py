@@ -15,6 +15,9 @@ from vividc.dfg.forms.text import to_text as graph_text
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, pipeline
 from vividc.dfg.regions import Kernel
+from vividc.frontend.c.unrotate import unrotate
+from vividc.frontend.narrow import narrow as narrowing
+from vividc.frontend.stages import RESOLVING, SIMPLIFYING, STRAIGHTENING, TIDYING, Pointers
 from vividc.host.watch import name_of
 from vividc.program import Program, disassemble
 from vividc.ssa.check import check_function
@@ -55,13 +58,34 @@ _FUNCTION: Final[tuple[Callable[[Function], Function], ...]] = (
 FUNCTION_PASSES: Final[Mapping[str, Callable[[Function], Function]]] = {
     name_of(one): one for one in _FUNCTION
 }
-"""Passes from function to function, for `vividc opt`."""
+"""Passes from words to words, for `vividc opt`."""
+
+
+def narrow(function: Function) -> Function:
+    """LLVM's operations as the machine's, on words; what its warnings are about is left out."""
+    return narrowing.narrow(function).function
+
+
+LLVM_PASSES: Final[Mapping[str, Callable[[Function], Function]]] = {
+    name_of(one): one for one in (*STRAIGHTENING, unrotate, *SIMPLIFYING, narrow)
+}
+"""Passes on functions that are LLVM's yet; `narrow` leaves words."""
 GRAPH_PASSES: Final[Mapping[str, Callable[[DFG], DFG]]] = {
     name_of(one): one for one in pipeline(PassOptions(contract=True))
 }
 """Passes from graph to graph, in the order of the pipeline."""
 
 STAGES: Final = (
+    *(Stage(name_of(one), "memory: pointers become arrays", Function) for one in RESOLVING),
+    *(
+        Stage(name_of(one), "LLVM's forms are undone", Function)
+        for one in (*STRAIGHTENING, unrotate)
+    ),
+    *(Stage(name_of(one), "what ranges of values decide", Function) for one in SIMPLIFYING),
+    Stage(
+        "narrow", "operations of LLVM's become the machine's, 64 bits one or two words", Function
+    ),
+    *(Stage(name_of(one), "on words", Function) for one in TIDYING),
     Stage(
         "frontend", "from Python or C to SSA, 64 bits to words, the loop over prange cut", Function
     ),
@@ -85,8 +109,7 @@ STAGES: Final = (
 
 def text_of(made: object) -> str:
     """What a stage left, as text: SSA, graphs, or words."""
-    if isinstance(made, tuple):  # with what goes beside it
-        made = made[0]
+    made = _main(made)
     if isinstance(made, Function):
         return function_text(made)
     if isinstance(made, DFG):
@@ -102,8 +125,7 @@ def text_of(made: object) -> str:
 
 def problems_of(made: object) -> list[str]:
     """Broken invariants of what a stage left."""
-    if isinstance(made, tuple):
-        made = made[0]
+    made = _main(made)
     if isinstance(made, Function):
         return check_function(made)
     if isinstance(made, DFG):
@@ -111,3 +133,10 @@ def problems_of(made: object) -> list[str]:
     if isinstance(made, Kernel):
         return [problem for region in made.regions for problem in check(region.dfg)]
     return []
+
+
+def _main(made: object) -> object:
+    """What a stage left, without what goes beside it."""
+    if isinstance(made, Pointers | narrowing.Narrowed):
+        return made.function
+    return made[0] if isinstance(made, tuple) else made

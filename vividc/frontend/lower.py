@@ -7,7 +7,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
@@ -15,33 +15,18 @@ from numba.core.errors import NumbaError, UnsupportedBytecodeError
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function
-from vividc.frontend.memory.flags import load_flags
-from vividc.frontend.memory.local_arrays import Held, bounds_of_loads, hold_arrays, with_locals
-from vividc.frontend.memory.null_choices import drop_null_choices
-from vividc.frontend.memory.overlap import fold_overlaps
-from vividc.frontend.memory.resolve import resolve_memory
-from vividc.frontend.memory.subword import extend_loads, store_low_bits
-from vividc.frontend.memory.traps import trap_raises
 from vividc.frontend.narrow.counting import word_parameters
-from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotients
-from vividc.frontend.narrow.narrow import Narrowed, narrow, refuse_calls
-from vividc.frontend.narrow.single_trip import straighten_single_trips
+from vividc.frontend.narrow.narrow import narrow
 from vividc.frontend.numba.entry import optimised_ir
 from vividc.frontend.numba.length import refuse_long, refuse_long_code
 from vividc.frontend.numba.target import NumbaModule, numba_module
-from vividc.frontend.ranges.fold import fold_by_ranges, recover_extensions
-from vividc.frontend.ranges.interval import Interval
-from vividc.frontend.ranges.ranges import Ranges
-from vividc.frontend.ranges.sizes import bounds_of_sizes
 from vividc.frontend.refused.diagnose import behind, construct_at, diagnose, returned_at
+from vividc.frontend.stages import SIMPLIFYING, TIDYING, without_pointers
+from vividc.host.watch import aside, run_passes, watched
 from vividc.lang.numba_words import is_numbas, plain
-from vividc.machine.params import MAX_ELEMENTS, WIDE_DTYPES, DType, Param
+from vividc.machine.params import WIDE_DTYPES, DType, Param
 from vividc.ssa.check import check_function
 from vividc.ssa.ir import Function
-from vividc.ssa.rewrite.dead import remove_dead
-from vividc.ssa.rewrite.hoist import hoist_invariants
-from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
-from vividc.ssa.rewrite.value_numbering import merge_equal
 
 # What numba raises for functions that it did not foresee.
 _NUMBA_FAULTS: tuple[type[Exception], ...] = (
@@ -122,29 +107,28 @@ def lower(
 
 def _read(
     module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc
-) -> tuple[Prepared, tuple[Param, ...]]:
+) -> tuple[Function, tuple[Param, ...]]:
     """The kernel without pointers, and its parameters with the words each needs."""
 
-    def read() -> Prepared:
+    def read() -> Function:
         text = optimised_ir(module, params, loc)
-        made = prepared(read_function(text, ENTRY, loc.file), text)
-        refuse_long(made.function, loc)
+        made = without_pointers(read_function(text, ENTRY, loc.file), text)
+        refuse_long(made, loc)
         return made
 
     params = tuple(replace(p, words=2) if p.dtype in WIDE_DTYPES else p for p in params)
     kernel = read()
-    if all(p.words == 1 for p in params):
-        return kernel, params
     words = counting_parameters(kernel, params)
     params = tuple(replace(p, words=1) if p.name in words else p for p in params)
     return (read() if words else kernel), params
 
 
-def counting_parameters(kernel: Prepared, params: tuple[Param, ...]) -> frozenset[str]:
+def counting_parameters(kernel: Function, params: tuple[Param, ...]) -> frozenset[str]:
     """Names of the 64-bit parameters that only count or index: one word each."""
     if all(param.words == 1 for param in params):
         return frozenset()
-    return word_parameters(_simplified(kernel, params)[0])
+    with aside():
+        return word_parameters(run_passes(SIMPLIFYING, replace(kernel, params=params)))
 
 
 @contextmanager
@@ -173,7 +157,7 @@ def _in_python(loc: SourceLoc, name: str) -> Iterator[None]:
 
 
 def lower_words(
-    kernel: Prepared,
+    kernel: Function,
     name: str,
     params: tuple[Param, ...],
     returns: DType | None,
@@ -192,83 +176,20 @@ def lower_words(
     reword
         Puts the advice of warnings in the words of another language than Python.
     """
+    function = replace(kernel, name=name, params=params, returns=returns, file=file or loc.file)
     with located(loc):
-        narrowed = _narrowed(kernel, name, params, returns, file or loc.file)
+        function = run_passes(SIMPLIFYING, function)
+        narrowed = watched("narrow", lambda: narrow(function))
     for lines, (*what, instead) in (
         (narrowed.demoted, _DEMOTED),
         (narrowed.saturated, _SATURATED),
     ):
         _report(lines, loc, (*what, reword(instead)), strict_fp=strict_fp)
-    function = merge_equal(hoist_invariants(narrowed.function))
-    problems = check_function(function)
+    words = run_passes(TIDYING, narrowed.function)
+    problems = check_function(words)
     if problems:
         raise InternalError(f"the lowered kernel {name} is malformed: {'; '.join(problems)}")
-    return function
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """A function without pointers, and the arrays of its own by name."""
-
-    function: Function
-    arrays: dict[str, Held]
-
-
-def prepared(wide: Function, text: str, *, packed: bool = False) -> Prepared:
-    """What was read from LLVM, without dead code, calls that cannot run, and pointers.
-
-    `text`: the module it was read from, whose constant arrays become tables. `packed`: as of
-    `hold_arrays`.
-
-    Raises
-    ------
-    KernelError
-        The kernel calls what the array cannot run, never ends, or uses pointers other than into
-        arrays.
-    """
-    wide = recover_divisions(remove_dead(remove_unreachable_blocks(wide)))
-    holding = hold_arrays(fold_overlaps(wide), text, packed=packed)
-    wide = remove_dead(holding.function)
-    refuse_calls(wide)
-    if all(block.branch.successors for block in wide.blocks):
-        raise KernelError("the kernel never ends", hint="give its loop a condition or a break")
-    # Memory first: the other stages know no pointers.
-    wide, traps = trap_raises(resolve_memory(drop_null_choices(wide), holding.arrays))
-    wide = straighten_single_trips(recover_extensions(wide))
-    return Prepared(wide, holding.arrays | traps)
-
-
-def _narrowed(
-    kernel: Prepared, name: str, params: tuple[Param, ...], returns: DType | None, file: str
-) -> Narrowed:
-    wide, ranges = _simplified(kernel, params)
-    narrowed = narrow(wide, ranges, name, params, returns, file)
-    return replace(narrowed, function=with_locals(narrowed.function, kernel.arrays))
-
-
-def _simplified(kernel: Prepared, params: tuple[Param, ...]) -> tuple[Function, Ranges]:
-    """Without small integers in memory, and without what the ranges of values decide."""
-    wide = load_flags(kernel.function, _flag_arrays(params))
-    wide = store_low_bits(extend_loads(wide))
-    bounds = _bounds(params) | bounds_of_loads(wide, kernel.arrays)
-    bounds |= bounds_of_sizes(wide, MAX_ELEMENTS)
-    wide = fold_by_ranges(wide, Ranges(wide, bounds))
-    ranges = Ranges(wide, bounds)
-    signed = sign_quotients(wide, ranges)
-    return (wide, ranges) if signed is wide else (signed, Ranges(signed, bounds))
-
-
-def _flag_arrays(params: tuple[Param, ...]) -> frozenset[str]:
-    return frozenset(param.name for param in params if param.ndim and param.dtype is DType.BOOL)
-
-
-def _bounds(params: tuple[Param, ...]) -> dict[str, Interval]:
-    """Shapes: an array must fit in the scratchpad (checked at launch)."""
-    bounds = {}
-    for param in params:
-        for axis in range(param.ndim):
-            bounds[f"{param.name}.shape{axis}"] = (0, param.limit(axis))
-    return bounds
+    return words
 
 
 def _typed(

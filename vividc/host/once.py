@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from collections.abc import Callable
 from functools import partial, wraps
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, ParamSpec, TypeVar, cast
 
 _Object = TypeVar("_Object")
 _Rest = ParamSpec("_Rest")
@@ -35,5 +35,19 @@ def once_each(
         if rest not in known:
             known[rest] = function(given, *rest, **named)
         return known[rest]
+
+    return kept
+
+
+def once_within(function: Callable[[_Object], _Result]) -> Callable[[_Object], _Result]:
+    """As `once_each`, kept in the object itself: the result may lead to it."""
+    name = f"{function.__module__}.{function.__qualname__}"
+
+    @wraps(function)
+    def kept(given: _Object) -> _Result:
+        results = vars(given)
+        if name not in results:
+            results[name] = function(given)
+        return cast(_Result, results[name])
 
     return kept

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Final
 
-from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
+from vividc.machine.opcodes import MEMORY, OPCODES, Opcode, Type
+from vividc.ssa.edit import read_values
 from vividc.ssa.flow import block_graph, dominators
-from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value
+from vividc.ssa.ir import (
+    LLVM_BINARY,
+    LLVM_CASTS,
+    Block,
+    Const,
+    Function,
+    Input,
+    Instr,
+    Kind,
+    Named,
+    Ref,
+    Value,
+)
 
 _WORD_LIMIT = 1 << 32
 _WORD_BYTES = 4
@@ -21,8 +36,9 @@ def check_function(fn: Function) -> list[str]:
     """Every broken invariant of a function, one sentence each; empty if it is well formed.
 
     Blocks and results are unique; branches name blocks, and every block can be reached; operands
-    are as many as the opcode takes and constants are words; phis list exactly their block's
-    predecessors; definitions dominate uses.
+    are as many as the operation takes; phis list exactly their block's predecessors; definitions
+    dominate uses. Operations, types and constants are all the machine's, or all LLVM's, whose
+    inputs are declared.
     """
     structure = [*_unique(fn), *_targets(fn)]
     if structure:  # the other rules look blocks up by name
@@ -62,20 +78,87 @@ def _targets(fn: Function) -> Iterator[str]:
 
 
 def _operands(fn: Function) -> Iterator[str]:
+    rule = _llvm_operands if fn.is_llvm else _operands_of
+    fits = _llvm_value(fn) if fn.is_llvm else _word_value
     for block in fn.blocks:
         for instr in block.instrs:
-            yield from _operands_of(instr, block)
-        for value in _read(block):
-            if isinstance(value, Const) and not 0 <= value.word < _WORD_LIMIT:
-                yield f"a constant in {block.name} is no word: {value.word}"
+            yield from rule(instr, block)
+        for item in block.items:
+            if isinstance(item.type, Type) is fn.is_llvm:
+                yield f"{item.id} in {block.name} has the type {item.type} of the other vocabulary"
+        for value in read_values(block):
+            problem = fits(value)
+            if problem:
+                yield f"a value in {block.name} {problem}"
+
+
+def _word_value(value: Value) -> str:
+    if isinstance(value, Const):
+        return "" if 0 <= value.word < _WORD_LIMIT else f"is no word: {value.word}"
+    return "" if isinstance(value, Named) else f"is no word but LLVM's: {value}"
+
+
+def _llvm_value(fn: Function) -> Callable[[Value], str]:
+    known = {key for key, _ in fn.inputs}
+
+    def problem(value: Value) -> str:
+        if isinstance(value, Const):
+            return f"is a word among LLVM's: {value}"
+        is_known = not isinstance(value, Input) or value.key in known
+        return "" if is_known else f"is no input: {value}"
+
+    return problem
+
+
+def _llvm_operands(instr: Instr, block: Block) -> Iterator[str]:
+    place = f"{instr.mnemonic} {instr.id} in {block.name}"
+    if isinstance(instr.op, Opcode):
+        yield f"{place} is no operation of LLVM's"
+        return
+    expected = _LLVM_ARITY.get(instr.op)
+    if expected is not None and len(instr.operands) != expected:
+        yield f"{place} has {len(instr.operands)} operands instead of {expected}"
+    if instr.op in _PREDICATES and instr.pred not in _PREDICATES[instr.op]:
+        yield f"{place} compares by {instr.pred!r}"
+    for kind in _integers_of(instr):
+        if not _INTEGER.fullmatch(str(kind)):
+            yield f"{place} is of {kind}, which is no type of integers"
+    if instr.op == "getelementptr" and not 0 <= len(instr.operands) - len(instr.strides) <= 1:
+        yield f"{place} has {len(instr.strides)} strides for {len(instr.operands)} operands"
+    if instr.array:
+        yield from (f"{place} {problem}" for problem in _width_problems(instr, ("load",)))
+
+
+def _integers_of(instr: Instr) -> Iterator[Kind]:
+    """The types of an instruction that must be of integers."""
+    if instr.op in _OF_INTEGERS or (instr.op == "icmp" and instr.type != "ptr"):
+        yield instr.type
+    if instr.op in ("trunc", "zext", "sext", "sitofp", "uitofp"):
+        yield instr.source
+
+
+_INTEGER: Final = re.compile(r"i[1-9]\d{0,3}")
+_OF_INTEGERS: Final = frozenset(
+    {*(op for op in LLVM_BINARY if op[0] != "f"), "trunc", "zext", "sext", "fptosi", "fptoui"}
+)
+_ORDERS: Final = ("eq", "ne", "lt", "le", "gt", "ge")
+_PREDICATES: Final[Mapping[str, frozenset[str]]] = {
+    "icmp": frozenset({"eq", "ne", *(f"{sign}{way}" for sign in "su" for way in _ORDERS[2:])}),
+    "fcmp": frozenset({"ord", "uno", *(f"{kind}{way}" for kind in "ou" for way in _ORDERS)}),
+}
+_LLVM_ARITY: Final[Mapping[str, int]] = {
+    **dict.fromkeys(("load", "freeze", "fneg", "extractvalue", *LLVM_CASTS), 1),
+    **dict.fromkeys(("store", "icmp", "fcmp", "insertvalue", *LLVM_BINARY), 2),
+    "select": 3,
+}
 
 
 def _operands_of(instr: Instr, block: Block) -> Iterator[str]:
     place = f"{instr.mnemonic} {instr.id} in {block.name}"
-    if instr.op in _NOT_INSTRUCTIONS:
+    if instr.op in _NOT_INSTRUCTIONS or not isinstance(instr.op, Opcode):
         yield f"{place} is no instruction"
         return
-    expected = OPCODES[instr.opcode].arity + (1 if instr.op in MEMORY else 0)
+    expected = OPCODES[instr.op].arity + (1 if instr.op in MEMORY else 0)
     predicated = 1 if instr.op in MEMORY else 0
     if not expected <= len(instr.operands) <= expected + predicated:
         yield f"{place} has {len(instr.operands)} operands instead of {expected}"
@@ -84,10 +167,12 @@ def _operands_of(instr: Instr, block: Block) -> Iterator[str]:
     yield from (f"{place} {problem}" for problem in _width_problems(instr))
 
 
-def _width_problems(instr: Instr) -> Iterator[str]:
-    if instr.width not in _WIDTHS or (instr.op not in MEMORY and instr.width != _WORD_BYTES):
+def _width_problems(
+    instr: Instr, loads: tuple[Opcode | str, ...] = (Opcode.LOAD,)
+) -> Iterator[str]:
+    if instr.width not in _WIDTHS or (not instr.array and instr.width != _WORD_BYTES):
         yield f"has a width of {instr.width} bytes"
-    if instr.signed and (instr.op is not Opcode.LOAD or instr.width == _WORD_BYTES):
+    if instr.signed and (instr.op not in loads or instr.width == _WORD_BYTES):
         yield "is signed and no load of less than a word"
 
 
@@ -139,13 +224,3 @@ def _is_in(value: Value, ids: set[int]) -> bool:
 
 def _available(value: Value, home: dict[int, str], dominating: frozenset[str]) -> bool:
     return not isinstance(value, Ref) or home.get(value.id) in dominating
-
-
-def _read(block: Block) -> Iterator[Value]:
-    yield from (value for phi in block.phis for value in _values(phi))
-    yield from (value for instr in block.instrs for value in instr.operands)
-    yield from block.branch.read
-
-
-def _values(phi: Phi) -> tuple[Value, ...]:
-    return tuple(value for _, value in phi.incoming)

@@ -82,14 +82,16 @@ class Float:
 
     value: float
 
+    @property
+    def bits(self) -> int:
+        """Those of the double."""
+        return int.from_bytes(struct.pack("<d", self.value), "little")
+
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Float) and self._bits() == other._bits()
+        return isinstance(other, Float) and self.bits == other.bits
 
     def __hash__(self) -> int:
-        return hash(self._bits())
-
-    def _bits(self) -> bytes:
-        return struct.pack("<d", self.value)
+        return hash(self.bits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +115,53 @@ Named = Ref | Input
 """Values that are computed or supplied, not constant."""
 Value = Ref | Const | Input | Int | Float | Global | Parts
 """An operand. In a function of words: `Ref`, `Const` or `Input`."""
+
+
+LLVM_BINARY = frozenset(
+    [
+        "add",
+        "sub",
+        "mul",
+        "sdiv",
+        "udiv",
+        "srem",
+        "urem",
+        "shl",
+        "lshr",
+        "ashr",
+        "and",
+        "or",
+        "xor",
+        "fadd",
+        "fsub",
+        "fmul",
+        "fdiv",
+        "frem",
+        "sfloordiv",
+        "sfloorrem",
+        "ufloordiv",
+        "ufloorrem",
+    ]
+)
+"""LLVM's operations on two values of one type, and Python's divisions, which round down."""
+LLVM_CASTS = frozenset(
+    [
+        "trunc",
+        "zext",
+        "sext",
+        "fptrunc",
+        "fpext",
+        "fptoui",
+        "fptosi",
+        "uitofp",
+        "sitofp",
+        "ptrtoint",
+        "inttoptr",
+        "bitcast",
+        "addrspacecast",
+    ]
+)
+"""LLVM's conversions."""
 
 
 @dataclass(frozen=True, slots=True)

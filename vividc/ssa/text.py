@@ -23,24 +23,43 @@ A line an instruction; lines that start with ``#`` are comments::
 an input that the host supplies. Clauses after the operands are the fields of `Instr`, left out
 where they have their defaults. ``sequential`` in the first line names the loops that run block by
 block.
+
+A function that is LLVM's still says what it returns, and the types of its inputs; its constants are
+decimal integers, the bits of doubles, globals with an offset, and lists of parts::
+
+    function "mean" llvm "double"
+    input "n" i64
+    input "&x" ptr
+    entry:
+      %0 i64 = add $"n", -1 flags [nsw]
+      %1 ptr = getelementptr @"table" 8, %0 source i8 strides [1]
+      %2 double = load %1
+      %3 double = fadd %2, f64 0x3ff0000000000000
+      return %3
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from typing import Final
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any, Final
 
 from vividc.errors import SourceLoc
+from vividc.machine.lanes import Lane
 from vividc.machine.params import LocalArray, Param
 from vividc.machine.text_line import location_text
 from vividc.ssa.ir import (
     Block,
     Branch,
     Const,
+    Float,
     Function,
+    Global,
     Input,
     Instr,
+    Int,
+    Kind,
+    Parts,
     Phi,
     Ref,
     Undefined,
@@ -57,6 +76,7 @@ _WORD_BYTES: Final = 4
 def to_text(function: Function) -> str:
     """The text form of `function`, with a final newline."""
     lines = [_header(function)]
+    lines += [f"input {json.dumps(key)} {_name(kind)}" for key, kind in function.inputs]
     lines += [_param(param) for param in function.params]
     lines += [_local(local) for local in function.locals]
     for block in function.blocks:
@@ -70,6 +90,8 @@ def _header(function: Function) -> str:
         parts.append(f"file {json.dumps(function.file)}")
     if function.returns is not None:
         parts.append(f"returns {function.returns.value}")
+    if function.is_llvm:
+        parts.append(f"llvm {json.dumps(function.result)}")
     if function.sequential:
         parts.append(f"sequential {', '.join(map(_name, sorted(function.sequential)))}")
     return " ".join(parts)
@@ -110,35 +132,35 @@ def _block(block: Block) -> Iterator[str]:
 
 def _phi(phi: Phi) -> str:
     incoming = (f"{_name(block)}: {_value(value)}" for block, value in phi.incoming)
-    return f"%{phi.id} {type_name(phi.type)} = phi [{', '.join(incoming)}]"
+    return f"%{phi.id} {_type(phi.type)} = phi [{', '.join(incoming)}]"
 
 
 def _instr(instr: Instr) -> str:
-    parts = [f"%{instr.id} {type_name(instr.type)} = {instr.mnemonic}"]
+    parts = [f"%{instr.id} {_type(instr.type)} = {instr.mnemonic}"]
     if instr.operands:
         parts.append(", ".join(map(_value, instr.operands)))
-    if instr.array:
-        parts.append(f"array {json.dumps(instr.array)}")
-    if instr.shift:
-        parts.append(f"shift {instr.shift}")
-    if instr.offset:
-        parts.append(f"offset {instr.offset}")
-    if instr.width != _WORD_BYTES:
-        parts.append(f"width {instr.width}")
-    parts += [word for word in ("signed", "exact") if getattr(instr, word)]
-    if instr.distinct:
-        parts.append(f"distinct {_name(instr.distinct)}")
-    if instr.subscript:
-        axes = ("_" if axis is None else str(axis) for axis in instr.subscript)
-        parts.append(f"subscript [{', '.join(axes)}]")
-    if instr.lane is not None:
-        lane = instr.lane
-        regions = ", ".join(map(_name, lane.regions))
-        parts.append(f"lane {lane.thread} {lane.origin} {lane.part} [{regions}]")
+    for clause, (default, write) in _CLAUSES.items():
+        value = getattr(instr, clause)
+        if value != default:
+            parts.append(f"{clause} {write(value)}".rstrip())
     return " ".join(parts)
 
 
+def _listed(items: Iterable[object]) -> str:
+    return f"[{', '.join(map(str, items))}]"
+
+
+def _lane(lane: Lane) -> str:
+    return f"{lane.thread} {lane.origin} {lane.part} {_listed(map(_name, lane.regions))}"
+
+
+def _type(kind: Kind) -> str:
+    return _name(type_name(kind))
+
+
 def _branch(branch: Branch) -> str:
+    if branch.unreachable:
+        return "unreachable"
     if branch.cond is not None:
         ways = f"{_name(branch.target or '')} else {_name(branch.otherwise or '')}"
         return f"branch {_value(branch.cond)} {ways}"
@@ -155,8 +177,20 @@ def _value(value: Value) -> str:
         return f"${json.dumps(value.key)}"
     if isinstance(value, Undefined) and value.word == 0:
         return "undef"
-    assert isinstance(value, Const)
-    return f"{value.word:#010x}"
+    if isinstance(value, Const):
+        return f"{value.word:#010x}"
+    return _constant(value)
+
+
+def _constant(value: Int | Float | Global | Parts) -> str:
+    """A constant of LLVM's."""
+    if isinstance(value, Int):
+        return str(value.value)
+    if isinstance(value, Float):
+        return f"f64 {value.bits:#018x}"
+    if isinstance(value, Parts):
+        return f"parts [{', '.join(map(_value, value.values))}]"
+    return f"@{json.dumps(value.name)}" + (f" {value.offset}" if value.offset else "")
 
 
 def _name(name: str) -> str:
@@ -165,3 +199,21 @@ def _name(name: str) -> str:
 
 def _loc(loc: SourceLoc | None) -> str:
     return "" if loc is None else f" {location_text(loc)}"
+
+
+_CLAUSES: Final[Mapping[str, tuple[object, Callable[[Any], str]]]] = {
+    "array": ("", json.dumps),
+    "shift": (0, str),
+    "offset": (0, str),
+    "width": (_WORD_BYTES, str),
+    "signed": (False, lambda _: ""),
+    "exact": (False, lambda _: ""),
+    "distinct": ("", _name),
+    "subscript": ((), lambda axes: _listed("_" if axis is None else axis for axis in axes)),
+    "pred": ("", _name),
+    "source": ("", _name),
+    "strides": ((), _listed),
+    "flags": (frozenset(), lambda flags: _listed(map(_name, sorted(flags)))),
+    "lane": (None, _lane),
+}
+"""Fields of `Instr`: the default, which is left out, and how another value is written."""

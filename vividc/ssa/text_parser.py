@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -12,7 +13,23 @@ from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import DType, LocalArray, Param
 from vividc.machine.text_line import TextLine
-from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Undefined, Value
+from vividc.ssa.ir import (
+    Block,
+    Branch,
+    Const,
+    Float,
+    Function,
+    Global,
+    Input,
+    Instr,
+    Int,
+    Kind,
+    Parts,
+    Phi,
+    Ref,
+    Undefined,
+    Value,
+)
 
 PLAIN: Final = re.compile(r"[A-Za-z_][\w.]*")
 """A block's name that needs no quotes."""
@@ -21,6 +38,8 @@ _OPCODES: Final = {op.value: op for op in Opcode}
 _TYPES: Final = {kind.value: kind for kind in Type}
 _DTYPES: Final = {kind.value: kind for kind in DType}
 _WORD: Final = 1 << 32
+_VALUES: Final = frozenset({"undef", "f64", "parts"})
+"""Words that values begin with."""
 
 
 def parse(text: str, file: str = "<text>") -> Function:
@@ -45,7 +64,9 @@ def parse(text: str, file: str = "<text>") -> Function:
 
 
 class _Line(TextLine):
-    """A line of a function."""
+    """A line of a function; `is_llvm`: its operations and types are LLVM's."""
+
+    is_llvm = False
 
     @property
     def ended(self) -> bool:
@@ -88,15 +109,38 @@ class _Line(TextLine):
             return Input(self.text())
         if self.accept("word", "undef"):
             return Undefined()
+        return self.constant() if self.is_llvm else self.word()
+
+    def word(self) -> Const:
+        """A constant of 32 bits."""
         word = self.integer()
         if not 0 <= word < _WORD:
             self.fail(f"{word} is no word of 32 bits")
         return Const(word)
 
+    def constant(self) -> Value:
+        """A constant of LLVM's."""
+        if self.accept("mark", "@"):
+            name = self.text()
+            return Global(name, self.integer() if self.peek()[0] == "number" else 0)
+        if self.accept("word", "parts"):
+            return Parts(self.listed(self.value))
+        if not self.accept("word", "f64"):
+            return Int(self.integer())
+        bits = self.integer()
+        if not 0 <= bits < 1 << 64:
+            self.fail(f"{bits} are no bits of a double")
+        return Float(struct.unpack("<d", bits.to_bytes(8, "little"))[0])
+
+    def kind(self) -> Kind:
+        """A type: a word's, or of LLVM's by name."""
+        kind: Kind = self.name() if self.is_llvm else self.choice(_TYPES, "a type")
+        return kind
+
     def values(self) -> tuple[Value, ...]:
         """Operands up to the first clause."""
         kind, text = self.peek()
-        if self.ended or (kind == "word" and text != "undef"):
+        if self.ended or (kind == "word" and text not in _VALUES):
             return ()
         found = [self.value()]
         while self.accept("mark", ","):
@@ -114,6 +158,7 @@ class _Reader:
 
     def __init__(self) -> None:
         self._header: dict[str, Any] | None = None
+        self._inputs: list[tuple[str, str]] = []
         self._params: list[Param] = []
         self._locals: list[LocalArray] = []
         self._blocks: list[Block] = []
@@ -123,8 +168,11 @@ class _Reader:
 
     def line(self, line: _Line) -> None:
         """Read one line."""
+        line.is_llvm = self._header is not None and "result" in self._header
         if self._header is None:
             self._header = _header(line)
+        elif self._name is None and not self._blocks and line.accept("word", "input"):
+            self._inputs.append((line.text(), line.name()))
         elif self._name is None and not self._blocks and line.accept("word", "param"):
             self._params.append(_param(line))
         elif self._name is None and not self._blocks and line.accept("word", "local"):
@@ -144,7 +192,7 @@ class _Reader:
             self._blocks.append(Block(name, phis, instrs, branch))
             self._name, self._phis, self._instrs = None, [], []
             return
-        kind = line.choice(_TYPES, "a type")
+        kind = line.kind()
         line.expect("mark", "=")
         if not line.accept("word", "phi"):
             self._instrs.append(_instr(line, id_, kind))
@@ -161,7 +209,13 @@ class _Reader:
         if self._name is not None:
             raise SSAError(f"block {quoted(self._name)} has no end", loc=file)
         blocks, params = tuple(self._blocks), tuple(self._params)
-        return Function(params=params, blocks=blocks, locals=tuple(self._locals), **self._header)
+        return Function(
+            params=params,
+            blocks=blocks,
+            locals=tuple(self._locals),
+            inputs=tuple(self._inputs),
+            **self._header,
+        )
 
 
 def _header(line: _Line) -> dict[str, Any]:
@@ -171,6 +225,10 @@ def _header(line: _Line) -> dict[str, Any]:
         header["file"] = line.text()
     if line.accept("word", "returns"):
         header["returns"] = line.choice(_DTYPES, "a type")
+    if line.accept("word", "llvm"):
+        header["result"] = line.text()
+        if not header["result"]:
+            line.fail("LLVM's type of the result is missing")
     if line.accept("word", "sequential"):
         names = [line.name()]
         while line.accept("mark", ","):
@@ -229,8 +287,8 @@ def _incoming(line: _Line) -> tuple[str, Value]:
     return name, line.value()
 
 
-def _instr(line: _Line, id_: int, kind: Type) -> Instr:
-    op = line.choice(_OPCODES, "an operation")
+def _instr(line: _Line, id_: int, kind: Kind) -> Instr:
+    op = line.name() if line.is_llvm else line.choice(_OPCODES, "an operation")
     fields: dict[str, Any] = {"operands": line.values()}
     while not line.ended:
         clause = line.expect("word")
@@ -258,6 +316,10 @@ _CLAUSES: Final[dict[str, Callable[[_Line], object]]] = {
     "exact": lambda line: True,
     "distinct": lambda line: line.name(),
     "subscript": lambda line: line.listed(lambda: _axis(line)),
+    "pred": lambda line: line.name(),
+    "source": lambda line: line.name(),
+    "strides": lambda line: line.listed(line.integer),
+    "flags": lambda line: frozenset(line.listed(line.name)),
     "lane": _lane,
 }
 
@@ -265,6 +327,8 @@ _CLAUSES: Final[dict[str, Callable[[_Line], object]]] = {
 def _branch(line: _Line) -> Branch:
     if line.accept("word", "jump"):
         return Branch(line.name(), loc=line.location())
+    if line.accept("word", "unreachable"):
+        return Branch(unreachable=True, loc=line.location())
     if line.accept("word", "branch"):
         cond, target = line.value(), line.name()
         line.expect("word", "else")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,11 +10,19 @@ import click
 
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.stages import printable_lines
-from vividc.compiler.passes import FUNCTION_PASSES, GRAPH_PASSES, STAGES, problems_of, text_of
+from vividc.compiler.passes import (
+    FUNCTION_PASSES,
+    GRAPH_PASSES,
+    LLVM_PASSES,
+    STAGES,
+    problems_of,
+    text_of,
+)
 from vividc.dfg.forms.text import parse as parse_graph
-from vividc.errors import DFGError, InternalError, SSAError, VividcError
+from vividc.errors import DFGError, InternalError, SSAError
 from vividc.host.files import write_whole
 from vividc.host.inputs import GRAPH_BYTES, read_text
+from vividc.ssa.ir import Function
 from vividc.ssa.text import parse as parse_function
 
 
@@ -51,33 +60,49 @@ def _optimised(text: str, file: str, names: list[str]) -> object:
     first = next(
         (line for line in text.split("\n") if line.strip() and line.lstrip()[0] != "#"), ""
     )
-    table: dict[str, Any]
-    error: type[VividcError]
-    if first.lstrip().startswith("dfg"):
-        made: Any = parse_graph(text, file)
-        table, error, what = dict(GRAPH_PASSES), DFGError, "graphs"
-    else:
-        made = parse_function(text, file)
-        table, error, what = dict(FUNCTION_PASSES), SSAError, "functions"
+    is_graph = first.lstrip().startswith("dfg")
+    made: Any = parse_graph(text, file) if is_graph else parse_function(text, file)
     for name in names:
-        if name not in table:
-            raise click.UsageError(f"no pass on {what} is called {name!r}: {', '.join(table)}")
+        if not any(name in table for table in _tables(is_graph)):
+            known = ", ".join(one for table in _tables(is_graph) for one in table)
+            what = "graphs" if is_graph else "functions"
+            raise click.UsageError(f"no pass on {what} is called {name!r}: {known}")
     problems = problems_of(made)
     if problems:
+        error = DFGError if is_graph else SSAError
         raise error(f"it breaks an invariant: {problems[0]}", loc=file)
     for name in names:
-        made = table[name](made)
+        made = _pass_of(made, name, file)(made)
         problems = problems_of(made)
         if problems:
             raise InternalError(f"{name} broke an invariant: {'; '.join(problems)}")
     return made
 
 
+def _tables(is_graph: bool) -> tuple[Mapping[str, Callable[[Any], Any]], ...]:
+    return (GRAPH_PASSES,) if is_graph else (LLVM_PASSES, FUNCTION_PASSES)
+
+
+def _pass_of(made: object, name: str, file: str) -> Callable[[Any], Any]:
+    """The pass of that name, which works on what was made."""
+    if not isinstance(made, Function):
+        return GRAPH_PASSES[name]
+    table = LLVM_PASSES if made.is_llvm else FUNCTION_PASSES
+    if name in table:
+        return table[name]
+    is_now, wanted = ("LLVM's", "words") if made.is_llvm else ("words", "LLVM's")
+    raise SSAError(
+        f"{name} works on {wanted}, and the function's operations are {is_now}", loc=file
+    )
+
+
 def _list() -> None:
     click.echo("Stages, for --print-after and --stop-after:")
     for stage in STAGES:
         click.echo(f"  {stage.name:32}{stage.leaves.__name__:10}{stage.does}")
-    click.echo("Passes on functions, for --passes:")
+    click.echo("Passes on functions with LLVM's operations, for --passes:")
+    click.echo(f"  {', '.join(LLVM_PASSES)}")
+    click.echo("Passes on functions of words:")
     click.echo(f"  {', '.join(FUNCTION_PASSES)}")
     click.echo("Passes on graphs:")
     click.echo(f"  {', '.join(GRAPH_PASSES)}")

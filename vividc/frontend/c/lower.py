@@ -21,9 +21,11 @@ from vividc.frontend.llvm.layout import size_of, structs_of
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import Locations, read_function, signature
 from vividc.frontend.llvm.tokens import Structs
-from vividc.frontend.lower import Prepared, counting_parameters, located, lower_words, prepared
+from vividc.frontend.lower import counting_parameters, located, lower_words
 from vividc.frontend.memory.local_arrays import RAW
 from vividc.frontend.numba.length import refuse_long
+from vividc.frontend.stages import without_pointers
+from vividc.host.watch import run_passes
 from vividc.machine.params import WIDE_DTYPES, DType, Param
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref
 
@@ -75,7 +77,7 @@ class CModule:
     file: str
     function: CFunction
     params: tuple[Param, ...]
-    kernel: Prepared
+    kernel: Function
 
 
 def declare(text: str, file: str, name: str, types: Mapping[str, str] | None = None) -> CModule:
@@ -107,7 +109,7 @@ def declare(text: str, file: str, name: str, types: Mapping[str, str] | None = N
     refuse_recursion(used, locate)
     with located(function.loc), _in_c_terms():
         kernel = _read(text, function, frozenset())
-        params = _params(function, kernel.function)
+        params = _params(function, kernel)
         counts = counting_parameters(kernel, params)
         if counts:
             kernel = _read(text, function, counts)
@@ -188,7 +190,7 @@ def _function(text: str, body: Body, file: str) -> CFunction:
     return CFunction(body.name, params, returns, dtype, signed, loc)
 
 
-def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
+def _read(text: str, function: CFunction, counts: frozenset[str]) -> Function:
     """The kernel without pointers; `counts` as of `entry_text`."""
     module, rounding = with_rounding(with_intrinsics(text))
     module, blocks_library = with_block_operations(module)
@@ -202,8 +204,8 @@ def _read(text: str, function: CFunction, counts: frozenset[str]) -> Prepared:
         replace(block, instrs=tuple(_recognised(op, structs) for op in block.instrs))
         for block in wide.blocks
     )
-    kernel = prepared(replace(wide, blocks=blocks), optimised, packed=True)
-    return replace(kernel, function=unrotate(kernel.function))
+    kernel = without_pointers(replace(wide, blocks=blocks), optimised, packed=True)
+    return run_passes((unrotate,), kernel)
 
 
 def _refuse_kept_calls(wide: Function, defined: frozenset[str], loc: SourceLoc) -> None:

@@ -19,11 +19,12 @@ from vividc.frontend.c.source import Body, bodies, without_strings
 from vividc.frontend.llvm.child.work import ARRAYS, FAULT, HOST, MATH, REFERENCE
 from vividc.frontend.llvm.layout import size_of, structs_of
 from vividc.frontend.llvm.reader import ARITHMETIC, joined, label_of, signature
-from vividc.frontend.llvm.tokens import CASTS, Cursor, Structs, bare
+from vividc.frontend.llvm.tokens import Cursor, Structs, bare
+from vividc.ssa.ir import LLVM_CASTS
 
 _OTHERS = ("icmp", "fcmp", "select", "phi", "br", "switch", "ret")
 _ADDRESSES = ("getelementptr", "extractvalue", "insertvalue")
-_COMPUTES = CASTS | ARITHMETIC | {*_OTHERS, *_ADDRESSES}
+_COMPUTES = LLVM_CASTS | ARITHMETIC | {*_OTHERS, *_ADDRESSES}
 _INTRINSIC = re.compile(
     r"llvm\.(?:sqrt|sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|pow|powi|exp2?|exp10|log|log2|log10|"
     r"ldexp|fma|fmuladd|fabs|copysign|min(?:num|imum|imumnum)|max(?:num|imum|imumnum)|canonicalize|"

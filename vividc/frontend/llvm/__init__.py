@@ -1,5 +1,5 @@
 """What is LLVM's: its passes, its text, and names of calls that pass it.
 
 In order: `calls` and `subscripts` (what is handed through LLVM by name), `passes`; `tokens`,
-`layout`, `ir`, `aggregates` and `reader` (text to data); `child/` (LLVM in a process of its own).
+`layout`, `aggregates` and `reader` (text to data); `child/` (LLVM in a process of its own).
 """

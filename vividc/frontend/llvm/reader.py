@@ -16,8 +16,8 @@ from vividc.errors import InternalError, SourceLoc
 from vividc.frontend.llvm.aggregates import split_aggregates
 from vividc.frontend.llvm.layout import offsets, part_type, structs_of
 from vividc.frontend.llvm.subscripts import Subscripts
-from vividc.frontend.llvm.tokens import CASTS, Cursor, Names, Structs, bare
-from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Value
+from vividc.frontend.llvm.tokens import Cursor, Names, Structs, bare
+from vividc.ssa.ir import LLVM_BINARY, LLVM_CASTS, Block, Branch, Function, Instr, Phi, Value
 
 _DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILINE)
 _LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
@@ -340,30 +340,7 @@ def _read_other(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) ->
     return Instr(id_, opcode, type_, tuple(args), loc=loc)
 
 
-ARITHMETIC = frozenset(
-    [
-        "add",
-        "sub",
-        "mul",
-        "sdiv",
-        "udiv",
-        "srem",
-        "urem",
-        "shl",
-        "lshr",
-        "ashr",
-        "and",
-        "or",
-        "xor",
-        "fadd",
-        "fsub",
-        "fmul",
-        "fdiv",
-        "frem",
-        "fneg",
-        "freeze",
-    ]
-)
+ARITHMETIC = LLVM_BINARY | {"fneg", "freeze"}
 _Item = Instr | Phi | Branch
 _Reader = Callable[[Cursor, int, str, SourceLoc | None], _Item]
 _READERS: dict[str, _Reader] = {
@@ -380,5 +357,5 @@ _READERS: dict[str, _Reader] = {
     "call": _read_call,
     "extractvalue": _read_part,
     "insertvalue": _read_part,
-    **dict.fromkeys(CASTS, _read_cast),
+    **dict.fromkeys(LLVM_CASTS, _read_cast),
 }

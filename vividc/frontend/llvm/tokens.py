@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
-from vividc.ssa.ir import Float, Global, Input, Int, Named, Parts, Ref, Value
+from vividc.ssa.ir import LLVM_CASTS, Float, Global, Input, Int, Named, Parts, Ref, Value
 
 _TOKEN = re.compile(
     r'(?P<quoted>[%@]"(?:[^"\\]|\\.)*")|(?P<name>[%@][-\w.$]+)|(?P<meta>![\w.]*)|(?P<string>c?"[^"]*")'
@@ -49,23 +49,6 @@ _SPECIAL = re.compile(rb'[^ -~]|["\\]')
 _ESCAPE = re.compile(rb"\\\\|\\[0-9A-Fa-f]{2}")
 _FLOAT_DIGITS = 8
 _WORD = 32
-CASTS = frozenset(
-    [
-        "trunc",
-        "zext",
-        "sext",
-        "fptrunc",
-        "fpext",
-        "fptoui",
-        "fptosi",
-        "uitofp",
-        "sitofp",
-        "ptrtoint",
-        "inttoptr",
-        "bitcast",
-        "addrspacecast",
-    ]
-)
 
 
 class Structs(dict[str, str]):
@@ -270,7 +253,7 @@ class Cursor:
 def _is_value(token: str) -> bool:
     constants = ("poison", "undef", "null", "true", "false", "zeroinitializer")
     operations = ("getelementptr", "add", "sub", "mul", "xor")
-    return token in constants + operations or token in CASTS or token.startswith(("0x", "f0x"))
+    return token in constants + operations or token in LLVM_CASTS or token.startswith(("0x", "f0x"))
 
 
 def bare(token: str) -> str:

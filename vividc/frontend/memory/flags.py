@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from vividc.machine.params import DType
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Function, Instr, Int, Ref, Value
 from vividc.ssa.rewrite.dead import remove_dead
@@ -15,8 +16,9 @@ from vividc.ssa.rewrite.dead import remove_dead
 _BYTE = "i8"
 
 
-def load_flags(function: Function, arrays: frozenset[str]) -> Function:
-    """Make predicates of the loads from `arrays`, whose bytes are 0 or 1."""
+def load_flags(function: Function) -> Function:
+    """Make predicates of the loads from parameters of bool, whose bytes are 0 or 1."""
+    arrays = {param.name for param in function.params if param.ndim and param.dtype is DType.BOOL}
     loads = frozenset(
         op.id
         for block in function.blocks

@@ -18,7 +18,6 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.frontend.llvm.calls import ALLOCATE, COPY
 from vividc.frontend.memory.pick import expand_picks
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
-from vividc.frontend.ranges.interval import Interval
 from vividc.frontend.ranges.launch_sizes import LaunchSizes
 from vividc.lang.numba_words import plain
 from vividc.machine.params import Formula, LocalArray
@@ -383,20 +382,8 @@ def _from_word(held: Held) -> str:
     return "sext" if held.signed else "zext"
 
 
-def bounds_of_loads(function: Function, arrays: dict[str, Held]) -> dict[Key, Interval]:
-    """Values that the integers read from constant tables can have, by name of the load."""
-    found: dict[Key, Interval] = {}
-    for block in function.blocks:
-        for op in block.instrs:
-            held = arrays.get(op.array) if op.op == "load" and op.type == "i32" else None
-            if held is not None and held.array.contents and op.width == _WORD_BYTES:
-                values = [w - ((w & _SIGN) << 1) for w in held.array.contents]
-                found[op.id] = (min(values), max(values))
-    return found
-
-
-def with_locals(function: Function, arrays: dict[str, Held]) -> Function:
-    """The function with a table of its own arrays, as far as it accesses them."""
+def keep_accessed(function: Function) -> Function:
+    """The function with those of its own arrays that it accesses."""
     accessed = {instr.array for block in function.blocks for instr in block.instrs}
-    own = tuple(held.array for name, held in arrays.items() if name in accessed)
+    own = tuple(local for local in function.locals if local.name in accessed)
     return replace(function, locals=own)

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from vividc.frontend.llvm.calls import OVERLAP
 from vividc.frontend.ranges.fold import fold_by_ranges
-from vividc.frontend.ranges.ranges import Ranges
 from vividc.ssa.edit import substitute
 from vividc.ssa.ir import Function, Global, Instr, Int, Key, Named, Phi, Value, type_of
 
@@ -28,7 +27,7 @@ def fold_overlaps(function: Function) -> Function:
         for block in function.blocks
     )
     function = substitute(replace(function, blocks=blocks), answers)
-    return fold_by_ranges(function, Ranges(function, {}))
+    return fold_by_ranges(function)
 
 
 def _arrays(function: Function, address: Value) -> set[Key]:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from vividc.frontend.llvm.calls import FLOOR_PREFIX
 from vividc.frontend.ranges.interval import S32, U32, contains
-from vividc.frontend.ranges.ranges import Ranges
+from vividc.frontend.ranges.known import ranges_of
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value
 from vividc.ssa.rewrite.dead import remove_dead
@@ -30,12 +30,12 @@ def recover_divisions(function: Function) -> Function:
     return remove_dead(_map_ops(function, lambda op, _: (_by_constant(op),)))
 
 
-def sign_quotients(function: Function, ranges: Ranges) -> Function:
+def sign_quotients(function: Function) -> Function:
     """Write the one quotient of words that is none, 2**31, by its operands' signs; the same object
     if there is none.
     """
 
-    ids = FreshIds(function)
+    ranges, ids = ranges_of(function), FreshIds(function)
 
     def rewrite(op: Instr, block: str) -> tuple[Instr, ...]:
         if op.op not in FLOOR_DIVISIONS:

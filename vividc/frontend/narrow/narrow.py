@@ -34,9 +34,10 @@ from vividc.frontend.narrow.wide.phis import high_phis
 from vividc.frontend.narrow.wide.rules import saturates_wide, translate_wide
 from vividc.frontend.narrow.wide.words import Words
 from vividc.frontend.ranges.interval import S32, U32, contains
+from vividc.frontend.ranges.known import ranges_of
 from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.opcodes import Opcode, Type
-from vividc.machine.params import WIDE_DTYPES, DType, Param
+from vividc.machine.params import WIDE_DTYPES, DType
 from vividc.ssa.ir import Block, Branch, Function, Input, Instr, Phi, Value
 
 
@@ -49,14 +50,7 @@ class Narrowed:
     saturated: tuple[SourceLoc | None, ...]
 
 
-def narrow(
-    function: Function,
-    ranges: Ranges,
-    name: str,
-    params: tuple[Param, ...],
-    returns: DType | None,
-    file: str,
-) -> Narrowed:
+def narrow(function: Function) -> Narrowed:
     """Translate a function whose memory accesses are resolved.
 
     Raises
@@ -64,12 +58,15 @@ def narrow(
     KernelError
         A construct that the array cannot run, or an integer that has no rule in two words.
     """
-    narrower = _Narrower(function, ranges, returns)
+    returns = function.returns
+    narrower = _Narrower(function, ranges_of(function), returns)
     blocks = tuple(narrower.block(block, returns) for block in function.blocks)
-    result = Function(name, params, narrower.with_high_words(blocks), returns, file)
+    words = narrower.with_high_words(blocks)
     emitter = narrower.emitter
     return Narrowed(
-        result, tuple(dict.fromkeys(emitter.demoted)), tuple(dict.fromkeys(emitter.saturated))
+        replace(function, blocks=words, inputs=(), result=""),
+        tuple(dict.fromkeys(emitter.demoted)),
+        tuple(dict.fromkeys(emitter.saturated)),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from vividc.frontend.ranges.ranges import Ranges
+from vividc.frontend.ranges.known import ranges_of
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value, definition_of
 from vividc.ssa.rewrite.dead import remove_dead
@@ -14,11 +14,12 @@ _WORD = 32
 _NEUTRAL_ZERO = frozenset({"add", "sub", "or", "xor", "shl", "lshr", "ashr"})
 
 
-def fold_by_ranges(function: Function, ranges: Ranges) -> Function:
+def fold_by_ranges(function: Function) -> Function:
     """Fold decided comparisons, selects on them and branches on them, then drop dead code.
 
     This removes the wraparound of negative indices where an index is not negative.
     """
+    ranges = ranges_of(function)
     known: dict[int, Value] = {}
     for block in function.blocks:
         for op in block.instrs:
