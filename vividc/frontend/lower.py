@@ -13,6 +13,7 @@ from typing import Any
 from numba.core.errors import NumbaError, UnsupportedBytecodeError
 
 from vividc.errors import InternalError, KernelError, SourceLoc, VividcWarning
+from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function
 from vividc.frontend.narrow.counting import word_parameters
@@ -47,12 +48,12 @@ _RETURNS = {dtype.value: dtype for dtype in DType} | {"none": None}
 _DEMOTED = (
     "float64 arithmetic",
     "runs in float32",
-    "write np.float32(...) around constants",
+    Advice("write np.float32(...) around constants", c="write constants as 1.0f, not 1.0"),
 )
 _SATURATED = (
     "a float converted to a 64-bit integer",
     "saturates at 32 bits",
-    "write np.int32(...) around the float",
+    Advice("write np.int32(...) around the float", c="cast the float to int32_t"),
 )
 
 
@@ -165,7 +166,7 @@ def lower_words(
     *,
     file: str = "",
     strict_fp: bool = False,
-    reword: Callable[[str], str] = str,
+    worded: Callable[[str], str] = str,
 ) -> Function:
     """Narrow a function without pointers to words; errors, warnings and parameters as of `lower`.
 
@@ -173,8 +174,8 @@ def lower_words(
     ----------
     file
         What the program names as its source; the file of `loc` if empty.
-    reword
-        Puts the advice of warnings in the words of another language than Python.
+    worded
+        Puts advice in the words of the kernel's language.
     """
     function = replace(kernel, name=name, params=params, returns=returns, file=file or loc.file)
     with located(loc):
@@ -184,7 +185,7 @@ def lower_words(
         (narrowed.demoted, _DEMOTED),
         (narrowed.saturated, _SATURATED),
     ):
-        _report(lines, loc, (*what, reword(instead)), strict_fp=strict_fp)
+        _report(lines, loc, (*what, worded(instead)), strict_fp=strict_fp)
     words = run_passes(TIDYING, narrowed.function)
     problems = check_function(words)
     if problems:

@@ -12,7 +12,7 @@ from typing import Final
 
 from vividc.errors import KernelError
 from vividc.frontend.memory.flags import load_flags
-from vividc.frontend.memory.local_arrays import Held, hold_arrays, keep_accessed
+from vividc.frontend.memory.local_arrays import OwnArray, keep_accessed, own_arrays
 from vividc.frontend.memory.null_choices import drop_null_choices
 from vividc.frontend.memory.overlap import fold_overlaps
 from vividc.frontend.memory.resolve import resolve_memory
@@ -39,7 +39,7 @@ class Pointers:
     text
         The module that it was read from, whose constant arrays become tables.
     packed
-        As of `hold_arrays`.
+        As of `own_arrays`.
     arrays
         The function's own arrays by name, once they were found.
     """
@@ -47,7 +47,7 @@ class Pointers:
     function: Function
     text: str
     packed: bool = False
-    arrays: dict[str, Held] = field(default_factory=dict)
+    arrays: dict[str, OwnArray] = field(default_factory=dict)
 
 
 def without_pointers(function: Function, text: str, *, packed: bool = False) -> Function:
@@ -59,7 +59,7 @@ def without_pointers(function: Function, text: str, *, packed: bool = False) -> 
     text
         The module it was read from.
     packed
-        As of `hold_arrays`.
+        As of `own_arrays`.
 
     Raises
     ------
@@ -80,10 +80,10 @@ def _on_function(one: Callable[[Function], Function]) -> Callable[[Pointers], Po
     return run
 
 
-def own_arrays(given: Pointers) -> Pointers:
+def find_arrays(given: Pointers) -> Pointers:
     """Make the kernel's own arrays inputs like others."""
-    holding = hold_arrays(given.function, given.text, packed=given.packed)
-    return replace(given, function=remove_dead(holding.function), arrays=holding.arrays)
+    made = own_arrays(given.function, given.text, packed=given.packed)
+    return replace(given, function=remove_dead(made.function), arrays=made.arrays)
 
 
 def refuse_endless(function: Function) -> Function:
@@ -109,7 +109,7 @@ RESOLVING: Final[tuple[Callable[[Pointers], Pointers], ...]] = (
     _on_function(remove_unreachable_blocks),
     _on_function(recover_divisions),
     _on_function(fold_overlaps),
-    own_arrays,
+    find_arrays,
     _on_function(refuse_endless),
     _on_function(drop_null_choices),
     resolve,

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc, VividcWarning
+from vividc.frontend.advice import in_c
 from vividc.frontend.c.checks import check_body, reachable, refuse_own_names, refuse_recursion
 from vividc.frontend.c.debug import declared
 from vividc.frontend.c.entry import RETURNS, CFunction, CParameter, entry_text
@@ -40,23 +41,6 @@ _PARAMETERS = frozenset(["ptr", "i1", "i8", "i16", "i32", "i64", "float", "doubl
 _TYPES_HINT = "a kernel takes and returns float, int32_t, uint32_t, int64_t, bool and pointers"
 _SMALL = {"i8": (DType.U8, DType.I8), "i16": (DType.U16, DType.I16)}
 _NO_ELEMENTS = frozenset(dtype.value for dtype in WIDE_DTYPES)
-_IN_C = (
-    ("math.exp, exp2, sqrt, floor, ceil, and abs, min, max", "expf, exp2f, sqrtf, floorf, ceilf"),
-    (
-        "only scalar globals are constants of a kernel",
-        "clang makes one of a switch without -fno-jump-tables",
-    ),
-    ("; a range with a step: range(0, min(n, len(x)), 2)", ""),
-    (": constants are numbers, tuples of them, and arrays", ", or make it const with its values"),
-    ("write np.float32(...) around constants", "write constants as 1.0f, and float for double"),
-    ("write np.int32(...) around the float", "convert to int32_t"),
-    ("np.int32(...)", "an int32_t cast"),
-    ("np.float32(...)", "a float cast"),
-    ("np.int32", "int32_t"),
-    ("np.uint32", "uint32_t"),
-    ("float32, int32 or uint32", "float, int32_t or uint32_t"),
-)
-"""Python's words in hints, and C's."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +121,7 @@ def lower_c(module: CModule, *, strict_fp: bool) -> Function:
             function.loc,
             file=module.file,
             strict_fp=strict_fp,
-            reword=_c_words,
+            worded=in_c,
         )
 
 
@@ -157,13 +141,7 @@ def _in_c_terms() -> Iterator[None]:
     except KernelError as error:
         if error.hint is None:
             raise
-        raise KernelError(error.reason, loc=error.loc, hint=_c_words(error.hint)) from error
-
-
-def _c_words(advice: str) -> str:
-    for python, c in _IN_C:
-        advice = advice.replace(python, c)
-    return advice
+        raise KernelError(error.reason, loc=error.loc, hint=in_c(error.hint)) from error
 
 
 def _function(text: str, body: Body, file: str) -> CFunction:

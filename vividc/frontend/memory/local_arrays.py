@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.calls import ALLOCATE, COPY
 from vividc.frontend.memory.pick import expand_picks
 from vividc.frontend.memory.tables import PACKED_BYTES, Table, packed_words_of, tables_of, words_of
@@ -39,11 +40,14 @@ _SIZE_HINT = (
     "a size may be computed from shapes and scalar parameters: allocate as much as can be needed, "
     "np.zeros(len(x), np.float32), and use a part of it, or write the loop over the elements"
 )
-_DTYPE_HINT = "give a type of integers or floats: np.zeros(16, np.float32), np.empty(16, np.int32)"
+_DTYPE_HINT = Advice(
+    "give a type of integers or floats: np.zeros(16, np.float32), np.empty(16, np.int32)",
+    c="access it as what it was declared: float or integers",
+)
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class OwnArray:
     """An array of the kernel's own and the LLVM type of its elements.
 
     `signed`: the words of a table of i64 are to be sign-extended. `packed`: the words hold what C's
@@ -72,14 +76,14 @@ class Held:
 
 
 @dataclass(frozen=True, slots=True)
-class Holding:
+class WithArrays:
     """A function whose own arrays are pointer parameters called "&" + name."""
 
     function: Function
-    arrays: dict[str, Held]
+    arrays: dict[str, OwnArray]
 
 
-def hold_arrays(function: Function, text: str, *, packed: bool = False) -> Holding:
+def own_arrays(function: Function, text: str, *, packed: bool = False) -> WithArrays:
     """Find the arrays of the kernel's own.
 
     Parameters
@@ -100,11 +104,11 @@ def hold_arrays(function: Function, text: str, *, packed: bool = False) -> Holdi
     function, constant = _hold_tables(function, tables, packed=packed)
     arrays = {held.array.name: held for held in (*allocated, *constant)}
     params = tuple((f"&{name}", "ptr") for name in arrays)
-    return Holding(replace(function, inputs=(*function.inputs, *params)), arrays)
+    return WithArrays(replace(function, inputs=(*function.inputs, *params)), arrays)
 
 
-def _hold_allocations(function: Function) -> tuple[Function, list[Held]]:
-    held: list[Held] = []
+def _hold_allocations(function: Function) -> tuple[Function, list[OwnArray]]:
+    held: list[OwnArray] = []
     known: dict[int, Value] = {}
     sizes: LaunchSizes | None = None
     loops = flow_of(function).loops if _allocates(function) else {}
@@ -138,12 +142,12 @@ def _is_allocation(op: Instr) -> bool:
     return op.op == "call" and op.pred.startswith(ALLOCATE)
 
 
-def _allocated(function: Function, op: Instr, formula: Formula | None, number: int) -> Held:
+def _allocated(function: Function, op: Instr, formula: Formula | None, number: int) -> OwnArray:
     """The array of an allocation; `formula`: its size where that is not a constant."""
     dtype = op.pred.removeprefix(ALLOCATE)
     count = op.operands[0]
     if dtype == RAW and isinstance(count, Int):
-        return Held(LocalArray(f"local{number}", -(-count.value // 4)), "i8", packed=True)
+        return OwnArray(LocalArray(f"local{number}", -(-count.value // 4)), "i8", packed=True)
     element = _copied_element(function, op) if dtype == COPY else _ELEMENTS.get(dtype)
     if element is None:
         raise KernelError(f"a local array of {plain(dtype)}", loc=op.loc, hint=_DTYPE_HINT)
@@ -152,14 +156,14 @@ def _allocated(function: Function, op: Instr, formula: Formula | None, number: i
     name = f"local{number}{line}"
     if isinstance(count, Int):
         size = max(count.value, 0) // (_BYTES[element] if dtype == COPY else 1)
-        return Held(LocalArray(name, size * words), element)
+        return OwnArray(LocalArray(name, size * words), element)
     if formula is None:
         raise KernelError(
             "an array is made whose size is not known at launch", loc=op.loc, hint=_SIZE_HINT
         )
     if dtype == COPY:
         formula = (*formula, _BYTES[element], "//")
-    return Held(LocalArray(name, 0, size=(*formula, words, "*")), element)
+    return OwnArray(LocalArray(name, 0, size=(*formula, words, "*")), element)
 
 
 def _copied_element(function: Function, copy: Instr) -> str | None:
@@ -202,10 +206,10 @@ def _pointers_of(definition: Instr | Phi) -> set[Key]:
 
 def _hold_tables(
     function: Function, tables: dict[str, Table], *, packed: bool
-) -> tuple[Function, list[Held]]:
+) -> tuple[Function, list[OwnArray]]:
     """Constant tables that the function reads."""
     function = remove_dead(function)
-    held: dict[str, Held] = {}
+    held: dict[str, OwnArray] = {}
     starts: dict[Global, Instr] = {}
     ids = FreshIds(function)
 
@@ -227,14 +231,14 @@ def _hold_tables(
     return replace(function, blocks=tuple(blocks)), list(held.values())
 
 
-def _table(table: Table, name: str, loc: SourceLoc | None, *, packed: bool) -> Held:
+def _table(table: Table, name: str, loc: SourceLoc | None, *, packed: bool) -> OwnArray:
     if packed and _BYTES[table.element] <= _WORD_BYTES:
         small = table.element in PACKED_BYTES
         words = packed_words_of(table) if small else words_of(table, loc)
-        return Held(LocalArray(name, len(words), words), table.element, packed=True)
+        return OwnArray(LocalArray(name, len(words), words), table.element, packed=True)
     words = words_of(table, loc)
     signed = all(value < _SIGN for value in table.values)
-    return Held(LocalArray(name, len(words), words), table.element, signed)
+    return OwnArray(LocalArray(name, len(words), words), table.element, signed)
 
 
 def _tables_read(function: Function) -> Iterator[tuple[str, SourceLoc | None]]:
@@ -248,7 +252,7 @@ Terms = tuple[tuple[Value, int], ...]
 
 
 def in_words(
-    function: Function, terms: Terms, offset: int, held: Held, loc: SourceLoc | None
+    function: Function, terms: Terms, offset: int, held: OwnArray, loc: SourceLoc | None
 ) -> tuple[Terms, int]:
     """A byte address within LLVM's array as one within ours, whose elements are words.
 
@@ -282,7 +286,7 @@ def _unscaled(function: Function, value: Value, stride: int) -> tuple[Value, int
 
 
 def as_words(
-    op: Instr, held: Held, ids: FreshIds
+    op: Instr, held: OwnArray, ids: FreshIds
 ) -> tuple[tuple[Instr, ...], Instr, tuple[Instr, ...]]:
     """What comes before a load or store, the access of a word, and what comes after.
 
@@ -326,7 +330,7 @@ def _check_literal(literal: Float, loc: SourceLoc | None) -> None:
 
 
 def wide_access(
-    op: Instr, held: Held, ids: FreshIds
+    op: Instr, held: OwnArray, ids: FreshIds
 ) -> tuple[tuple[Instr, ...], tuple[Instr, ...]]:
     """A load or store of an element of two words: the accesses, low word first, behind what they
     store; for a load they come first, and then what joins them.
@@ -373,7 +377,7 @@ def _signed_word(value: int) -> int:
     return value - ((value & _SIGN) << 1)
 
 
-def _from_word(held: Held) -> str:
+def _from_word(held: OwnArray) -> str:
     """The conversion of a table's or local array's word to its element."""
     if held.element == "double":
         return "fpext"

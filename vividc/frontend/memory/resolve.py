@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
-from vividc.frontend.memory.local_arrays import Held, as_words, in_words, wide_access
+from vividc.frontend.advice import Advice
+from vividc.frontend.memory.local_arrays import OwnArray, as_words, in_words, wide_access
 from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.memory.unmerge import split_merged_loads
 from vividc.ssa.edit import FreshIds
@@ -19,8 +20,14 @@ from vividc.ssa.ir import Block, Function, Global, Instr, Int, Key, Named, Phi, 
 from vividc.ssa.rewrite.dead import remove_dead
 
 _BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
-_LOCAL_HINT = "use scalar variables, or an array of constant size: np.zeros(16, np.float32)"
-_GLOBAL_HINT = "pass it as a parameter: constants are numbers, tuples of them, and arrays"
+_LOCAL_HINT = Advice(
+    "use scalar variables, or an array of constant size: np.zeros(16, np.float32)",
+    c="use scalar variables, or an array of constant size: float t[16]",
+)
+_GLOBAL_HINT = Advice(
+    "pass it as a parameter: constants are numbers, tuples of them, and arrays",
+    c="pass it as a parameter, or make it const with its values",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +39,7 @@ class _Address:
     offset: int = 0
 
 
-def resolve_memory(function: Function, own: dict[str, Held] | None = None) -> Function:
+def resolve_memory(function: Function, own: dict[str, OwnArray] | None = None) -> Function:
     """Give every load and store its array, and drop all pointers; `own`: the kernel's own arrays.
 
     Raises
@@ -47,7 +54,7 @@ def resolve_memory(function: Function, own: dict[str, Held] | None = None) -> Fu
 class _Resolver:
     """One function's pointers, resolved on demand."""
 
-    def __init__(self, function: Function, own: dict[str, Held]) -> None:
+    def __init__(self, function: Function, own: dict[str, OwnArray]) -> None:
         self._function = function
         self._own = own
         self._definitions = function.definitions
@@ -139,7 +146,7 @@ class _Resolver:
         yield from self._word_access(access, _Address(address.array, terms, offset))
         yield from after
 
-    def _wide_access(self, op: Instr, address: _Address, held: Held) -> Iterator[Instr]:
+    def _wide_access(self, op: Instr, address: _Address, held: OwnArray) -> Iterator[Instr]:
         first, second = wide_access(op, held, self._ids)
         for new in (*first, *second):
             if new.op not in ("load", "store"):
@@ -154,7 +161,10 @@ class _Resolver:
             raise KernelError(
                 f"an array access of type {op.type}",
                 loc=op.loc,
-                hint="arrays hold float32, bool, or integers of 8, 16 or 32 bits",
+                hint=Advice(
+                    "arrays hold float32, bool, or integers of 8, 16 or 32 bits",
+                    c="arrays hold float, bool, or integers of 8, 16 or 32 bits",
+                ),
             )
         index: Value = Int(0)
         shift = _BYTES[str(op.type)].bit_length() - 1

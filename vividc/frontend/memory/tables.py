@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vividc.errors import InternalError, KernelError, SourceLoc
+from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.tokens import Cursor, bare, unescaped
 from vividc.frontend.ranges.interval import S32, U32
 from vividc.ssa.ir import Float, Int
@@ -65,7 +66,10 @@ def words_of(table: Table, loc: SourceLoc | None) -> tuple[int, ...]:
         raise KernelError(
             "a constant array of int64 holds integers that do not fit in 32 bits",
             loc=loc,
-            hint="keep its numbers within int32, or within uint32",
+            hint=Advice(
+                "keep its numbers within int32, or within uint32",
+                c="keep its numbers within int32_t, or within uint32_t",
+            ),
         )
     return tuple(int(value) & _MASK for value in table.values)
 
@@ -86,7 +90,10 @@ def _float_word(value: float, table: Table, loc: SourceLoc | None) -> int:
         raise KernelError(
             f"a constant array of float64 holds {value!r}, which is no float32",
             loc=loc,
-            hint="make it of float32: np.array([...], np.float32), or table.astype(np.float32)",
+            hint=Advice(
+                "make it of float32: np.array([...], np.float32), or table.astype(np.float32)",
+                c="make it an array of float",
+            ),
         )
     return int(narrow.view(np.uint32))
 

@@ -11,7 +11,7 @@ import re
 from dataclasses import replace
 
 from vividc.frontend.llvm.calls import RAISE_PREFIX
-from vividc.frontend.memory.local_arrays import Held
+from vividc.frontend.memory.local_arrays import OwnArray
 from vividc.machine.params import TRAP, LocalArray
 from vividc.ssa.ir import Branch, Float, Function, Instr, Int, Value
 
@@ -34,13 +34,13 @@ _PATH = re.compile(r"File '.*")
 _NAMELESS = re.compile(r"\W+")
 
 
-def trap_raises(function: Function) -> tuple[Function, dict[str, Held]]:
+def trap_raises(function: Function) -> tuple[Function, dict[str, OwnArray]]:
     """Make stores of the raises, and the arrays by name that they store to."""
-    held: dict[str, Held] = {}
+    held: dict[str, OwnArray] = {}
     blocks = []
     for block in function.blocks:
         names = {op.pred: _name(op.pred) for op in block.instrs if _is_trap(op)}
-        held |= {name: Held(LocalArray(name, 0), "i32") for name in names.values()}
+        held |= {name: OwnArray(LocalArray(name, 0), "i32") for name in names.values()}
         ops = tuple(_store(op, names[op.pred]) if _is_trap(op) else op for op in block.instrs)
         leave = Branch(value=_NOTHING.get(function.result, Int(0)), loc=block.branch.loc)
         blocks.append(replace(block, instrs=ops, branch=leave if names else block.branch))

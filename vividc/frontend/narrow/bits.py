@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.errors import KernelError
+from vividc.frontend.advice import Advice
 from vividc.frontend.narrow.emit import WORD_HINT, Emitter
 from vividc.frontend.narrow.small import emit_masked, sign_extended
 from vividc.frontend.ranges.interval import width
@@ -15,6 +16,7 @@ from vividc.ssa.ir import Const, Instr, Int, Value
 
 Rule = Callable[[Emitter, Instr], None]
 _WORD = 32
+_UINT32 = Advice("use np.uint32(...)", c="use uint32_t")
 _MASK = 0xFFFFFFFF
 _INT_MAX = 0x7FFFFFFF
 
@@ -75,7 +77,7 @@ def _permutation(opcode: Opcode) -> Rule:
     def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
         if bits > _WORD:
-            raise KernelError("the bits of a 64-bit integer", loc=op.loc, hint="use np.uint32(...)")
+            raise KernelError("the bits of a 64-bit integer", loc=op.loc, hint=_UINT32)
         word = emitter.value(op.operands[0])
         if bits == _WORD:
             emitter.emit(op, opcode, (word,))
@@ -92,7 +94,7 @@ def _funnel(left: bool) -> Rule:
     def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
         if bits > _WORD:
-            raise KernelError("a rotation of a 64-bit integer", loc=op.loc, hint="use np.uint32")
+            raise KernelError("a rotation of a 64-bit integer", loc=op.loc, hint=_UINT32)
         if bits < _WORD:
             _funnel_small(emitter, op, left)
         elif isinstance(op.operands[2], Int):
@@ -145,7 +147,7 @@ def _funnel_small(emitter: Emitter, op: Instr, left: bool) -> None:
     """Both halves side by side in one word; the types that LLVM makes have 8 or 16 bits."""
     bits = width(op.type)
     if 2 * bits > _WORD or bits & (bits - 1):
-        raise KernelError(f"a rotation of {op.type}", loc=op.loc, hint="use np.uint32")
+        raise KernelError(f"a rotation of {op.type}", loc=op.loc, hint=_UINT32)
     high, low, amount = (emitter.value(arg) for arg in op.operands)
     up = emitter.helper(op, Opcode.SHL, high, Const(bits))
     both = emitter.helper(op, Opcode.OR, up, low)

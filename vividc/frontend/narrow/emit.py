@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from vividc.errors import InternalError, KernelError, SourceLoc
+from vividc.frontend.advice import Advice
 from vividc.frontend.narrow.demand import demanded_bits
 from vividc.frontend.narrow.demand_high import WordFacts, high_words, types_of
 from vividc.frontend.ranges.interval import S32, U32, Interval, contains
@@ -29,9 +30,10 @@ from vividc.ssa.ir import (
 
 # Free in words: the result is the operand (conversions to or from less than a word apart).
 ALIASES = frozenset({"sext", "zext", "trunc", "fpext", "fptrunc", "bitcast", "freeze"})
-WORD_HINT = (
+WORD_HINT = Advice(
     "wrap the result in np.int32(...), or bound it with a comparison before; "
-    "a range with a step: range(0, min(n, len(x)), 2)"
+    "a range with a step: range(0, min(n, len(x)), 2)",
+    c="cast the result to int32_t, or bound it with a comparison before",
 )
 _MASK = 0xFFFFFFFF
 _DEPTH = 4

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vividc.errors import KernelError
+from vividc.frontend.advice import Advice
 from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.small import emit_masked, is_small, sign_extended
 from vividc.frontend.ranges.interval import width
@@ -75,7 +76,8 @@ def _check_literals(op: Instr) -> None:
 
 def _check_type(op: Instr) -> None:
     if op.type not in ("float", "double"):
-        raise KernelError(f"arithmetic on {op.type}", loc=op.loc, hint="use float32")
+        hint = Advice("use float32", c="use float")
+        raise KernelError(f"arithmetic on {op.type}", loc=op.loc, hint=hint)
 
 
 def _compare(emitter: Emitter, op: Instr) -> None:
@@ -123,7 +125,10 @@ def _from_int(emitter: Emitter, op: Instr) -> None:
     elif unsigned_word or (nonnegative and emitter.unsigned(operand)):
         emitter.emit(op, Opcode.UITOFP, (emitter.value(operand),))
     else:
-        hint = "convert the integer first: np.float32(np.int32(...))"
+        hint = Advice(
+            "convert the integer first: np.float32(np.int32(...))",
+            c="cast the integer first: (float)(int32_t)n",
+        )
         emitter.require_signed(operand, op.loc, "the integer converted to a float", hint)
         raise KernelError("a negative integer, converted as unsigned", loc=op.loc, hint=hint)
 

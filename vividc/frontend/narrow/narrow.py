@@ -16,6 +16,7 @@ import re
 from dataclasses import dataclass, replace
 
 from vividc.errors import KernelError, SourceLoc
+from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.calls import RAISE_PREFIX, hint_of_raise
 from vividc.frontend.narrow import (
     bits as narrow_bits,
@@ -160,7 +161,7 @@ def _masks(op: Instr) -> bool:
 
 def _translate(emitter: Emitter, op: Instr) -> None:
     if op.op == "bitcast" and "float" not in (op.type, op.source):
-        raise KernelError(f"the bits of a {op.source}", loc=op.loc, hint="use float32 and int32")
+        raise KernelError(f"the bits of a {op.source}", loc=op.loc, hint=_NUMBERS)
     if op.op in ALIASES and not _masks(op):
         return
     if op.op == "call":
@@ -232,6 +233,7 @@ def _call_rule(op: Instr) -> narrow_int.Rule | None:
     return next((table[stem] for table in tables if stem in table), None)
 
 
+_NUMBERS = Advice("use float32 and int32", c="use float and int32_t")
 _RUNTIME = re.compile("NRT_|numba_gil|_?Py[A-Z]?[A-Za-z]*_")
 _MEMORY = "an array has a constant size, or is a parameter"
 _OUTPUT = "a kernel stores its results into arrays"

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.errors import KernelError
+from vividc.frontend.advice import Advice
 from vividc.frontend.narrow.demand_high import WIDE, reads_high, stem
 from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.wide.divide import divide, divide_down
@@ -39,7 +40,9 @@ def translate_wide(emitter: Emitter, op: Instr) -> bool:
         raise KernelError(
             f"an integer that LLVM's `{what}` makes may not fit in 32 bits",
             loc=op.loc,
-            hint="wrap it in np.int32(...) or np.uint32(...)",
+            hint=Advice(
+                "wrap it in np.int32(...) or np.uint32(...)", c="cast it to int32_t or uint32_t"
+            ),
         )
     words = Words(emitter, op)
     value = rule(words, op)

@@ -1,0 +1,22 @@
+"""What to write instead, in the words of the language that a kernel is written in."""
+
+from __future__ import annotations
+
+from typing import Self
+
+
+class Advice(str):
+    """Advice of the stages that Python's kernels and C's share: Python's, and beside it C's."""
+
+    c: str
+
+    def __new__(cls, python: str, *, c: str) -> Self:
+        """The text is for Python."""
+        made = super().__new__(cls, python)
+        made.c = c
+        return made
+
+
+def in_c(hint: str) -> str:
+    """The hint for a kernel in C."""
+    return hint.c if isinstance(hint, Advice) else hint
