@@ -137,8 +137,8 @@ def test_an_unknown_objective_is_refused() -> None:
         (lambda h: h.held(4, 0), "held: grid-2x2 has no PE 4"),
         (lambda h: h.on_link(99), "on_link: the fabric has no link 99\nhint: links are 0 to 7"),
         (lambda h: h.on_link(0, 99), "on_link: chain2 has no placed node 99"),
-        (lambda h: h.minimize("x"), "minimize: 'x' is no expression\nhint: give a sum"),
-        (lambda h: h.minimize(h.start(2) <= 3), "is no expression"),
+        (lambda h: h.minimize("x"), "minimize: 'x' is not an expression\nhint: give a sum"),
+        (lambda h: h.minimize(h.start(2) <= 3), "is not an expression"),
     ],
 )
 def test_what_does_not_exist_is_refused(use: Callable[[ModelHandle], object], message: str) -> None:

@@ -84,9 +84,9 @@ def _impossible(problem: MapProblem, request: MapRequest) -> MapResult:
     [
         ("_raises", "failed with ZeroDivisionError: of the guest"),
         ("_nothing", "returned a NoneType instead of a MapResult"),
-        ("_boasts", "claims what does not hold: the mapping has II 1, the result says 7"),
-        ("_great", "claims what does not hold: there is no status 'great'"),
-        ("_impossible", "claims what does not hold: infeasible is claimed, but no II is refuted"),
+        ("_boasts", "makes false claims: the mapping has II 1, the result says 7"),
+        ("_great", "makes false claims: there is no status 'great'"),
+        ("_impossible", "makes false claims: infeasible is claimed, but no II is refuted"),
         ("_careless", "made an illegal mapping of 'chain3': "),
     ],
 )

@@ -33,9 +33,9 @@ from vividc.mapper.result import MapInterrupted, MapResult
 _SHOWN = 5
 _MOST_WORKERS = 1000
 _SHARE_BEFORE = 0.6
-"""Share of the time for the II, where something is to be minimised after it."""
+"""Share of the time that the search for the II gets, if an objective follows it."""
 _SHARE_EXTENDED = 0.85
-"""The same where only a caller's constraints may ask for it."""
+"""The same if only a caller's constraints may ask for an objective."""
 
 
 def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
@@ -108,7 +108,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
 def _mapped(
     problem: MapProblem, run: Mapper, request: MapRequest, objective: str | None
 ) -> MapResult:
-    """The mapper's result, with the rest of the time for what is minimised at its II."""
+    """The mapper's result, improved at its II in the time that is left."""
     share = _share_of_the_ii(request.extend, objective)
     deadline = request.deadline.within(request.deadline.remaining_s * share)
     began = time.monotonic()
@@ -120,7 +120,7 @@ def _mapped(
 
 
 def _share_of_the_ii(extend: Extension | None, objective: str | None) -> float:
-    """Of the time; the rest is for what is minimised at the II."""
+    """The search's share of the time; the rest is for what is minimised at the II."""
     if objective is not None:
         return _SHARE_BEFORE
     return 1.0 if extend is None else _SHARE_EXTENDED
@@ -133,7 +133,7 @@ def _minimised(
         return result
     search = Search(request.deadline, request.workers)
     try:
-        request.tell(f"II {result.ii}: minimising {objective or 'what was added'}")
+        request.tell(f"II {result.ii}: minimising {objective or 'the added objective'}")
         mapping, minimum = minimise(problem, result.mapping, objective, request.extend, search)
     except KeyboardInterrupt as stop:
         raise MapInterrupted(result) from stop
@@ -185,8 +185,8 @@ def _check(dfg: DFG, fabric: Fabric, ii: int | None, time_limit_s: float, worker
     check_time_limit(time_limit_s)
     demand_type(workers, int, "the number of workers", "give a whole number of threads")
     if not 1 <= workers <= _MOST_WORKERS:
-        hint = f"give 1 to {_MOST_WORKERS}; as many as there are cores are enough"
-        raise VividcError(f"{workers} workers cannot be had", loc="workers", hint=hint)
+        hint = f"give 1 to {_MOST_WORKERS}; there is no use for more than one per core"
+        raise VividcError(f"{workers} workers are not possible", loc="workers", hint=hint)
 
 
 def _check_places(
@@ -195,7 +195,7 @@ def _check_places(
     allowed: ReadOnly[int, frozenset[int]],
     resident: ReadOnly[int, frozenset[ConstantKey]],
 ) -> None:
-    """Refuse nodes that the graph has not and PEs that the fabric has not."""
+    """Refuse nodes that are not in the graph and PEs that are not in the fabric."""
     _check_sets(allowed, "allowed", "give the set of PEs of each node: {3: frozenset({0, 1})}")
     _check_sets(resident, "resident", "give the set of constants of each PE")
     nodes = sorted(allowed.keys() - {node.id for node in dfg.nodes}, key=str)
@@ -217,7 +217,7 @@ def _check_sets(given: object, loc: str, hint: str) -> None:
         raise VividcError(f"{loc} cannot be {quoted(given)}", loc=loc, hint=hint)
     for key, members in given.items():
         if not isinstance(members, AbstractSet):
-            reason = f"{loc} cannot have {quoted(members)} for {quoted(key)}: no set"
+            reason = f"{loc} cannot have {quoted(members)} for {quoted(key)}: it is not a set"
             raise VividcError(reason, loc=loc, hint=hint)
 
 
@@ -228,7 +228,7 @@ def _about(result: MapResult, problem: MapProblem) -> MapResult:
 
 
 def _subject(problem: MapProblem) -> Subject:
-    """What a result is about, which a caller cannot change after."""
+    """What a result is about, copied so that a caller cannot change it afterwards."""
     return Subject(
         problem.dfg,
         problem.fabric,
@@ -238,13 +238,13 @@ def _subject(problem: MapProblem) -> Subject:
 
 
 def _confirm(problem: MapProblem, result: MapResult, mapper: str) -> None:
-    """Refuse an illegal mapping: a bug of ours, or of the package that `mapper` comes from. What a
-    guest claims must hold, too, as far as that can be seen without a solver.
+    """Refuse an illegal mapping: our bug, or one of the package that `mapper` comes from. A guest's
+    claims must hold as well, as far as that can be checked without a solver.
     """
     faults = [str(violation) for violation in _violations(problem, result)]
     what = f"made an illegal mapping of {printable(problem.dfg.name)!r}"
     if mapper not in BUILT_IN and not faults:
-        faults, what = _false_claims(problem, result), "claims what does not hold"
+        faults, what = _false_claims(problem, result), "makes false claims"
     if not faults:
         return
     what = f"{what}: {'; '.join(faults[:_SHOWN])}"

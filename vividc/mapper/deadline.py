@@ -3,7 +3,7 @@
 Effort is counted, not timed: OR-Tools' deterministic time, moves of the annealer, steps of a
 search. Each is charged at a fixed rate in the seconds that it takes on a typical machine. So the
 same input is searched the same way on a loaded machine; the clock only ends a search that takes
-longer than the user's limit, and that is told (`Meter.hurried`).
+longer than the user's limit, and the result says so (`Meter.hurried`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from vividc.host import time_limit
 from vividc.host.time_limit import Limit
 
 EFFORT_SHARE: Final = 0.8
-"""Seconds of effort that a second of the user's limit buys; the rest is for slower machines."""
+"""Seconds of effort that a second of the user's limit buys; the margin is for slower machines."""
 
 
 @dataclass(slots=True)
@@ -45,7 +45,7 @@ class Meter:
 
     @property
     def guard_s(self) -> float:
-        """Seconds that the clock leaves, never negative; none: the search is hurried."""
+        """Seconds that are left on the clock, never negative; at 0 the search is hurried."""
         left_s = self.guard.left_on_the_wall_s
         self.hurried = self.hurried or left_s <= 0.0
         return left_s
@@ -63,9 +63,9 @@ class Deadline:
 
     @staticmethod
     def after(seconds: float) -> Deadline:
-        """The deadline `seconds` of effort from now, on the meter that runs.
+        """The deadline `seconds` of effort from now, on the current meter.
 
-        Without one: on a new one whose clock allows so much that effort comes first.
+        Without one, on a new meter whose clock is generous enough for effort to run out first.
         """
         meter = _current.get()
         if meter is None:
@@ -74,7 +74,7 @@ class Deadline:
 
     @property
     def remaining_s(self) -> float:
-        """Seconds of effort left, never negative; none when the clock has run out."""
+        """Seconds of effort left, never negative; 0 when the clock has run out."""
         left = self.at - self.meter.spent_s
         return left if left > 0.0 and self.meter.guard_s > 0.0 else 0.0
 
@@ -94,8 +94,8 @@ class Deadline:
 
 @contextmanager
 def limited(time_limit_s: float) -> Iterator[Deadline]:
-    """The deadline of what runs inside. What is limited already shares its meter: the limit is then
-    one of effort, within that of the whole, and the clock's is the one that holds here.
+    """The deadline of what runs inside. Inside another limit the meter is shared: this limit then
+    counts effort within the outer one, and the clock keeps the limit that holds here.
     """
     outer = _current.get()
     if outer is not None:
@@ -114,7 +114,7 @@ def limited(time_limit_s: float) -> Iterator[Deadline]:
 
 @contextmanager
 def _guarded(meter: Meter) -> Iterator[None]:
-    """The meter has the time limit that holds here, and notes of its own whether it was hurried."""
+    """Have the meter guarded by the time limit that holds here, with a `hurried` of its own."""
     before, hurried = meter.guard, meter.hurried
     meter.guard, meter.hurried = time_limit.current() or before, False
     try:

@@ -46,7 +46,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What was mapped onto what: kept beside a result so that it can be explained, drawn, checked.
+    """What was mapped onto what, kept with a result so that it can be explained, drawn and checked.
 
     `allowed`, `resident`: what was decided before, as in `MapProblem`.
     """
@@ -136,7 +136,7 @@ class Objective:
 
     def __str__(self) -> str:
         if self.value is None:
-            return f"{self.name}: not tried, the model is too large or the time was over"
+            return f"{self.name}: not tried, the model is too large or time ran out"
         proved = "no bound proved"
         if self.bound is not None:
             least = "the least" if self.bound >= self.value else f"at least {self.bound}"

@@ -31,8 +31,8 @@ EXTENSIBLE: Final = frozenset({"auto", "cpsat", "decoupled"})
 
 
 def takes_constraints(name: str) -> bool:
-    """Whether a mapper applies what a caller adds to the model (`MapRequest.extend`). A guest says
-    so by an attribute `takes_constraints = True` of its function.
+    """Whether a mapper applies a caller's constraints to its model (`MapRequest.extend`). A guest
+    declares it by an attribute `takes_constraints = True` of its function.
     """
     return name in EXTENSIBLE or bool(getattr(find_mapper(name), "takes_constraints", False))
 
@@ -76,7 +76,7 @@ def _load(name: str, load: object) -> Mapper:
 
 
 def _guarded(name: str, guest: Mapper) -> Mapper:
-    """The guest, whose faults are told as its own and not as bugs of vividc."""
+    """The guest, with its faults reported as its own and not as bugs of vividc."""
 
     @wraps(guest)
     def run(problem: MapProblem, request: MapRequest) -> MapResult:

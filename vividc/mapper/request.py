@@ -25,17 +25,16 @@ class MapRequest:
     deadline
         When to stop, found or not.
     workers
-        Threads that may be used, of which more than two find no work; their number changes no
-        result.
+        Threads that may be used; more than two find no work. Their number changes no result.
     progress
         Called with one line at each step; None: silent.
     thrifty
-        Stop before the deadline where more time is unlikely to help (`mapper/search/large.py`).
+        Stop before the deadline when more time is unlikely to help (`mapper/search/state.py`).
     extend
         Adds a caller's constraints to every model whose solution becomes a mapping.
     known
-        A mapping that the caller has: only smaller IIs are of use, and where none is found it is
-        the result.
+        A mapping that the caller already has: only smaller IIs are of use, and it is the result if
+        none is found.
     """
 
     ii: int | None

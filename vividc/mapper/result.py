@@ -18,7 +18,7 @@ class MapResult:
     status
         "optimal": every II below `ii` was refuted. "feasible": mapped, but the IIs from
         `lower_bound` to `ii` - 1 are open. "infeasible": no II can work (or the requested one
-        cannot). "timeout": nothing found in time.
+        cannot). "timeout": no mapping was found in time.
     bounds
         All bounds, sharpest first.
     refuted
@@ -51,7 +51,7 @@ class MapResult:
 
     @property
     def claim(self) -> str:
-        """The status, with the words "within the added constraints" where that limits it."""
+        """The status, qualified by "within the added constraints" where it only holds there."""
         limited = self.constrained and self.status in ("optimal", "infeasible")
         return f"{self.status} within the added constraints" if limited else self.status
 
@@ -69,7 +69,7 @@ class MapResult:
 
 
 class MapInterrupted(KeyboardInterrupt):
-    """An interrupt of a search that has a mapping: `result` is what it found and proved so far."""
+    """A search was interrupted after its first mapping: `result` is what it found and proved."""
 
     def __init__(self, result: MapResult) -> None:
         self.result = result

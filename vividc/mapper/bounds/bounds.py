@@ -82,7 +82,7 @@ def usable_pes(problem: MapProblem, node: Node) -> tuple[int, ...]:
 
 @once_each
 def _usable_pes(problem: MapProblem) -> dict[int, tuple[int, ...]]:
-    """The same of every node that is placed."""
+    """The same for every placed node."""
     usable = {}
     for node in problem.dfg.placed:
         keys = frozenset(problem.constants_of(node))
@@ -205,7 +205,7 @@ def issue_bounds(problem: MapProblem) -> tuple[Bound, ...]:
 
 
 def occupancy_bounds(problem: MapProblem) -> tuple[Bound, ...]:
-    """An operation that keeps its FU for n cycles is followed by itself n cycles later at best."""
+    """An operation that occupies its FU for n cycles cannot issue again within n cycles."""
     longest = max(problem.dfg.operations, key=problem.fabric.occupancy, default=None)
     if longest is None or problem.fabric.occupancy(longest) == 1:
         return ()
@@ -257,7 +257,7 @@ def stage_bounds(problem: MapProblem, least: int) -> tuple[Bound, ...]:
 
 
 def hall_sets(candidates: Iterable[Iterable[int]]) -> tuple[frozenset[int], ...]:
-    """Unions of the candidate sets (at most `_MAX_HALL_SETS`: fewer only weaken the bound), small
+    """Unions of the candidate sets (at most `_MAX_HALL_SETS`; fewer only weaken the bound), small
     ones first.
     """
     basic = sorted({frozenset(pes) for pes in candidates}, key=_order)

@@ -1,4 +1,4 @@
-"""A lower bound on the II from how long words live at least, whatever the schedule.
+"""A lower bound on the II from the least time that words live, whatever the schedule.
 
 A word is somewhere in every cycle from its result to its last read, and each (place, slot) holds
 one word: the lives of all words together are at most II times the places. The least sum of lives
@@ -59,8 +59,8 @@ def pressure_bounds(problem: MapProblem, least: int, beyond: int) -> tuple[Bound
 
 
 def least_life(problem: MapProblem, ii: int) -> int:
-    """Least sum over words of the places that each must take, over all schedules of `ii`, which
-    must not be below the RecMII.
+    """Least sum, over all schedules of `ii`, of the places that words must take; `ii` is at least
+    the RecMII.
     """
     readers = _readers(problem, build_mrrg(problem.fabric))
     return _least_life(problem, dependences(problem.dfg, problem.fabric), ii, -1, readers)
@@ -75,7 +75,7 @@ def _readers(problem: MapProblem, graph: MRRG) -> int:
 def _least_life(
     problem: MapProblem, edges: Sequence[Dependence], ii: int, enough: int, readers: int
 ) -> int:
-    """The least sum of lives, or that of some schedule if it is `enough` or less."""
+    """The least sum of lifetimes, or that of some schedule if it is `enough` or less."""
     nodes = [node.id for node in problem.dfg.placed]
     words = list(dict.fromkeys(edge.src for edge in edges if edge.routed))
     latency = {edge.src: edge.latency for edge in edges}
@@ -129,7 +129,7 @@ def _differences(
 
 
 def _reads(problem: MapProblem, edges: Sequence[Dependence], word: int, readers: int) -> int:
-    """Places that the reads of a word take at least, however short its life."""
+    """Least places that the reads of a word take, however short its lifetime."""
     by_fus = {
         (edge.dst, edge.distance)
         for edge in edges

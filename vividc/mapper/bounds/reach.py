@@ -1,4 +1,4 @@
-"""Bounds from which PEs a word can get to at all: fabrics of several islands, or without links."""
+"""Bounds from the PEs that a word can reach at all: for fabrics with islands or without links."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.distances import FAR, hop_distances
 
 Reach = tuple[frozenset[int], ...]
-"""For each PE those that can read a word made there, at some time."""
+"""For each PE, the PEs that can ever read a word made there."""
 
 
 def reachable(fabric: Fabric) -> Reach:
@@ -32,8 +32,8 @@ def reachable(fabric: Fabric) -> Reach:
 def operand_bounds(
     problem: MapProblem, candidates: dict[int, frozenset[int]], no_ii: int
 ) -> tuple[Bound, ...]:
-    """A bound for each node that reads more words at once than come to any of its PEs: one over
-    each link, one from each read port, and one from each output register.
+    """A bound for each node that reads more words at once than can arrive at any of its PEs: one
+    over each link, one from each read port, and one from each output register.
     """
     most = [_words_at_once(problem.fabric, pe) for pe in range(len(problem.fabric.pes))]
     words: dict[int, set[tuple[int, int]]] = {node: set() for node in candidates}
@@ -87,8 +87,8 @@ def _nowhere(dfg: DFG, src: int, dst: int, no_ii: int) -> Bound:
 
 
 def island_bounds(problem: MapProblem, candidates: dict[int, frozenset[int]]) -> tuple[Bound, ...]:
-    """Operations that words connect lie on one island of connected PEs, and take its issue slots;
-    the largest group of them binds.
+    """Operations connected by words share one island of connected PEs and its issue slots; the
+    largest such group binds.
     """
     islands = _groups(
         len(problem.fabric.pes),

@@ -1,4 +1,4 @@
-"""What refutes an II, in the words of results and files: those who say it and those who read it."""
+"""What refutes an II, in the words that results and files use, for writers and readers alike."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class _Bound(Protocol):
 
 
 def rests_on_assumed(bounds: Iterable[_Bound], lower: int) -> bool:
-    """Whether each bound that gives the lower one is a recurrence that was not proved."""
+    """Whether the lower bound rests on recurrences that were only assumed."""
     sharpest = [bound for bound in bounds if bound.ii >= lower > 1]
     return bool(sharpest) and all(ASSUMED in bound.reason for bound in sharpest)
 

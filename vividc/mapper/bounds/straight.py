@@ -1,4 +1,4 @@
-"""How long a straight region must be at least: longest paths with forced hops, and shared PEs."""
+"""Lower bounds on the length of a straight region: longest paths with forced hops, shared PEs."""
 
 from __future__ import annotations
 

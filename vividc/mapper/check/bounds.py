@@ -1,4 +1,4 @@
-"""Checks bounds on the II without a solver: each is derived anew from the graph and the fabric,
+"""Checks bounds on the II without a solver: each is derived again from the graph and the fabric,
 given only the nodes and edges that are said to bind. It shares no line with `bounds`.
 """
 
@@ -58,7 +58,7 @@ class _Claim:
         return self.bound.ii == self.fabric.controller.contexts + 1
 
     def exceeds(self, cycles: int, units: int) -> bool:
-        """At one II less, `units` have less room than `cycles`."""
+        """At the II below, `units` have room for fewer than `cycles`."""
         return cycles > (self.bound.ii - 1) * units
 
 
@@ -110,7 +110,7 @@ def _recurrence(claim: _Claim) -> str | None:
 
 
 def _cycle(claim: _Claim) -> list[Edge]:
-    """The edges along the nodes, in a circle; empty if they are not that.
+    """The edges along the nodes, in a cycle; empty if there is no such cycle.
 
     Where none are named, the edge is taken between two nodes that binds most at the II below.
     """
@@ -169,7 +169,7 @@ def _cycles(nodes: Sequence[Node], claim: _Claim) -> int:
 
 
 def _occupancy(claim: _Claim) -> str | None:
-    """An operation follows itself no sooner than it leaves its FU."""
+    """An operation cannot issue again before it leaves its FU."""
     kept = [claim.fabric.occupancy(node) for node in claim.users if node.uses_fu]
     longest = max(kept, default=1)
     if longest < claim.bound.ii:
@@ -286,7 +286,7 @@ def _reach(claim: _Claim) -> str | None:
 
 
 def _island(claim: _Claim) -> str | None:
-    """Nodes that words join lie on one island of PEs, and share its FUs."""
+    """Nodes connected by words lie on one island of PEs and share its FUs."""
     group = {node.id for node in claim.users}
     joins = [(e.src, e.dst) for _, e in claim.dfg.routed_edges() if {e.src, e.dst} <= group]
     if len(connected(group, joins)) != 1:

@@ -1,4 +1,4 @@
-"""What the verifier looks at: one mapping with the places that make sense, and what it reports."""
+"""What the verifier sees, a mapping with the places that make sense, and what it reports."""
 
 from __future__ import annotations
 

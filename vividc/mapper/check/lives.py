@@ -1,4 +1,4 @@
-"""How long words live at least in all, for the check of a bound: a linear program over start times.
+"""The least total lifetime of words, to check a bound: a linear program over start times.
 
 The least sum of lives is the cost of a flow (Ahuja, Magnanti and Orlin 1993, section 9.4) in which
 every word sends one unit from its operation to its end. It shares no line with `pressure`.
@@ -33,7 +33,7 @@ def separation(edge: Edge, subject: Subject) -> int:
 
 
 def places_for_words(fabric: Fabric) -> int:
-    """Words that can be on their way at once: links, registers with ports, and output registers
+    """Words that can be in flight at once: links, registers with ports, and output registers
     that words can stay in or pass.
     """
     routing = fabric.routing

@@ -1,4 +1,4 @@
-"""Checks what a result says was minimised: its value is read anew from the mapping."""
+"""Checks what a result says was minimised: its value is recomputed from the mapping."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ def _check_value(objective: Objective, case: Case, *, constrained: bool) -> Find
     if added and not constrained:
         return Finding("wrong", f"{objective.name}: nothing was added to the problem")
     if objective.value is None:
-        return Finding("confirmed", f"{objective.name}: nothing is said of it")
+        return Finding("confirmed", f"{objective.name}: no value is claimed")
     if added:
         return Finding(
-            "trusted", f"{objective.name}: {objective.value}, of what is not in the result"
+            "trusted", f"{objective.name}: {objective.value}, of an expression unknown here"
         )
     real = values[objective.name]
     if objective.value != real:

@@ -8,7 +8,7 @@ from vividc.arch.fabric import Fabric
 
 
 def readable_from(fabric: Fabric) -> list[set[int]]:
-    """For each PE those that can read a word made there, at some time.
+    """For each PE, the PEs that can ever read a word made there.
 
     Links carry words on and on, or FUs move them between the output registers that they share;
     else a word is read where it was made, and by neighbours that share its output register.

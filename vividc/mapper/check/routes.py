@@ -56,7 +56,7 @@ def carrying(case: Case) -> tuple[int, int]:
 
 
 def _faulty_routes(case: Case, traffic: _Traffic) -> Iterator[Violation]:
-    """What is wrong with routes by themselves; the sound ones enter `traffic`."""
+    """What is wrong with each route by itself; sound routes enter `traffic`."""
     routed = dict(case.dfg.routed_edges())
     for index in sorted(case.mapping.routes.keys() - routed.keys()):
         yield Violation("route", f"there is a route for edge {index}, which needs none")
@@ -128,7 +128,7 @@ def _readers(fabric: Fabric, step: Step) -> tuple[int, ...]:
 
 
 def _step_fault(fabric: Fabric, step: Step, time: int, hops: int) -> str | None:
-    """A step that cannot be, wherever the word comes from."""
+    """A step that is impossible, wherever the word comes from."""
     if step.time != time:
         return f"is in cycle {step.time}, not in {time}"
     if step.kind == "link":
@@ -171,7 +171,7 @@ def _move_fault(fabric: Fabric, start_pe: int, before: Step | None, step: Step) 
 
 
 def _stays(fabric: Fabric, before: Step, step: Step) -> bool:
-    """The word is where it was a cycle ago, and nothing is done for it."""
+    """The word is where it was a cycle ago, and nothing has to be done for it."""
     if (before.kind, before.pe, before.index) != (step.kind, step.pe, step.index):
         return False
     return step.kind == "reg" or (step.kind == "out" and fabric.routing.holds)
@@ -226,7 +226,7 @@ class _Traffic:
         self._read(value, before)
 
     def add_results(self) -> None:
-        """Every operation that completes takes its output register, its word wanted or not.
+        """Every operation that completes takes its output register, even if its word is unused.
 
         Where output registers do not hold and nothing else enters them, that is the rule of one
         completion a slot.

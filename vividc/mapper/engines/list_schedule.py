@@ -111,7 +111,7 @@ def _refuse_too_long(problem: MapProblem, length: int) -> None:
 
 def _failed(problem: MapProblem, failure: _Stuck | None) -> MappingFailed:
     if failure is None:
-        return MappingFailed(f"{problem.dfg.name}: no trial was made")
+        return MappingFailed(f"{problem.dfg.name}: there was no time for a trial")
     return MappingFailed(
         f"{problem.dfg.name}: {_show(failure.node)} cannot be placed: {failure.reason}",
         loc=failure.node.loc,
@@ -124,7 +124,7 @@ def _show(node: Node) -> str:
 
 
 class _Stuck(Exception):
-    """The greedy schedule cannot go on; another trial may."""
+    """The greedy schedule is stuck; another trial may succeed."""
 
     def __init__(self, node: Node, reason: str) -> None:
         self.node = node
@@ -153,7 +153,7 @@ def _policy(trial: int, urgency: dict[int, int], crowded: bool) -> _Policy:
 def _raised(
     urgency: dict[int, int], heights: Heights, mapping: Mapping, target: int
 ) -> dict[int, int]:
-    """Raise the nodes that make the schedule longer than `target`, by how much they do."""
+    """Raise the priority of nodes that make the schedule longer than `target`, by the excess."""
     raised = dict(urgency)
     for node, place in mapping.places.items():
         late = place.time + heights.of[node] - target

@@ -35,7 +35,7 @@ def go_upward(search: IISearch) -> None:
 
 
 def core_for(fabric: Fabric, name: str) -> Fabric:
-    """What of a fabric a router over the MRRG can use.
+    """The part of a fabric that a router over the MRRG can use.
 
     Raises
     ------

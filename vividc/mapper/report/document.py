@@ -149,7 +149,7 @@ def _objective(top: dict[str, Any]) -> Objective | None:
 
 
 def _versions() -> dict[str, str]:
-    """Of what decides which mapping is found; another one may find another."""
+    """Versions of what decides which mapping is found: another version may find another mapping."""
     versions = {"python": platform.python_version()}
     for package in ("vividc", "ortools", "numpy"):
         with contextlib.suppress(PackageNotFoundError):  # run from a checkout
@@ -287,7 +287,7 @@ def _stats(top: dict[str, Any]) -> dict[str, float]:
 
 
 def _each(item: dict[str, Any], key: str, read: Callable[[dict[str, Any]], T]) -> Iterator[T]:
-    """Each entry of a list as `read` takes it; a fault names the entry by its number."""
+    """Each entry of a list, read by `read`; an error names the entry by its number."""
     entries = item.get(key)
     if not isinstance(entries, list):
         raise _fault(key, "missing, or not a list")
@@ -304,7 +304,7 @@ def _each(item: dict[str, Any], key: str, read: Callable[[dict[str, Any]], T]) -
 def _by_key(
     item: dict[str, Any], key: str, name: str, read: Callable[[dict[str, Any]], tuple[int, T]]
 ) -> dict[int, T]:
-    """The entries of a list by what they are about, which only one of them may be."""
+    """The entries of a list by their key, which must be unique."""
     by_key: dict[int, T] = {}
     for number, (about, value) in enumerate(_each(item, key, read)):
         if about in by_key:

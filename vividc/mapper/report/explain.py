@@ -109,7 +109,7 @@ class FullestFile:
 
 @dataclass(frozen=True, slots=True)
 class Fullest:
-    """Where a smaller II would need room first; None: nothing of that kind is used."""
+    """Where a smaller II would run out of room first; None: nothing of that kind is used."""
 
     fu: FullestFU | None
     link: FullestLink | None

@@ -132,7 +132,7 @@ def _longest_paths(
 
 
 def _relax(start: dict[int, int], rows: list[_Row], into: dict[int, Dependence]) -> int | None:
-    """Moves nodes past those they depend on, once for each edge; the last that moved."""
+    """Move nodes past those they depend on, once for each edge; return the last that moved."""
     moved = None
     for src, dst, weight, edge in rows:
         reached = start[src] + weight

@@ -14,7 +14,7 @@ FAR: Final = 1 << 20
 
 @once_each
 def hop_distances(fabric: Fabric) -> tuple[tuple[int, ...], ...]:
-    """Links on a shortest way from each PE to each other; `FAR` if there is none."""
+    """Links on a shortest path from each PE to each other; `FAR` if there is none."""
     return tuple(_hops_from(fabric, pe.id) for pe in fabric.pes)
 
 

@@ -1,4 +1,4 @@
-"""Which issue slots of the FUs a mapping takes: operations, FUs that they keep busy, and moves."""
+"""The issue slots of FUs that a mapping takes: for operations, FUs kept busy, and moves."""
 
 from __future__ import annotations
 

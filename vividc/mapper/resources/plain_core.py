@@ -1,4 +1,4 @@
-"""What of a fabric works as in ViViD: routers that know nothing else map to that."""
+"""The part of a fabric that works as in ViViD, for routers that know nothing else."""
 
 from __future__ import annotations
 

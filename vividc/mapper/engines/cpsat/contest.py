@@ -1,4 +1,4 @@
-"""CP-SAT's search and its local search on one model; which of the two counts, effort decides.
+"""CP-SAT's search and its local search on one model; effort decides which of the two counts.
 
 CP-SAT with several workers is fast because they are unlike each other, but what it finds depends
 on which thread comes first. Each of the two here runs on one thread and repeats itself exactly, and
@@ -45,12 +45,12 @@ class Contender:
 
     @property
     def ended(self) -> bool:
-        """It was started, and is done."""
+        """Whether it was started and has finished."""
         return self._thread.ident is not None and not self._thread.is_alive()
 
     @property
     def status(self) -> int:
-        """What it ended with; what it raised is raised here, in the caller's thread."""
+        """Its status; an exception is raised here, in the caller's thread."""
         if self._faults:
             raise self._faults[0]
         if not self._status:
@@ -122,7 +122,7 @@ def _rest(news: threading.Event) -> None:
 
 
 def _is_decided(jumps: Contender, model: CpModel) -> bool:
-    """Whether nothing better can be found."""
+    """Whether nothing better exists."""
     return jumps.status == OPTIMAL or (jumps.status == FEASIBLE and not model.has_objective())
 
 

@@ -80,9 +80,9 @@ class ModelHandle:
         return LinearExpr.sum([*self.variables.link.values(), *self.variables.move.values()])
 
     def minimize(self, expression: LinearExprT) -> None:
-        """Minimise once the II is found; several expressions are added up."""
+        """Minimise an expression once the II is found; several expressions are summed."""
         if not isinstance(expression, LinearExpr | Number) or isinstance(expression, bool):
-            reason = f"{quoted(expression)} is no expression"
+            reason = f"{quoted(expression)} is not an expression"
             hint = "give a sum of variables, as handle.start(3) or handle.hops()"
             raise VividcError(reason, loc="minimize", hint=hint)
         self.objectives.append(expression)

@@ -82,7 +82,7 @@ class MobilityModel:
         return MobilityModel(model, dict(variables.start))
 
     def solve(self, search: Search) -> dict[int, Place] | None:
-        """Time and place of each node, or None: there are none (left), or no time."""
+        """Time and place of each node; None if no placement is left or time is up."""
         return run(
             self.model,
             search,
@@ -94,7 +94,7 @@ class MobilityModel:
         ).value
 
     def exclude(self, places: dict[int, Place]) -> None:
-        """No such placement again."""
+        """Exclude this placement."""
         chosen = [self.start[node, place.pe, place.time] for node, place in places.items()]
         self.model.add_bool_or([~literal for literal in chosen])
 

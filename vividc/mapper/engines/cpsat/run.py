@@ -30,7 +30,7 @@ _BASE_S: Final = 0.005
 _SIZE_S: Final = 2e-5
 """Effort of building a model, and of each variable in it with its constraints."""
 _JUMPS: Final = 0.5
-"""Units for which the local search may try: what it finds, it mostly finds in half of that."""
+"""Units that the local search may spend; it finds most of its solutions in half of that."""
 _LEAST_FOR_JUMPS, _MOST_FOR_SHORT, _SHORT = 200, 5000, 0.1
 """Variables from which the local search is of use, up to which the search is first tried alone, and
 for how many units.
@@ -103,7 +103,7 @@ def _beside_jumps(model: CpModel, search: Search) -> CpSolver:
 
 
 def _solver(search: Search, units: float) -> CpSolver:
-    """A solver on one thread, for so many units of deterministic time."""
+    """A solver on one thread, limited in units of deterministic time."""
     solver = CpSolver()
     solver.parameters.num_workers = 1
     solver.parameters.random_seed = search.seed

@@ -26,7 +26,7 @@ from vividc.mapper.resources.distances import hop_distances, hops_a_cycle
 
 @dataclass(frozen=True, slots=True)
 class ScheduleOptions:
-    """How the schedules of the decoupled way differ.
+    """How the schedules of the decoupled mapper differ.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ from vividc.mapper.engines.cpsat.variables import Variables, new_variables
 from vividc.mapper.mapping import Mapping as ModuloMapping
 
 MOST_CUTS: Final = 3000
-"""Of one conflict in all its places and times."""
+"""Cuts for one conflict, over all its places and times."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def refute_folded(problem: Prepared, search: Search) -> Outcome[bool]:
 
 
 def exclude(problem: Prepared, joint: JointModel, clash: RegisterConflict) -> None:
-    """What fits no allocation fits none at other times either, nor on PEs with equal files: an
+    """What has no allocation has none at other times either, nor on PEs with equal files: an
     allocation knows cycles only relative to each other.
     """
     variables, cuts = joint.variables, 0

@@ -1,4 +1,4 @@
-"""What the constraint families share: where a word can be read or sent on, and sums of literals."""
+"""Shared by the constraint families: where a word can be read or sent on, sums of literals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The only place where the mapper meets machine code: that of the annealer and router."""
+"""The only place where the mapper deals with machine code, that of the annealer and router."""
 
 from __future__ import annotations
 

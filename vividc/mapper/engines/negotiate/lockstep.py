@@ -1,4 +1,4 @@
-"""Attempts side by side, each on a thread: compiled functions let other threads run."""
+"""Attempts side by side, each on its own thread: compiled functions release the interpreter."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _alone(attempt: Steps[_Value], charge: Callable[[float], None]) -> _Value:
 
 
 def _step(attempt: Steps[_Value]) -> tuple[_Value] | float:
-    """One step: its effort, or the value if that was the last."""
+    """One step: its effort, or the value if it was the last."""
     try:
         return next(attempt)
     except StopIteration as stop:

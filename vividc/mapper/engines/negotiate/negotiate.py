@@ -52,7 +52,7 @@ _SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
 _SHOWN_MOVES: Final = 3
 """More annealing where moves of words are claimed, since little is left to routes."""
 _LITTLE: Final = 8
-"""As much as this, if broken, is annealed again."""
+"""Violations up to which a result is annealed again."""
 _QUENCH, _QUENCH_HOT, _QUENCH_COLD = 0.25, 2.0, 0.2
 _OUTPUT_REPAIRS: Final = 25
 _OUTPUT_NODES: Final = 100
@@ -77,7 +77,7 @@ given up: of 170 such repairs on public graphs none came from above a sixteenth 
 a graph of 293 nodes all moves halve it at best.
 """
 _FEW: Final = 8
-"""So much crowding is never given up."""
+"""Crowding up to which a repair is never given up."""
 _SEED_STEP: Final = 1000
 """Between the seeds of attempts that run side by side."""
 _HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
@@ -116,7 +116,7 @@ class Effort:
 
 
 def prepare(tell: Callable[[str], None]) -> None:
-    """Have everything compiled: the time that takes, once an installation, counts in no limit."""
+    """Compile everything, once per installation; the time that takes counts towards no limit."""
     if not _prepared:
         tell("annealer and router: loading, or compiling once (up to a minute)")
         _compile_all()
@@ -241,7 +241,7 @@ class Negotiation:
             enter(nodes, self.task.array, self.places, node, 1)
 
     def run(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
-        """Try until something maps, or all trials have failed."""
+        """Try until a mapping is found or all trials have failed."""
         times = effort.shown if self.task.array.moves else 1
         for _ in range(effort.trials):
             if (yield from self._anneal(effort.moves * len(self.ids) * times, deadline)):
@@ -308,7 +308,7 @@ class Negotiation:
         return None
 
     def _as_shown(self) -> bool:
-        """Route words as the annealer claimed moves for them; False if some have no way so."""
+        """Route words as the annealer claimed moves for them; False if some cannot be routed so."""
         if not self.task.array.moves:
             return False
         return bool(route_as_shown(self.router, self.words) == 0)
@@ -327,7 +327,7 @@ class Negotiation:
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
-        """Route all afresh, then move nodes with their routes; True when nothing is crowded."""
+        """Route everything, then move nodes with their routes; True when nothing is crowded."""
         traffic = self.traffic
         traffic.history[:] = 1.0
         traffic.totals[PRESSURE] = _REPAIR_PRESSURE
@@ -355,12 +355,12 @@ class Negotiation:
         return bool(self.traffic.totals[OVER] == 0)
 
     def _is_hopeless(self, crowding: int, share: float) -> bool:
-        """Whether so much crowding is too much after this share of the moves."""
+        """Whether this much crowding is hopeless after this share of the moves."""
         least = min(part for start, part in _HOPELESS if start <= share)
         return crowding > max(_FEW, least * len(self.ids))
 
     def _shrink(self, pe: int) -> bool:
-        """Let the words of a register file do with one register less; False if it has none left."""
+        """Take one register from a file; False if it has none left."""
         for number, resource in enumerate(self.mrrg.resources):
             if resource.kind == "registers" and resource.index == pe:
                 slots = slice(number * self.ii, (number + 1) * self.ii)

@@ -98,7 +98,7 @@ class _Schedule:
         self.last_time: dict[int, int] = {}
 
     def run(self) -> Mapping | None:
-        """A mapping, or None: the budget or the time is spent."""
+        """A mapping, or None if the budget or the time is used up."""
         if not self.feasible:
             return None
         nodes = self.problem.dfg.by_id
@@ -115,8 +115,8 @@ class _Schedule:
         return None if left else self._mapping()
 
     def _find_place(self, node: Node) -> bool:
-        """The first free slot whose operands have ways to it, on the nearest PE: within II cycles,
-        and those that a word takes across the array.
+        """The first free slot that the operands can be routed to, on the nearest PE, within II
+        cycles plus those that a word takes across the array.
         """
         earliest = self._earliest(node.id)
         candidates = self._nearest_first(node)
@@ -168,7 +168,7 @@ class _Schedule:
             self.words.remove(index)
 
     def _operands_arrive(self, node: Node, place: Place) -> bool:
-        """Whether all operands that are scheduled have ways to the place; leaves none behind."""
+        """Whether all scheduled operands can be routed to the place; leaves no routes behind."""
         tried = []
         fine = True
         for index, edge, dependence in self.edges[node.id]:
@@ -199,7 +199,7 @@ class _Schedule:
         return max([0, *starts])
 
     def _in_time(self, node: int, place: Place) -> bool:
-        """Whether the operands can be there by the clock, whatever is free."""
+        """Whether the operands can arrive in time if everything is free."""
         return all(
             place.time + self.ii * edge.distance
             >= self.table.places[edge.src].time
@@ -213,7 +213,7 @@ class _Schedule:
         return place.time < self.ii * self.problem.fabric.controller.max_stages
 
     def _nearest_first(self, node: Node) -> list[int]:
-        """Candidate PEs by the way to the scheduled neighbours, free ones before full ones."""
+        """Candidate PEs by distance to the scheduled neighbours, free ones before full ones."""
         near = [
             (self.table.places[other].pe, other == edge.src)
             for _, edge, dependence in self.edges[node.id]

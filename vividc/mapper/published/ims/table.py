@@ -34,7 +34,7 @@ class ReservationTable:
         self._reads = {node.id: frozenset(self._live_ins(node)) for node in problem.dfg.placed}
 
     def in_the_way(self, node: Node, place: Place) -> list[int]:
-        """Nodes to take away before `node` fits at `place`, latest first; empty: it fits."""
+        """Nodes to displace before `node` fits at `place`, latest first; empty: it fits."""
         nodes: dict[int, None] = {}
         for key, capacity in self._claims(node, place):
             users = list(self._users.get(key, ()))
@@ -44,7 +44,7 @@ class ReservationTable:
         return list(nodes)
 
     def enter(self, node: Node, place: Place) -> None:
-        """Claim."""
+        """Enter a node's claims."""
         self.places[node.id] = place
         for key, _ in self._claims(node, place):
             self._users[key][node.id] = None
@@ -52,7 +52,7 @@ class ReservationTable:
             self._entries[place.pe][entry][node.id] = None
 
     def leave(self, node: Node) -> None:
-        """Give all claims back."""
+        """Withdraw a node's claims."""
         place = self.places.pop(node.id)
         for key, _ in self._claims(node, place):
             del self._users[key][node.id]

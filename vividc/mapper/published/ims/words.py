@@ -1,4 +1,4 @@
-"""Ways of words on the MRRG with claims per slot: shortest ways through what is free."""
+"""Routes of words on the MRRG with claims per slot: shortest paths through what is free."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Way = tuple[Cell, ...]
 
 _WAIT, _MOVE = 1, 2
 _CELL_S: Final = 1e-5
-"""Effort of a cell that a search comes to."""
+"""Effort of a cell that a search visits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class Words:
         self._uses: Counter[Cell] = Counter()
 
     def route(self, edge: int, result: Result, pe: int, time: int) -> bool:
-        """Give an edge a shortest way that ends on `pe` in cycle `time`, if there is one."""
+        """Route an edge along a shortest path to `pe` in cycle `time`, if there is one."""
         if time == result.ready and pe == result.pe:
             way: Way | None = ()
         else:
@@ -67,7 +67,7 @@ class Words:
         return True
 
     def remove(self, edge: int) -> None:
-        """Take an edge's way away; what other edges of its word use stays."""
+        """Remove an edge's route; what other edges of its word use stays."""
         if edge in self.ways:
             self._refresh(self.ways.pop(edge)[0])
 

@@ -70,7 +70,7 @@ def _title(scene: Scene, width: float) -> Iterator[Shape]:
 
 
 def _headline(scene: Scene, width: float) -> str:
-    """Names that are too long for the picture are shortened: it is not stretched for them."""
+    """Names that are too long are shortened; the picture is not stretched for them."""
     stages = f"{scene.stages} stage" + ("s" if scene.stages > 1 else "")
     tail = f": II {scene.mapping.ii}, {stages}"
     room = width / _BOLD - text_width(f" on {tail}", _FONT)
@@ -80,7 +80,7 @@ def _headline(scene: Scene, width: float) -> str:
 
 
 def _least_width(scene: Scene) -> float:
-    """What lies above the panels has room."""
+    """Least width that has room for what stands above the panels."""
     legend = max((x + _entry_width(name) for x, name in _entries(scene)), default=0.0)
     return max(text_width(scene.usage(), 10), legend, _LEAST_HEADLINE)
 

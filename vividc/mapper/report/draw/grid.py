@@ -13,7 +13,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Detail:
-    """Sizes in points. `chips`: held words that are named one by one; `names`: operations are."""
+    """Sizes in points. `chips`: held words are named one by one; `names`: operations are named."""
 
     width: float
     height: float

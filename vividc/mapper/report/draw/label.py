@@ -28,7 +28,7 @@ def fitted_id(number: int, size: float, width: float) -> str:
 
 
 def name_and_id(name: str, number: int, size: float, width: float) -> str:
-    """An operation by name and id; where both are too long, the id gets half of the room."""
+    """An operation by name and id; if both are too long, the id gets half of the room."""
     space = text_width(" ", size)
     least = text_width(fitted(name, size, (width - space) / 2), size)
     shown = fitted_id(number, size, width - space - least)

@@ -148,7 +148,7 @@ def groups_of(dfg: DFG) -> tuple[tuple[str, str], ...]:
 
 
 def operation_name(node: Node) -> str:
-    """What the operation is called: a foreign one by its own name."""
+    """The operation's name; a foreign operation has its own."""
     return node.name if node.op is Opcode.GENERIC else node.op.value
 
 

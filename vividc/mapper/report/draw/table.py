@@ -35,7 +35,7 @@ _TITLE_FONT: Final = 11.0
 
 @dataclass(frozen=True)
 class ReservationTable:
-    """Rows are PEs, columns slots; long tables go on in blocks side by side."""
+    """Rows are PEs, columns slots; long tables continue in blocks side by side."""
 
     scene: Scene
     room: float
@@ -52,7 +52,7 @@ class ReservationTable:
 
     @property
     def blocks_a_row(self) -> int:
-        """Blocks beside each other."""
+        """Blocks side by side."""
         return max(1, int((self.room + _GAP) // self.block_width))
 
     @property
@@ -62,7 +62,7 @@ class ReservationTable:
 
     @cached_property
     def pes(self) -> tuple[PE, ...]:
-        """The rows: of a large array those only that issue something."""
+        """The rows; of a large array only PEs that issue something."""
         pes = self.scene.fabric.pes
         if len(pes) <= _ROWS_A_BLOCK:
             return pes

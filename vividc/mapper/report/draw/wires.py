@@ -85,7 +85,7 @@ def _straight(grid: Grid, src: PE, dst: PE) -> Path:
 
 
 def _stubs(grid: Grid, src: PE, dst: PE) -> tuple[Path, Path]:
-    """One leaves the array, the other comes in at the opposite border."""
+    """One stub leaves the array, the other enters at the opposite border."""
     row, col = _sign(src.row - dst.row), _sign(src.col - dst.col)
     length = _STUB * grid.detail.gap
     begin, end = _port(grid, src, row, col, 1), _port(grid, dst, -row, -col, -1)
