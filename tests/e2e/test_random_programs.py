@@ -9,7 +9,7 @@ import pytest
 from hypothesis import Phase, given, settings
 
 import vividc
-from tests.dfg.programs import WORDS, lower, programs, run
+from tests.programs import WORDS, lower, programs, run
 from vividc import arch
 from vividc.compiler.driver import CompileOptions, map_kernel
 from vividc.dfg.cut.build import build_kernel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from tests.dfg.programs import WORDS, lower, programs
+from tests.programs import WORDS, lower, programs
 from tests.sim.one_pe import map_region, one_pe
 from vividc import simulate
 from vividc.arch import Fabric

@@ -4,7 +4,7 @@ import gc
 import weakref
 from dataclasses import replace
 
-from tests.dfg.programs import Assign, If, lower
+from tests.programs import Assign, If, lower
 from vividc.host.once import once_each
 from vividc.ssa.flow import find_loops, pipelined_loops, predecessors
 from vividc.ssa.ir import Function

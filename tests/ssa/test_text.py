@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from benchmarks.c_kernels import WORKLOADS as C_KERNELS
 from benchmarks.workloads import WORKLOADS, Workload
-from tests.ssa.loops.nests import lower_nest, nest_programs
+from tests.programs import Nest, affine_nests, lower
 from vividc.errors import SourceLoc, SSAError
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode, Type
@@ -80,9 +80,9 @@ def test_every_field_is_read_back() -> None:
     assert repr(parse(to_text(EVERYTHING))) == repr(EVERYTHING)
 
 
-@given(nest_programs())
-def test_random_nests_are_read_back(program: object) -> None:
-    function = lower_nest(program)
+@given(affine_nests())
+def test_random_nests_are_read_back(nest: Nest) -> None:
+    function = lower(nest.program)
     assert repr(parse(to_text(function))) == repr(function)
 
 

@@ -122,10 +122,10 @@ class _Machine(ABC, Generic[_V]):
         for instr in block.instrs:
             self.values[instr.id] = self.step(instr, [self.value(v) for v in instr.operands])
 
-    def place(self, instr: Instr, index: int) -> np.ndarray:
-        """The bytes of an access."""
+    def place(self, instr: Instr, index: int, base: int = 0) -> np.ndarray:
+        """The bytes of an access; every array begins at address 0."""
         cells = self._memory[instr.array]
-        address = ((index << instr.shift) + instr.offset) & WORD_MASK
+        address = (base + (index << instr.shift) + instr.offset) & WORD_MASK
         if address % instr.width or address + instr.width > cells.size:
             raise SSAError(f"{instr.mnemonic} {instr.id} leaves {instr.array}: byte {address}")
         if instr.subscript:
@@ -161,7 +161,7 @@ class _Words(_Machine[int]):
             return evaluate(instr.opcode, operands)
         if len(operands) > OPCODES[instr.opcode].arity + 1 and not operands.pop():
             return 0
-        place = self.place(instr, operands[1])
+        place = self.place(instr, operands[1], operands[0])
         if instr.op is Opcode.LOAD:
             return int.from_bytes(place.tobytes(), "little", signed=instr.signed) & WORD_MASK
         place[...] = list(operands[2].to_bytes(4, "little")[: instr.width])

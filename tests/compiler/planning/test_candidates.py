@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.dfg.cut.test_build import meaning, memory_after
-from tests.dfg.programs import lower, programs
-from tests.ssa.loops.nests import NestProgram, lower_nest, nest_memory, nest_programs
+from tests.programs import CELLS, Nest, affine_nests, lower, programs
 from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
@@ -52,7 +51,7 @@ def test_random_programs(program: tuple[object, ...], wanted: list[tuple[Kind, i
 
 
 @settings(max_examples=80)
-@given(nest_programs(), choices)
-def test_random_nests(program: NestProgram, wanted: list[tuple[Kind, int, int]]) -> None:
-    function = lower_nest(program)
-    assert nest_memory(transformed(function, wanted).function) == nest_memory(function)
+@given(affine_nests(), choices)
+def test_random_nests(nest: Nest, wanted: list[tuple[Kind, int, int]]) -> None:
+    kernel = build_kernel(transformed(lower(nest.program), wanted).function)
+    assert memory_after(kernel, CELLS) == meaning(nest.program, CELLS)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given, settings
 
-from tests.dfg.programs import (
+from tests.programs import (
     WORDS,
     Assign,
     If,
@@ -26,16 +26,16 @@ from vividc.dfg.regions import Kernel
 from vividc.ssa.flow import find_loops
 
 
-def memory_after(kernel: Kernel) -> list[int]:
+def memory_after(kernel: Kernel, words: int = WORDS) -> list[int]:
     """The array after interpreting `kernel` from 0, 1, 2, ..."""
-    memory = np.arange(WORDS, dtype=np.uint32)
-    interpret(kernel, memory, {"&a": 0, "a.shape0": WORDS}, iteration_limit=100_000)
+    memory = np.arange(words, dtype=np.uint32)
+    interpret(kernel, memory, {"&a": 0, "a.shape0": words}, iteration_limit=100_000)
     return [int(word) for word in memory]
 
 
-def meaning(program: tuple[object, ...]) -> list[int]:
+def meaning(program: tuple[object, ...], words: int = WORDS) -> list[int]:
     """The array after running `program` directly."""
-    memory = list(range(WORDS))
+    memory = list(range(words))
     run(program, memory)
     return memory
 

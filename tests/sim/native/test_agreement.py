@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from tests.dfg.programs import WORDS, programs
 from tests.program.hand_kernels import choose, dot, fabric, find, pairs, positive, saxpy
+from tests.programs import WORDS, programs
 from tests.sim.native.agreement import assert_engines_agree, launch
 from tests.sim.native.mutations import mutated
 from tests.sim.test_against_interpreter import FABRICS, compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.dfg.programs import For, If, Load, Store, lower
+from tests.programs import For, If, Load, Store, lower
 from vividc.ssa.analysis.frequency import SINGLE_LOOP_TRIPS, expected_trips, frequencies
 from vividc.ssa.flow import find_loops
 from vividc.ssa.rewrite.tidy import tidy

@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.dfg.programs import lower, programs
+from tests.programs import Access, Nest, affine_nests, lower, programs
 from tests.rules import Case, cases
-from tests.ssa.loops.nests import NestProgram, Step, lower_nest, nest_programs
 from tests.ssa.support import FUNCTIONS, demand_same, loop_at
 from vividc.dfg.cut.build import build_kernel
 from vividc.ssa.check import check_function
@@ -20,15 +19,15 @@ from vividc.ssa.loops.jam import Jammed, jam
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
-ROWS = NestProgram(6, 3, (), (Step("load", 1, 4),), (Step("store", 1, 0, 40),), fresh=True)
+ROWS = Nest(6, 3, (), (Access("load", 1, 4),), (Access("store", 1, 0, 40),))
 
 
 def outer_loop(function: Function) -> Loop:
     return max(find_loops(function), key=lambda loop: len(loop.blocks))
 
 
-def jammed(program: NestProgram, factor: int) -> Jammed | Refusal:
-    function = tidy(lower_nest(program))
+def jammed(nest: Nest, factor: int) -> Jammed | Refusal:
+    function = tidy(lower(nest.program))
     return jam(function, outer_loop(function), factor)
 
 
@@ -54,9 +53,9 @@ def demand_jams_mean_the_same(before: Function, loop: Loop, factor: int) -> None
 
 
 @settings(max_examples=200)
-@given(nest_programs(), st.sampled_from([2, 4]))
-def test_jammed_nests_mean_the_same(program: NestProgram, factor: int) -> None:
-    before = tidy(lower_nest(program))
+@given(affine_nests(), st.sampled_from([2, 4]))
+def test_jammed_nests_mean_the_same(nest: Nest, factor: int) -> None:
+    before = tidy(lower(nest.program))
     if len(find_loops(before)) > 1:
         demand_jams_mean_the_same(before, outer_loop(before), factor)
 
@@ -71,7 +70,7 @@ def test_random_programs_mean_the_same(program: tuple[object, ...], factor: int)
 
 @pytest.mark.parametrize("rows", range(10))
 def test_rows_left_over_run(rows: int) -> None:
-    before = tidy(lower_nest(replace(ROWS, outer=rows)))
+    before = tidy(lower(replace(ROWS, outer=rows).program))
     done = jam(before, outer_loop(before), 4)
     assert isinstance(done, Jammed)
     demand_same(before, tidy(done.function), tries=2)

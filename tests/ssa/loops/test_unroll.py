@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.dfg.programs import Assign, For, Load, Store, lower, programs
+from tests.programs import Assign, For, Load, Store, lower, programs
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, demand_same, loop_at
 from vividc.dfg.cut.build import build_kernel

@@ -7,7 +7,7 @@ from dataclasses import replace
 from hypothesis import given, settings
 
 from tests.dfg.cut.test_build import meaning, memory_after
-from tests.dfg.programs import Assign, For, If, Load, Store, lower, programs
+from tests.programs import Assign, For, If, Load, Store, lower, programs
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, demand_same
 from vividc.dfg.check import check

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hypothesis import given, settings
 
-from tests.dfg.programs import lower, programs
+from tests.programs import lower, programs
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, demand_same
 from vividc.ssa.check import check_function

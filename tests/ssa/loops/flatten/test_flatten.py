@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.dfg.cut.test_build import meaning, memory_after
-from tests.dfg.programs import Assign, For, If, Jump, Load, Store, While, lower, programs
+from tests.programs import Assign, For, If, Jump, Load, Store, While, lower, nests, programs
 from tests.rules import Case, cases
-from tests.ssa.loops.random_nests import nests
 from tests.ssa.support import FUNCTIONS, demand_same
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from hypothesis import given, settings
 
-from tests.dfg.programs import lower
+from tests.programs import lower, nests
 from tests.rules import Case, cases
-from tests.ssa.loops.random_nests import nests
 from tests.ssa.support import FUNCTIONS, demand_same, loop_at
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops

@@ -1,9 +1,16 @@
 """Random structured integer programs: an AST, its direct meaning in Python, and its SSA control-
 flow graph.
+
+They vary: the order and kinds of statements, branches, jumps out of loops and to their next
+iteration; counted loops of all trip counts and loops with a test of their own, nested up to a
+depth; loads and stores of words, halves and bytes at addresses that depend on data (`programs`);
+nests with one loop in another and code on both sides of it (`nests`); and nests of two loops whose
+accesses are affine in both counters, as dependence tests want them (`affine_nests`).
 """
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -15,12 +22,15 @@ from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 
 VARIABLES = 3
 WORDS = 16
+CELLS = 64
+"""Words of the array that affine nests need; others use the first 16."""
+
 MASK = 0xFFFFFFFF
 
 
 @dataclass(frozen=True)
 class Assign:
-    """v[target] = v[left] op v[right] (or a constant)."""
+    """v[target] = v[left] op v[right] (or a constant); op: add, sub, xor, mul, or set (to it)."""
 
     target: int
     op: str
@@ -46,6 +56,18 @@ class Store:
     index: int
     value: int
     width: int = 4
+
+
+@dataclass(frozen=True)
+class Access:
+    """v[2] += a[index] ("load") or a[index] = v[2] ("store"), at v[0] * row + v[1] * column +
+    constant.
+    """
+
+    kind: str
+    row: int = 0
+    column: int = 0
+    constant: int = 0
 
 
 @dataclass(frozen=True)
@@ -87,32 +109,114 @@ class Jump:
     right: int
 
 
-def programs() -> st.SearchStrategy[tuple[object, ...]]:
-    """Statement lists with loops nested up to two deep."""
-    return _statements(depth=2, in_loop=False)
+Program = tuple[object, ...]
+Strategy = st.SearchStrategy[Program]
+_VARIABLE = st.integers(0, VARIABLES - 1)
+_WIDTHS = st.sampled_from([1, 2])
 
 
-def _statements(depth: int, *, in_loop: bool) -> st.SearchStrategy[tuple[object, ...]]:
-    variable = st.integers(0, VARIABLES - 1)
-    constant = st.none() | st.integers(-4, 9)
+def programs(depth: int = 2) -> Strategy:
+    """Statement lists with loops nested up to `depth` deep."""
+    return _statements(depth, in_loop=False)
+
+
+def nests(depth: int = 3) -> Strategy:
+    """Some statements, one nest up to `depth` deep in which each loop has at most one in its body,
+    and more statements.
+    """
+    return _around(_nest(depth), in_loop=False)
+
+
+@dataclass(frozen=True)
+class Nest:
+    """for i in range(outer): v[2] = i (or goes on); before; for j in range(inner): body; after."""
+
+    outer: int
+    inner: int
+    before: Program
+    body: Program
+    after: Program
+    fresh: bool = True
+
+    @property
+    def program(self) -> Program:
+        """Its statements; v[0] is i, v[1] is j, which starts anew with each i."""
+        start = (Assign(2, "add", 0, 0, 0),) if self.fresh else ()
+        body = (Assign(1, "set", 1, 1, 0), *start, *self.before)
+        inner = For(1, 0, self.inner, self.body)
+        return (For(0, 0, self.outer, (*body, inner, *self.after)),)
+
+
+def affine_nests() -> st.SearchStrategy[Nest]:
+    """Nests of up to six by five iterations; every index lies in the array."""
+    small, mix = st.integers(0, 4), st.just(Assign(2, "mul", 2, 2, 3))
+    access = st.builds(Access, st.sampled_from(["load", "store"]), small, small, st.integers(0, 20))
+    steps = st.lists(access | access | mix, max_size=2).map(tuple)
+    fresh = st.booleans() | st.just(True)
+    return st.builds(Nest, st.integers(0, 6), st.integers(0, 5), steps, steps, steps, fresh)
+
+
+def _simple(*, in_loop: bool) -> list[st.SearchStrategy[object]]:
+    """Statements without others in them."""
+    ops, constant = st.sampled_from(["add", "sub", "xor"]), st.none() | st.integers(-4, 9)
     choices: list[st.SearchStrategy[object]] = [
-        st.builds(
-            Assign, variable, st.sampled_from(["add", "sub", "xor"]), variable, variable, constant
-        ),
-        st.builds(Load, variable, variable),
-        st.builds(Store, variable, variable),
-        st.builds(Load, variable, variable, st.sampled_from([1, 2]), st.booleans()),
-        st.builds(Store, variable, variable, st.sampled_from([1, 2])),
+        st.builds(Assign, _VARIABLE, ops, _VARIABLE, _VARIABLE, constant),
+        st.builds(Load, _VARIABLE, _VARIABLE),
+        st.builds(Store, _VARIABLE, _VARIABLE),
+        st.builds(Load, _VARIABLE, _VARIABLE, _WIDTHS, st.booleans()),
+        st.builds(Store, _VARIABLE, _VARIABLE, _WIDTHS),
     ]
-    if in_loop:
-        choices.append(st.builds(Jump, st.sampled_from(["break", "continue"]), variable, variable))
+    jump = st.builds(Jump, st.sampled_from(["break", "continue"]), _VARIABLE, _VARIABLE)
+    return [*choices, jump] if in_loop else choices
+
+
+def _statements(depth: int, *, in_loop: bool) -> Strategy:
+    choices = _simple(in_loop=in_loop)
     if depth:
         inner = _statements(depth - 1, in_loop=in_loop)
-        looped = _statements(depth - 1, in_loop=True)
-        choices.append(st.builds(If, variable, variable, inner, inner))
-        choices.append(st.builds(For, variable, st.integers(0, 2), st.integers(-1, 5), looped))
-        choices.append(st.builds(While, variable, variable, st.integers(1, 5), looped))
+        choices.append(st.builds(If, _VARIABLE, _VARIABLE, inner, inner))
+        choices += _loops(_statements(depth - 1, in_loop=True))
     return st.lists(st.one_of(choices), min_size=1, max_size=4).map(tuple)
+
+
+def _loops(body: Strategy) -> list[st.SearchStrategy[object]]:
+    return [
+        st.builds(For, _VARIABLE, st.integers(0, 2), st.integers(-1, 5), body),
+        st.builds(While, _VARIABLE, _VARIABLE, st.integers(1, 5), body),
+    ]
+
+
+def _few(*, in_loop: bool, depth: int = 1) -> Strategy:
+    """Up to two statements without a loop."""
+    choices = _simple(in_loop=in_loop)
+    if depth:
+        inner = _few(in_loop=in_loop, depth=depth - 1)
+        choices.append(st.builds(If, _VARIABLE, _VARIABLE, inner, inner))
+    return st.lists(st.one_of(choices), max_size=2).map(tuple)
+
+
+def _around(middle: st.SearchStrategy[object], *, in_loop: bool) -> Strategy:
+    few = _few(in_loop=in_loop)
+    return st.tuples(few, middle, few).map(lambda parts: (*parts[0], parts[1], *parts[2]))
+
+
+def _nest(depth: int) -> st.SearchStrategy[object]:
+    body = _few(in_loop=True)
+    if depth > 1:
+        inner = _nest(depth - 1)
+        skipped = st.builds(If, _VARIABLE, _VARIABLE, st.tuples(inner), body)
+        body = _around(st.one_of(inner, inner, skipped), in_loop=True)
+    counted, tested = _loops(body)
+    return st.one_of(counted, counted, tested)
+
+
+_OPERATIONS = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "xor": operator.xor,
+    "mul": operator.mul,
+    "set": lambda _, right: right,
+}
 
 
 class _Break(BaseException):
@@ -141,15 +245,9 @@ def _run(statements: Sequence[object], v: list[int], a: list[int]) -> None:
         match s:
             case Assign(target, op, left, right, constant):
                 other = v[right] if constant is None else constant
-                result = {"add": v[left] + other, "sub": v[left] - other, "xor": v[left] ^ other}
-                v[target] = result[op] & MASK
-            case Load(target, index, width, is_signed):
-                raw = _bytes(a)[_place(v[index], width)]
-                v[target] = int.from_bytes(raw, "little", signed=is_signed) & MASK
-            case Store(index, value, width):
-                memory = _bytes(a)
-                memory[_place(v[index], width)] = v[value].to_bytes(4, "little")[:width]
-                a[:] = memoryview(memory).cast("I").tolist()
+                v[target] = _OPERATIONS[op](v[left], other) & MASK
+            case Access() | Load() | Store():
+                _access(s, v, a)
             case If(left, right, then, other):
                 _run(then if signed(v[left]) < signed(v[right]) else other, v, a)
             case Jump(kind, left, right):
@@ -159,6 +257,23 @@ def _run(statements: Sequence[object], v: list[int], a: list[int]) -> None:
                 _loop(iter(range(start, count)), target, body, v, a)
             case While(left, right, fuel, body):
                 _while(left, right, fuel, body, v, a)
+
+
+def _access(s: Access | Load | Store, v: list[int], a: list[int]) -> None:
+    match s:
+        case Access(kind, row, column, constant):
+            index = row * v[0] + column * v[1] + constant
+            if kind == "load":
+                v[2] = (v[2] + a[index]) & MASK
+            else:
+                a[index] = v[2]
+        case Load(target, index, width, is_signed):
+            raw = _bytes(a)[_place(v[index], width)]
+            v[target] = int.from_bytes(raw, "little", signed=is_signed) & MASK
+        case Store(index, value, width):
+            memory = _bytes(a)
+            memory[_place(v[index], width)] = v[value].to_bytes(4, "little")[:width]
+            a[:] = memoryview(memory).cast("I").tolist()
 
 
 def _bytes(words: list[int]) -> bytearray:
@@ -246,6 +361,18 @@ class _Lowering:
     def address(self, env: Env, index: int, width: int) -> Value:
         return self.emit(Opcode.AND, Type.I32, env[index], Const(4 * WORDS // width - 1))
 
+    def access(self, env: Env, s: Access) -> Env:
+        index: Value = Const(s.constant)
+        for variable, factor in ((0, s.row), (1, s.column)):
+            if factor:
+                scaled = self.emit(Opcode.MUL, Type.I32, env[variable], Const(factor))
+                index = self.emit(Opcode.ADD, Type.I32, scaled, index)
+        if s.kind == "store":
+            self.emit(Opcode.STORE, Type.NONE, Input("&a"), index, env[2])
+            return env
+        word = self.emit(Opcode.LOAD, Type.I32, Input("&a"), index)
+        return [*env[:2], self.emit(Opcode.ADD, Type.I32, env[2], word), *env[3:]]
+
     def load(self, env: Env, s: Load) -> Value:
         place = Input("&a"), self.address(env, s.index, s.width)
         signed = s.signed and s.width < 4
@@ -279,7 +406,10 @@ def _lower(statements: Sequence[object], env: Env, low: _Lowering, loop: Targets
         match s:
             case Assign(target, op, left, right, constant):
                 other = env[right] if constant is None else Const(constant & MASK)
-                env[target] = low.emit(Opcode(op), Type.I32, env[left], other)
+                is_set = op == "set"
+                env[target] = other if is_set else low.emit(Opcode(op), Type.I32, env[left], other)
+            case Access():
+                env = low.access(env, s)
             case Load():
                 env[s.target] = low.load(env, s)
             case Store():

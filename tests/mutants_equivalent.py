@@ -1,0 +1,12 @@
+"""Defects of `tests.mutants` that change nothing anybody could notice, each with its reason."""
+
+from __future__ import annotations
+
+from typing import Final
+
+EQUIVALENT: Final[dict[tuple[str, str], str]] = {
+    (
+        "rewrite/repair",
+        "_Repair._rewritten: replace(block, phis=()) -> replace(block)",
+    ): "the phis are put in their place afterwards",
+}
