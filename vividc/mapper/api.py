@@ -29,13 +29,10 @@ from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
 from vividc.mapper.request import Mapper, MapRequest, Progress
 from vividc.mapper.result import MapInterrupted, MapResult
+from vividc.mapper.search.tuning import SHARE_BEFORE_OBJECTIVE, SHARE_EXTENDED
 
 _SHOWN = 5
 _MOST_WORKERS = 1000
-_SHARE_BEFORE = 0.6
-"""Share of the time that the search for the II gets, if an objective follows it."""
-_SHARE_EXTENDED = 0.85
-"""The same if only a caller's constraints may ask for an objective."""
 
 
 def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
@@ -122,8 +119,8 @@ def _mapped(
 def _share_of_the_ii(extend: Extension | None, objective: str | None) -> float:
     """The search's share of the time; the rest is for what is minimised at the II."""
     if objective is not None:
-        return _SHARE_BEFORE
-    return 1.0 if extend is None else _SHARE_EXTENDED
+        return SHARE_BEFORE_OBJECTIVE
+    return 1.0 if extend is None else SHARE_EXTENDED
 
 
 def _minimised(

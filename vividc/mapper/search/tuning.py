@@ -149,6 +149,12 @@ more than this of them, since on the whole array annealing leaves it far apart.
 WINDOW_SEEDS: Final = (1, 2)
 WINDOW_SEED_SHARE: Final = 0.1
 
+# What follows the search.
+SHARE_BEFORE_OBJECTIVE: Final = 0.6
+"""Of the time, for the II, if an objective is minimised after it."""
+SHARE_EXTENDED: Final = 0.85
+"""The same if only a caller's constraints may ask for an objective."""
+
 # Mappers that only go upward.
 UPWARD_SHARE: Final = 0.35
 UPWARD_LEAST_S: Final = 1.0
