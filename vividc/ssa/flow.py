@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import networkx as nx
@@ -137,23 +137,13 @@ def preheader_of(function: Function, loop: Loop) -> str:
 
 @dataclass(frozen=True)
 class Flow:
-    """Dominators of a control-flow graph (Cooper, Harvey and Kennedy 2001)."""
+    """A tree of dominators, and the blocks in reverse postorder."""
 
     entry: str
+    order: tuple[str, ...]
     successors: Mapping[str, tuple[str, ...]]
-    order: tuple[str, ...] = field(init=False)
-    predecessors: dict[str, tuple[str, ...]] = field(init=False)
-    idom: dict[str, str] = field(init=False)
-
-    def __post_init__(self) -> None:
-        order = _reverse_postorder(self.entry, self.successors)
-        preds: dict[str, list[str]] = {name: [] for name in order}
-        for name in order:
-            for target in dict.fromkeys(self.successors[name]):
-                preds[target].append(name)
-        object.__setattr__(self, "order", tuple(order))
-        object.__setattr__(self, "predecessors", {k: tuple(v) for k, v in preds.items()})
-        object.__setattr__(self, "idom", _immediate_dominators(order, self.predecessors))
+    predecessors: Mapping[str, tuple[str, ...]]
+    idom: Mapping[str, str]
 
     def dominates(self, a: str, b: str) -> bool:
         """Whether every path from the entry to `b` passes `a` (a block dominates itself)."""
@@ -192,49 +182,12 @@ class Flow:
 @once_each
 def flow_of(function: Function) -> Flow:
     """Dominators and loops of a function without unreachable blocks."""
+    graph, entry = block_graph(function), function.blocks[0].name
+    order = tuple(reversed([*nx.dfs_postorder_nodes(graph, entry)]))
     successors = {block.name: block.branch.successors for block in function.blocks}
-    return Flow(function.blocks[0].name, successors)
-
-
-def _reverse_postorder(entry: str, successors: Mapping[str, tuple[str, ...]]) -> list[str]:
-    order: list[str] = []
-    seen = {entry}
-    stack = [(entry, iter(successors[entry]))]
-    while stack:
-        name, targets = stack[-1]
-        target = next((t for t in targets if t not in seen), None)
-        if target is None:
-            order.append(name)
-            stack.pop()
-        else:
-            seen.add(target)
-            stack.append((target, iter(successors[target])))
-    return order[::-1]
-
-
-def _immediate_dominators(
-    order: list[str], predecessors: Mapping[str, tuple[str, ...]]
-) -> dict[str, str]:
-    rank = {name: index for index, name in enumerate(order)}
-    idom = {order[0]: order[0]}
-
-    def meet(a: str, b: str) -> str:
-        while a != b:
-            if rank[a] > rank[b]:
-                a = idom[a]
-            else:
-                b = idom[b]
-        return a
-
-    changed = True
-    while changed:
-        changed = False
-        for name in order[1:]:
-            known = [p for p in predecessors[name] if p in idom]
-            best = known[0]
-            for other in known[1:]:
-                best = meet(best, other)
-            if idom.get(name) != best:
-                idom[name] = best
-                changed = True
-    return idom
+    before: dict[str, list[str]] = {name: [] for name in order}
+    for name in order:
+        for target in dict.fromkeys(successors[name]):
+            before[target].append(name)
+    idom = nx.immediate_dominators(graph, entry) | {entry: entry}
+    return Flow(entry, order, successors, {k: tuple(v) for k, v in before.items()}, idom)
