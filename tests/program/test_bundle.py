@@ -121,7 +121,9 @@ def test_other_schema(saved: tuple[Program, bytes], tmp_path: Path) -> None:
         ({"launch": [{"pe": 0, "entry": 0, "key": "nobody"}]}, "'nobody'"),
         ({"return_home": None}, "return"),
         ({"params": "x"}, "params"),
-        ({"name": 3}, "name"),
+        ({"name": 3}, "(name should be a valid string)"),
+        ({"warnings": [3] * 5000}, "(warnings.0 should be a valid string)"),
+        ({"loops": [{"notes": [3] * 5000}]}, "(5,00"),
     ],
 )
 def test_inconsistent_manifest(

@@ -15,11 +15,11 @@ from collections.abc import Mapping as ReadOnly
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Final, TypeVar
+from typing import Annotated, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import TypeAdapter, ValidationError
+from pydantic import FailFast, TypeAdapter, ValidationError
 
 from vividc.errors import BundleError, quoted
 from vividc.host.files import write_whole
@@ -38,11 +38,15 @@ from vividc.program.tables import (
 )
 
 Scalar = TypeVar("Scalar", bound=np.generic)
+T = TypeVar("T")
+Rows = Annotated[tuple[T, ...], FailFast()]
+"""Read up to the first that is wrong: what pydantic says of a million would fill the memory."""
 
 SCHEMA: Final = "vividc.program/2"
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
+_MANY: Final = 1000
 _DAMAGE: Final = (
     zipfile.BadZipFile,
     zlib.error,
@@ -63,24 +67,24 @@ class Manifest:
     """`program.json`: every part of a program but its arrays. `fabric` is YAML text."""
 
     schema: str
-    opcodes: tuple[str, ...]
+    opcodes: Rows[str]
     name: str
-    params: tuple[Param, ...]
+    params: Rows[Param]
     returns: DType | None
     fabric_name: str
     fabric: str
     contexts: int
-    table: tuple[RegionRow, ...]
-    launch: tuple[LaunchRow, ...]
+    table: Rows[RegionRow]
+    launch: Rows[LaunchRow]
     return_home: Home | None
     return_high: Home | None
     banks: dict[str, int]
-    debug: tuple[DebugRow, ...]
-    regions: tuple[RegionReport, ...]
+    debug: Rows[DebugRow]
+    regions: Rows[RegionReport]
     provenance: Provenance
-    warnings: tuple[str, ...]
-    locals: tuple[LocalArray, ...] = ()
-    loops: tuple[LoopReport, ...] = ()
+    warnings: Rows[str]
+    locals: Rows[LocalArray] = ()
+    loops: Rows[LoopReport] = ()
     parallel: Parallel | None = None
     product: Product | None = None
 
@@ -201,7 +205,9 @@ def _npy_header(shape: tuple[int, ...], dtype: np.dtype[np.generic]) -> bytes:
 
 def _short(error: BaseException) -> str:
     if isinstance(error, ValidationError):
+        if error.error_count() > _MANY:
+            return f"{error.error_count():,} values are not what they should be"
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
-        return f"{where}: {first['msg']}"
+        return f"{where} {first['msg'].removeprefix('Input ')}"
     return str(error).splitlines()[0] if str(error) else type(error).__name__
