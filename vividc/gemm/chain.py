@@ -12,12 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc import arch
-from vividc.dfg.builder import GraphBuilder
-from vividc.dfg.ir import DFG, Control
-from vividc.dfg.regions import Kernel, Region
-from vividc.errors import InternalError
 from vividc.gemm.kept import key_of, read_program, write_program
-from vividc.gemm.program import Shape, region_report
+from vividc.gemm.program import CountedLoop, Shape, loops_program, region_report
 from vividc.gemm.systolic import (
     BUFFER,
     GROUP_BYTES,
@@ -34,15 +30,11 @@ from vividc.gemm.systolic import (
     windows,
 )
 from vividc.machine.params import DType, Param
-from vividc.mapper import Mapping, MapProblem, MapResult, violations
-from vividc.mapper.engines.list_schedule import list_schedule
-from vividc.program import WORD_BYTES, Program, encode
+from vividc.program import WORD_BYTES, Program
 
 _Form = tuple[int, bool, Precision, Precision]
 """What of a link makes its loop: depth, whether max(x, 0) follows, formats of operands, results."""
 
-LINE = 16
-"""Words along the second dimension of the buffer: no dimension of an array may be as long as it."""
 START_CONTEXTS = 2
 """Contexts of the start of a loop."""
 
@@ -237,14 +229,9 @@ def kept_program(fabric: str, links: tuple[_Form, ...], words: int) -> Program:
 
 
 def built_program(array: SystolicArray, links: tuple[_Form, ...], words: int) -> Program:
-    regions: list[Region] = []
-    mappings: dict[int, Mapping] = {}
-    reports: dict[int, MapResult] = {}
+    loops: list[CountedLoop] = []
     names: dict[str, None] = {}
-    counts = [f"blocks{layer}" for layer in range(len(links))]
     for layer, (depth, relu, precision, results) in enumerate(links):
-        start, loop = 2 * layer, 2 * layer + 1
-        onward = loop + 1 if layer + 1 < len(links) else None
         region = gemm_region(
             array,
             depth,
@@ -254,18 +241,12 @@ def built_program(array: SystolicArray, links: tuple[_Form, ...], words: int) ->
             precision=precision,
             results=results,
         )
-        _demand_legal(array, region.dfg, region.mapping, straight=False)
-        first = start_graph(counts[layer])
-        mappings[start] = list_schedule(MapProblem(first, array.fabric))
-        _demand_legal(array, first, mappings[start], straight=True)
-        mappings[loop] = region.mapping
-        reports[loop] = region_report(region)
-        regions.append(Region(f"start{layer}", "straight", first, next=loop))
-        regions.append(Region(f"gemm{layer}", "loop", region.dfg, next=onward, counted=True))
+        number, report = str(layer), region_report(region)
+        loops.append(CountedLoop(number, f"gemm{layer}", f"blocks{layer}", region.dfg, report))
         names |= dict.fromkeys(_live_ins(region, layer))
-    params = [Param(BUFFER, DType.F32, 2), *(Param(name, DType.I32) for name in (*counts, *names))]
-    kernel = Kernel("gemm", tuple(params), tuple(regions))
-    return encode(kernel, array.fabric, mappings, reports=reports)
+    words_given = (*(loop.trip for loop in loops), *names)
+    params = [Param(BUFFER, DType.F32, 2), *(Param(name, DType.I32) for name in words_given)]
+    return loops_program("gemm", array.fabric, params, loops)
 
 
 def _live_ins(region: GemmRegion, layer: int) -> list[str]:
@@ -274,16 +255,3 @@ def _live_ins(region: GemmRegion, layer: int) -> list[str]:
         for stream, prefix in _names(layer).items()
         for window in range(windows(region.layout, stream))
     ]
-
-
-def _demand_legal(array: SystolicArray, dfg: DFG, mapping: Mapping, *, straight: bool) -> None:
-    faults = violations(dfg, array.fabric, mapping, straight=straight)
-    if faults:
-        raise InternalError(f"systolic mapping of {dfg.name}: {faults[0].message}")
-
-
-def start_graph(trip: str) -> DFG:
-    """The start of a loop: live-in `trip` is its trip count."""
-    builder = GraphBuilder("start")
-    builder.mark(builder.live_in(trip), Control.TRIP)
-    return builder.build()

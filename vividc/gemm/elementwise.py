@@ -17,17 +17,16 @@ from vividc.arch.fabric import Fabric
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.pipeline import optimize
-from vividc.dfg.regions import Kernel, Region
-from vividc.errors import InternalError, TimeLimit
-from vividc.gemm.chain import start_graph
+from vividc.errors import TimeLimit
 from vividc.gemm.layer import Apart
+from vividc.gemm.program import CountedLoop, loops_program
 from vividc.launch import At, Job
+from vividc.launch.turns import Turns
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
-from vividc.mapper import MapProblem, MapResult, violations
+from vividc.mapper import MapResult
 from vividc.mapper.api import map_dfg
-from vividc.mapper.engines.list_schedule import list_schedule
-from vividc.program import WORD_BYTES, Program, encode
+from vividc.program import WORD_BYTES, Program
 
 _ONE: Final = 0x3F800000
 _TIME_LIMITS_S: Final = (5.0, 30.0, 180.0)
@@ -57,18 +56,15 @@ def elementwise_steps(
     size = min(most, -(-flat.size // (len(tiles) * _PARTS)))
     starts = range(0, flat.size, size)
     job.configure(tiles[: len(starts)], program)
-    free: dict[tuple[int, int], int] = {}
-    done = []
-    for number, start in enumerate(starts):
-        turn, tile = divmod(number, len(tiles))
-        part = turn % _PARTS
+    turns, done = Turns(tiles, _PARTS), []
+    for start in starts:
+        tile, part, freed = turns.take()
         chunk = flat[start : start + size]
         place = part * most * WORD_BYTES
-        waits = [*before, *([free[tile, part]] if (tile, part) in free else [])]
-        moved = job.move_in(tile, chunk, place, after=waits)
+        moved = job.move_in(tile, chunk, place, after=[*before, *freed])
         ran = job.run(tile, program, after=[moved], x=At(place, chunk.shape), n=chunk.size)
-        free[tile, part] = job.move_out(tile, place, chunk, after=[ran])
-        done.append(free[tile, part])
+        done.append(job.move_out(tile, place, chunk, after=[ran]))
+        turns.free(tile, part, done[-1])
     return tuple(done)
 
 
@@ -87,20 +83,10 @@ def loop_program(name: str, graph: DFG, params: tuple[Param, ...]) -> Program:
     fabric = arch.load_tile("vivid-tile")
     loop = optimize(graph)
     result = _mapped(loop, fabric)
-    start = start_graph("n")
-    first = list_schedule(MapProblem(start, fabric))
-    faults = violations(start, fabric, first, straight=True)
     if result.mapping is None:
         hint = "try again on a machine that has less to do"
         raise TimeLimit(f"{name} was not mapped in time: {result.explain()}", hint=hint)
-    if faults:
-        raise InternalError(f"start of {name}: {faults[0].message}")
-    regions = (
-        Region("start", "straight", start, next=1),
-        Region(name, "loop", loop, counted=True),
-    )
-    kernel = Kernel(name, params, regions)
-    return encode(kernel, fabric, {0: first, 1: result.mapping}, reports={1: result})
+    return loops_program(name, fabric, params, [CountedLoop("", name, "n", loop, result)])
 
 
 def _mapped(loop: DFG, fabric: Fabric) -> MapResult:

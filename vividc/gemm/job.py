@@ -10,15 +10,17 @@ import numpy as np
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.errors import demand_type
-from vividc.gemm.chain import LINE, Chain, chain_program
+from vividc.gemm.chain import Chain, chain_program
 from vividc.gemm.elementwise import elementwise_steps
 from vividc.gemm.layer import Layer, Matrix, bands_of, check_layers
 from vividc.gemm.modes import MODES, Mode, check_mode
 from vividc.gemm.packed import packed
 from vividc.gemm.packing import pack_steps
 from vividc.gemm.passes import Layout, Pass, lay_out, units, with_arrays
+from vividc.gemm.program import LINE
 from vividc.gemm.systolic import BUFFER, GROUP_BYTES, Stream, SystolicArray
 from vividc.launch import At, Job, JobResult
+from vividc.launch.turns import Turns
 from vividc.program import WORD_BYTES, Program
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
@@ -199,20 +201,17 @@ class _Steps:
         tables, starts = chain.tables(max(len(piece) for piece in pieces))
         parts = range(min(chain.parts, -(-len(pieces) // len(self._units))))
         ready = {part: self._fixed(part, units_, tables, before) for part in parts}
-        free: dict[tuple[int, int], int] = {}
-        done = []
-        for number, piece in enumerate(pieces):
-            turn, place = divmod(number, len(self._units))
-            unit, part = self._units[place], turn % chain.parts
+        turns, done = Turns(self._units, chain.parts), []
+        for piece in pieces:
+            unit, part, freed = turns.take()
             blocks = slice(piece.start, piece.stop)
-            waits = [*ready[part], *before]
-            waits += [free[unit, part]] if (unit, part) in free else []
+            waits = [*ready[part], *before, *freed]
             first = self._address(part, Stream.A)
             moved = job.move_in(unit, source[blocks], first, after=waits, pitch=GROUP_BYTES)
             ran = self._run(unit, part, len(piece), starts, moved)
             where = self._address(part, chain.output)
             out = job.move_out(unit, where, target[blocks], after=[ran], pitch=GROUP_BYTES)
-            free[unit, part] = out
+            turns.free(unit, part, out)
             done.append(out)
         return tuple(done)
 

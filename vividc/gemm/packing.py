@@ -13,6 +13,7 @@ from vividc.dfg.ir import DFG, Node
 from vividc.gemm.elementwise import loop_program
 from vividc.gemm.systolic import Precision, lanes
 from vividc.launch import At, Job
+from vividc.launch.turns import Turns
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
 from vividc.program import WORD_BYTES, Program
@@ -51,21 +52,18 @@ def pack_steps(
     tiles = range(len(machine.tiles))
     chunks = _chunks(values.shape[0], words, room // (rows * (count + 1)), len(tiles))
     job.configure(tiles[: len(chunks)], program)
-    free: dict[tuple[int, int], int] = {}
-    done = []
-    for number, (blocks, part_words) in enumerate(chunks):
-        turn, tile = divmod(number, len(tiles))
-        place = turn % _PARTS
+    turns, done = Turns(tiles, _PARTS), []
+    for blocks, part_words in chunks:
+        tile, place, freed = turns.take()
         columns = slice(part_words.start * count, part_words.stop * count)
         source, result = values[blocks, columns], target[blocks, part_words]
         first = place * room * WORD_BYTES
         second = first + source.nbytes
-        waits = [*before, *([free[tile, place]] if (tile, place) in free else [])]
-        moved = job.move_in(tile, source, first, after=waits)
+        moved = job.move_in(tile, source, first, after=[*before, *freed])
         x, y = At(first, (source.size,)), At(second, (result.size,))
         ran = job.run(tile, program, after=[moved], x=x, y=y, n=result.size)
-        free[tile, place] = job.move_out(tile, second, result, after=[ran])
-        done.append(free[tile, place])
+        done.append(job.move_out(tile, second, result, after=[ran]))
+        turns.free(tile, place, done[-1])
     return target, tuple(done)
 
 

@@ -1,7 +1,8 @@
-"""The program of a systolic matrix product: a start that sets the trip count, and the loop."""
+"""The program of a systolic matrix product, and programs of counted loops in general."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -37,7 +38,7 @@ from vividc.program import WORD_BYTES, Program, encode
 _BLOCKS = "blocks"
 """Parameter: how many blocks of C a launch computes."""
 
-_LINE = 16
+LINE = 16
 """Words along the second dimension of the buffer: no dimension of an array may be as long as it."""
 
 
@@ -117,7 +118,7 @@ class GemmProgram:
         float32 [room, STREAMS].
         """
         self._write_table(buffer, given)
-        named: dict[str, object] = {BUFFER: buffer.reshape(-1, _LINE)}
+        named: dict[str, object] = {BUFFER: buffer.reshape(-1, LINE)}
         named[_BLOCKS] = given.blocks * len(given.bands)
         streams = {stream: stream for stream in Stream}
         streams |= {Stream.A: given.source, Stream.C: given.target}
@@ -162,34 +163,69 @@ def gemm_program(
     machine = arch.load_tile(fabric) if isinstance(fabric, str) else fabric
     array = SystolicArray.of(machine)
     region = gemm_region(array, depth, relu=relu, precision=precision)
-    faults = violations(region.dfg, machine, region.mapping)
-    if faults:
-        raise InternalError(f"systolic mapping of depth {depth}: {faults[0].message}")
-    kernel, mappings = _kernel(array, region)
-    reports = {1: region_report(region)}
-    return GemmProgram(encode(kernel, machine, mappings, reports=reports), region.layout)
-
-
-def _kernel(array: SystolicArray, region: GemmRegion) -> tuple[Kernel, dict[int, Mapping]]:
-    start = _start()
-    first = list_schedule(MapProblem(start, array.fabric))
-    faults = violations(start, array.fabric, first, straight=True)
-    if faults:
-        raise InternalError(f"start of a systolic product: {faults[0].message}")
     params = [Param(BUFFER, DType.F32, 2), Param(_BLOCKS, DType.I32)]
     for stream in Stream:
         names = (base_name(stream, window) for window in range(windows(region.layout, stream)))
         params += [Param(name, DType.I32) for name in names]
-    regions = (
-        Region("start", "straight", start, next=1),
-        Region("gemm", "loop", region.dfg, counted=True),
-    )
-    return Kernel("gemm", tuple(params), regions), {0: first, 1: region.mapping}
+    loop = CountedLoop("", "gemm", _BLOCKS, region.dfg, region_report(region))
+    return GemmProgram(loops_program("gemm", machine, params, [loop]), region.layout)
 
 
-def _start() -> DFG:
+@dataclass(frozen=True, slots=True)
+class CountedLoop:
+    """A mapped loop of a program that is made by hand.
+
+    Attributes
+    ----------
+    number
+        Ends the name of the region that starts the loop; "" if there is one loop only.
+    name
+        Of its own region.
+    trip
+        The parameter that says how often it runs.
+    """
+
+    number: str
+    name: str
+    trip: str
+    dfg: DFG
+    report: MapResult
+
+
+def loops_program(
+    name: str, fabric: Fabric, params: Sequence[Param], loops: Sequence[CountedLoop]
+) -> Program:
+    """The program of loops that run one after the other, each behind a region that sets its trip
+    count.
+
+    Raises
+    ------
+    InternalError
+        A mapping is not legal.
+    """
+    regions: list[Region] = []
+    mappings: dict[int, Mapping] = {}
+    reports: dict[int, MapResult] = {}
+    for loop in loops:
+        start = _start_graph(loop.trip)
+        first = len(regions)
+        mappings[first] = list_schedule(MapProblem(start, fabric))
+        regions.append(Region(f"start{loop.number}", "straight", start, next=first + 1))
+        assert loop.report.mapping is not None
+        mappings[first + 1], reports[first + 1] = loop.report.mapping, loop.report
+        onward = first + 2 if loop is not loops[-1] else None
+        regions.append(Region(loop.name, "loop", loop.dfg, next=onward, counted=True))
+    for number, region in enumerate(regions):
+        faults = violations(region.dfg, fabric, mappings[number], straight=number not in reports)
+        if faults:
+            raise InternalError(f"region {region.name} of {name}: {faults[0].message}")
+    kernel = Kernel(name, tuple(params), tuple(regions))
+    return encode(kernel, fabric, mappings, reports=reports)
+
+
+def _start_graph(trip: str) -> DFG:
     builder = GraphBuilder("start")
-    builder.mark(builder.live_in(_BLOCKS), Control.TRIP)
+    builder.mark(builder.live_in(trip), Control.TRIP)
     return builder.build()
 
 

@@ -19,8 +19,8 @@ _SAMPLES_AT_ONCE = 2 << 20
 _ONE = np.float32(1.0)
 
 
-class RadianceField(Protocol):
-    """A model that gives density and colour of points."""
+class Sampled(Protocol):
+    """How the samples of a model are taken, and which of them count."""
 
     @property
     def march(self) -> March:
@@ -36,6 +36,10 @@ class RadianceField(Protocol):
     def transmittance_min(self) -> float:
         """A sample's colour counts only if the light before it is at least this."""
         ...
+
+
+class RadianceField(Sampled, Protocol):
+    """A model that gives density and colour of points."""
 
     def density(self, points: Float32Array, layer: Layer) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F]."""

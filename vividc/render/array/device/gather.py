@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from vividc.launch.turns import Turns
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.arrays import Float32Array
@@ -35,18 +36,16 @@ def gather_rows(
     job = device.new_job()
     half = device.scratchpad_bytes // 2
     most = max(1, min(_MOST_ROWS, half // max(table[:1].nbytes, _WORD)))
-    freed: dict[tuple[int, int], list[int]] = {}
-    done = number = 0
+    turns = Turns(range(device.tiles))
+    done = 0
     for piece in rows:
         for start in range(0, len(piece), most):
             chosen = piece[start : start + most]
-            tile, copy = number % device.tiles, number // device.tiles % 2
-            before = freed.get((tile, copy), [])
-            moved = job.gather(tile, table, chosen, copy * half, after=before)
+            tile, copy, freed = turns.take()
+            moved = job.gather(tile, table, chosen, copy * half, after=freed)
             target = result[done : done + len(chosen)]
-            freed[tile, copy] = [job.move_out(tile, copy * half, target, after=[moved])]
+            turns.free(tile, copy, job.move_out(tile, copy * half, target, after=[moved]))
             done += len(chosen)
-            number += 1
-    if number:
+    if done:
         device.finish(ledger, stage, job)
     return result

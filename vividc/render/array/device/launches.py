@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 import vividc
 from vividc.launch import At, Job
+from vividc.launch.turns import Turns, deal
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.errors import SceneError
@@ -182,13 +183,7 @@ def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
         groups[-1].append(number)
         load, last = load + launch.cost, key
     costs = [sum(launches[number].cost for number in group) for group in groups]
-    shares: list[list[int]] = [[] for _ in range(tiles)]
-    loads = [0.0] * tiles
-    for index in sorted(range(len(groups)), key=lambda index: -costs[index]):
-        tile = loads.index(min(loads))
-        shares[tile] += groups[index]
-        loads[tile] += costs[index]
-    return shares
+    return [[n for index in share for n in groups[index]] for share in deal(costs, tiles)]
 
 
 class Places:
@@ -240,7 +235,7 @@ class _Tile:
     def __init__(self, job: Job, tile: int, program: vividc.Program, places: Places) -> None:
         self._job, self._tile, self._program, self._places = job, tile, program, places
         self._flat = {parameter.name for parameter in program.params if parameter.ndim == 1}
-        self._freed: list[list[int]] = [[] for _ in places.own]
+        self._turns = Turns([tile], len(places.own))
         self._held: tuple[int, ...] | None = None
         self._copy = 0
         self._users: list[list[int]] = [[] for _ in places.shared]
@@ -249,12 +244,11 @@ class _Tile:
 
     def add(self, share: Sequence[Launch]) -> list[int]:
         """Add launches one after the other, and return their runs."""
-        return [self._launch(number, launch) for number, launch in enumerate(share)]
+        return [self._launch(launch) for launch in share]
 
-    def _launch(self, number: int, launch: Launch) -> int:
+    def _launch(self, launch: Launch) -> int:
         self._hold(launch)
-        copy = number % len(self._places.own)
-        freed = self._freed[copy]
+        _, copy, freed = self._turns.take()
         at = self._places.addresses(launch.sizes, self._places.own[copy])
         moves = self._moves_in(launch.inputs, at, freed)
         everywhere = at | self._shared_at
@@ -270,7 +264,7 @@ class _Tile:
             for name, array in launch.outputs.items()
             for move in _pieces(array)
         ]
-        self._freed[copy] = leaving or [run]
+        self._turns.free(self._tile, copy, *(leaving or [run]))
         return run
 
     def _hold(self, launch: Launch) -> None:

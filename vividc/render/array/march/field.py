@@ -6,30 +6,15 @@ from typing import Protocol
 
 from vividc.render.array.device.frame import Ledger
 from vividc.render.arrays import Float32Array
-from vividc.render.radiance import March
+from vividc.render.radiance.volume import Sampled
 
 
-class ArrayField(Protocol):
+class ArrayField(Sampled, Protocol):
     """A `RadianceField` whose density and colour the array computes.
 
     What a sample gives does not depend on the other samples of the call: a picture is then the
     same to the last bit with and without lookahead.
     """
-
-    @property
-    def march(self) -> March:
-        """How rays are sampled."""
-        ...
-
-    @property
-    def weight_min(self) -> float:
-        """A sample's colour counts only if its weight is above this."""
-        ...
-
-    @property
-    def transmittance_min(self) -> float:
-        """A sample's colour counts only if the light before it is at least this."""
-        ...
 
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step at `points` [n, 3], and features [n, F].
@@ -46,3 +31,12 @@ class ArrayField(Protocol):
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
         ...
+
+
+class ModelField:
+    """What an `ArrayField` takes from its model as it is."""
+
+    def __init__(self, model: Sampled) -> None:
+        self.march = model.march
+        self.weight_min = model.weight_min
+        self.transmittance_min = model.transmittance_min

@@ -162,7 +162,6 @@ class Marcher:
         return blocks, items, entries
 
     def _march_launch(self, block: Block, items: Int32Array, entries: Float32Array) -> Launch:
-        rays, room = (block.rays,), (self._room,)
         bricks = self._bricks
         shared = {
             "geometry": self._geometry,
@@ -171,18 +170,11 @@ class Marcher:
             "ranks": bricks.ranks,
             "bricks": bricks.cells,
         }
-        own = {"entries": rays, "exits": rays, "steps": rays, "candidates": room, "items": room}
+        rays = slice(block.first_ray, block.first_ray + block.rays)
         return Launch(
-            shapes={
-                "directions": (block.rays, 3),
-                **{name: array.shape for name, array in shared.items()},
-                **own,
-            },
-            inputs={"directions": (Move(self._rays_of(block)),)},
-            outputs={
-                "entries": (Move(entries[block.first_ray : block.first_ray + block.rays]),),
-                "items": (Move(items),),
-            },
+            shapes={"exits": (block.rays,), "steps": (block.rays,), "candidates": items.shape},
+            inputs={"directions": self._directions[rays]},
+            outputs={"entries": entries[rays], "items": items},
             shared=shared,
             scalars={"most": self._field.march.samples, "base": block.first_ray % RAYS},
         )
@@ -206,20 +198,13 @@ class Marcher:
             of_rays = slice(first_ray, first_ray + RAYS)
             launches.append(
                 Launch(
-                    shapes={
-                        "directions": (RAYS, 3),
-                        "entries": (RAYS,),
-                        "geometry": self._geometry.shape,
-                        "items": (block.samples,),
-                        "points": (block.samples, 3),
-                        "rays": (block.samples,),
-                    },
+                    shapes={"items": (block.samples,)},
                     inputs={
-                        "directions": (Move(self._directions[of_rays]),),
-                        "entries": (Move(entries[of_rays]),),
+                        "directions": self._directions[of_rays],
+                        "entries": entries[of_rays],
                         "items": _in_a_row(listed),
                     },
-                    outputs={"points": (Move(points[part]),), "rays": (Move(rays[part]),)},
+                    outputs={"points": points[part], "rays": rays[part]},
                     shared={"geometry": self._geometry},
                     scalars={"first_ray": first_ray},
                     cost=block.samples + 20,
@@ -239,21 +224,14 @@ class Marcher:
         for block in blocks:
             part = slice(block.first, block.first + block.samples)
             of_rays = slice(block.first_ray, block.first_ray + block.rays)
-            count = (block.samples,)
             launches.append(
                 Launch(
-                    shapes={
-                        **dict.fromkeys(("thickness", "rays", "kept", "kept_rays"), count),
-                        "weights": count,
-                        "left": (block.rays,),
-                        "limits": self._limits.shape,
-                    },
-                    inputs={"thickness": (Move(thickness[part]),), "rays": (Move(rays[part]),)},
+                    inputs={"thickness": thickness[part], "rays": rays[part]},
                     outputs={
-                        "left": (Move(left[of_rays]),),
-                        "kept": (Move(kept[part]),),
-                        "kept_rays": (Move(kept_rays[part]),),
-                        "weights": (Move(weights[part]),),
+                        "left": left[of_rays],
+                        "kept": kept[part],
+                        "kept_rays": kept_rays[part],
+                        "weights": weights[part],
                     },
                     shared={"limits": self._limits},
                     scalars={
@@ -293,34 +271,23 @@ class Marcher:
         for block, part in zip(survivors.blocks, survivors.parts(), strict=True):
             of_rays = slice(block.first_ray, block.first_ray + block.rays)
             samples = part.stop - part.start
-            count = (samples,)
             of_block = colours[first : first + samples]
             first += samples
             launches.append(
                 Launch(
-                    shapes={
-                        "weights": count,
-                        "rays": count,
-                        "colours": (samples, 3),
-                        "left": (block.rays,),
-                        "out": (block.rays, 4),
-                    },
                     inputs={
-                        "weights": (Move(survivors.weights[part]),),
-                        "rays": (Move(survivors.rays[part]),),
-                        "colours": (Move(of_block),),
-                        "left": (Move(left[of_rays]),),
+                        "weights": survivors.weights[part],
+                        "rays": survivors.rays[part],
+                        "colours": of_block,
+                        "left": left[of_rays],
                     },
-                    outputs={"out": (Move(out[of_rays]),)},
+                    outputs={"out": out[of_rays]},
                     scalars={"first_ray": block.first_ray},
                     cost=samples + 40,
                 )
             )
         self._run("accumulation", "accumulate", launches)
         return out
-
-    def _rays_of(self, block: Block) -> Float32Array:
-        return self._directions[block.first_ray : block.first_ray + block.rays]
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch]) -> list[int]:
         """Run launches, and count what the host reads of them: a word each."""

@@ -10,13 +10,14 @@ import numpy as np
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.march.field import ModelField
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
-from vividc.render.array.network.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.network.networks import batches, dense_layer, room_for
 from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
-from vividc.render.radiance import InstantNGP, March
+from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
 _BATCH: Final = 32_768
@@ -26,7 +27,7 @@ _LANES: Final = 4
 """Numbers of float8 in a word."""
 
 
-class InstantNGPField:
+class InstantNGPField(ModelField):
     """`ArrayField` of an Instant-NGP model: hash encoding, density and colour networks.
 
     Parameters
@@ -48,6 +49,7 @@ class InstantNGPField:
     def __init__(
         self, model: InstantNGP, device: Device, precision: RenderPrecision = "fp32"
     ) -> None:
+        super().__init__(model)
         self._model, self._device = model, device
         self._encoding = hash_encoding(model)
         largest = {} if precision == "fp32" else largest_inputs(model)
@@ -68,29 +70,11 @@ class InstantNGPField:
         for net in (self._density_network, self._colour_network):
             net.check(device)
 
-    @property
-    def march(self) -> March:
-        """How rays are sampled."""
-        return self._model.march
-
-    @property
-    def weight_min(self) -> float:
-        """A sample's colour counts only if its weight is above this."""
-        return self._model.weight_min
-
-    @property
-    def transmittance_min(self) -> float:
-        """A sample's colour counts only if the light before it is at least this."""
-        return self._model.transmittance_min
-
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and the density network's outputs [n, F]."""
         count = len(points)
-        thickness = np.empty((-(-count // SAMPLES), SAMPLES), dtype=np.float32)
-        features = np.empty((*thickness.shape, self._features), dtype=np.float32)
-        for first in range(0, count, _BATCH):
-            blocks = in_blocks(points[first : first + _BATCH])
-            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
+        thickness, features = room_for(count), room_for(count, self._features)
+        for place, (blocks,) in batches(_BATCH, points):
             self._density(blocks, thickness[place], features[place], ledger)
         return thickness.reshape(-1)[:count], features.reshape(-1, self._features)[:count]
 
@@ -99,12 +83,9 @@ class InstantNGPField:
     ) -> Float32Array:
         """Return r, g, b [n, 3] of features seen along unit `directions` [n, 3]."""
         count = len(features)
-        rgb = np.empty((-(-count // SAMPLES), SAMPLES, _CHANNELS), dtype=np.float32)
-        for first in range(0, count, _BATCH):
-            here = slice(first, first + _BATCH)
-            blocks = in_blocks(features[here])
-            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
-            self._colour(blocks, in_blocks(directions[here]), rgb[place], ledger)
+        rgb = room_for(count, _CHANNELS)
+        for place, (blocks, seen) in batches(_BATCH, features, directions):
+            self._colour(blocks, seen, rgb[place], ledger)
         return rgb.reshape(-1, _CHANNELS)[:count]
 
     def _density(

@@ -14,9 +14,10 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Launch, Move, run_launches
+from vividc.render.array.march.field import ModelField
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
-from vividc.render.radiance import KiloNeRF, March
+from vividc.render.radiance import KiloNeRF
 
 Int32Array = npt.NDArray[np.int32]
 
@@ -73,7 +74,7 @@ class _Half:
     words: int
 
 
-class KiloNeRFOnArray:
+class KiloNeRFOnArray(ModelField):
     """A `KiloNeRF` as an `ArrayField`.
 
     The features of a call of `density` stay where the networks wrote them, sorted; those that it
@@ -87,6 +88,7 @@ class KiloNeRFOnArray:
     """
 
     def __init__(self, model: KiloNeRF, device: Device) -> None:
+        super().__init__(model)
         self._model = model
         self._device = device
         hidden = model.weights[1].shape[2]
@@ -102,21 +104,6 @@ class KiloNeRFOnArray:
         self._box = np.concatenate((model.march.box[0], model.march.box[1] - model.march.box[0]))
         self._networks = np.ascontiguousarray(model.network, dtype=np.int32)
         self._features = np.zeros((0, hidden), dtype=np.float32)
-
-    @property
-    def march(self) -> March:
-        """How rays are sampled."""
-        return self._model.march
-
-    @property
-    def weight_min(self) -> float:
-        """A sample's colour counts only if its weight is above this."""
-        return self._model.weight_min
-
-    @property
-    def transmittance_min(self) -> float:
-        """A sample's colour counts only if the light before it is at least this."""
-        return self._model.transmittance_min
 
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and where the features are [n, 1]."""
@@ -156,10 +143,10 @@ class KiloNeRFOnArray:
             count = part.stop - part.start
             launches.append(
                 Launch(
-                    shapes=self._shapes(half, network) | {"thickness": (count,)},
+                    shapes=self._shapes(half),
                     inputs={"values": (Move(encoded[part]),)},
                     outputs={
-                        "thickness": (Move(thickness[part]),),
+                        "thickness": thickness[part],
                         "values": (Move(features[part]),),
                     },
                     shared={"weights": half.weights[network], "layers": half.layers},
@@ -186,9 +173,9 @@ class KiloNeRFOnArray:
             second = self._at_once * self._hidden
             launches.append(
                 Launch(
-                    shapes=self._shapes(half, network) | {"colours": (count, 3)},
+                    shapes=self._shapes(half),
                     inputs={"values": (Move(features[part]), Move(seen[part], second))},
-                    outputs={"colours": (Move(colours[part]),)},
+                    outputs={"colours": colours[part]},
                     shared={"weights": half.weights[network], "layers": half.layers},
                     scalars={"first": half.first, "pitch": half.pitch},
                     cost=-(-count // _QUAD),
@@ -258,19 +245,12 @@ class KiloNeRFOnArray:
         places: Int32Array,
     ) -> Launch:
         """Sort a chunk's samples of some networks, in what the ranges before left."""
-        part = slice(first, min(first + CHUNK, len(networks)))
-        count = (part.stop - first,)
-        before = {"order": (Move(order[part]),), "places": (Move(places[part]),)}
+        part = slice(first, first + CHUNK)
+        before = {"order": order[part], "places": places[part]}
         return Launch(
-            shapes={
-                "networks": count,
-                "starts": starts.shape,
-                "cursors": starts.shape,
-                "order": count,
-                "places": count,
-            },
-            inputs={"networks": (Move(networks[part]),), **(before if low >= 0 else {})},
-            outputs={"starts": (Move(starts),), **before},
+            shapes={"cursors": starts.shape},
+            inputs={"networks": networks[part], **(before if low >= 0 else {})},
+            outputs={"starts": starts, **before},
             scalars={"low": low, "first": first},
         )
 
@@ -280,12 +260,8 @@ class KiloNeRFOnArray:
             for start in range(first, first + count, self._at_once):
                 yield network, slice(start, min(start + self._at_once, first + count))
 
-    def _shapes(self, half: _Half, network: int) -> dict[str, tuple[int, ...]]:
-        return {
-            "weights": half.weights[network].shape,
-            "layers": half.layers.shape,
-            "values": (half.words * self._at_once,),
-        }
+    def _shapes(self, half: _Half) -> dict[str, tuple[int, ...]]:
+        return {"values": (half.words * self._at_once,)}
 
     def _run(self, stage: str, kernel: str, launches: Sequence[Launch], ledger: Ledger) -> None:
         run_launches(

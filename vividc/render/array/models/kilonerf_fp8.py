@@ -59,11 +59,10 @@ class Fp8KiloNeRF(KiloNeRFOnArray):
             weights = words.density[network]
             launches.append(
                 Launch(
-                    shapes=_shapes("inputs", "hidden", "features")
-                    | {"weights": weights.shape, "thickness": (count,)},
+                    shapes=_shapes("inputs", "hidden", "features"),
                     inputs={"inputs": (Move(low[part]), Move(high[part], _STRIDE))},
                     outputs={
-                        "thickness": (Move(thickness[part]),),
+                        "thickness": thickness[part],
                         "features": (Move(features[part]),),
                     },
                     shared={"weights": weights},
@@ -90,10 +89,9 @@ class Fp8KiloNeRF(KiloNeRFOnArray):
             weights = words.colour[network]
             launches.append(
                 Launch(
-                    shapes=_shapes("inputs", "hidden")
-                    | {"weights": weights.shape, "colours": (count, 3)},
+                    shapes=_shapes("inputs", "hidden"),
                     inputs={"inputs": (Move(features[part]), Move(seen[part], _STRIDE))},
-                    outputs={"colours": (Move(colours[part]),)},
+                    outputs={"colours": colours[part]},
                     shared={"weights": weights},
                     scalars={"unit": float(words.colour_units[network]), "stride": _STRIDE},
                     cost=_cost(count),

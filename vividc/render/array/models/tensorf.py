@@ -10,13 +10,14 @@ import numpy.typing as npt
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.march.field import ModelField
 from vividc.render.array.models.factors import CHANNELS, Pair, channel_pairs, factor_grid
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
-from vividc.render.array.network.networks import SAMPLES, dense_layer, in_blocks
+from vividc.render.array.network.networks import batches, dense_layer, room_for
 from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array
-from vividc.render.radiance import March, TensoRF
+from vividc.render.radiance import TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
 
 _BATCH: Final = 16_384
@@ -25,7 +26,7 @@ _CHANNELS: Final = 3
 _FEATURES: Final = 27
 
 
-class TensoRFField:
+class TensoRFField(ModelField):
     """`ArrayField` of a TensoRF model: factors, and the colour network.
 
     Parameters
@@ -44,6 +45,7 @@ class TensoRFField:
     """
 
     def __init__(self, model: TensoRF, device: Device, precision: RenderPrecision = "fp32") -> None:
+        super().__init__(model)
         self._model, self._device = model, device
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
@@ -68,41 +70,22 @@ class TensoRFField:
         for net in (self._basis, self._colour_network):
             net.check(device)
 
-    @property
-    def march(self) -> March:
-        """How rays are sampled."""
-        return self._model.march
-
-    @property
-    def weight_min(self) -> float:
-        """A sample's colour counts only if its weight is above this."""
-        return self._model.weight_min
-
-    @property
-    def transmittance_min(self) -> float:
-        """A sample's colour counts only if the light before it is at least this."""
-        return self._model.transmittance_min
-
     def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
         """Return optical thickness [n] of one step, and no features, [n, 0]."""
         count = len(points)
-        thickness = np.empty(-(-count // SAMPLES) * SAMPLES, dtype=np.float32)
-        for first in range(0, count, _BATCH):
-            samples = in_blocks(points[first : first + _BATCH]).reshape(-1, 3)
-            self._density(samples, thickness[first : first + len(samples)], ledger)
-        return thickness[:count], np.zeros((count, 0), dtype=np.float32)
+        thickness = room_for(count)
+        for place, (blocks,) in batches(_BATCH, points):
+            self._density(blocks.reshape(-1, 3), thickness[place], ledger)
+        return thickness.reshape(-1)[:count], np.zeros((count, 0), dtype=np.float32)
 
     def colour(
         self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
     ) -> Float32Array:
         """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
         count = len(points)
-        rgb = np.empty((-(-count // SAMPLES), SAMPLES, _CHANNELS), dtype=np.float32)
-        for first in range(0, count, _BATCH):
-            here = slice(first, first + _BATCH)
-            blocks = in_blocks(points[here])
-            place = slice(first // SAMPLES, first // SAMPLES + len(blocks))
-            self._colour(blocks.reshape(-1, 3), in_blocks(directions[here]), rgb[place], ledger)
+        rgb = room_for(count, _CHANNELS)
+        for place, (blocks, seen) in batches(_BATCH, points, directions):
+            self._colour(blocks.reshape(-1, 3), seen, rgb[place], ledger)
         return rgb.reshape(-1, _CHANNELS)[:count]
 
     def _density(self, points: Float32Array, thickness: Float32Array, ledger: Ledger) -> None:
@@ -112,7 +95,7 @@ class TensoRFField:
         BlockMap(
             kernel="render/tensor_factors:density",
             inputs={"sums": sums},
-            outputs={"thickness": thickness.reshape(-1, SAMPLES)},
+            outputs={"thickness": thickness},
             scalars={
                 "shift": np.float32(model.density_shift),
                 "step": np.float32(model.march.step * model.distance_scale),

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final, Protocol
+from typing import Final
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from vividc.formats import Format
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import March
-from vividc.render.radiance.layers import Layer, linear
+from vividc.render.radiance.layers import linear
+from vividc.render.radiance.volume import RadianceField
 
 _SAMPLES: Final = 4096
 _GOLDEN: Final = (math.sqrt(5) - 1) / 2
@@ -22,26 +23,7 @@ _STEPS: Final = (0.8191725134, 0.6710436067, 0.5497004779)
 """Of a sequence that fills a cube evenly: powers of the root of x^4 = x + 1 (Roberts 2018)."""
 
 
-class CalibratedScene(Protocol):
-    """A ray-marched model: its float32 reference tells what a layer's inputs are."""
-
-    @property
-    def march(self) -> March:
-        """How rays are sampled."""
-        ...
-
-    def density(self, points: Float32Array, layer: Layer) -> tuple[Float32Array, Float32Array]:
-        """Return optical thickness and features of points [n, 3]."""
-        ...
-
-    def colour(
-        self, points: Float32Array, features: Float32Array, directions: Float32Array, layer: Layer
-    ) -> Float32Array:
-        """Return colours of points seen along directions."""
-        ...
-
-
-def largest_inputs(scene: CalibratedScene) -> dict[str, float]:
+def largest_inputs(scene: RadianceField) -> dict[str, float]:
     """Return the largest magnitude of each layer's inputs, by the layer's name.
 
     It is that of the float32 reference at 4,096 points, the same ones each time: in occupied cells

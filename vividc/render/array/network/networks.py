@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,6 +80,24 @@ def in_blocks(rows: Float32Array) -> Float32Array:
     if missing:
         rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
     return np.ascontiguousarray(rows).reshape(-1, SAMPLES, rows.shape[1])
+
+
+def room_for(rows: int, *shape: int) -> Float32Array:
+    """Return room [B, 16, ...] for what becomes of rows."""
+    return np.empty((-(-rows // SAMPLES), SAMPLES, *shape), dtype=np.float32)
+
+
+def batches(most: int, *arrays: Float32Array) -> Iterator[tuple[slice, list[Float32Array]]]:
+    """Yield where the blocks of at most `most` rows lie among all blocks, and those of each array.
+
+    Parameters
+    ----------
+    most
+        A multiple of 16.
+    """
+    for first in range(0, len(arrays[0]), most):
+        blocks = [in_blocks(rows[first : first + most]) for rows in arrays]
+        yield slice(first // SAMPLES, first // SAMPLES + len(blocks[0])), blocks
 
 
 def run_network(

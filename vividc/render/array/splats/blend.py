@@ -10,6 +10,7 @@ import numpy as np
 
 import vividc
 from vividc.launch import At, Job
+from vividc.launch.turns import Turns, deal
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.options import RenderPrecision
@@ -102,17 +103,19 @@ class _Blend:
         """Add the steps of one tile: the next part of a list is fetched while one is blended."""
         zeros = self.counts[tile]
         counted = self.job.move_in(tile, zeros, _COUNTS_AT)
-        parts_freed: list[list[int]] = [[counted], [counted]]
-        pixels_freed: list[list[int]] = [[], []]
-        number, run = 0, counted
-        for band, place in zip(share, _alternating(len(share)), strict=True):
+        parts, pixels = Turns([tile]), Turns([tile])
+        for half in range(2):
+            parts.free(tile, half, counted)
+        run = counted
+        for band in share:
             starts = range(band.first, band.last, _LIST_PART)
+            _, place, free = pixels.take()
             pixels_at = _PIXELS_AT + place * _TILE_BYTES
-            clear = self.job.move_in(tile, _CLEAR, pixels_at, after=pixels_freed[place])
+            clear = self.job.move_in(tile, _CLEAR, pixels_at, after=free)
             for start in starts:
                 slots = self.lists.slots[start : min(start + _LIST_PART, band.last)]
-                at = number % 2 * _PART_BYTES
-                freed = parts_freed[number % 2]
+                _, half, freed = parts.take()
+                at = half * _PART_BYTES
                 rows = self.job.gather(tile, self.splats.rows, slots, at, after=freed)
                 run = self.job.run(
                     tile,
@@ -127,10 +130,9 @@ class _Blend:
                     last=int(start == starts[-1]),
                     after=[rows, clear, *freed],
                 )
-                parts_freed[number % 2] = [run]
-                number += 1
+                parts.free(tile, half, run)
             target = _blocks_of(self.image, band)
-            pixels_freed[place] = [self.job.move_out(tile, pixels_at, target, after=[run])]
+            pixels.free(tile, place, self.job.move_out(tile, pixels_at, target, after=[run]))
         self.job.move_out(tile, _COUNTS_AT, zeros, after=[run])
 
 
@@ -227,19 +229,10 @@ def _cut(screens: Sequence[_Band], most: float) -> list[_Band]:
 
 
 def _shares(bands: Sequence[_Band], tiles: int) -> list[list[_Band]]:
-    """Give each tile bands: those of most work first, each to the tile with the least."""
-    shares: list[list[_Band]] = [[] for _ in range(tiles)]
-    load = [0] * tiles
-    for band in sorted(bands, key=lambda band: (-band.work, band.y, band.x)):
-        tile = load.index(min(load))
-        shares[tile].append(band)
-        load[tile] += band.work
-    return shares
+    """Give each tile bands; of those with the same work the ones higher up are dealt first."""
+    rows = sorted(bands, key=lambda band: (band.y, band.x))
+    return [[rows[n] for n in share] for share in deal([band.work for band in rows], tiles)]
 
 
 def _longest(shares: Sequence[Sequence[_Band]]) -> int:
     return max(sum(band.work for band in share) for share in shares)
-
-
-def _alternating(count: int) -> list[int]:
-    return [number % 2 for number in range(count)]

@@ -14,6 +14,7 @@ import numpy as np
 import vividc
 from vividc.errors import demand_type
 from vividc.launch import At, Job, JobStats
+from vividc.launch.turns import Turns, deal
 from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.crop import Crop
@@ -87,9 +88,10 @@ def blend_on_array(
     size_bytes = job.accelerator.fabric.scratchpad.size_bytes
     places, launches = _cut(tile_lists(scene, camera), crop, size_bytes // _WORD)
     outputs = [_white(launch) for launch in launches]
-    busy = [i for i, launch in enumerate(launches) if len(launch.splats)]
-    for tile, share in enumerate(_shares(launches, busy, len(job.accelerator.tiles))):
-        _add_tile(job, tile, program, [(launches[i], outputs[i]) for i in share], places)
+    busy = [pair for pair in zip(launches, outputs, strict=True) if len(pair[0].splats)]
+    work = [len(launch.splats) * launch.block.pixels for launch, _ in busy]
+    for tile, share in enumerate(deal(work, len(job.accelerator.tiles))):
+        _add_tile(job, tile, program, [busy[number] for number in share], places)
     result = job.simulate(engine=engine)
     return ArrayPicture(
         image=assemble(crop, launches, outputs),
@@ -120,18 +122,6 @@ def _white(launch: BlendLaunch) -> Float32Array:
     return out.ravel()
 
 
-def _shares(launches: Sequence[BlendLaunch], busy: Sequence[int], tiles: int) -> list[list[int]]:
-    """Give each tile launches: the longest first, each to the tile with the least to do."""
-    work = {i: len(launches[i].splats) * launches[i].block.pixels for i in busy}
-    shares: list[list[int]] = [[] for _ in range(tiles)]
-    load = [0] * tiles
-    for i in sorted(busy, key=lambda i: -work[i]):
-        tile = load.index(min(load))
-        shares[tile].append(i)
-        load[tile] += work[i]
-    return shares
-
-
 def _add_tile(
     job: Job,
     tile: int,
@@ -140,13 +130,13 @@ def _add_tile(
     places: Sequence[int],
 ) -> None:
     """Add the steps of one tile: in, run, out of each launch, alternating between the places."""
-    freed: list[list[int]] = [[] for _ in places]
-    for number, (launch, out) in enumerate(share):
-        place = number % len(places)
+    turns = Turns([tile], len(places))
+    for launch, out in share:
+        _, place, freed = turns.take()
         start = places[place]
         columns = launch.splats.arrays()
         splats = np.concatenate(list(columns.values()))
-        here = job.move_in(tile, splats, start, after=freed[place])
+        here = job.move_in(tile, splats, start, after=freed)
         count = len(launch.splats)
         block = launch.block
         end = start + splats.nbytes
@@ -155,5 +145,5 @@ def _add_tile(
         }
         arguments |= {"out": At(end, (4 * block.pixels,)), "x0": block.x0, "y0": block.y0}
         arguments |= {"width": block.width, "height": block.height, "n": count}
-        run = job.run(tile, program, after=[here, *freed[place]], **arguments)
-        freed[place] = [job.move_out(tile, end, out, after=[run])]
+        run = job.run(tile, program, after=[here, *freed], **arguments)
+        turns.free(tile, place, job.move_out(tile, end, out, after=[run]))

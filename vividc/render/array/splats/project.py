@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vividc.launch import At, Job
+from vividc.launch.turns import Turns
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.splats.scene import DeviceScene, camera_words, screen_tiles
@@ -125,15 +126,13 @@ class _Projection:
         tiles = self.device.tiles
         camera_at = _PLACES * _PLACE_WORDS * WORD - _CAMERA_WORDS * WORD
         cameras = self.job.move_in(range(min(tiles, chunks)), self.camera, camera_at)
-        freed: dict[tuple[int, int], int] = {}
-        written = []
+        turns, written = Turns(range(tiles), _PLACES), []
         for chunk in range(chunks):
-            tile, place = chunk % tiles, chunk // tiles % _PLACES
+            tile, place, before = turns.take()
             start = place * (_PLACE_WORDS - _CAMERA_WORDS) * WORD
             part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
             geometry = self.scene.geometry[part]
             n = len(geometry)
-            before = [freed[tile, place]] if (tile, place) in freed else []
             here = self.job.move_in(tile, geometry, start, after=before)
             out = start + geometry.nbytes
             run = self.job.run(
@@ -144,9 +143,8 @@ class _Projection:
                 placed=At(out, (n, 6)),
                 after=[here, cameras, *before],
             )
-            moved = self.job.move_out(tile, out, self.placed[part], after=[run])
-            freed[tile, place] = moved
-            written.append(moved)
+            written.append(self.job.move_out(tile, out, self.placed[part], after=[run]))
+            turns.free(tile, place, written[-1])
         return written
 
     def footprints(
@@ -155,16 +153,14 @@ class _Projection:
         """Return the runs, whose values are how many Gaussians of each chunk are seen."""
         program = self.device.programs.get(f"{_FILE}:splat_footprints", time_limit_s=_MAPPING_S)
         tiles = self.device.tiles
-        freed: dict[tuple[int, int], list[int]] = {}
+        turns, runs = Turns(range(tiles), _PLACES), []
         for tile in range(min(tiles, chunks)):
             for place in range(_PLACES):
-                freed[tile, place] = written[tile::tiles]
-        runs = []
+                turns.free(tile, place, *written[tile::tiles])
         for chunk in range(chunks):
-            tile, place = chunk % tiles, chunk // tiles % _PLACES
+            tile, place, before = turns.take()
             part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
             placed, opacity = self.placed[part], self.scene.opacity[part]
-            before = freed[tile, place]
             at = _addresses(place * _PLACE_WORDS * WORD, len(placed))
             moves = [
                 self.job.move_in(tile, placed, at["placed"], after=[written[chunk], *before]),
@@ -181,12 +177,17 @@ class _Projection:
             first = {"first": chunk * _CHUNK}
             run = self.job.run(tile, program, after=[*moves, *before], **arrays, **scalars, **first)
             runs.append(run)
-            freed[tile, place] = [
-                self.job.move_out(tile, at["splats"], target.splats[part], after=[run]),
-                self.job.move_out(tile, at["entries"], target.entries[part], after=[run]),
-                self.job.move_out(tile, at["sources"], target.sources[part], after=[run]),
-                self.job.move_out(tile, at["depths"], target.depths[chunk], after=[run]),
+            results = {
+                "splats": target.splats[part],
+                "entries": target.entries[part],
+                "sources": target.sources[part],
+                "depths": target.depths[chunk],
+            }
+            leaving = [
+                self.job.move_out(tile, at[name], array, after=[run])
+                for name, array in results.items()
             ]
+            turns.free(tile, place, *leaving)
         return runs
 
 
@@ -207,17 +208,15 @@ def _colour(
     """Fill in the colours of the splats that are seen; only their coefficients are fetched."""
     program = device.programs.get(f"{_FILE}:splat_colours_{scene.degree}")
     job = device.new_job()
-    tiles = device.tiles
     words = scene.appearance.shape[1]
     most = min(_CHUNK, _PLACE_WORDS // (words + ROW_WORDS))
-    freed: dict[tuple[int, int], list[int]] = {}
+    turns = Turns(range(device.tiles), _PLACES)
     eye = {f"eye_{axis}": camera.position[k] for k, axis in enumerate("xyz")}
-    for number, (first, last) in enumerate(_pieces(splats.spans(), most)):
-        tile, place = number % tiles, number // tiles % _PLACES
+    for first, last in _pieces(splats.spans(), most):
+        tile, place, before = turns.take()
         start = place * _PLACE_WORDS * WORD
         chunk = first // splats.chunk * splats.chunk
         source = scene.appearance[chunk : chunk + splats.chunk]
-        before = freed.get((tile, place), [])
         rows_at = start + (last - first) * words * WORD
         rows = splats.rows[first:last]
         moves = [
@@ -232,7 +231,7 @@ def _colour(
             after=[*moves, *before],
             **eye,
         )
-        freed[tile, place] = [job.move_out(tile, rows_at, rows, after=[run])]
+        turns.free(tile, place, job.move_out(tile, rows_at, rows, after=[run]))
     device.finish(ledger, "colour", job)
 
 
