@@ -1,13 +1,13 @@
 """The renderers on the array: stages are compiled kernels, the host makes launch graphs.
 
-In order: `options`, `sampling` (which blocks are simulated); `device/`, `network/`; `march/` and
-`models/` (ray-marched methods), `splats/` (3DGS); `render`, which picks one.
+In order: `options`, `sampling` (which blocks are simulated); `device/`, `network/`; `models/` and
+`march/` (ray-marched methods), `splats/` (3DGS); `render`, which picks one.
 """
 
 from vividc.render.array.device.device import Device, open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger, Stage
 from vividc.render.array.device.programs import Programs
-from vividc.render.array.march.field import ArrayField
+from vividc.render.array.models.field import ArrayField
 from vividc.render.array.options import (
     NETWORK_MODES,
     PRECISIONS,

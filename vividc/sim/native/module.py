@@ -27,11 +27,13 @@ from vividc.sim.native.write.operations import DECLARATIONS
 from vividc.sim.native.write.text import Code
 
 ENTRY: Final = "run"
-_DECLARATIONS: Final = (
+_DECLARED: Final = (
     "declare i64 @llvm.smin.i64(i64, i64)\ndeclare i64 @llvm.smax.i64(i64, i64)\n"
     + DECLARATIONS
     + bulk.DECLARATIONS
 )
+_DECLARATIONS: Final = "".join(dict.fromkeys(_DECLARED.splitlines(keepends=True)))
+"""Once each, whatever files name them."""
 
 
 @dataclass(frozen=True, slots=True)

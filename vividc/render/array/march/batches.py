@@ -10,8 +10,8 @@ import numpy as np
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.march.crew import Batch, Work, share_out
-from vividc.render.array.march.field import ArrayField
 from vividc.render.array.march.marching import SIDE, Marcher
+from vividc.render.array.models.field import ArrayField
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vividc.render.array.device.device import Device, open_device
-from vividc.render.array.march.field import ArrayField
+from vividc.render.array.models.field import ArrayField
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.kilonerf import KiloNeRFOnArray
 from vividc.render.array.models.kilonerf_fp8 import Fp8KiloNeRF

@@ -18,7 +18,7 @@ from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Launch, Move, run_launches
 from vividc.render.array.march.bricks import Bricks, pack_bricks
-from vividc.render.array.march.field import ArrayField
+from vividc.render.array.models.field import ArrayField
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError

@@ -14,7 +14,7 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Launch, Move, run_launches
-from vividc.render.array.march.field import ModelField
+from vividc.render.array.models.field import ModelField
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.march.field import ModelField
 from vividc.render.array.models.factors import CHANNELS, Pair, channel_pairs, factor_grid
+from vividc.render.array.models.field import ModelField
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
 from vividc.render.array.network.networks import batches, dense_layer, room_for
