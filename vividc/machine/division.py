@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from vividc.machine.opcodes import Opcode
-from vividc.machine.words import WORD_MASK
+from vividc.machine.words import WORD_BITS, WORD_MASK
 
 V = TypeVar("V")
-_WORD = 32
 
 
 class Emit(Protocol[V]):
@@ -60,12 +59,12 @@ def multiplier(divisor: int, largest: int) -> Multiplier:
     if odd is not None:
         return Multiplier(odd.factor, odd.after, before)
     after = divisor.bit_length() - 1
-    return Multiplier((1 << _WORD + after) // divisor, after, increment=True)
+    return Multiplier((1 << WORD_BITS + after) // divisor, after, increment=True)
 
 
 def _rounded_up(divisor: int, largest: int) -> Multiplier | None:
     for after in range(divisor.bit_length()):
-        power = 1 << _WORD + after
+        power = 1 << WORD_BITS + after
         factor = -(-power // divisor)
         if factor <= WORD_MASK and largest * (factor * divisor - power) < power:
             return Multiplier(factor, after)
@@ -103,8 +102,8 @@ def remainder_by_constant(emit: Emit[V], dividend: V, divisor: int, largest: int
         return dividend
     if divisor & (divisor - 1) == 0:
         return emit(Opcode.AND, dividend, divisor - 1)
-    factor = -(-(1 << _WORD) // divisor)
-    if largest * (factor * divisor - (1 << _WORD)) < 1 << _WORD:
+    factor = -(-(1 << WORD_BITS) // divisor)
+    if largest * (factor * divisor - (1 << WORD_BITS)) < 1 << WORD_BITS:
         return emit(Opcode.MULHU, emit(Opcode.MUL, dividend, factor), divisor)
     quotient = quotient_by_constant(emit, dividend, divisor, largest)
     return remainder_of(emit, dividend, quotient, divisor)

@@ -18,6 +18,7 @@ from vividc.machine.words import (
     CANONICAL_NAN,
     INFINITY,
     SIGN_BIT,
+    WORD_BITS,
     WORD_MASK,
     float_of,
     signed,
@@ -26,7 +27,6 @@ from vividc.machine.words import (
 
 _EXP_OVERFLOWS: Final = 100.0  # binary32 does from 88.73 on; math.exp would raise above 709.78
 _EXP2_OVERFLOWS: Final = 200.0  # binary32 does from 128 on; math.exp2 would raise at 1024
-_WORD: Final = 32
 
 
 def _exp(a: int) -> int:
@@ -101,11 +101,11 @@ def _ctpop(a: int) -> int:
 
 
 def _ctlz(a: int) -> int:
-    return _WORD - a.bit_length()
+    return WORD_BITS - a.bit_length()
 
 
 def _cttz(a: int) -> int:
-    return (a & -a).bit_length() - 1 if a else _WORD
+    return (a & -a).bit_length() - 1 if a else WORD_BITS
 
 
 def _bswap(a: int) -> int:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from struct import Struct
 from typing import Final
 
+WORD_BITS: Final = 32
+WORD_BYTES: Final = 4
 WORD_MASK: Final = 0xFFFFFFFF
 SIGN_BIT: Final = 0x80000000
 CANONICAL_NAN: Final = 0x7FC00000
 INT_MAX: Final = 0x7FFFFFFF
 INFINITY: Final = 0x7F800000
-_BYTES: Final = 4
 _MASKS: Final = {1: 0xFF, 2: 0xFFFF}  # of the bytes of a narrow access
 
 # Native ("@") packing of `f` is a plain C conversion: it rounds to nearest even and overflows to
@@ -44,7 +45,7 @@ def loaded(word: int, byte: int, width: int, is_signed: bool) -> int:
     """What a load of `width` bytes at byte address `byte` gives, if `word` is the memory's word
     there.
     """
-    if width == _BYTES:
+    if width == WORD_BYTES:
         return word
     low = word >> _lane(byte) & _MASKS[width]
     sign = 1 << 8 * width - 1
@@ -53,7 +54,7 @@ def loaded(word: int, byte: int, width: int, is_signed: bool) -> int:
 
 def stored(word: int, value: int, byte: int, width: int) -> int:
     """The memory's word after a store of `value`'s low `width` bytes at byte address `byte`."""
-    if width == _BYTES:
+    if width == WORD_BYTES:
         return value
     lane, mask = _lane(byte), _MASKS[width]
     return word & ~(mask << lane) | (value & mask) << lane
@@ -61,4 +62,4 @@ def stored(word: int, value: int, byte: int, width: int) -> int:
 
 def _lane(byte: int) -> int:
     """Lowest bit in its word of the byte at this address."""
-    return byte % _BYTES * 8
+    return byte % WORD_BYTES * 8

@@ -6,9 +6,10 @@ to words), `disasm`.
 """
 
 from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined
+from vividc.machine.words import WORD_BYTES
 from vividc.program.disasm import disassemble
 from vividc.program.encoder.encode import encode
-from vividc.program.memory import WORD_BYTES, place_arrays, trapped
+from vividc.program.memory import place_arrays, trapped
 from vividc.program.program import CUT_SHORT, Program, from_bytes, load
 from vividc.program.tables import (
     BoundReport,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from vividc.arch.fabric import Fabric
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.program.memory import WORD_BYTES
+from vividc.machine.words import WORD_BYTES
 from vividc.program.program import Program
 from vividc.program.tables import RegionRow
 from vividc.program.words.entry import Capture, Entry, Issue, Operand, Sel, Select, Use

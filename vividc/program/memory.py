@@ -9,8 +9,7 @@ from itertools import accumulate
 from vividc.arch.fabric import Scratchpad
 from vividc.errors import ArgumentError
 from vividc.machine.params import TRAP
-
-WORD_BYTES = 4
+from vividc.machine.words import WORD_BYTES
 
 
 def trapped(array: str) -> str | None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
+from vividc.machine.words import WORD_MASK
 from vividc.program import (
     HIGH_SUFFIX,
     WORD_BYTES,
@@ -38,9 +39,8 @@ _INT_RANGE: Final = {
     DType.BOOL: (0, 1),
 }
 _ONE_WORD: Final = {DType.I64: DType.I32, DType.U64: DType.U32}
-_WORD_MASK: Final = 0xFFFFFFFF
 _FLOAT: Final = Struct("@f")
-_WORD: Final = Struct("@I")
+_PACKED_WORD: Final = Struct("@I")
 
 
 @dataclass(frozen=True)
@@ -158,9 +158,9 @@ def scalar_inputs(program: Program, values: Mapping[str, object]) -> dict[str, i
 
 def _scalar_words(param: Param, value: object) -> dict[str, int]:
     word = _scalar(param, value)
-    words = {param.name: word & _WORD_MASK}
+    words = {param.name: word & WORD_MASK}
     if param.words > 1:
-        words[param.name + HIGH_SUFFIX] = word >> 32 & _WORD_MASK
+        words[param.name + HIGH_SUFFIX] = word >> 32 & WORD_MASK
     return words
 
 
@@ -176,7 +176,7 @@ def _place_local(
 def returned(dtype: DType, word: int) -> int | float | bool:
     """A word (for integers of 64 bits: both) as the Python scalar that numba would return."""
     if dtype is DType.F32:
-        value: float = _FLOAT.unpack(_WORD.pack(word))[0]
+        value: float = _FLOAT.unpack(_PACKED_WORD.pack(word))[0]
         return value
     if dtype is DType.BOOL:
         return word != 0
@@ -347,8 +347,8 @@ def _float_word(value: object, where: str) -> int:
         number = float(value)
     except OverflowError:
         number = math.inf
-    word: int = _WORD.unpack(_FLOAT.pack(number))[0]
-    overflowed = math.isinf(_FLOAT.unpack(_WORD.pack(word))[0])
+    word: int = _PACKED_WORD.unpack(_FLOAT.pack(number))[0]
+    overflowed = math.isinf(_FLOAT.unpack(_PACKED_WORD.pack(word))[0])
     if overflowed and not (isinstance(value, float) and math.isinf(value)):
         raise ArgumentError(f"{value} does not fit float32", loc=where)
     return word

@@ -11,7 +11,7 @@ from typing import Final
 from vividc.dfg.expand.builder import EXPONENT_SHIFT, Builder, Expansion
 from vividc.dfg.passes.rewrite import Value
 from vividc.machine.opcodes import Opcode
-from vividc.machine.words import WORD_MASK
+from vividc.machine.words import WORD_BITS, WORD_MASK
 
 _ODD_BITS: Final = 0x55555555
 _PAIRS: Final = 0x33333333
@@ -19,7 +19,6 @@ _NIBBLES: Final = 0x0F0F0F0F
 _BYTES: Final = 0x01010101
 _TOP_BYTE: Final = 24
 _BIAS: Final = 127
-_WORD: Final = 32
 
 
 def count_ones(b: Builder, x: Value) -> Value:
@@ -42,8 +41,8 @@ def leading_zeros(b: Builder, x: Value) -> Value:
     half = b.op(Opcode.LSHR, x, 1)
     sparse = b.op(Opcode.AND, x, b.op(Opcode.XOR, half, WORD_MASK))
     exponent = b.op(Opcode.LSHR, b.op(Opcode.UITOFP, sparse), EXPONENT_SHIFT)
-    zeros = b.op(Opcode.SUB, _BIAS + _WORD - 1, exponent)
-    return b.op(Opcode.SMIN, zeros, _WORD)
+    zeros = b.op(Opcode.SUB, _BIAS + WORD_BITS - 1, exponent)
+    return b.op(Opcode.SMIN, zeros, WORD_BITS)
 
 
 def trailing_zeros(b: Builder, x: Value) -> Value:
@@ -51,7 +50,7 @@ def trailing_zeros(b: Builder, x: Value) -> Value:
     lowest = b.op(Opcode.AND, x, b.op(Opcode.SUB, 0, x))
     exponent = b.op(Opcode.LSHR, b.op(Opcode.UITOFP, lowest), EXPONENT_SHIFT)
     zeros = b.op(Opcode.SUB, exponent, _BIAS)
-    return b.op(Opcode.SELECT, b.op(Opcode.ICMP_NE, x, 0), zeros, _WORD)
+    return b.op(Opcode.SELECT, b.op(Opcode.ICMP_NE, x, 0), zeros, WORD_BITS)
 
 
 def swap_bytes(b: Builder, x: Value) -> Value:

@@ -14,7 +14,7 @@ from vividc.machine.words import float_of
 Interval = tuple[float, float]
 ANYTHING: Final[Interval] = (-math.inf, math.inf)
 _SLACK: Final = 1 + 2.0**-20  # more than any rounding error
-_WORD: Final = 2.0**31
+_LARGEST_INT: Final = 2.0**31
 _O = Opcode
 
 
@@ -120,8 +120,8 @@ _RULES: Final[dict[Opcode, Callable[..., Interval]]] = {
     _O.FMUL: _product,
     _O.FMA: _fma,
     _O.FREM: _remainder,
-    _O.SITOFP: _within(_WORD),
-    _O.UITOFP: _within(2 * _WORD),
+    _O.SITOFP: _within(_LARGEST_INT),
+    _O.UITOFP: _within(2 * _LARGEST_INT),
     _O.SIN: _within(1.0),
     _O.COS: _within(1.0),
     _O.TANH: _within(1.0),

@@ -28,6 +28,7 @@ from vividc.dfg.forms.json_fields import Fields, Problems, fields_of, parse_loc,
 from vividc.dfg.ir import DFG, Control, Edge, EdgeKind, Node
 from vividc.errors import DFGError, quoted
 from vividc.machine.opcodes import BASE, ORDER, PRED, Opcode
+from vividc.machine.words import WORD_BYTES
 
 SCHEMA: Final = "vividc.dfg/1"
 _PORT_NAMES: Final = {"pred": PRED, "base": BASE}
@@ -35,7 +36,6 @@ _NODE_KEYS: Final = frozenset(
     {"id", "op", "const", "name", "shift", "offset", "width", "signed"}
     | {"control", "unless_exit", "loc", "label"}
 )
-_WORD_BYTES: Final = 4
 _EDGE_KEYS: Final = frozenset({"src", "dst", "distance", "operand", "kind", "init"})
 
 
@@ -114,7 +114,7 @@ def _node_to_json(node: Node) -> dict[str, object]:
         "name": node.name or None,
         "shift": node.shift or None,
         "offset": node.offset or None,
-        "width": node.width if node.width != _WORD_BYTES else None,
+        "width": node.width if node.width != WORD_BYTES else None,
         "signed": node.signed or None,
         "control": node.control.value if node.control is not None else None,
         "unless_exit": node.unless_exit or None,
@@ -183,7 +183,7 @@ def _own_node(fields: Fields, numbers: Mapping[int | str, int]) -> Node:
         name=fields.text("name", ""),
         shift=fields.integer("shift", 0),
         offset=fields.integer("offset", 0),
-        width=fields.integer("width", _WORD_BYTES),
+        width=fields.integer("width", WORD_BYTES),
         signed=fields.flag("signed"),
         control=fields.choice("control", marks, None),
         unless_exit=fields.flag("unless_exit"),

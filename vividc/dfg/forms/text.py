@@ -29,11 +29,11 @@ from vividc.dfg.forms.text_parser import parse
 from vividc.dfg.ir import DFG, Edge, EdgeKind, Node
 from vividc.machine.opcodes import BASE, PRED
 from vividc.machine.text_line import location_text
+from vividc.machine.words import WORD_BYTES
 
 __all__ = ["parse", "to_text"]
 
 _KIND_RANK: Final = {EdgeKind.DATA: 0, EdgeKind.ORDER: 1, EdgeKind.CONTROL: 2}
-_WORD_BYTES: Final = 4
 _PORT_RANK: Final = {PRED: 1, BASE: 2}
 
 
@@ -108,7 +108,7 @@ def _address_text(node: Node) -> Iterable[str]:
         yield f"shift {node.shift}"
     if node.offset:
         yield f"offset {node.offset}"
-    if node.width != _WORD_BYTES:
+    if node.width != WORD_BYTES:
         yield f"width {node.width}"
     if node.signed:
         yield "signed"

@@ -11,9 +11,8 @@ from vividc.dfg.passes.identities import IDENTITIES
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
 from vividc.machine.opcodes import PRED, SOURCES, Opcode
 from vividc.machine.semantics import SEMANTICS
-from vividc.machine.words import signed
+from vividc.machine.words import WORD_BITS, signed
 
-_WORD_BITS: Final = 32
 _OFFSET_LIMIT: Final = 1 << 15  # what an immediate field of a load/store unit can hold
 
 
@@ -98,8 +97,8 @@ def _fold_index(rewrite: Rewrite, node: Node) -> bool:
 
 def _with_constant(node: Node, op: Opcode, word: int) -> Node | None:
     if op is Opcode.SHL:
-        shift = node.shift + word % _WORD_BITS
-        return replace(node, shift=shift) if shift < _WORD_BITS else None
+        shift = node.shift + word % WORD_BITS
+        return replace(node, shift=shift) if shift < WORD_BITS else None
     offset = node.offset + (signed(word) << node.shift)
     return replace(node, offset=offset) if abs(offset) < _OFFSET_LIMIT else None
 

@@ -19,13 +19,12 @@ from vividc.launch.tiles.chunks import Chunk, Cut, Interval, Plan, aligned, plan
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import WIDE_LOW, Reduction
 from vividc.machine.semantics import evaluate
+from vividc.machine.words import WORD_MASK
 from vividc.program import WORD_BYTES, Program, joined
 from vividc.sim.bind import arguments, returned
 from vividc.sim.footprint.footprint import chunk_inputs, start_words
 from vividc.sim.run import CYCLE_LIMIT
 from vividc.sim.tile import AUTO
-
-_WORD_MASK = 0xFFFFFFFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +100,7 @@ class Spread:
         if how.op == WIDE_LOW:
             return returned(dtype, functools.reduce(functools.partial(combined, how), words))
         # Words: a 64-bit integer that one word holds comes back extended.
-        lows = [word & _WORD_MASK for word in words]
+        lows = [word & WORD_MASK for word in words]
         total = functools.reduce(functools.partial(combined, how), lows)
         has_high = self.program.return_high is not None
         return returned(dtype, total if has_high else joined(dtype, total, None))
@@ -195,7 +194,7 @@ class _Builder:
         address: int,
         part: Interval,
     ) -> None:
-        inputs[f"&{name}"] = (address - part[0]) & _WORD_MASK
+        inputs[f"&{name}"] = (address - part[0]) & WORD_MASK
         end = min(part[1], self._cut.sizes[name])
         extents[name] = (address, address + end - part[0])
 

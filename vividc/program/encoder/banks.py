@@ -14,9 +14,8 @@ from vividc.arch.fabric import Fabric, Scratchpad
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.regions import Kernel
 from vividc.machine.opcodes import BASE, Opcode
+from vividc.machine.words import WORD_BYTES
 from vividc.mapper.mapping import Mapping as RegionMapping
-
-_WORD_BYTES = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +85,7 @@ def _meetings(
 ) -> int:
     mine = [stream for stream in streams if stream.array == name]
     return sum(
-        scratchpad.may_meet((bank - starts[other.array]) * _WORD_BYTES + own.lead - other.lead)
+        scratchpad.may_meet((bank - starts[other.array]) * WORD_BYTES + own.lead - other.lead)
         for own in mine
         for other in streams
         if other.array in starts

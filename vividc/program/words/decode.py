@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
 from vividc.errors import BundleError
+from vividc.machine.words import WORD_BITS
 from vividc.program.words.entry import (
     OPERAND_NAMES,
     Capture,
@@ -24,7 +25,6 @@ from vividc.program.words.layout import (
     OFFSET_BITS,
     OPCODE_NUMBERS,
     WIDTHS,
-    WORD_BITS,
     WordLayout,
     word_layout,
 )

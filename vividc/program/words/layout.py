@@ -36,6 +36,7 @@ from typing import Final
 
 from vividc.arch.fabric import Fabric
 from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
+from vividc.machine.words import WORD_BITS
 from vividc.program.words.entry import OPERAND_NAMES, Sel, Select
 
 _NOT_EXECUTED: Final = frozenset({LatencyClass.SOURCE, LatencyClass.SINK, LatencyClass.GENERIC})
@@ -50,7 +51,6 @@ OFFSET_BITS: Final = 16
 SHIFT_BITS: Final = 5
 WIDTHS: Final = (4, 1, 2)
 """Bytes of each value of field ``width``."""
-WORD_BITS: Final = 32
 
 
 @dataclass(frozen=True, slots=True)

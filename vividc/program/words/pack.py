@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Final
 
 from vividc.errors import InternalError
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.program.words.entry import (
     OPERAND_NAMES,
     Capture,
@@ -17,10 +18,9 @@ from vividc.program.words.entry import (
     Select,
     Use,
 )
-from vividc.program.words.layout import OFFSET_BITS, OPCODE_NUMBERS, WIDTHS, WORD_BITS, WordLayout
+from vividc.program.words.layout import OFFSET_BITS, OPCODE_NUMBERS, WIDTHS, WordLayout
 
 USES: Final = (Use.NONE, Use.EXIT, Use.BRANCH, Use.TRIP)
-_WORD_MASK: Final = (1 << WORD_BITS) - 1
 
 
 def pack(layout: WordLayout, entry: Entry) -> tuple[int, ...]:
@@ -37,7 +37,7 @@ def pack(layout: WordLayout, entry: Entry) -> tuple[int, ...]:
         if field is None or not 0 <= value < field.limit:
             raise InternalError(f"configuration field {name} cannot hold {value}")
         bits |= value << field.offset
-    return tuple(bits >> WORD_BITS * k & _WORD_MASK for k in range(layout.words_per_entry))
+    return tuple(bits >> WORD_BITS * k & WORD_MASK for k in range(layout.words_per_entry))
 
 
 def _values(layout: WordLayout, entry: Entry) -> Iterator[tuple[str, int]]:

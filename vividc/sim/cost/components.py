@@ -7,9 +7,9 @@ from typing import Final
 
 from vividc.arch.fabric import PE, Fabric
 from vividc.machine.opcodes import LatencyClass
+from vividc.machine.words import WORD_BITS
 from vividc.program.words.layout import word_layout
 
-WORD_BITS: Final = 32
 _OPERANDS: Final = 4
 _FLOAT: Final = frozenset({LatencyClass.FADD, LatencyClass.FMUL, LatencyClass.FMA})
 _INTEGER: Final = frozenset({LatencyClass.INT, LatencyClass.COMPARE, LatencyClass.SELECT})

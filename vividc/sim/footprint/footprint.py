@@ -30,13 +30,12 @@ from vividc.machine.parallel import (
     Term,
 )
 from vividc.machine.semantics import evaluate
-from vividc.machine.words import WORD_MASK, signed
+from vividc.machine.words import WORD_BITS, WORD_MASK, signed
 
 Interval = tuple[int, int]
 Rule = Callable[..., Interval]
 
-_WORD_BITS: Final = 32
-ANYTHING: Final[Interval] = (-(1 << _WORD_BITS - 1), (1 << _WORD_BITS - 1) - 1)
+ANYTHING: Final[Interval] = (-(1 << WORD_BITS - 1), (1 << WORD_BITS - 1) - 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +154,7 @@ def _bytes(access: Access, index: Interval | None, size: int) -> Interval | None
         return (0, size)
     start = (index[0] << access.shift) + access.offset
     end = (index[1] << access.shift) + access.offset + access.width
-    if end - start >= 1 << _WORD_BITS:
+    if end - start >= 1 << WORD_BITS:
         return (0, size)
     start, end = max(start, 0), min(end, size)
     return (start, end) if start < end else None
@@ -208,7 +207,7 @@ def _leaf(term: Term, inputs: Mapping[str, int], index: Interval | None) -> Inte
     if term.op == CONST:
         return (term.word, term.word)
     if term.op == ANY:
-        return ANYTHING if term.word >= _WORD_BITS else (0, (1 << term.word) - 1)
+        return ANYTHING if term.word >= WORD_BITS else (0, (1 << term.word) - 1)
     word = inputs.get(term.key)
     return ANYTHING if word is None else (signed(word), signed(word))
 
@@ -286,7 +285,7 @@ def _mul(a: Interval, b: Interval) -> Interval:
 def _mulhu(a: Interval, b: Interval) -> Interval:
     if a[0] < 0 or b[0] < 0:
         return ANYTHING
-    return (a[0] * b[0] >> _WORD_BITS, a[1] * b[1] >> _WORD_BITS)
+    return (a[0] * b[0] >> WORD_BITS, a[1] * b[1] >> WORD_BITS)
 
 
 def _and(a: Interval, b: Interval) -> Interval:
@@ -313,7 +312,7 @@ def _lshr(a: Interval, b: Interval) -> Interval:
 
 
 def _is_shift(b: Interval) -> bool:
-    return b[0] == b[1] and 0 <= b[0] < _WORD_BITS
+    return b[0] == b[1] and 0 <= b[0] < WORD_BITS
 
 
 def _slt(a: Interval, b: Interval) -> Interval:

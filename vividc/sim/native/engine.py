@@ -25,7 +25,7 @@ CYCLES_A_CALL: Final = 4_000_000
 """Cycles between two looks at interrupts and progress: at most some tenths of a second."""
 ENTRIES_A_CALL: Final = 1_000_000
 _NEVER: Final = (1 << 62) - 1
-_WORD: Final = 1 << 32
+_MODULUS: Final = 1 << 32
 
 
 class NativeEngine:
@@ -53,7 +53,7 @@ def _takes(program: Program, launch: Launch) -> bool:
     """Whether native code can take a launch: `simulate` makes no others."""
     size = program.fabric.scratchpad.size_bytes
     inside = all(0 <= first <= end <= size for first, end in launch.extents.values())
-    words = all(0 <= launch.inputs[row.key] < _WORD for row in program.launch)
+    words = all(0 <= launch.inputs[row.key] < _MODULUS for row in program.launch)
     fits = launch.memory.nbytes == size and 0 <= launch.cycle_limit < _NEVER
     return inside and words and fits and sys.byteorder == "little"
 

@@ -9,15 +9,13 @@ from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
 from vividc.errors import CycleLimit, SimulationError
-from vividc.machine.words import loaded, stored
+from vividc.machine.words import WORD_BYTES, WORD_MASK, loaded, stored
 from vividc.program import Program, Use, trapped
 from vividc.sim.engine import Activity, Progress
 from vividc.sim.reference.predecode import LiveOut, Moves, Op, RegionCode, Slot, State, StateMap
 
 _ENDLESS: Final = sys.maxsize
 _PROGRESS_EVERY: Final = 1 << 13
-_WORD_MASK: Final = 0xFFFFFFFF
-_WORD_BYTES: Final = 4
 _RAISED: Final = "numba raises it, too, for these arguments: check them on the host"
 _SIGN_BIT: Final = 0x80000000
 _COUNTERS: Final = (
@@ -111,7 +109,7 @@ class RegionState:
         self._exited = -1  # the iteration that ended the loop
         self._exited_at = 0
         self._misses: list[tuple[int, bool, SimulationError]] = []  # of loads that may not count
-        self._anywhere = (0, _WORD_BYTES * len(tile.memory))
+        self._anywhere = (0, WORD_BYTES * len(tile.memory))
         latencies = tile.program.fabric.latencies.values()
         self._ring: list[list[Completion]] = [[] for _ in range(max(latencies))]
         self._outputs: list[Completion] = []  # what is in the output registers in this cycle
@@ -163,7 +161,7 @@ class RegionState:
         region = self._region
         newest = self.cycle // region.row.ii
         for cell, stage in region.counters:
-            self._state[cell] = newest - stage & _WORD_MASK
+            self._state[cell] = newest - stage & WORD_MASK
         for slot in region.slots:
             if self._exits and self._exits[0][0] == self.cycle:
                 self._resolve()
@@ -268,7 +266,7 @@ class RegionState:
         self._tile.scratchpad_writes += len(written)
         memory = self._tile.memory
         for address, word, width in written:
-            cell = address // _WORD_BYTES
+            cell = address // WORD_BYTES
             memory[cell] = stored(memory[cell], word, address, width)
             touched.append(cell)
         if len(touched) > 1:
@@ -291,15 +289,15 @@ class RegionState:
             issue = op.issue
             word = 0
             if predicate:
-                address = base + (index << issue.shift) + issue.offset & _WORD_MASK  # type: ignore[operator]
+                address = base + (index << issue.shift) + issue.offset & WORD_MASK  # type: ignore[operator]
                 first, end = extents.get(op.array, anywhere)
                 width = issue.width
                 if not first <= address <= end - width or address % width:
                     self._miss(op, iteration, address)
                 if address < scratchpad_end and not address % width:
-                    touched.append(address // _WORD_BYTES)
-                    word = memory[address // _WORD_BYTES]
-                    if width < _WORD_BYTES:
+                    touched.append(address // WORD_BYTES)
+                    word = memory[address // WORD_BYTES]
+                    if width < WORD_BYTES:
                         word = loaded(word, address, width, issue.signed)
             self._complete(op, word)
             if issue.use is not Use.NONE:
@@ -321,7 +319,7 @@ class RegionState:
             self._complete(op, None)
             if not predicate or (issue.unless_exit and newest - op.stage == self._exited):
                 continue
-            address = base + (index << issue.shift) + issue.offset & _WORD_MASK
+            address = base + (index << issue.shift) + issue.offset & WORD_MASK
             first, end = extents.get(op.array, anywhere)
             if not first <= address <= end - issue.width or address % issue.width:
                 raise self._bad_address(op, address)

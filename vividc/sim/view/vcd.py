@@ -12,13 +12,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from vividc.machine.words import WORD_BITS
 from vividc.program.words.layout import OPCODE_NUMBERS
 from vividc.sim.reference.predecode import StateMap
 from vividc.sim.view.recording import NOTHING, Recording
 
 _FIRST_PRINTABLE: Final = 33
 _PRINTABLE: Final = 94
-_WORD: Final = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +84,8 @@ def _declarations(signals: list[_Signal], ids: list[str]) -> Iterator[str]:
 
 
 def _signals(recording: Recording) -> Iterator[_Signal]:
-    yield _Signal("", "region", _WORD, _spread(recording, recording.regions))
-    yield _Signal("", "slot", _WORD, _spread(recording, recording.slots))
+    yield _Signal("", "region", WORD_BITS, _spread(recording, recording.regions))
+    yield _Signal("", "slot", WORD_BITS, _spread(recording, recording.slots))
     yield _Signal("", "stall", 1, recording.stalled().astype(np.int64))
     fabric = recording.program.fabric
     cells = StateMap(fabric)
@@ -93,15 +93,15 @@ def _signals(recording: Recording) -> Iterator[_Signal]:
     for pe in fabric.pes:
         scope = f"pe_{pe.id}"
         yield _Signal(scope, "opcode", 8, _spread(recording, opcodes[:, pe.id], moves=True))
-        yield _Signal(scope, "iteration", _WORD, _spread(recording, iterations[:, pe.id]))
+        yield _Signal(scope, "iteration", WORD_BITS, _spread(recording, iterations[:, pe.id]))
         if not recording.words.size:
             continue
-        yield _Signal(scope, "out", _WORD, _words(recording, cells.out_base + pe.id))
+        yield _Signal(scope, "out", WORD_BITS, _words(recording, cells.out_base + pe.id))
         for register in range(pe.registers):
             cell = cells.register(pe.id, register)
-            yield _Signal(scope, f"rf_{register}", _WORD, _words(recording, cell))
+            yield _Signal(scope, f"rf_{register}", WORD_BITS, _words(recording, cell))
         for link in fabric.links_to[pe.id]:
-            yield _Signal(scope, f"link_from_{link.src}", _WORD, _words(recording, link.id))
+            yield _Signal(scope, f"link_from_{link.src}", WORD_BITS, _words(recording, link.id))
 
 
 def _issues(recording: Recording) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
 
 import vividc
 from vividc.launch import Job, JobResult
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.programs import Programs
 from vividc.render.array.options import NetworkMode
-
-_WORD: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +36,7 @@ class Device:
     @property
     def line_bytes(self) -> int:
         """A word of each bank: what it takes at most that an array starts in a certain bank."""
-        return _WORD * self.programs.machine.fabric.scratchpad.banks
+        return WORD_BYTES * self.programs.machine.fabric.scratchpad.banks
 
     @property
     def clock_ghz(self) -> float:

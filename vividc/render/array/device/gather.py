@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.launch.turns import Turns
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.arrays import Float32Array
 
 _MOST_ROWS = 128
-_WORD = 4
 
 
 def gather_rows(
@@ -35,7 +35,7 @@ def gather_rows(
     result = np.zeros((sum(map(len, rows)), *table.shape[1:]), dtype=np.float32)
     job = device.new_job()
     half = device.scratchpad_bytes // 2
-    most = max(1, min(_MOST_ROWS, half // max(table[:1].nbytes, _WORD)))
+    most = max(1, min(_MOST_ROWS, half // max(table[:1].nbytes, WORD_BYTES)))
     turns = Turns(range(device.tiles))
     done = 0
     for piece in rows:

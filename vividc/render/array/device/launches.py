@@ -13,12 +13,12 @@ import numpy.typing as npt
 import vividc
 from vividc.launch import At, Job
 from vividc.launch.turns import Turns, deal
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.errors import SceneError
 
 Words = npt.NDArray[np.generic]
-_WORD: Final = 4
 _COPIES: Final = ((2, 2), (1, 2), (1, 1))
 """Of shared and of own arrays, the best first: one is used while the next is moved in."""
 
@@ -29,6 +29,11 @@ class Move:
 
     array: Words
     first: int = 0
+
+    @property
+    def first_byte(self) -> int:
+        """Of the kernel's array."""
+        return WORD_BYTES * self.first
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +88,7 @@ class Launch:
     @property
     def sizes(self) -> dict[str, int]:
         """Bytes of each array that is not shared."""
-        found = {name: _WORD * math.prod(shape) for name, shape in self.shapes.items()}
+        found = {name: WORD_BYTES * math.prod(shape) for name, shape in self.shapes.items()}
         found |= {name: array.nbytes for name, array in self._whole()}
         return {name: size for name, size in found.items() if name not in self.shared}
 
@@ -192,7 +197,7 @@ class Places:
     def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
         self._banks = program.banks
         self._count = program.fabric.scratchpad.banks
-        self._line = _WORD * self._count
+        self._line = WORD_BYTES * self._count
         own = [launch.sizes for launch in share]
         shared = {launch.group: _sizes(launch.shared) for launch in share}
         needs = [max(self._end(sizes) for sizes in some) for some in (shared.values(), own)]
@@ -212,11 +217,11 @@ class Places:
     def addresses(self, sizes: Mapping[str, int], start: int) -> dict[str, int]:
         """Return the address of each array from `start` on, in the bank the compiler wished for."""
         found = {}
-        word = start // _WORD
+        word = start // WORD_BYTES
         for name, size in sizes.items():
             word += (self._banks.get(name, 0) - word) % self._count
-            found[name] = _WORD * word
-            word += size // _WORD
+            found[name] = WORD_BYTES * word
+            word += size // WORD_BYTES
         return found
 
     def _end(self, sizes: Mapping[str, int]) -> int:
@@ -260,7 +265,7 @@ class _Tile:
         run = self._job.run(self._tile, self._program, after=after, **arguments, **launch.scalars)
         self._users[self._copy].append(run)
         leaving = [
-            self._job.move_out(self._tile, at[name] + _WORD * move.first, move.array, after=[run])
+            self._job.move_out(self._tile, at[name] + move.first_byte, move.array, after=[run])
             for name, array in launch.outputs.items()
             for move in _pieces(array)
         ]
@@ -288,7 +293,7 @@ class _Tile:
                 steps.append(job.gather(tile, array.table, array.indices, at[name], after=after))
                 continue
             for move in _pieces(array):
-                address = at[name] + _WORD * move.first
+                address = at[name] + move.first_byte
                 steps.append(job.move_in(tile, move.array, address, after=after))
         return steps
 

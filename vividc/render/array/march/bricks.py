@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from vividc.machine.words import WORD_BITS
+
 _SIDE = 4
-_WORD_BITS = 32
 _BYTE_BITS = 8
 
 
@@ -65,8 +66,8 @@ def pack_bricks(occupied: npt.NDArray[np.bool_]) -> Bricks:
 
 def _words(bits: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint32]:
     """Return bits as words, the lowest first."""
-    words = -(-len(bits) // _WORD_BITS)
-    filled = np.zeros(words * _WORD_BITS, dtype=np.bool_)
+    words = -(-len(bits) // WORD_BITS)
+    filled = np.zeros(words * WORD_BITS, dtype=np.bool_)
     filled[: len(bits)] = bits
-    packed = np.packbits(filled, bitorder="little").reshape(words, _WORD_BITS // _BYTE_BITS)
+    packed = np.packbits(filled, bitorder="little").reshape(words, WORD_BITS // _BYTE_BITS)
     return packed.view("<u4").astype(np.uint32).ravel()

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vividc import LoopOptions
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
@@ -30,7 +31,6 @@ RAYS = SIDE * SIDE
 _KERNELS = "render/marching"
 _RAYS_AT_ONCE = 16
 """Rays of a launch of the marching kernel; a divisor of those of a block."""
-_WORD = 4
 _RAY_WORDS = 6
 _SAMPLES_AT_ONCE = 720
 """Samples of a launch of the other kernels: five words of each fit a scratchpad twice."""
@@ -328,8 +328,8 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> int:
         have bits for.
     """
     free = scratchpad_bytes - bricks.size_bytes
-    words = free // _WORD - _SPARE_WORDS - _RAY_WORDS * _RAYS_AT_ONCE
-    behind = (scratchpad_bytes - _OTHER_BYTES) // (_WORD * _SAMPLE_WORDS)
+    words = free // WORD_BYTES - _SPARE_WORDS - _RAY_WORDS * _RAYS_AT_ONCE
+    behind = (scratchpad_bytes - _OTHER_BYTES) // (WORD_BYTES * _SAMPLE_WORDS)
     wanted = min(march.samples, behind)
     most = words // 4 if words // 4 >= wanted else words // 2
     if most < _FEWEST_SAMPLES:

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launches import Gathered, Launch, run_shares
@@ -30,7 +31,6 @@ _LARGEST: Final = 15_872
 """Bytes of a launch of the interpolation: two fit a scratchpad beside what is resident."""
 _CORNERS: Final = 8
 _FEATURES: Final = 2
-_WORD: Final = 4
 _FINEST: Final = 1022
 """Largest scale of a level: a cell's number on an axis has ten bits."""
 
@@ -213,11 +213,11 @@ class _Passes:
         first, last = self._span(chunk)
         ends = self._ends[chunk].tolist()
         fixed = self._points[first:last].nbytes
-        by_level = (1 + _FEATURES) * _WORD * (last - first)
+        by_level = (1 + _FEATURES) * WORD_BYTES * (last - first)
         start = 0
         for stop in range(1, len(ends)):
             cells = ends[stop] - ends[start]
-            size = fixed + (stop - start) * by_level + cells * _CORNERS * _FEATURES * _WORD
+            size = fixed + (stop - start) * by_level + cells * _CORNERS * _FEATURES * WORD_BYTES
             if size > _LARGEST and stop - start > 1:
                 yield start, stop - 1
                 start = stop - 1

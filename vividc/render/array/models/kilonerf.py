@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc import LoopOptions
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
@@ -22,7 +23,6 @@ from vividc.render.radiance import KiloNeRF
 Int32Array = npt.NDArray[np.int32]
 
 _KERNELS = "render/kilonerf"
-_WORD = 4
 _POSITION_TERMS = 63
 _AXES = 3
 _DIRECTION_TERMS = 27
@@ -230,7 +230,8 @@ class KiloNeRFOnArray(ModelField):
         """First network and number of networks (-1 is one) that a scratchpad counts at once."""
         networks = len(self._model.weights[0]) + 1
         lines = _SORT_ARRAYS * self._device.line_bytes
-        most = (self._device.scratchpad_bytes - 3 * _WORD * CHUNK - lines) // (2 * _WORD) - 2
+        words = (self._device.scratchpad_bytes - lines) // WORD_BYTES
+        most = (words - 3 * CHUNK) // 2 - 2
         parts = -(-networks // most)
         bounds = [networks * part // parts - 1 for part in range(parts + 1)]
         return [(low, high - low) for low, high in pairwise(bounds)]
@@ -277,8 +278,8 @@ class KiloNeRFOnArray(ModelField):
         """Return how many samples fit beside a network's weights, in fours."""
         hidden = self._hidden
         weights = (_POSITION_TERMS + hidden + hidden + _OCTET) * hidden + 4 * hidden
-        free = self._device.scratchpad_bytes - _WORD * weights - _SPARE_BYTES
-        row = _WORD * (_POSITION_TERMS + 2 * hidden + _OCTET)
+        free = self._device.scratchpad_bytes - WORD_BYTES * weights - _SPARE_BYTES
+        row = WORD_BYTES * (_POSITION_TERMS + 2 * hidden + _OCTET)
         for copies in (2, 1):
             count: int = min(_AT_ONCE, free // (copies * row)) // _QUAD * _QUAD
             if count:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.gemm import Layer
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
@@ -23,7 +24,6 @@ _KERNEL = "render/layers:layer"
 _FEWEST = 2048
 """Samples for which a TPU-like mode is considered: its programs take the host seconds to make."""
 _NO_LIMIT = np.float32(-np.inf)
-_WORD = 4
 _PLACES = 2
 _ARRAYS = 3
 """Of the kernel of layers."""
@@ -188,7 +188,7 @@ def _parts(layer: DenseLayer, device: Device, copies: int) -> list[Float32Array]
     """
     neurons = layer.packed.shape[1]
     weights = copies * layer.packed[0, :1].nbytes
-    samples = _PLACES * SAMPLES * _WORD
+    samples = _PLACES * SAMPLES * WORD_BYTES
     aligned = device.scratchpad_bytes - _PLACES * _ARRAYS * device.line_bytes
     room = aligned - samples * layer.inputs
     most = max(1, room // (weights + samples * NEURONS))

@@ -11,10 +11,11 @@ import numpy as np
 import vividc
 from vividc.launch import At, Job
 from vividc.launch.turns import Turns, deal
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.options import RenderPrecision
-from vividc.render.array.splats.project import ROW_WORDS, WORD, DeviceSplats
+from vividc.render.array.splats.project import ROW_WORDS, DeviceSplats
 from vividc.render.array.splats.sort import ScreenLists
 from vividc.render.arrays import Float32Array, Int32Array, frozen_float32
 from vividc.render.camera import Camera
@@ -28,8 +29,8 @@ _SIDE = 4
 _BLOCK_PIXELS = _SIDE * _SIDE
 _LIST_PART = 160
 """Entries of a list that a run takes, as in the kernels' file."""
-_PART_BYTES = WORD * ROW_WORDS * _LIST_PART
-_TILE_BYTES = WORD * 4 * TILE_PX * TILE_PX
+_PART_BYTES = WORD_BYTES * ROW_WORDS * _LIST_PART
+_TILE_BYTES = WORD_BYTES * 4 * TILE_PX * TILE_PX
 _PIXELS_AT = 2 * _PART_BYTES
 _COUNTS_AT = _PIXELS_AT + 2 * _TILE_BYTES
 _COUNTS = 4
@@ -121,7 +122,7 @@ class _Blend:
                     tile,
                     self.program,
                     splats=At(at, (ROW_WORDS * len(slots),)),
-                    pixels=At(pixels_at, (_TILE_BYTES // WORD,)),
+                    pixels=At(pixels_at, (_TILE_BYTES // WORD_BYTES,)),
                     counts=At(_COUNTS_AT, (_COUNTS,)),
                     n=len(slots),
                     x0=np.float32(band.x),

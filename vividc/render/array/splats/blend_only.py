@@ -15,6 +15,7 @@ import vividc
 from vividc.errors import demand_type
 from vividc.launch import At, Job, JobStats
 from vividc.launch.turns import Turns, deal
+from vividc.machine.words import WORD_BYTES
 from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.crop import Crop
@@ -28,7 +29,6 @@ PARAMETERS = (
     *("out", "x0", "y0", "width", "height", "n"),
 )
 """Of the blending kernel, as in `kernels/gs_blend.py`."""
-_WORD = 4
 _CYCLES_A_MS_AT_1_GHZ = 1e6
 _PLACES = (2, 1)
 """Launches that lie in a scratchpad at once, at best: one runs while the next is moved in."""
@@ -86,7 +86,7 @@ def blend_on_array(
     crop = Crop(0, 0, camera.width, camera.height)
     job = Job(accelerator)
     size_bytes = job.accelerator.fabric.scratchpad.size_bytes
-    places, launches = _cut(tile_lists(scene, camera), crop, size_bytes // _WORD)
+    places, launches = _cut(tile_lists(scene, camera), crop, size_bytes // WORD_BYTES)
     outputs = [_white(launch) for launch in launches]
     busy = [pair for pair in zip(launches, outputs, strict=True) if len(pair[0].splats)]
     work = [len(launch.splats) * launch.block.pixels for launch, _ in busy]
@@ -112,7 +112,7 @@ def _cut(
             launches = cut_small_launches(lists, crop, words)
         except SceneError:  # a pixel's list is too long: perhaps not for a larger place
             continue
-        return tuple(_WORD * words * place for place in range(count)), launches
+        return tuple(WORD_BYTES * words * place for place in range(count)), launches
     return (0,), cut_small_launches(lists, crop, spm_words)
 
 
@@ -141,7 +141,7 @@ def _add_tile(
         block = launch.block
         end = start + splats.nbytes
         arguments: dict[str, object] = {
-            name: At(start + _WORD * count * i, (count,)) for i, name in enumerate(columns)
+            name: At(start + WORD_BYTES * count * i, (count,)) for i, name in enumerate(columns)
         }
         arguments |= {"out": At(end, (4 * block.pixels,)), "x0": block.x0, "y0": block.y0}
         arguments |= {"width": block.width, "height": block.height, "n": count}

@@ -8,13 +8,13 @@ import numpy as np
 
 from vividc.launch import At, Job
 from vividc.launch.turns import Turns
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.splats.scene import DeviceScene, camera_words, screen_tiles
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 
-WORD = 4
 ROW_WORDS = 13
 ENTRY_WORDS = 3
 _CHUNK = 170
@@ -124,12 +124,12 @@ class _Projection:
         """Return the step after which each chunk lies projected in DRAM."""
         program = self.device.programs.get(f"{_FILE}:splat_covariance")
         tiles = self.device.tiles
-        camera_at = _PLACES * _PLACE_WORDS * WORD - _CAMERA_WORDS * WORD
+        camera_at = _PLACES * _PLACE_WORDS * WORD_BYTES - _CAMERA_WORDS * WORD_BYTES
         cameras = self.job.move_in(range(min(tiles, chunks)), self.camera, camera_at)
         turns, written = Turns(range(tiles), _PLACES), []
         for chunk in range(chunks):
             tile, place, before = turns.take()
-            start = place * (_PLACE_WORDS - _CAMERA_WORDS) * WORD
+            start = place * (_PLACE_WORDS - _CAMERA_WORDS) * WORD_BYTES
             part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
             geometry = self.scene.geometry[part]
             n = len(geometry)
@@ -161,7 +161,7 @@ class _Projection:
             tile, place, before = turns.take()
             part = slice(chunk * _CHUNK, (chunk + 1) * _CHUNK)
             placed, opacity = self.placed[part], self.scene.opacity[part]
-            at = _addresses(place * _PLACE_WORDS * WORD, len(placed))
+            at = _addresses(place * _PLACE_WORDS * WORD_BYTES, len(placed))
             moves = [
                 self.job.move_in(tile, placed, at["placed"], after=[written[chunk], *before]),
                 self.job.move_in(tile, opacity, at["opacity"], after=before),
@@ -198,7 +198,7 @@ def _addresses(start: int, count: int) -> dict[str, int]:
     at = {}
     for name, size in words.items():
         at[name] = start
-        start += WORD * size
+        start += WORD_BYTES * size
     return at
 
 
@@ -214,10 +214,10 @@ def _colour(
     eye = {f"eye_{axis}": camera.position[k] for k, axis in enumerate("xyz")}
     for first, last in _pieces(splats.spans(), most):
         tile, place, before = turns.take()
-        start = place * _PLACE_WORDS * WORD
+        start = place * _PLACE_WORDS * WORD_BYTES
         chunk = first // splats.chunk * splats.chunk
         source = scene.appearance[chunk : chunk + splats.chunk]
-        rows_at = start + (last - first) * words * WORD
+        rows_at = start + (last - first) * words * WORD_BYTES
         rows = splats.rows[first:last]
         moves = [
             job.gather(tile, source, splats.sources[first:last], start, after=before),

@@ -16,9 +16,10 @@ import numpy as np
 
 import vividc
 from vividc.launch import At, Job
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.splats.project import WORD, DeviceSplats
+from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.arrays import Int32Array
 from vividc.render.errors import SceneError
 
@@ -208,12 +209,12 @@ def _count(
             program,
             entries=At(0, (entries,)),
             n=len(chunk),
-            counts=At(WORD * _COUNTS_AT, (digits,)),
+            counts=At(WORD_BYTES * _COUNTS_AT, (digits,)),
             after=[*moves, *last.get(tile, [])],
             **scalars,
         )
         counts = counted.counts[number]
-        last[tile] = [job.move_out(tile, WORD * _COUNTS_AT, counts, after=[run])]
+        last[tile] = [job.move_out(tile, WORD_BYTES * _COUNTS_AT, counts, after=[run])]
     done = [step for steps in last.values() for step in steps]
     for group in range(groups):
         members = [i for i, chunk in enumerate(chunks) if chunk.group == group]
@@ -241,7 +242,7 @@ def _place(
     counts = counted.counts[span]
     chunks, digits = counts.shape
     width = max(1, min(digits, _PLACE_COUNTS // chunks))
-    total_at = WORD * _PLACE_COUNTS
+    total_at = WORD_BYTES * _PLACE_COUNTS
     steps = [job.move_in(tile, counted.totals[group : group + 1], total_at, after=after)]
     for first in range(0, digits, width):
         some = slice(first, min(first + width, digits))
@@ -280,7 +281,7 @@ def _scatter(
         for low, high in _ranges(counted.counts[number], how):
             before = [*last.get(tile, []), *here]
             digits = counted.counts[number]
-            moved = job.move_in(tile, digits, WORD * _COUNTS_AT, after=before)
+            moved = job.move_in(tile, digits, WORD_BYTES * _COUNTS_AT, after=before)
             bounds = {"low": low, "high": high} if how.ranged else {}
             total = int(digits[low:high].sum())
             run = job.run(
@@ -288,8 +289,8 @@ def _scatter(
                 how.program,
                 entries=At(0, (entries,)),
                 n=len(chunk),
-                counts=At(WORD * _COUNTS_AT, (len(digits),)),
-                out=At(WORD * _OUT_AT, (how.words * total,)),
+                counts=At(WORD_BYTES * _COUNTS_AT, (len(digits),)),
+                out=At(WORD_BYTES * _OUT_AT, (how.words * total,)),
                 after=[moved, *before],
                 **how.scalars,
                 **bounds,
@@ -304,7 +305,7 @@ def _move_in(job: Job, tile: int, chunk: _Chunk, after: Sequence[int]) -> tuple[
     """Bring the pieces of a chunk; return their words and the steps."""
     steps, at = [], 0
     for piece in chunk.pieces:
-        steps.append(job.move_in(tile, piece, WORD * at, after=after))
+        steps.append(job.move_in(tile, piece, WORD_BYTES * at, after=after))
         at += piece.size
     return at, steps
 
@@ -344,10 +345,10 @@ def _move_out(
             continue
         if place != start + length and length:
             target = out[start : start + length]
-            steps.append(job.move_out(tile, WORD * at, target, after=[run]))
+            steps.append(job.move_out(tile, WORD_BYTES * at, target, after=[run]))
             at, length = at + words * length, 0
         start = start if length else place
         length += count
     target = out[start : start + length]
-    steps.append(job.move_out(tile, WORD * at, target, after=[run]))
+    steps.append(job.move_out(tile, WORD_BYTES * at, target, after=[run]))
     return steps

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BYTES
 from vividc.program import Use
 from vividc.sim.native.plan.trace import Constant, Counter, FlowOp, Read, RegionFlow, Result
 
@@ -31,7 +32,6 @@ operations takes LLVM minutes.
 """
 ROWS: Final = 512
 """Cycles, about, between two moves of the window."""
-_WORD_BYTES: Final = 4
 VECTORS: Final = frozenset({Opcode.FMA, Opcode.DOT_F16X2, Opcode.DOT_E4M3X4, Opcode.DOT_E5M2X4})
 """Operations of which one entry holds several."""
 
@@ -158,7 +158,7 @@ def _is_plain_op(op: FlowOp) -> bool:
     memory = issue.op in (Opcode.LOAD, Opcode.STORE)
     unconditional = op.predicate is None and issue.use is Use.NONE
     firsts = any(read.first is not None for read in op.reads)
-    return unconditional and not firsts and (not memory or issue.width == _WORD_BYTES)
+    return unconditional and not firsts and (not memory or issue.width == WORD_BYTES)
 
 
 Entry = tuple[int, ...]

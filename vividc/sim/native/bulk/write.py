@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BYTES
 from vividc.sim.native.bulk.tables import LANES, VECTORS, BulkTables, Kind, Section
 from vividc.sim.native.bulk.vectors import FLAGS, VECTOR_DECLARATIONS, WORDS, multiply_add, splat
 from vividc.sim.native.plan.layout import BOUND_OF_WIDTH, Place, Status
@@ -20,7 +21,6 @@ from vividc.sim.native.write.frame import Frame
 from vividc.sim.native.write.operations import lower
 from vividc.sim.native.write.text import FALSE, Code
 
-_WORD_BYTES: Final = 4
 _SERIAL: Final = 1 << 16
 """More than the accesses of a cycle."""
 _CARRIED: Final = ("body", "row", "stalls", "reads", "writes")
@@ -168,12 +168,12 @@ class _Bulk:
         before = code.block
         code.do(f"br i1 {full}, label %slide, label %room")
         code.start("slide")
-        size = _WORD_BYTES * tables.reach * tables.pes
+        size = WORD_BYTES * tables.reach * tables.pes
         start = self._places.rows + (tables.rows - tables.reach) * tables.pes
         self._move(self._places.rows, start, size)
         for number in range(len(tables.kept)):
             place = self._places.kept + number * tables.kept_words
-            self._move(place + tables.rows - tables.reach, place, _WORD_BYTES * tables.reach)
+            self._move(place + tables.rows - tables.reach, place, WORD_BYTES * tables.reach)
         code.do("br label %room")
         code.start("room")
         return code.value(f"phi i64 [ {row}, %{before} ], [ {tables.reach}, %slide ]")
@@ -270,7 +270,7 @@ class _Bulk:
         place = self._from(self._now[Kind.ROW.name], self._field(entry, 0))
         code.do(
             f"call void @llvm.masked.store.v{LANES}i32.p0({WORDS} {word}, ptr {place}, "
-            f"i32 {_WORD_BYTES}, {FLAGS} {lanes})"
+            f"i32 {WORD_BYTES}, {FLAGS} {lanes})"
         )
 
     def _vector(self, kind: Kind, entry: str, number: int) -> str:
@@ -284,7 +284,7 @@ class _Bulk:
             lanes = ", ".join(f"i32 {lane}" for lane in range(LANES))
             return code.value(f"sub {WORDS} {all_of}, <{lanes}>")
         place = self._from(self._now[kind.name], self._field(entry, 1 + number))
-        return code.value(f"load {WORDS}, ptr {place}, align {_WORD_BYTES}")
+        return code.value(f"load {WORDS}, ptr {place}, align {WORD_BYTES}")
 
     # Memory
 
@@ -302,9 +302,9 @@ class _Bulk:
         live = code.value(f"icmp ult i64 {iteration}, {self._frame.trip}")
         first, *bounds = self._around.extents[variant.array]
         offset = code.value(f"sub i32 {address}, {first}")
-        bound = bounds[BOUND_OF_WIDTH[_WORD_BYTES] - 1]
+        bound = bounds[BOUND_OF_WIDTH[WORD_BYTES] - 1]
         within = code.value(f"icmp ult i32 {offset}, {bound}")
-        low = code.value(f"and i32 {address}, {_WORD_BYTES - 1}")
+        low = code.value(f"and i32 {address}, {WORD_BYTES - 1}")
         inside = code.both(within, code.value(f"icmp eq i32 {low}, 0"))
         happens = code.both(live, inside)
         return address, happens, code.both(live, code.negated(inside))
@@ -313,7 +313,7 @@ class _Bulk:
         code = self._code
         address, happens, missed = self._access(section, entry)
         place = self._byte(code.choose(happens, "i32", address, "0"))
-        word = code.value(f"load i32, ptr {place}, align {_WORD_BYTES}")
+        word = code.value(f"load i32, ptr {place}, align {WORD_BYTES}")
         word = code.choose(happens, "i32", word, "0")
         code.store("i32", word, self._from(self._now[Kind.ROW.name], self._field(entry, 0)))
         if section.variant.kept:
@@ -328,7 +328,7 @@ class _Bulk:
         slack = str(self._frame.machine.memory_bytes)
         place = self._byte(code.choose(happens, "i32", address, slack))
         word = self._operand(section.variant.kinds[1], entry, 1)
-        code.do(f"store i32 {word}, ptr {place}, align {_WORD_BYTES}")
+        code.do(f"store i32 {word}, ptr {place}, align {WORD_BYTES}")
         return self._counted("writes", address, happens, missed, inside)
 
     def _byte(self, address: str) -> str:

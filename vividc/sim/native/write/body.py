@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Literal
 
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BYTES
 from vividc.program import Use
 from vividc.sim.native.plan.layout import BOUND_OF_WIDTH, Layout
 from vividc.sim.native.plan.schedule import Schedule
@@ -22,8 +23,6 @@ from vividc.sim.native.write.text import FALSE, TRUE, Code
 Mode = Literal["straight", "general", "steady"]
 Key = tuple[str | int, ...]
 """Of a value that bodies hand on: ("result", operation, bodies ago), ("stalls",), ..."""
-
-_WORD_BYTES: Final = 4
 
 
 @dataclass(frozen=True)
@@ -259,7 +258,7 @@ class Body:
         place = self._pointer(code.choose(reads, "i32", address, "0"))
         bits = 8 * issue.width
         word = code.value(f"load i{bits}, ptr {place}, align {issue.width}")
-        if issue.width < _WORD_BYTES:
+        if issue.width < WORD_BYTES:
             extend = "sext" if issue.signed else "zext"
             word = code.value(f"{extend} i{bits} {word} to i32")
         self._count(("reads",), reads)
@@ -293,7 +292,7 @@ class Body:
         place = self._pointer(code.choose(writes, "i32", address, str(self.machine.memory_bytes)))
         bits = 8 * issue.width
         word = self._read(op.reads[1], op.time)
-        if issue.width < _WORD_BYTES:
+        if issue.width < WORD_BYTES:
             word = code.value(f"trunc i32 {word} to i{bits}")
         code.do(f"store i{bits} {word}, ptr {place}, align {issue.width}")
         self._count(("writes",), writes)

@@ -18,7 +18,7 @@ from typing import Final
 
 from vividc.formats import E4M3, FORMATS, Format
 from vividc.machine.opcodes import Opcode
-from vividc.machine.words import CANONICAL_NAN, INFINITY, INT_MAX
+from vividc.machine.words import CANONICAL_NAN, INFINITY, INT_MAX, WORD_BITS
 from vividc.sim.native.write.text import Code
 
 LANE_DECLARATIONS: Final = "".join(
@@ -28,7 +28,6 @@ LANE_DECLARATIONS: Final = "".join(
 
 Lowering = Callable[[Code, Sequence[str]], str]
 
-_WORD: Final = 32
 _MANTISSA: Final = 23
 _BIAS: Final = 127
 _CUT: Final = 29  # bits of a binary64 mantissa that binary32 has not
@@ -87,7 +86,7 @@ class _Lanes:
         narrow = self.cast("trunc", codes, "i32", f"i{fmt.bits}")
         bits = self.count * fmt.bits
         word = self.code.value(f"bitcast <{self.count} x i{fmt.bits}> {narrow} to i{bits}")
-        return word if bits == _WORD else self.code.value(f"zext i{bits} {word} to i32")
+        return word if bits == WORD_BITS else self.code.value(f"zext i{bits} {word} to i32")
 
     def decode(self, fmt: Format, codes: str) -> str:
         """binary32 bits of codes; a NaN stays some NaN."""
@@ -103,7 +102,7 @@ class _Lanes:
         special = self.do("or", shifted, INFINITY | (0 if fmt.has_infinity else 1))
         is_special = self.do("icmp ugt", magnitude, fmt.max_code)
         bits = self.choose(is_special, special, bits)
-        sign = self.do("shl", self.do("and", codes, fmt.sign), _WORD - fmt.bits)
+        sign = self.do("shl", self.do("and", codes, fmt.sign), WORD_BITS - fmt.bits)
         return self.do("or", bits, sign)
 
     def numbers(self, fmt: Format, word: str) -> str:
@@ -129,7 +128,7 @@ class _Lanes:
         small = self.do("sub", self.cast("bitcast", sum_, "float", "i32"), unit)
         is_small = self.do("icmp ult", magnitude, (_BIAS + fmt.min_exponent) << _MANTISSA)
         codes = self.umin(self.choose(is_small, small, normal), fmt.overflow)
-        sign = self.do("and", self.do("lshr", bits, _WORD - fmt.bits), fmt.sign)
+        sign = self.do("and", self.do("lshr", bits, WORD_BITS - fmt.bits), fmt.sign)
         is_nan = self.do("icmp ugt", magnitude, INFINITY)
         return self.choose(is_nan, self.all(fmt.nan), self.do("or", codes, sign))
 
@@ -208,7 +207,7 @@ def _unpacked(fmt: Format, code: Code, words: Sequence[str]) -> str:
 def _lane(code: Code, bits: int, words: Sequence[str]) -> str:
     """A word, shifted right by so many lanes."""
     word, number = words
-    lane = code.value(f"and i32 {number}, {_WORD // bits - 1}")
+    lane = code.value(f"and i32 {number}, {WORD_BITS // bits - 1}")
     shift = code.value(f"mul i32 {lane}, {bits}")
     return code.value(f"lshr i32 {word}, {shift}")
 
@@ -221,7 +220,7 @@ def _packed(fmt: Format, code: Code, words: Sequence[str]) -> str:
 
 
 def _packed_high(fmt: Format, code: Code, words: Sequence[str]) -> str:
-    half = _WORD // 2
+    half = WORD_BITS // 2
     high = code.value(f"shl i32 {_packed(fmt, code, words[:2])}, {half}")
     low = code.value(f"and i32 {words[2]}, {(1 << half) - 1}")
     return code.value(f"or i32 {high}, {low}")
@@ -246,7 +245,7 @@ def _canonical(code: Code, bits: str) -> str:
 
 def _select(bits: int, code: Code, words: Sequence[str]) -> str:
     mask, a, b = words
-    ones = sum(1 << at for at in range(0, _WORD, bits))
+    ones = sum(1 << at for at in range(0, WORD_BITS, bits))
     lowest = code.value(f"and i32 {mask}, {ones}")
     chosen = code.value(f"mul i32 {lowest}, {(1 << bits) - 1}")
     differs = code.value(f"xor i32 {a}, {b}")
@@ -280,7 +279,7 @@ def _of_format(fmt: Format) -> dict[str, Lowering]:
         f"unpack.{packed}": partial(_unpacked, fmt),
         f"dot.{packed}": partial(_dot, fmt),
     }
-    if fmt.bits < _WORD // 2:
+    if fmt.bits < WORD_BITS // 2:
         found[f"pack_high.{packed}"] = partial(_packed_high, fmt)
     return found
 
@@ -288,7 +287,7 @@ def _of_format(fmt: Format) -> dict[str, Lowering]:
 def _table() -> dict[Opcode, Lowering]:
     found = {name: of for fmt in FORMATS.values() for name, of in _of_format(fmt).items()}
     for lanes in (2, 4):
-        bits = _WORD // lanes
+        bits = WORD_BITS // lanes
         found[f"select.x{lanes}"] = partial(_select, bits)
         found[f"merge.x{lanes}"] = partial(_merge, bits)
         found[f"extract.x{lanes}"] = partial(_extract, bits)
