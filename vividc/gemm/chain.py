@@ -182,16 +182,16 @@ class Chain:
             First element of each layer's table.
         """
         first = part * self.words * WORD_BYTES
-        found: dict[str, int] = {}
+        words: dict[str, int] = {}
         for layer, (link, layout) in enumerate(zip(self.links, self.layouts, strict=True)):
-            found[f"blocks{layer}"] = blocks * link.bands
+            words[f"blocks{layer}"] = blocks * link.bands
             for stream, prefix in _names(layer).items():
                 source = Stream[prefix.upper()] if prefix in ("a", "b", "c") else Stream.TABLE
                 offset = tables[layer] * GROUP_BYTES if stream is Stream.TABLE else 0
                 for window in range(windows(layout, stream)):
                     name = base_name(stream, window, prefix)
-                    found[name] = first + source * WORD_BYTES + window * OFFSETS + offset
-        return found
+                    words[name] = first + source * WORD_BYTES + window * OFFSETS + offset
+        return words
 
 
 def _names(layer: int) -> dict[Stream, str]:

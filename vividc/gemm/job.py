@@ -105,8 +105,8 @@ def mlp_job(
     work = x.shape[0] * sum(layer.weights.size for layer in layers)
     array = layout.passes[0].chain.array
     pes = layout.arrays * array.rows * array.cols
-    found = matrix_of(values, x.shape[0], layers[-1].shape.cols)
-    return MlpRun(found, result, layout.mode, reason, work / (result.cycles * pes))
+    matrix = matrix_of(values, x.shape[0], layers[-1].shape.cols)
+    return MlpRun(matrix, result, layout.mode, reason, work / (result.cycles * pes))
 
 
 def choose_layout(
@@ -123,9 +123,9 @@ def choose_layout(
     shapes = [layer.shape for layer in layers]
     if mode != "auto":
         return lay_out(rows, shapes, check_mode(mode), accelerator), "asked for"
-    found = [lay_out(rows, shapes, each, accelerator) for each in MODES]
-    best = min(found, key=lambda layout: (layout.cycles, layout.compute))
-    costs = ", ".join(f"{layout.mode} {layout.cycles} cycles" for layout in found)
+    layouts = [lay_out(rows, shapes, each, accelerator) for each in MODES]
+    best = min(layouts, key=lambda layout: (layout.cycles, layout.compute))
+    costs = ", ".join(f"{layout.mode} {layout.cycles} cycles" for layout in layouts)
     return best, f"fewest cycles by estimate: {costs}"
 
 

@@ -331,8 +331,8 @@ class _Launch:
         return word - ((word >> 31) << 32)
 
     def _array(self, name: str) -> Matrix:
-        found: Matrix = self._arrays[name].astype(np.float32, copy=False)
-        return found
+        array: Matrix = self._arrays[name].astype(np.float32, copy=False)
+        return array
 
     def _matrix(self, factor: Factor) -> Matrix:
         array = self._array(factor.array)

@@ -211,8 +211,8 @@ class _Run:
                 given = Operands(source, target, width, c_width, blocks, bands)
                 self._launch(program, layer, buffer, given)
             source, target, width = target, source, c_width
-        found = read_blocks(buffer[:, source], blocks, width, rows)
-        return found[: x.shape[0], : self._layers[-1].shape.cols]
+        results = read_blocks(buffer[:, source], blocks, width, rows)
+        return results[: x.shape[0], : self._layers[-1].shape.cols]
 
     def _launch(self, program: GemmProgram, layer: Layer, buffer: Matrix, given: Operands) -> None:
         bands = bands_of(layer, self._array.cols)[given.bands.start : given.bands.stop]

@@ -141,18 +141,18 @@ def lay_out(
     check_sizes(rows, shapes)
     name, arrays = FABRICS[check_mode(mode)]
     array = SystolicArray.of(arch.load_tile(name))
-    found, refusal = [], None
+    layouts, refusal = [], None
     for parts in (2, 1):
         try:
             passes = _passes(array, shapes, parts)
         except SystolicError as error:
             refusal = error
             continue
-        found.append(_costs(rows, shapes, mode, passes, arrays, accelerator))
-    if not found:
+        layouts.append(_costs(rows, shapes, mode, passes, arrays, accelerator))
+    if not layouts:
         assert refusal is not None
         raise refusal
-    return min(found, key=lambda layout: layout.cycles)
+    return min(layouts, key=lambda layout: layout.cycles)
 
 
 def results_of(shapes: Sequence[LayerShape]) -> list[Precision]:
@@ -169,7 +169,7 @@ def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> t
         Link(s.words, padded(s.cols, array.cols) // array.cols, s.relu, s.precision, results)
         for s, results in zip(shapes, results_of(shapes), strict=True)
     ]
-    found: list[Pass] = []
+    passes: list[Pass] = []
     first = 0
     while first < len(links):
         stop = first + 1
@@ -180,11 +180,11 @@ def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> t
             stop += 1
         chain = Chain(array, tuple(links[first:stop]), parts)
         if chain.blocks:
-            found.append(Pass(first, chain, range(links[first].bands)))
+            passes.append(Pass(first, chain, range(links[first].bands)))
         else:
-            found += _by_columns(array, links[first], first, parts)
+            passes += _by_columns(array, links[first], first, parts)
         first = stop
-    return tuple(found)
+    return tuple(passes)
 
 
 def _by_columns(array: SystolicArray, link: Link, first: int, parts: int) -> list[Pass]:
@@ -218,12 +218,12 @@ def _pieces(rows: int, chain: Chain, arrays: int) -> list[range]:
     share = -(-blocks // arrays)
     count = max(-(-share // chain.blocks), min(_PIECES, -(-share // _FEWEST_BLOCKS)))
     size, longer = divmod(blocks, min(count * arrays, blocks))
-    found, at = [], 0
+    pieces, at = [], 0
     for number in range(min(count * arrays, blocks)):
         end = at + size + (number < longer)
-        found.append(range(at, end))
+        pieces.append(range(at, end))
         at = end
-    return found
+    return pieces
 
 
 def _costs(

@@ -29,11 +29,11 @@ def write_whole(path: Path, data: bytes, error: type[VividcError] = VividcError)
     """
     try:
         target = Path(os.path.realpath(path))
-        found = _status(path)
-        if found is not None and is_written_through(path):
-            _write_through(path, found, data)
+        status = _status(path)
+        if status is not None and is_written_through(path):
+            _write_through(path, status, data)
         else:
-            _replace(target, found, data)
+            _replace(target, status, data)
     except OSError as fault:
         raise error(f"cannot be written: {fault.strerror or fault}", loc=str(path)) from fault
     except ValueError as fault:  # a NUL or half a character in the path
@@ -42,26 +42,28 @@ def write_whole(path: Path, data: bytes, error: type[VividcError] = VividcError)
 
 def is_written_through(path: Path) -> bool:
     """Whether `path` is there and takes data as it comes, instead of being replaced."""
-    found = _status(path)
-    return found is not None and (not stat.S_ISREG(found.st_mode) or _stream_of(found) is not None)
+    status = _status(path)
+    return status is not None and (
+        not stat.S_ISREG(status.st_mode) or _stream_of(status) is not None
+    )
 
 
-def _replace(target: Path, found: os.stat_result | None, data: bytes) -> None:
+def _replace(target: Path, status: os.stat_result | None, data: bytes) -> None:
     descriptor, name = tempfile.mkstemp(prefix=f".{target.name[:16]}.", dir=target.parent)
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(name, _mode_of_new_file() if found is None else stat.S_IMODE(found.st_mode))
+        os.chmod(name, _mode_of_new_file() if status is None else stat.S_IMODE(status.st_mode))
         os.replace(name, target)
     except BaseException:
         os.unlink(name)
         raise
 
 
-def _write_through(path: Path, found: os.stat_result, data: bytes) -> None:
-    stream = _stream_of(found)
+def _write_through(path: Path, status: os.stat_result, data: bytes) -> None:
+    stream = _stream_of(status)
     if stream is None:
         path.write_bytes(data)
         return
@@ -73,14 +75,14 @@ def _write_through(path: Path, found: os.stat_result, data: bytes) -> None:
         file.write(data)
 
 
-def _stream_of(found: os.stat_result) -> int | None:
+def _stream_of(status: os.stat_result) -> int | None:
     """Standard output or error, if that is the file."""
     for descriptor in _STREAMS:
         try:
             own = os.fstat(descriptor)
         except OSError:  # closed
             continue
-        if os.path.samestat(own, found):
+        if os.path.samestat(own, status):
             return descriptor
     return None
 

@@ -47,11 +47,11 @@ def limit(most: int) -> int:
     text = os.environ.get(VARIABLE, "")
     if not text:
         return most
-    found = _SIZE.fullmatch(text)
-    if found is None:
+    match = _SIZE.fullmatch(text)
+    if match is None:
         hint = "give bytes, or a number with KiB, MiB, GiB or TiB, as in 8GiB"
         raise VividcError(f"`{text}` is not a size", loc=VARIABLE, hint=hint)
-    return max(most, int(found[1]) << _UNITS[found[2]])
+    return max(most, int(match[1]) << _UNITS[match[2]])
 
 
 def size_text(size: int) -> str:
@@ -163,13 +163,13 @@ def read_bytes(
     """
     try:
         with open(path, "rb", buffering=0) as file:
-            found = os.fstat(file.fileno())
-            regular = stat.S_ISREG(found.st_mode)
+            status = os.fstat(file.fileno())
+            regular = stat.S_ISREG(status.st_mode)
             allowed = limit(most if regular else min(most, STREAM_BYTES))
-            if regular and found.st_size > allowed:
-                what = f"a file of {size_text(found.st_size)}"
+            if regular and status.st_size > allowed:
+                what = f"a file of {size_text(status.st_size)}"
                 raise too_large(path, what, allowed, error)
-            pieces = [file.read(found.st_size) or b""] if regular else []
+            pieces = [file.read(status.st_size) or b""] if regular else []
             size = sum(map(len, pieces))
             while piece := file.read(min(_PIECE, allowed + 1 - size)):
                 pieces.append(piece)

@@ -173,8 +173,8 @@ def _opened(
 ) -> Iterator[IO[bytes]]:
     """A file that can be searched, which begins as a zip file does."""
     try:
-        found = os.stat(path)
-        regular = stat.S_ISREG(found.st_mode)
+        status = os.stat(path)
+        regular = stat.S_ISREG(status.st_mode)
         file: IO[bytes] = (
             open(path, "rb") if regular else io.BytesIO(read_bytes(path, most, error, hint))  # noqa: SIM115
         )
@@ -184,8 +184,8 @@ def _opened(
     except ValueError as fault:  # a NUL or half a character in the path
         raise error(f"cannot be read: {fault}", loc=repr(str(path)), hint=hint) from fault
     with file:
-        if found.st_size > limit(most):
-            raise too_large(path, f"a file of {size_text(found.st_size)}", limit(most), error)
+        if status.st_size > limit(most):
+            raise too_large(path, f"a file of {size_text(status.st_size)}", limit(most), error)
         begin = file.read(len(_NPY_MAGIC))
         if not begin.startswith(_ZIP_MAGIC):
             npy = begin == _NPY_MAGIC
@@ -222,17 +222,17 @@ class _Bounded(io.RawIOBase):
 
 
 def _members(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
-    found: dict[str, zipfile.ZipInfo] = {}
+    members: dict[str, zipfile.ZipInfo] = {}
     for info in archive.infolist():
         name = info.filename.removesuffix(_SUFFIX)
         if name == info.filename:
             raise ValueError(f"its member `{name}` is no array (.npy)")
-        if name in found:
+        if name in members:
             raise ValueError(f"the array `{name}` is there twice")
         if info.compress_type not in _METHODS or info.flag_bits & _ENCRYPTED:
             raise ValueError(f"the array `{name}` is packed in a way that numpy.savez has not")
-        found[name] = info
-    return found
+        members[name] = info
+    return members
 
 
 def _read_header(member: IO[bytes]) -> Header:

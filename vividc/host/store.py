@@ -164,18 +164,18 @@ class Store:
             self._unchecked += added
             return
         self._unchecked = 0
-        found = []
+        entries = []
         for name in os.listdir(self.folder if place.descriptor is None else place.descriptor):
             with suppress(OSError):
                 status = os.stat(place.path(name), dir_fd=place.descriptor, follow_symlinks=False)
                 if _ENTRY.fullmatch(name):
-                    found.append((_last_use(status), status.st_size, name))
+                    entries.append((_last_use(status), status.st_size, name))
                 elif _UNFINISHED.fullmatch(name) and time() - status.st_mtime > _ABANDONED_S:
                     place.remove(name)
-        size = sum(size for _, size, _ in found)
+        size = sum(size for _, size, _ in entries)
         if size <= self.limit:
             return
-        for _, freed, name in sorted(found):
+        for _, freed, name in sorted(entries):
             place.remove(name)
             size -= freed
             if size <= self.limit * 3 // 4:

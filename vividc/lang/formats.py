@@ -91,8 +91,8 @@ class Narrow:
     def _same(self, other: object) -> float:
         if isinstance(other, Narrow) and other.format is self.format:
             return float(other)
-        found = NAMES[other.format] if isinstance(other, Narrow) else type(other).__name__
-        raise TypeError(mixed(NAMES[self.format], found, CASTS[self.format]))
+        kind = NAMES[other.format] if isinstance(other, Narrow) else type(other).__name__
+        raise TypeError(mixed(NAMES[self.format], kind, CASTS[self.format]))
 
     def _rounded(self, exact: float) -> Narrow:
         """A sum or product of two numbers of a format is exact in binary64."""

@@ -110,14 +110,14 @@ def is_numbas(error: Exception) -> bool:
 
 def lines_passed(trace: TracebackType | None, file: str) -> list[int]:
     """Lines of a file that numba was at while it failed, the innermost first."""
-    found: list[int] = []
+    lines: list[int] = []
     while trace is not None:
         for value in list(trace.tb_frame.f_locals.values()):
             loc = value if isinstance(value, Loc) else _loc_of(value)
             if isinstance(loc, Loc) and loc.filename == file and loc.line:
-                found.insert(0, loc.line)
+                lines.insert(0, loc.line)
         trace = trace.tb_next
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(lines))
 
 
 def _loc_of(value: object) -> object:

@@ -115,9 +115,9 @@ def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> T
 def _uses(program: Program, run: Run) -> dict[str, int]:
     """The cycles of a run, bank stalls left out."""
     pairs = zip(program.table, run.regions, strict=True)
-    found = _summed(cycles_by_use(row, region) for row, region in pairs)
-    found["switch"] = run.switch_cycles
-    return {use: found[use] for use in _USES}
+    cycles = _summed(cycles_by_use(row, region) for row, region in pairs)
+    cycles["switch"] = run.switch_cycles
+    return {use: cycles[use] for use in _USES}
 
 
 def _bytes(outcome: Outcome, timing: Timing) -> dict[str, int]:

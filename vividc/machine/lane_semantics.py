@@ -160,9 +160,9 @@ def _of_format(fmt: Format) -> dict[str, Semantics]:
         "fmul": lambda x, y: x * y,
         "fma": lambda x, y, z: x * y + z,
     }
-    found = {f"{name}.{packed}": _arithmetic(fmt, of) for name, of in arithmetic.items()}
-    found |= {f"fcmp.{name}.{packed}": _compared(fmt, of) for name, of in _COMPARISONS.items()}
-    found |= {
+    semantics = {f"{name}.{packed}": _arithmetic(fmt, of) for name, of in arithmetic.items()}
+    semantics |= {f"fcmp.{name}.{packed}": _compared(fmt, of) for name, of in _COMPARISONS.items()}
+    semantics |= {
         f"fmin.{packed}": _extremum(fmt, largest=False),
         f"fmax.{packed}": _extremum(fmt, largest=True),
         f"fptrunc.{fmt.name}": _truncated(fmt),
@@ -172,17 +172,17 @@ def _of_format(fmt: Format) -> dict[str, Semantics]:
         f"dot.{packed}": _dot(fmt),
     }
     if fmt.lanes > 2:  # noqa: PLR2004 - the lanes that `pack` fills
-        found[f"pack_high.{packed}"] = _packed_high(fmt)
-    return found
+        semantics[f"pack_high.{packed}"] = _packed_high(fmt)
+    return semantics
 
 
 def _table() -> dict[Opcode, Semantics]:
-    found = {name: of for fmt in FORMATS.values() for name, of in _of_format(fmt).items()}
+    semantics = {name: of for fmt in FORMATS.values() for name, of in _of_format(fmt).items()}
     for lanes in (2, 4):
-        found[f"select.x{lanes}"] = _select(lanes)
-        found[f"merge.x{lanes}"] = _merge(lanes)
-        found[f"extract.x{lanes}"] = _extract(lanes)
-    return {Opcode(name): of for name, of in found.items()}
+        semantics[f"select.x{lanes}"] = _select(lanes)
+        semantics[f"merge.x{lanes}"] = _merge(lanes)
+        semantics[f"extract.x{lanes}"] = _extract(lanes)
+    return {Opcode(name): of for name, of in semantics.items()}
 
 
 LANE_SEMANTICS: Final = _table()

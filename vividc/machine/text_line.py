@@ -63,8 +63,8 @@ class TextLine:
 
     def accept(self, kind: str, text: str | None = None) -> str | None:
         """The next token if it is the given one."""
-        found, value = self.peek()
-        if found != kind or (text is not None and value != text):
+        next_kind, value = self.peek()
+        if next_kind != kind or (text is not None and value != text):
             return None
         self.next += 1
         return value

@@ -62,11 +62,11 @@ def read_scene(path: Path | str, method: str | None = None) -> tuple[str, Scene]
         _demand_method(path, GAUSSIANS, method)
         return GAUSSIANS, read_gaussians(path)
     archive = read_archive(path, _LAYOUT)
-    found = next((name for mark, name in _MARKS.items() if mark in archive), None)
-    if found is None:
+    named = next((name for mark, name in _MARKS.items() if mark in archive), None)
+    if named is None:
         raise archive.error(f"no scene: it holds {', '.join(sorted(archive.arrays)) or 'nothing'}")
-    _demand_method(path, found, method)
-    return found, _READERS[found](archive)
+    _demand_method(path, named, method)
+    return named, _READERS[named](archive)
 
 
 def demand_scene(scene: object) -> None:
@@ -127,10 +127,10 @@ def _is_ply(path: Path) -> bool:
         ) from error
 
 
-def _demand_method(path: Path, found: str, wanted: str | None) -> None:
-    if wanted is not None and found != wanted:
+def _demand_method(path: Path, method: str, wanted: str | None) -> None:
+    if wanted is not None and method != wanted:
         raise SceneError(
-            f"the file holds a scene of {found}, not {wanted}",
+            f"the file holds a scene of {method}, not {wanted}",
             loc=str(path),
-            hint=f"use --method {found}, or leave it out",
+            hint=f"use --method {method}, or leave it out",
         )

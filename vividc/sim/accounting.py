@@ -30,24 +30,24 @@ def cycles_by_use(row: RegionRow, region: RegionRun) -> dict[str, int]:
     "prologue_epilogue", of all its runs together. "straight": a straight region. "bank_stall": the
     tile stood still.
     """
-    found = dict.fromkeys(USES, 0)
-    found["bank_stall"] = region.bank_stalls
+    cycles = dict.fromkeys(USES, 0)
+    cycles["bank_stall"] = region.bank_stalls
     own = region.cycles - region.bank_stalls
     if row.kind == "straight":
-        found["straight"] = own
-        return found
-    found["steady"] = min(region.iterations * row.ii, own)
-    found["prologue_epilogue"] = own - found["steady"]
-    return found
+        cycles["straight"] = own
+        return cycles
+    cycles["steady"] = min(region.iterations * row.ii, own)
+    cycles["prologue_epilogue"] = own - cycles["steady"]
+    return cycles
 
 
 def by_kind(issued: Mapping[str, int]) -> dict[str, dict[str, int]]:
     """Issues by latency class, and within it by precision, both in alphabetical order."""
-    found: dict[str, Counter[str]] = {}
+    kinds: dict[str, Counter[str]] = {}
     for opcode, count in issued.items():
         name, precision = kind_of(Opcode(opcode))
-        found.setdefault(name, Counter())[precision] += count
-    return {name: dict(sorted(found[name].items())) for name in sorted(found)}
+        kinds.setdefault(name, Counter())[precision] += count
+    return {name: dict(sorted(kinds[name].items())) for name in sorted(kinds)}
 
 
 def bytes_by_level(activity: Activity) -> dict[str, int]:

@@ -26,9 +26,9 @@ _Source = Annotated[str, Field(min_length=1)]
 _SHARES_MAY_MISS: Final = 0.005
 
 
-def _known(found: dict[str, object], known: tuple[str, ...], whole: bool) -> None:
-    unknown = [key for key in found if key not in known]
-    missing = [key for key in known if key not in found] if whole else []
+def _known(keys: dict[str, object], known: tuple[str, ...], whole: bool) -> None:
+    unknown = [key for key in keys if key not in known]
+    missing = [key for key in known if key not in keys] if whole else []
     if unknown:
         raise ValueError(f"names `{unknown[0]}`; known: {', '.join(known)}")
     if missing:

@@ -167,8 +167,8 @@ def _absent(spec: Spec) -> frozenset[LatencyClass]:
 
 def _with_dot(classes: Iterable[LatencyClass]) -> frozenset[LatencyClass]:
     """`dot` comes and goes with `fma`: both are the sliced unit's."""
-    found = frozenset(classes)
-    return found | {LatencyClass.DOT} if LatencyClass.FMA in found else found
+    chosen = frozenset(classes)
+    return chosen | {LatencyClass.DOT} if LatencyClass.FMA in chosen else chosen
 
 
 def _override_problems(spec: Spec, tree: Tree) -> Iterator[Problem]:
@@ -176,12 +176,12 @@ def _override_problems(spec: Spec, tree: Tree) -> Iterator[Problem]:
         sides = (("rows", override.at.rows, spec.rows), ("cols", override.at.cols, spec.cols))
         for side, chosen, count in sides:
             place = tree.place(("overrides", index, "at", side))
-            found = indices(chosen, count)
-            beyond = [item for item in found if item >= count]
+            numbers = indices(chosen, count)
+            beyond = [item for item in numbers if item >= count]
             if beyond:
                 reason = f"`{side}` names {beyond[0]}, but the array has {side} 0 to {count - 1}"
                 yield Problem(place, reason, "indices count from 0; `all` names the whole side")
-            if not found:
+            if not numbers:
                 yield Problem(place, f"`{side}` names nothing", "a range runs upwards: 0..3")
 
 

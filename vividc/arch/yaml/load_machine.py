@@ -173,16 +173,16 @@ def _corner(row: int, col: int) -> Orientation:
 
 def _problems(spec: AcceleratorSpec, tree: Tree) -> list[Problem]:
     granule, burst = spec.dram.granule_bytes, spec.dma.burst_bytes
-    found = []
+    problems = []
     if granule & (granule - 1):
         place = tree.place(("dram", "granule_bytes"))
-        found.append(Problem(place, f"{granule} bytes: not a power of two"))
+        problems.append(Problem(place, f"{granule} bytes: not a power of two"))
     if burst % granule:
         place = tree.place(("dma", "burst_bytes"))
-        found.append(
+        problems.append(
             Problem(place, f"a burst of {burst} bytes is not a multiple of {granule}, the granule")
         )
-    return found
+    return problems
 
 
 def _tile(name: str, tree: Tree, folder: Path | None) -> Fabric:

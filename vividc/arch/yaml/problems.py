@@ -104,7 +104,7 @@ def _find_model(annotation: object) -> type[BaseModel] | None:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for argument in getattr(annotation, "__args__", ()):
-        found = _find_model(argument)
-        if found is not None:
-            return found
+        model = _find_model(argument)
+        if model is not None:
+            return model
     return None

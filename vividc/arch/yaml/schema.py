@@ -74,11 +74,11 @@ def indices(spec: int | str | list[int | str], count: int) -> tuple[int, ...]:
     """
     if spec == "all":
         return tuple(range(count))
-    found: set[int] = set()
+    rows: set[int] = set()
     for item in spec if isinstance(spec, list) else [spec]:
         match = _RANGE.fullmatch(str(item))
-        found.update(range(int(match[1]), int(match[2]) + 1) if match else [int(item)])
-    return tuple(sorted(found))
+        rows.update(range(int(match[1]), int(match[2]) + 1) if match else [int(item)])
+    return tuple(sorted(rows))
 
 
 class StrictModel(BaseModel):

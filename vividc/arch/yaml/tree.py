@@ -33,9 +33,9 @@ class Tree:
     def place(self, path: Path) -> str:
         """Place of the value at `path`, or of its nearest enclosing value that the text has."""
         for length in range(len(path), 0, -1):
-            found = self.places.get(path[:length])
-            if found is not None:
-                return found
+            place = self.places.get(path[:length])
+            if place is not None:
+                return place
         return self.places[()]
 
 

@@ -35,8 +35,8 @@ def unsigned_quotient(b: Builder, dividend: Value, divisor: Value) -> Value:
     constant = b.word(divisor)
     if constant is not None:
         return _by_constant(b, Opcode.UDIV, dividend, constant)
-    found = _divide(b, dividend, divisor)
-    return b.op(Opcode.ADD, found.quotient, found.low)
+    division = _divide(b, dividend, divisor)
+    return b.op(Opcode.ADD, division.quotient, division.low)
 
 
 def unsigned_remainder(b: Builder, dividend: Value, divisor: Value) -> Value:
@@ -44,8 +44,8 @@ def unsigned_remainder(b: Builder, dividend: Value, divisor: Value) -> Value:
     constant = b.word(divisor)
     if constant is not None:
         return _by_constant(b, Opcode.UREM, dividend, constant)
-    found = _divide(b, dividend, divisor)
-    return b.op(Opcode.ADD, found.minus_divisor, found.rest, pred=found.low)
+    division = _divide(b, dividend, divisor)
+    return b.op(Opcode.ADD, division.minus_divisor, division.rest, pred=division.low)
 
 
 def signed_quotient(b: Builder, dividend: Value, divisor: Value) -> Value:

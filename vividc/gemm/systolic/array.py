@@ -130,8 +130,8 @@ class SystolicArray:
         if self.cols % lanes:
             return f"{self.cols} columns are no multiple of {lanes}"
         if self.latency(LatencyClass.CONVERT) != _PACK_LATENCY:
-            found = self.latency(LatencyClass.CONVERT)
-            return f"the latency of convert is {found}, and must be {_PACK_LATENCY}"
+            latency = self.latency(LatencyClass.CONVERT)
+            return f"the latency of convert is {latency}, and must be {_PACK_LATENCY}"
         drains = [self.drain(col) for col in range(self.cols)]
         for pe in drains:
             for op in ops:

@@ -38,9 +38,9 @@ def first_race(uses: Ints, wait_begin: Ints, wait_items: Ints) -> tuple[int, int
     np.cumsum(np.arange(steps) // _BITS + 1, out=rows[1:])
     reach = np.zeros(rows[-1], dtype=np.uint64)
     _reach(reach, rows, wait_begin, wait_items)
-    found = np.full(3, _NONE, dtype=np.int64)
-    _sweep(uses, reach, rows, np.empty(len(uses), dtype=np.int64), found)
-    early, late, place = found.tolist()
+    race = np.full(3, _NONE, dtype=np.int64)
+    _sweep(uses, reach, rows, np.empty(len(uses), dtype=np.int64), race)
+    early, late, place = race.tolist()
     return None if early == _NONE else (early, late, place)
 
 
@@ -59,7 +59,7 @@ def _reach(reach: NDArray[np.uint64], rows: Ints, wait_begin: Ints, wait_items: 
 
 
 @compiled
-def _sweep(uses: Ints, reach: NDArray[np.uint64], rows: Ints, open_: Ints, found: Ints) -> None:
+def _sweep(uses: Ints, reach: NDArray[np.uint64], rows: Ints, open_: Ints, race: Ints) -> None:
     """Go through the uses, which are in order of place, start and step, and keep those that have
     not ended in `open_`.
     """
@@ -77,7 +77,7 @@ def _sweep(uses: Ints, reach: NDArray[np.uint64], rows: Ints, open_: Ints, found
             early, late = min(one, two), max(one, two)
             is_race = uses[other, WRITES] + uses[number, WRITES] > 0 and early != late
             if is_race and not _follows(reach, rows, early, late):
-                found[0], found[1], found[2] = early, late, uses[number, PLACE]
+                race[0], race[1], race[2] = early, late, uses[number, PLACE]
                 return
         open_[kept] = number
         count = kept + 1

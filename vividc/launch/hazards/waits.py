@@ -16,7 +16,7 @@ def predecessors(
     (`sharing`, by unit).
     """
     last: dict[int, int] = {}
-    found: list[tuple[int, ...]] = []
+    before: list[tuple[int, ...]] = []
     used: dict[int, list[int]] = defaultdict(list)
     for number, step in enumerate(steps):
         waits = set(step.after)
@@ -29,5 +29,5 @@ def predecessors(
             if step.tile in last:
                 waits.add(last[step.tile])
             last[step.tile] = number
-        found.append(tuple(sorted(waits)))
-    return found
+        before.append(tuple(sorted(waits)))
+    return before

@@ -169,7 +169,7 @@ def _replaced(
 ) -> list[list[int]]:
     """What each configuration finds in its tiles, in whatever form they were."""
     held: dict[int, int] = {}
-    found: list[list[int]] = []
+    lists: list[list[int]] = []
     for number, step in enumerate(steps):
         replaced: list[int] = []
         if isinstance(step, Configure):
@@ -178,8 +178,8 @@ def _replaced(
                 if unit in held:
                     replaced.append(_place(steps, tile_begin, held.pop(unit), unit))
             held.update(dict.fromkeys(step.tiles, number))
-        found.append(replaced)
-    return found
+        lists.append(replaced)
+    return lists
 
 
 def _bursts(

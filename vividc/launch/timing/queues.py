@@ -29,7 +29,7 @@ def push(queues: Queues, queue: int, row: tuple[int, int, int, int]) -> None:
 def pop(queues: Queues, queue: int) -> tuple[int, int, int, int]:
     """Take the row of the smallest keys out; the queue is not empty."""
     rows, begin = queues.rows, queues.begin[queue]
-    found = rows[begin, 0], rows[begin, 1], rows[begin, 2], rows[begin, 3]
+    smallest = rows[begin, 0], rows[begin, 1], rows[begin, 2], rows[begin, 3]
     queues.length[queue] -= 1
     last = queues.length[queue]
     first, second = rows[begin + last, 0], rows[begin + last, 1]
@@ -43,7 +43,7 @@ def pop(queues: Queues, queue: int) -> tuple[int, int, int, int]:
         _copy(rows, begin + below, begin + place)
         place, below = below, 2 * below + 1
     _copy(rows, begin + last, begin + place)
-    return found
+    return smallest
 
 
 @inlined

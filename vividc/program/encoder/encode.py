@@ -74,8 +74,8 @@ def encode(
     table = _table(kernel, fabric, mappings)
     check_contexts(kernel, fabric, sum(row.ii for row in table))
     _check_locals(kernel, fabric)
-    found = _reports(kernel, fabric, table, mappings, reports or {})
-    program = _program(kernel, fabric, mappings, table, found, _provenance(kernel, options or {}))
+    rows = _reports(kernel, fabric, table, mappings, reports or {})
+    program = _program(kernel, fabric, mappings, table, rows, _provenance(kernel, options or {}))
     return replace(program, warnings=tuple(warnings))
 
 

@@ -45,11 +45,11 @@ def expected_samples(march: March, camera: Camera, corners: Int32Array) -> npt.N
         [blocks, 2] first column and row of each.
     """
     inside = np.stack(np.meshgrid(_PLACES, _PLACES), axis=-1).reshape(-1, 2)
-    found = [np.zeros(0, dtype=np.int64)]
+    counts = [np.zeros(0, dtype=np.int64)]
     for first in range(0, len(corners), _BLOCKS_AT_ONCE):
         part = corners[first : first + _BLOCKS_AT_ONCE]
         pixels = (part[:, None] + inside).reshape(-1, 2)
         samples = occupied_samples(march, camera.position, directions_of(camera, pixels))
         ray = np.bincount(samples.ray, minlength=len(pixels))
-        found.append(ray.reshape(len(part), -1).sum(axis=1))
-    return np.concatenate(found)
+        counts.append(ray.reshape(len(part), -1).sum(axis=1))
+    return np.concatenate(counts)

@@ -80,14 +80,14 @@ def _tile_items(fabric: Fabric, table: CostTable) -> list[tuple[Part, str, float
     room = len(fabric.pes) * rest.configuration_bits
     bits = configuration_bits(fabric)
     bank_cost = Cost(bank.area_mm2 / _MM2, bank.kind, bank.source)
-    found: list[tuple[Part, str, float, Cost]] = [
+    rows: list[tuple[Part, str, float, Cost]] = [
         ("pe_array", name, count, table.area_um2[name]) for name, count in logic(fabric).items()
     ]
-    found += [
+    rows += [
         ("pe_array", "registers and constants, bits", storage_bits(fabric), rest.storage_um2),
         ("sram", f"bank of {bank.size_bytes} bytes", pad.banks, bank_cost),
         ("sram", "configuration, bits", room, rest.configuration_um2),
         ("control", "controller", 1, rest.control_um2),
         ("configuration", "bits beyond these", max(0, bits - room), rest.configuration_um2),
     ]
-    return found
+    return rows

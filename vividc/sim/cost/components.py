@@ -17,14 +17,14 @@ _INTEGER: Final = frozenset({LatencyClass.INT, LatencyClass.COMPARE, LatencyClas
 
 def logic(fabric: Fabric) -> dict[str, int]:
     """Number of each part of `CostTable.area_um2` in a tile."""
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for pe in fabric.pes:
-        found["integer"] += not pe.classes.isdisjoint(_INTEGER)
-        found["multiplier"] += LatencyClass.IMUL in pe.classes
-        found["float" if pe.sliced else "fp32"] += not pe.classes.isdisjoint(_FLOAT)
-        found["address"] += pe.has_memory
-        found["crosspoint"] += _crosspoints(fabric, pe)
-    return dict(found)
+        counts["integer"] += not pe.classes.isdisjoint(_INTEGER)
+        counts["multiplier"] += LatencyClass.IMUL in pe.classes
+        counts["float" if pe.sliced else "fp32"] += not pe.classes.isdisjoint(_FLOAT)
+        counts["address"] += pe.has_memory
+        counts["crosspoint"] += _crosspoints(fabric, pe)
+    return dict(counts)
 
 
 def storage_bits(fabric: Fabric) -> int:

@@ -42,7 +42,7 @@ def item(part: Part, name: str, count: float, cost: Cost, factor: float = 1.0) -
 
 def by_part(items: Sequence[Item]) -> dict[str, float]:
     """Totals of the parts, in order of appearance."""
-    found: dict[str, float] = {}
+    totals: dict[str, float] = {}
     for one in items:
-        found[one["part"]] = found.get(one["part"], 0.0) + one["total"]
-    return found
+        totals[one["part"]] = totals.get(one["part"], 0.0) + one["total"]
+    return totals

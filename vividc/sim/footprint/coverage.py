@@ -48,12 +48,12 @@ def written_whole(
         if access.is_store and access.counters is not None:
             key = (access.array, access.term, access.shift, access.counters)
             groups.setdefault(key, []).append(access)
-    found: dict[str, Interval] = {}
+    extents: dict[str, Interval] = {}
     for (array, _, _, counters), group in groups.items():
         part = _part(parallel.terms, known, group, counters, (first, last))
-        if part is not None and part[1] - part[0] > _size(found.get(array)):
-            found[array] = part
-    return found
+        if part is not None and part[1] - part[0] > _size(extents.get(array)):
+            extents[array] = part
+    return extents
 
 
 def _size(interval: Interval | None) -> int:

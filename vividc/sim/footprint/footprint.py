@@ -131,19 +131,19 @@ def touched(
         Bytes of each array.
     """
     known = chunk_intervals(parallel, inputs, first, last)
-    found = dict.fromkeys(sizes, Touch())
+    touches = dict.fromkeys(sizes, Touch())
     for access in parallel.accesses:
         part = _bytes(access, known[access.term], sizes[access.array])
         if part is None:
             continue
-        old = found[access.array]
+        old = touches[access.array]
         if access.is_store:
             stores = _union(old.stores, part)
-            found[access.array] = Touch(old.loads, stores, old.load_loc, access.loc)
+            touches[access.array] = Touch(old.loads, stores, old.load_loc, access.loc)
         else:
             loads = _union(old.loads, part)
-            found[access.array] = Touch(loads, old.stores, access.loc, old.store_loc)
-    return found
+            touches[access.array] = Touch(loads, old.stores, access.loc, old.store_loc)
+    return touches
 
 
 def _bytes(access: Access, index: Interval | None, size: int) -> Interval | None:

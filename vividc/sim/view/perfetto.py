@@ -112,20 +112,20 @@ def job_trace(
     events: Iterable[UnitEvent], *, name: str = "accelerator", clock_ghz: float = 1.0
 ) -> dict[str, object]:
     """The trace of a job: a row for each tile, DMA engine and the configuration stream."""
-    found: list[TraceEvent] = []
+    traced: list[TraceEvent] = []
     rows: dict[tuple[str, int], tuple[int, int]] = {}
     units = {"tile": 0, "dma": 1, "configuration": 2}
     for event in sorted(events, key=lambda e: (units.get(e.unit, 3), e.index, e.start, e.step)):
         row = (units.get(event.unit, 3), event.index)
         if (event.unit, event.index) not in rows:
             rows[event.unit, event.index] = row
-            found.append(_name("process_name", row[0], row[1], f"{name}: {event.unit}"))
-            found.append(_name("thread_name", row[0], row[1], f"{event.unit} {event.index}"))
+            traced.append(_name("process_name", row[0], row[1], f"{name}: {event.unit}"))
+            traced.append(_name("thread_name", row[0], row[1], f"{event.unit} {event.index}"))
         args: dict[str, object] = {"step": event.step, "bytes": event.size_bytes}
         title = f"{event.kind} {event.program}".rstrip()
         times = (event.start, event.end)
-        found.append(_slice(title, row[0], row[1], times, clock_ghz, args))
-    return _document(found, {})
+        traced.append(_slice(title, row[0], row[1], times, clock_ghz, args))
+    return _document(traced, {})
 
 
 def _phases(program: Program, span: RegionSpan, clock: float) -> list[TraceEvent]:

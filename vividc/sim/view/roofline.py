@@ -64,10 +64,10 @@ def tile_points(stats: Stats, name: str) -> list[Point]:
 
     Loads and stores are no operations: they are what the bytes stand for.
     """
-    found = [_point(name, stats)]
+    points = [_point(name, stats)]
     regions = sorted(stats["regions"], key=lambda region: -region["cycles"])
     long = [r for r in regions if r["cycles"] >= _LEAST_SHARE * stats["cycles"] and r["cycles"]]
-    return found + [_point(region["name"], region) for region in long[: _MOST_POINTS - 1]]
+    return points + [_point(region["name"], region) for region in long[: _MOST_POINTS - 1]]
 
 
 def roof_above(point: Point, peak: float, roofs: Sequence[Roof]) -> tuple[str, float]:

@@ -88,9 +88,9 @@ class Launch:
     @property
     def sizes(self) -> dict[str, int]:
         """Bytes of each array that is not shared."""
-        found = {name: WORD_BYTES * math.prod(shape) for name, shape in self.shapes.items()}
-        found |= {name: array.nbytes for name, array in self._whole()}
-        return {name: size for name, size in found.items() if name not in self.shared}
+        sizes = {name: WORD_BYTES * math.prod(shape) for name, shape in self.shapes.items()}
+        sizes |= {name: array.nbytes for name, array in self._whole()}
+        return {name: size for name, size in sizes.items() if name not in self.shared}
 
     @property
     def all_shapes(self) -> dict[str, tuple[int, ...]]:
@@ -136,8 +136,8 @@ def run_launches(
     numbers = dealt(launches, device.tiles)
     shares = [[launches[number] for number in share] for share in numbers]
     returned = [0] * len(launches)
-    found = run_shares(device, ledger, stage, kernel, shares, **options)
-    for share, values in zip(numbers, found, strict=True):
+    by_share = run_shares(device, ledger, stage, kernel, shares, **options)
+    for share, values in zip(numbers, by_share, strict=True):
         for number, value in zip(share, values, strict=True):
             returned[number] = value
     return returned
@@ -216,13 +216,13 @@ class Places:
 
     def addresses(self, sizes: Mapping[str, int], start: int) -> dict[str, int]:
         """Return the address of each array from `start` on, in the bank the compiler wished for."""
-        found = {}
+        addresses = {}
         word = start // WORD_BYTES
         for name, size in sizes.items():
             word += (self._banks.get(name, 0) - word) % self._count
-            found[name] = WORD_BYTES * word
+            addresses[name] = WORD_BYTES * word
             word += size // WORD_BYTES
-        return found
+        return addresses
 
     def _end(self, sizes: Mapping[str, int]) -> int:
         """Return the bytes that arrays take, in whole lines of banks: so many bytes further on they

@@ -97,9 +97,9 @@ class Programs:
         path, _, function = kernel.partition(":")
         file = kernel_folder() / f"{path}.py"
         key = self._key(file, function, options)
-        found = kept.read_program(_KIND, key)
-        if found is not None:
-            return found
+        made = kept.read_program(_KIND, key)
+        if made is not None:
+            return made
         self._say(f"compiling {kernel} (kept for the next time)")
         program = self._compile(file, function, options)
         if program.hurried:
@@ -113,14 +113,14 @@ class Programs:
             self.tell(line)
 
     def _compile(self, file: Path, function: str, options: Options) -> vividc.Program:
-        found = getattr(kernel_module(file), function, None)
-        if not isinstance(found, vividc.KernelFunction):
+        kernel = getattr(kernel_module(file), function, None)
+        if not isinstance(kernel, vividc.KernelFunction):
             raise SceneError(f"has no kernel `{function}`", loc=str(file))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VividcWarning)
             with vividc.patient(_PATIENCE):
                 compiled: vividc.Program = vividc.compile(
-                    found,
+                    kernel,
                     self.machine,
                     **options,  # type: ignore[arg-type]
                 )

@@ -154,12 +154,12 @@ def share_out(
 @contextmanager
 def _helpers(work: Work | None, board: _Board) -> Iterator[None]:
     """Have helpers take batches from the board."""
-    found: list[_Helper] = []
+    helpers: list[_Helper] = []
     try:
         if work is not None:
             for _ in range(processes_for(len(board.batches)) - 1):
-                found.append(_Helper(work, board))
+                helpers.append(_Helper(work, board))
         yield
     finally:
-        for helper in found:
+        for helper in helpers:
             helper.stop()

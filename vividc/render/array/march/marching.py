@@ -149,9 +149,9 @@ class Marcher:
                 self._march_launch(part, room, entries)
                 for part, room in zip(todo, rooms, strict=True)
             ]
-            found = self._run("ray marching", "march_rays", launches)
+            counts = self._run("ray marching", "march_rays", launches)
             again: list[Block] = []
-            for part, room, samples in zip(todo, rooms, found, strict=True):
+            for part, room, samples in zip(todo, rooms, counts, strict=True):
                 if samples > self._room:
                     _check_divisible(part, samples, self._room)
                     again += _halves(part)

@@ -95,39 +95,39 @@ class FactorGrid:
 
     def cells(self, ledger: Ledger, stage: str, points: Float32Array) -> PlaneCells:
         """Find the plane cells of points [n, 3], n a multiple of 16."""
-        found = PlaneCells.of(points)
+        cells = PlaneCells.of(points)
         axes = np.array(PLANE_AXES, dtype=np.int32)
         resident = {**self.placement, "axes": axes}
         launches = [
             Launch(
                 inputs={"points": points[first:last]},
                 outputs={
-                    "rows": found.rows[chunk, :, : _CORNERS * (last - first)],
-                    "slots": found.slots[chunk, :, : last - first],
-                    "counts": found.counts[chunk],
+                    "rows": cells.rows[chunk, :, : _CORNERS * (last - first)],
+                    "slots": cells.slots[chunk, :, : last - first],
+                    "counts": cells.counts[chunk],
                 },
                 shared=resident,
                 shapes={"seen": (_CACHE,), "where": (_CACHE,)},
             )
-            for chunk, (first, last) in enumerate(found.spans)
+            for chunk, (first, last) in enumerate(cells.spans)
         ]
         self._run(ledger, stage, "find_plane_cells", launches)
-        ledger.count(plane_cells=int(found.counts.sum()))
-        return found
+        ledger.count(plane_cells=int(cells.counts.sum()))
+        return cells
 
     def sums(
-        self, ledger: Ledger, stage: str, found: PlaneCells, pairs: Sequence[Sequence[Pair]]
+        self, ledger: Ledger, stage: str, cells: PlaneCells, pairs: Sequence[Sequence[Pair]]
     ) -> Float32Array:
         """Return [B, P, 16] float32, blocks of 16 samples: for each pair of a plane and a line the
         sum over its channels of their product.
         """
-        return self._per_pair(ledger, stage, "factor_sums", found, pairs, 1)
+        return self._per_pair(ledger, stage, "factor_sums", cells, pairs, 1)
 
     def products(
         self,
         ledger: Ledger,
         stage: str,
-        found: PlaneCells,
+        cells: PlaneCells,
         pairs: Sequence[Sequence[Pair]],
         scale: np.float32 | None = None,
     ) -> Float32Array:
@@ -137,23 +137,23 @@ class FactorGrid:
         With a scale: times it, as float8, four channels to a word, [B, C / 4, 16].
         """
         if scale is None:
-            return self._per_pair(ledger, stage, "factor_products", found, pairs, CHANNELS)
+            return self._per_pair(ledger, stage, "factor_products", cells, pairs, CHANNELS)
         width, kernel = CHANNELS // _LANES, "factor_products_fp8"
-        return self._per_pair(ledger, stage, kernel, found, pairs, width, {"scale": scale})
+        return self._per_pair(ledger, stage, kernel, cells, pairs, width, {"scale": scale})
 
     def _per_pair(
         self,
         ledger: Ledger,
         stage: str,
         kernel: str,
-        found: PlaneCells,
+        cells: PlaneCells,
         pairs: Sequence[Sequence[Pair]],
         width: int,
         scalars: Mapping[str, object] | None = None,
     ) -> Float32Array:
         """Return what a kernel makes of each pair, `width` words of each."""
         flat = [(k, pair) for k, group in enumerate(pairs) for pair in group]
-        out = np.empty((len(found.points) // SAMPLES, width * len(flat), SAMPLES), np.float32)
+        out = np.empty((len(cells.points) // SAMPLES, width * len(flat), SAMPLES), np.float32)
         for number, (k, pair) in enumerate(flat):
             part = out[:, width * number : width * (number + 1)]
             if scalars:
@@ -161,30 +161,30 @@ class FactorGrid:
             resident = self._resident(k, pair)
             launches = [
                 replace(
-                    self._factors(found, chunk, k, pair, resident),
+                    self._factors(cells, chunk, k, pair, resident),
                     outputs={"out": part[first // SAMPLES : last // SAMPLES]},
                     scalars=scalars or {},
                 )
-                for chunk, (first, last) in enumerate(found.spans)
+                for chunk, (first, last) in enumerate(cells.spans)
             ]
             self._run(ledger, stage, kernel, launches)
         return out
 
     def _factors(
         self,
-        found: PlaneCells,
+        cells: PlaneCells,
         chunk: int,
         k: int,
         pair: Pair,
         resident: dict[str, Words],
     ) -> Launch:
-        first, last = found.spans[chunk]
-        rows = found.rows[chunk, k, : _CORNERS * int(found.counts[chunk, k])]
+        first, last = cells.spans[chunk]
+        rows = cells.rows[chunk, k, : _CORNERS * int(cells.counts[chunk, k])]
         return Launch(
             inputs={
-                "points": found.points[first:last],
+                "points": cells.points[first:last],
                 "plane": Gathered(pair.plane, rows),
-                "slots": found.slots[chunk, k, : last - first],
+                "slots": cells.slots[chunk, k, : last - first],
             },
             shared=resident,
         )

@@ -198,8 +198,8 @@ class KiloNeRFOnArray(ModelField):
         arguments = (points, self._box, shape, numbers, local)
         self._device.spread(ledger, "grouping", f"{_KERNELS}:cell_numbers", *arguments)
         table = grid.reshape(-1).view(np.float32)
-        found = gather_rows(self._device, ledger, "grouping", table, [numbers])
-        return found.view(np.int32), local
+        rows = gather_rows(self._device, ledger, "grouping", table, [numbers])
+        return rows.view(np.int32), local
 
     def _encoded(
         self, vectors: Float32Array, kind: str, terms: int, ledger: Ledger

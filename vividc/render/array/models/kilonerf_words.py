@@ -111,7 +111,7 @@ def _largest_results(model: KiloNeRF) -> list[Float32Array]:
     points = np.stack(np.meshgrid(axis, axis, axis), axis=-1).reshape(-1, _AXES)
     encoded = positional_encoding(points.astype(np.float32), _POSITION_FREQUENCIES)
     seen = positional_encoding(_directions(len(points)), _DIRECTION_FREQUENCIES)
-    found = []
+    largest = []
     for network in range(len(model.weights[0])):
         w1, w2, w3, w4, _ = (weights[network] for weights in model.weights)
         b1, b2, b3, b4, _ = (biases[network] for biases in model.biases)
@@ -119,8 +119,8 @@ def _largest_results(model: KiloNeRF) -> list[Float32Array]:
         two = relu(one @ w2 + b2)
         features = (two @ w3 + b3)[:, 1:]
         four = relu(np.concatenate((features, seen), axis=1) @ w4 + b4)
-        found.append([np.abs(results).max() for results in (one, two, features, four)])
-    return list(np.array(found, dtype=np.float32).T)
+        largest.append([np.abs(results).max() for results in (one, two, features, four)])
+    return list(np.array(largest, dtype=np.float32).T)
 
 
 def _directions(count: int) -> Float32Array:

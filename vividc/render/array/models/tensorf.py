@@ -90,8 +90,8 @@ class TensoRFField(ModelField):
 
     def _density(self, points: Float32Array, thickness: Float32Array, ledger: Ledger) -> None:
         model = self._model
-        found = self._grid.cells(ledger, "density factors", points)
-        sums = self._grid.sums(ledger, "density factors", found, self._density_pairs)
+        cells = self._grid.cells(ledger, "density factors", points)
+        sums = self._grid.sums(ledger, "density factors", cells, self._density_pairs)
         BlockMap(
             kernel="render/tensor_factors:density",
             inputs={"sums": sums},
@@ -106,10 +106,10 @@ class TensoRFField(ModelField):
         self, points: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
     ) -> None:
         device = self._device
-        found = self._grid.cells(ledger, "appearance factors", points)
+        cells = self._grid.cells(ledger, "appearance factors", points)
         is_fp8, pairs = self._basis.precision == "fp8", self._appearance_pairs
         scale = self._basis.scale if is_fp8 else None
-        products = self._grid.products(ledger, "appearance factors", found, pairs, scale)
+        products = self._grid.products(ledger, "appearance factors", cells, pairs, scale)
         if not is_fp8:
             products = self._basis.rounded(device, ledger, "rounding", products)
         features = self._basis.run(device, ledger, "basis", products)

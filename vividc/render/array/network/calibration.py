@@ -35,7 +35,7 @@ def largest_inputs(scene: RadianceField) -> dict[str, float]:
     SceneError
         An input is not finite.
     """
-    found: dict[str, float] = {}
+    largest: dict[str, float] = {}
 
     def recorded(
         name: str, inputs: Float32Array, weights: Float32Array, bias: Float32Array | None
@@ -46,14 +46,14 @@ def largest_inputs(scene: RadianceField) -> dict[str, float]:
                 loc="--precision",
                 hint="render in fp32, or train with smaller weights",
             )
-        found[name] = max(found.get(name, 0.0), float(np.abs(inputs).max(initial=0)))
+        largest[name] = max(largest.get(name, 0.0), float(np.abs(inputs).max(initial=0)))
         return linear(name, inputs, weights, bias)
 
     points, directions = _samples(scene.march)
     with np.errstate(over="ignore", invalid="ignore"):  # `recorded` refuses what comes of it
         _, features = scene.density(points, recorded)
         scene.colour(points, features, directions, recorded)
-    return {name: value or 1.0 for name, value in found.items()}
+    return {name: value or 1.0 for name, value in largest.items()}
 
 
 def exponents(

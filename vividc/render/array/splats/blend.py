@@ -194,14 +194,14 @@ def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:
 
 def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Band]:
     """Return those of the chosen screen tiles in which something may be seen, each whole."""
-    found = []
+    bands = []
     lengths = np.diff(lists.start)[chosen]
     for tile in chosen[lengths > 0].tolist():
         x, y = tile % columns * TILE_PX, tile // columns * TILE_PX
         height = min(TILE_PX, camera.height - y)
         first, last = int(lists.start[tile]), int(lists.start[tile + 1])
-        found.append(_Band(x, y, height, -(-height // _SIDE), first, last))
-    return found
+        bands.append(_Band(x, y, height, -(-height // _SIDE), first, last))
+    return bands
 
 
 def _balanced(screens: Sequence[_Band], tiles: int) -> list[list[_Band]]:

@@ -201,13 +201,15 @@ class _Tables:
 
     def _constant_places(self) -> dict[Constant, int]:
         """By entry, then PE: what neighbours read from the same entry lies side by side."""
-        found: dict[Constant, None] = {}
+        constants: dict[Constant, None] = {}
         for op in self._flow.ops:
             if op.issue.op in (Opcode.LOAD, Opcode.STORE):
-                found[Constant(op.pe, op.issue.base)] = None
-            found |= {r.source: None for r in op.reads if isinstance(r.source, Constant)}
-        entries = {entry: k for k, entry in enumerate(dict.fromkeys(c.entry for c in found))}
-        return {constant: entries[constant.entry] * self._pes + constant.pe for constant in found}
+                constants[Constant(op.pe, op.issue.base)] = None
+            constants |= {r.source: None for r in op.reads if isinstance(r.source, Constant)}
+        entries = {entry: k for k, entry in enumerate(dict.fromkeys(c.entry for c in constants))}
+        return {
+            constant: entries[constant.entry] * self._pes + constant.pe for constant in constants
+        }
 
     def _read_along_rows(self) -> set[int]:
         """Loads that several multiply-adds read: these may come one cycle after the other."""

@@ -115,27 +115,27 @@ class RegionCounts:
 
 def count_classes(flow: RegionFlow) -> tuple[CountClass, ...]:
     """The sums that a region's code keeps beside the fixed ones."""
-    found: dict[CountClass, None] = {}
+    classes: dict[CountClass, None] = {}
     for op in flow.ops:
         if _most(flow, op):
-            found[Speculation(_most(flow, op))] = None
+            classes[Speculation(_most(flow, op))] = None
     for move in flow.moves:
         tail = _tail(flow, move)
         if tail is not None and flow.row.kind == "loop":
-            found[tail] = None
-    return tuple(found)
+            classes[tail] = None
+    return tuple(classes)
 
 
 def region_counts(flow: RegionFlow) -> RegionCounts:
     """What the sums of a region tell."""
     classes = count_classes(flow)
     unit = np.identity(len(Sum) + len(classes), np.int64)
-    found: dict[str, Vector] = dict.fromkeys(_FIELDS, 0 * unit[0])
-    found |= {name: unit[place] for name, place in _DIRECT.items()}
+    vectors: dict[str, Vector] = dict.fromkeys(_FIELDS, 0 * unit[0])
+    vectors |= {name: unit[place] for name, place in _DIRECT.items()}
     of_class = dict(zip(classes, unit[len(Sum) :], strict=True))
-    _Counter(flow, unit, of_class, found).count()
-    ops = tuple(name.removeprefix(_ISSUED) for name in found if name.startswith(_ISSUED))
-    return RegionCounts(classes, ops, np.array([*found.values()]))
+    _Counter(flow, unit, of_class, vectors).count()
+    ops = tuple(name.removeprefix(_ISSUED) for name in vectors if name.startswith(_ISSUED))
+    return RegionCounts(classes, ops, np.array([*vectors.values()]))
 
 
 class _Counter:
@@ -146,13 +146,13 @@ class _Counter:
         flow: RegionFlow,
         unit: NDArray[np.int64],
         of_class: dict[CountClass, Vector],
-        found: dict[str, Vector],
+        vectors: dict[str, Vector],
     ) -> None:
         self._flow = flow
         self._nothing: Vector = 0 * unit[0]
         self._runs, self._iterations = unit[Sum.NONEMPTY], unit[Sum.ITERATIONS]
         self._of_class = of_class
-        self._found = found
+        self._vectors = vectors
 
     def count(self) -> None:
         """Count operations and moves."""
@@ -167,7 +167,7 @@ class _Counter:
                 self._add("register_reads", words)
 
     def _add(self, name: str, times: Vector) -> None:
-        self._found[name] = np.add(self._found.get(name, self._nothing), times)
+        self._vectors[name] = np.add(self._vectors.get(name, self._nothing), times)
 
     def _issues(self, op: FlowOp) -> Vector:
         most = _most(self._flow, op)

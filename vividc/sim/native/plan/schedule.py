@@ -86,14 +86,14 @@ def schedule(flow: RegionFlow) -> Schedule:
 
 def constants_read(flow: RegionFlow) -> list[Constant]:
     """Constant-store entries that operations of a region read."""
-    found: dict[Constant, None] = {}
+    constants: dict[Constant, None] = {}
     for op in flow.ops:
         if op.issue.op in (Opcode.LOAD, Opcode.STORE):
-            found[Constant(op.pe, op.issue.base)] = None
+            constants[Constant(op.pe, op.issue.base)] = None
         for read in (*op.reads, op.predicate):
             if read is not None:
-                found |= {c: None for c in (read.source, read.first) if isinstance(c, Constant)}
-    return list(found)
+                constants |= {c: None for c in (read.source, read.first) if isinstance(c, Constant)}
+    return list(constants)
 
 
 def _order(op: FlowOp) -> tuple[int, int]:

@@ -191,22 +191,22 @@ class _Tracer:
 
     def _completions(self) -> Mapping[tuple[int, int], int]:
         """Operation that completes on each (PE, slot)."""
-        found: dict[tuple[int, int], int] = {}
+        slots: dict[tuple[int, int], int] = {}
         for index, (slot, pe, issue) in enumerate(self._issues):
             key = pe, (slot + self._delay(issue)) % self._row.ii
-            _demand(key not in found)
-            found[key] = index
-        return found
+            _demand(key not in slots)
+            slots[key] = index
+        return slots
 
     def _exit(self, ops: tuple[FlowOp, ...]) -> tuple[int | None, int]:
-        found = [index for index, op in enumerate(ops) if op.issue.use is Use.EXIT]
-        _demand(len(found) == self._row.has_exit)
-        if not found:
+        exits = [index for index, op in enumerate(ops) if op.issue.use is Use.EXIT]
+        _demand(len(exits) == self._row.has_exit)
+        if not exits:
             return None, 0
-        op = ops[found[0]]
+        op = ops[exits[0]]
         acts = op.time + op.delay + 1 + self._fabric.controller.control_latency
         _demand(acts <= self._row.span)
-        return found[0], acts
+        return exits[0], acts
 
     def _op(self, slot: int, pe: int, issue: Issue) -> FlowOp:
         used = issue.operands[: OPCODES[issue.op].arity]
@@ -273,8 +273,8 @@ class _Tracer:
         while True:
             key = (slot, pe, select, self._register(slot, pe, select))
             if key in self._known:
-                found = self._known[key]
-                result = None if found is None else Result(found.op, found.age + age)
+                source = self._known[key]
+                result = None if source is None else Result(source.op, source.age + age)
                 break
             seen.append((key, age))
             if key in {earlier for earlier, _ in seen[:-1]}:

@@ -264,12 +264,12 @@ def _extract(bits: int, code: Code, words: Sequence[str]) -> str:
 def _of_format(fmt: Format) -> dict[str, Lowering]:
     """Operations on numbers of a format, by name."""
     packed = f"{fmt.name}x{fmt.lanes}"
-    found: dict[str, Lowering] = {
+    lowerings: dict[str, Lowering] = {
         f"{name}.{packed}": partial(_binary, fmt, name) for name in ("fadd", "fsub", "fmul")
     }
     comparisons = ("oeq", "une", "olt", "ole", "ult", "ule")
-    found |= {f"fcmp.{name}.{packed}": partial(_compared, fmt, name) for name in comparisons}
-    found |= {
+    lowerings |= {f"fcmp.{name}.{packed}": partial(_compared, fmt, name) for name in comparisons}
+    lowerings |= {
         f"fma.{packed}": partial(_fma, fmt),
         f"fmin.{packed}": partial(_extremum, fmt, "olt", "or"),
         f"fmax.{packed}": partial(_extremum, fmt, "ogt", "and"),
@@ -280,18 +280,18 @@ def _of_format(fmt: Format) -> dict[str, Lowering]:
         f"dot.{packed}": partial(_dot, fmt),
     }
     if fmt.bits < WORD_BITS // 2:
-        found[f"pack_high.{packed}"] = partial(_packed_high, fmt)
-    return found
+        lowerings[f"pack_high.{packed}"] = partial(_packed_high, fmt)
+    return lowerings
 
 
 def _table() -> dict[Opcode, Lowering]:
-    found = {name: of for fmt in FORMATS.values() for name, of in _of_format(fmt).items()}
+    lowerings = {name: of for fmt in FORMATS.values() for name, of in _of_format(fmt).items()}
     for lanes in (2, 4):
         bits = WORD_BITS // lanes
-        found[f"select.x{lanes}"] = partial(_select, bits)
-        found[f"merge.x{lanes}"] = partial(_merge, bits)
-        found[f"extract.x{lanes}"] = partial(_extract, bits)
-    return {Opcode(name): of for name, of in found.items()}
+        lowerings[f"select.x{lanes}"] = partial(_select, bits)
+        lowerings[f"merge.x{lanes}"] = partial(_merge, bits)
+        lowerings[f"extract.x{lanes}"] = partial(_extract, bits)
+    return {Opcode(name): of for name, of in lowerings.items()}
 
 
 LANE_LOWERINGS: Final = _table()
