@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TypedDict
 
 from vividc.launch.functional import Outcome
 from vividc.launch.steps import Execute, Step, kind_of
 from vividc.launch.timing import Timing
-from vividc.program import WORD_BYTES, Program
-from vividc.sim.accounting import by_kind, cycles_by_use
-from vividc.sim.engine import Run
+from vividc.program import Program
+from vividc.sim.accounting import by_kind, bytes_by_level, cycles_by_use, summed
+from vividc.sim.engine import Activity, Run
 
 
 class TileStats(TypedDict):
@@ -72,6 +72,7 @@ def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobSta
         operations.update(region.issued)
     pes = max((len(p.fabric.pes) for rs in runs.values() for p, _ in rs), default=1)
     whole = pes * len(tiles) * timing.cycles
+    activity = Activity.total(run.activity for run in outcome.runs.values())
     engines = sorted({run.engine for run in outcome.runs.values()})
     return JobStats(
         cycles=timing.cycles,
@@ -79,11 +80,11 @@ def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobSta
         steps=dict(sorted(kinds.items())),
         runs=len(outcome.runs),
         tile_cycles=sum(run.cycles for run in outcome.runs.values()),
-        cycles_by_use=_summed(tile["cycles"] for tile in tiles),
-        stalls=_summed(tile["stalls"] for tile in tiles),
+        cycles_by_use=summed(tile["cycles"] for tile in tiles),
+        stalls=summed(tile["stalls"] for tile in tiles),
         operations=dict(sorted(operations.items())),
         operations_by_class=by_kind(operations),
-        bytes=_bytes(outcome, timing),
+        bytes={**asdict(timing.moved), **bytes_by_level(activity)},
         busy=dict(timing.busy),
         utilization=operations.total() / whole if whole else 0.0,
         tiles=tiles,
@@ -115,27 +116,6 @@ def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> T
 def _uses(program: Program, run: Run) -> dict[str, int]:
     """The cycles of a run, bank stalls left out."""
     pairs = zip(program.table, run.regions, strict=True)
-    cycles = _summed(cycles_by_use(row, region) for row, region in pairs)
+    cycles = summed(cycles_by_use(row, region) for row, region in pairs)
     cycles["switch"] = run.switch_cycles
     return {use: cycles[use] for use in _USES}
-
-
-def _bytes(outcome: Outcome, timing: Timing) -> dict[str, int]:
-    activity = [run.activity for run in outcome.runs.values()]
-    words = {
-        "scratchpad_read": sum(a.scratchpad_reads for a in activity),
-        "scratchpad_written": sum(a.scratchpad_writes for a in activity),
-        "links": sum(a.link_words for a in activity),
-        "registers_read": sum(a.register_reads for a in activity),
-        "registers_written": sum(a.register_writes for a in activity),
-        "constants_read": sum(a.constant_reads for a in activity),
-        "constants_written": sum(a.constant_writes for a in activity),
-    }
-    return {**asdict(timing.moved), **{name: WORD_BYTES * n for name, n in words.items()}}
-
-
-def _summed(tables: Iterable[Mapping[str, int]]) -> dict[str, int]:
-    total: Counter[str] = Counter()
-    for table in tables:
-        total.update(table)
-    return dict(total)

@@ -16,6 +16,7 @@ from vividc.errors import ArgumentError
 from vividc.launch.job import Job
 from vividc.launch.simulate import JobResult
 from vividc.launch.tiles.chunks import Chunk, Cut, Interval, Plan, aligned, plan_chunks, slack
+from vividc.launch.turns import Turns
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import WIDE_LOW, Reduction
 from vividc.machine.semantics import evaluate
@@ -137,7 +138,7 @@ class _Builder:
         self._free = 0
         self._inputs: dict[str, int] = {**cut.inputs}
         self._extents: dict[str, tuple[int, int]] = {}
-        self._last: dict[tuple[int, int], list[int]] = {}
+        self._turns = Turns(self._tiles, plan.copies)
 
     def build(self) -> Spread:
         self._job.configure(self._tiles, self._program)
@@ -150,7 +151,7 @@ class _Builder:
             words: dict[str, int] = {}
             if parallel is not None:
                 words = chunk_inputs(parallel, chunk.first, chunk.last, starts, number == 0)
-            runs.append(self._chunk(number, chunk, words, common))
+            runs.append(self._chunk(chunk, words, common))
         return Spread(self._job, self._program, self._plan, tuple(runs), self._cut.inputs)
 
     def _place(self) -> None:
@@ -203,12 +204,8 @@ class _Builder:
         flat = self._arrays[name].reshape(-1)
         return flat[part[0] // flat.itemsize : -(-part[1] // flat.itemsize)]
 
-    def _chunk(
-        self, number: int, chunk: Chunk, words: dict[str, int], common: Sequence[int]
-    ) -> int:
-        tile = number % len(self._tiles)
-        half = number // len(self._tiles) % self._plan.copies
-        before = self._last.get((tile, half), [])
+    def _chunk(self, chunk: Chunk, words: dict[str, int], common: Sequence[int]) -> int:
+        tile, half, before = self._turns.take()
         inputs, extents = {**self._inputs, **words}, {**self._extents}
         moves = list(common)
         for name in self._cut.sizes:
@@ -239,5 +236,5 @@ class _Builder:
             assert written is not None
             view = self._view(name, written)
             done.append(self._job.move_out(tile, source, view, after=[run]))
-        self._last[tile, half] = done
+        self._turns.free(tile, half, *done)
         return run
