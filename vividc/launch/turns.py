@@ -5,6 +5,7 @@ tile works on another.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 
 class Turns:
@@ -46,3 +47,8 @@ def deal(costs: Sequence[float], tiles: int) -> list[list[int]]:
         shares[tile].append(number)
         loads[tile] += costs[number]
     return shares
+
+
+def neighbours(count: int, tiles: int) -> list[tuple[int, int]]:
+    """Return first item, and the one after the last, of what each tile gets of a row of items."""
+    return [*pairwise(count * tile // tiles for tile in range(tiles + 1))]

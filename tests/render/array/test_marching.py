@@ -13,8 +13,7 @@ from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scal
 from vividc.render.array import Device, Ledger, Programs
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.marching import SIDE, block_corners
-from vividc.render.array.render import pixels_of
-from vividc.render.array.sampling import expected_samples, sampled
+from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.radiance import (
     KiloNeRF,
     March,
@@ -192,8 +191,8 @@ def test_a_sample_is_the_same_blocks_each_time() -> None:
     np.testing.assert_array_equal(some, corners[sampled(work, 0.25)])
     np.testing.assert_array_equal(sampled(work, 1.0), np.arange(104))
     assert len(sampled(work, 1e-9)) == 1
-    assert pixels_of(corners, camera).all()
-    assert 0 < pixels_of(some, camera).mean() < 0.3
+    assert pixels_of(corners, SIDE, camera).all()
+    assert 0 < pixels_of(some, SIDE, camera).mean() < 0.3
 
 
 @pytest.mark.parametrize("share", [0.05, 0.1, 0.3])

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-import numpy.typing as npt
-
 from vividc.errors import demand_callable, demand_type
 from vividc.render.array.device.device import open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger
@@ -20,7 +17,7 @@ from vividc.render.array.options import (
     ArrayOptions,
     RenderPrecision,
 )
-from vividc.render.array.sampling import expected_samples, sampled
+from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.array.splats.frame import render_splats
 from vividc.render.arrays import Int32Array
 from vividc.render.camera import Camera
@@ -95,7 +92,7 @@ def render_array(
     )
     share = len(corners) / len(block_corners(camera))
     stages = tuple(ledger.stages.values())
-    simulated = None if options.sample == 1 else pixels_of(corners, camera)
+    simulated = None if options.sample == 1 else pixels_of(corners, SIDE, camera)
     late = device.programs.late
     return ArrayFrame(image, stages, dict(ledger.counts), device.clock_ghz, share, simulated, late)
 
@@ -149,11 +146,3 @@ def check_mode(mode: str, precision: RenderPrecision, scene: Scene) -> None:
             loc="--mode",
             hint="leave it out, or --precision fp32",
         )
-
-
-def pixels_of(corners: Int32Array, camera: Camera) -> npt.NDArray[np.bool_]:
-    """Return which pixels are in blocks of 8x8 pixels with these corners, [height, width]."""
-    inside = np.zeros((camera.height, camera.width), dtype=np.bool_)
-    for column, row in corners:
-        inside[row : row + SIDE, column : column + SIDE] = True
-    return inside

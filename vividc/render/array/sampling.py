@@ -53,3 +53,13 @@ def expected_samples(march: March, camera: Camera, corners: Int32Array) -> npt.N
         ray = np.bincount(samples.ray, minlength=len(pixels))
         counts.append(ray.reshape(len(part), -1).sum(axis=1))
     return np.concatenate(counts)
+
+
+def pixels_of(corners: Int32Array, side: int, camera: Camera) -> npt.NDArray[np.bool_]:
+    """Return which pixels are in blocks of `side` x `side` pixels with these corners, [height,
+    width].
+    """
+    inside = np.zeros((camera.height, camera.width), dtype=np.bool_)
+    for column, row in corners:
+        inside[row : row + side, column : column + side] = True
+    return inside

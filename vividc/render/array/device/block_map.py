@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
+from vividc.launch.turns import neighbours
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launches import Launch, Words, run_shares
@@ -46,14 +47,14 @@ class BlockMap:
     groups: npt.NDArray[np.int32] | None = None
 
     def run(self, device: Device, ledger: Ledger, stage: str) -> None:
-        """Carry the launches out and book them; `outputs` are updated in place.
+        """Carry the launches out and book them; `outputs` are updated in place. A tile gets blocks
+        that follow each other, so that groups change seldom.
 
         Raises
         ------
         SceneError
             Not even one block fits a scratchpad.
         """
-        tiles = device.tiles
         counts = any(p.name == "blocks" for p in device.programs.get(self.kernel).params)
         line = device.line_bytes
         shared = max(sum(a.nbytes + line for a in group.values()) for group in self.shared)
@@ -61,14 +62,9 @@ class BlockMap:
         own = room // _PLACES - line * (len(self.inputs) + len(self.outputs))
         shares = [
             [self._launch(*span, counts) for span in self._spans(first, last, own)]
-            for first, last in self._ranges(tiles)
+            for first, last in neighbours(len(next(iter(self.outputs.values()))), device.tiles)
         ]
         run_shares(device, ledger, stage, self.kernel, shares)
-
-    def _ranges(self, tiles: int) -> Iterator[tuple[int, int]]:
-        """Blocks of each tile: neighbours, so that groups change seldom."""
-        blocks = len(next(iter(self.outputs.values())))
-        yield from pairwise(blocks * tile // tiles for tile in range(tiles + 1))
 
     def _spans(self, first: int, last: int, room: int) -> Iterator[tuple[int, int]]:
         """Blocks of each launch, whose arrays have `room` bytes."""

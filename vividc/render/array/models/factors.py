@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
+from vividc.launch.turns import neighbours
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.launches import Gathered, Launch, Words, run_shares
@@ -195,9 +195,8 @@ class FactorGrid:
 
     def _run(self, ledger: Ledger, stage: str, kernel: str, launches: Sequence[Launch]) -> None:
         """Neighbouring chunks to the same tile."""
-        tiles = self.device.tiles
-        bounds = [len(launches) * tile // tiles for tile in range(tiles + 1)]
-        shares = [launches[first:last] for first, last in pairwise(bounds)]
+        parts = neighbours(len(launches), self.device.tiles)
+        shares = [launches[first:last] for first, last in parts]
         run_shares(self.device, ledger, stage, f"render/tensor_factors:{kernel}", shares)
 
 

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from vividc.launch.turns import neighbours
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
@@ -161,7 +162,6 @@ class _Passes:
         self._grids, self._device, self._ledger, self._stage = grids, device, ledger, stage
         self._points, self._out = points, out
         self._chunks = -(-len(points) // CHUNK)
-        self._tiles = device.tiles
         levels = len(grids.scales)
         self._cells = np.empty((self._chunks, levels * CHUNK), np.uint32)
         self._slots = np.empty((self._chunks, levels, CHUNK), np.uint32)
@@ -197,10 +197,9 @@ class _Passes:
 
     def _run(self, kernel: str, by_chunk: Sequence[Sequence[Launch]]) -> None:
         """Neighbouring chunks to the same tile."""
-        bounds = [self._chunks * tile // self._tiles for tile in range(self._tiles + 1)]
         shares = [
             [launch for chunk in by_chunk[first:last] for launch in chunk]
-            for first, last in pairwise(bounds)
+            for first, last in neighbours(self._chunks, self._device.tiles)
         ]
         run_shares(self._device, self._ledger, self._stage, f"render/hash_grid:{kernel}", shares)
 

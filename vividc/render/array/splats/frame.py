@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
 from vividc.render.array.device.device import Device, open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger
 from vividc.render.array.options import ArrayOptions
-from vividc.render.array.sampling import sampled
+from vividc.render.array.sampling import pixels_of, sampled
 from vividc.render.array.splats.blend import EXP_EXCESS, Culling, blend_splats
 from vividc.render.array.splats.project import project_on_array
 from vividc.render.array.splats.scene import device_scene, screen_tiles
 from vividc.render.array.splats.sort import sort_on_array
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.crop import TILE_PX
 from vividc.render.errors import SceneError
@@ -86,13 +85,14 @@ def render_splats(
         )
         ledger.count(splats=len(splats), list_entries=len(lists.slots))
     tell(1.0)
+    corners = TILE_PX * np.stack((screens % columns, screens // columns), axis=1)
     return ArrayFrame(
         image,
         tuple(ledger.stages.values()),
         dict(ledger.counts),
         machine.clock_ghz,
         len(screens) / (columns * rows),
-        None if chosen.sample == 1 else _pixels_of(screens, camera, columns),
+        None if chosen.sample == 1 else pixels_of(corners, TILE_PX, camera),
         machine.programs.late,
     )
 
@@ -104,15 +104,6 @@ def _check_scratchpad(device: Device) -> None:
             f"{device.programs.machine.name} have {device.scratchpad_bytes}",
             hint="use a fabric with larger scratchpads",
         )
-
-
-def _pixels_of(screens: Int32Array, camera: Camera, columns: int) -> npt.NDArray[np.bool_]:
-    """Return which pixels are in some screen tiles, [height, width]."""
-    inside = np.zeros((camera.height, camera.width), dtype=np.bool_)
-    for screen in screens.tolist():
-        x, y = screen % columns * TILE_PX, screen // columns * TILE_PX
-        inside[y : y + TILE_PX, x : x + TILE_PX] = True
-    return inside
 
 
 def _white(camera: Camera) -> Float32Array:
