@@ -90,7 +90,7 @@ def loop_program(name: str, graph: DFG, params: tuple[Param, ...]) -> Program:
 
 
 def _mapped(loop: DFG, fabric: Fabric) -> MapResult:
-    """A mapping found in little time, or else in more."""
+    """Map a loop with a short time limit, or with longer ones if that fails."""
     for limit in _TIME_LIMITS_S:
         result = map_dfg(loop, fabric, time_limit_s=limit, thrifty=True)
         if result.mapping is not None:

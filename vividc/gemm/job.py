@@ -112,7 +112,7 @@ def mlp_job(
 def choose_layout(
     rows: int, layers: Sequence[Layer], mode: str, accelerator: Accelerator
 ) -> tuple[Layout, str]:
-    """How the layers run, and why so.
+    """Choose how the layers run; return the layout and the reason.
 
     Raises
     ------
@@ -184,7 +184,7 @@ class _Steps:
     def add(
         self, source: Matrix, target: Matrix, pieces: list[range], before: tuple[int, ...]
     ) -> tuple[int, ...]:
-        """All of them; the numbers of the last ones.
+        """Add all steps; return the numbers of the last ones.
 
         Parameters
         ----------

@@ -17,17 +17,17 @@ _MADE_BY = ("arch", "dfg", "gemm", "machine", "mapper", "program", "ssa")
 
 
 def key_of(fabric: Fabric, *form: object) -> str:
-    """What a program of this form on a fabric is known by."""
+    """Return the cache key of a program of this form on a fabric."""
     return sha256(
         f"product|{kept.source_digest(*_MADE_BY)}|{fabric.source}|{form!r}".encode()
     ).hexdigest()
 
 
 def read_program(key: str) -> Program | None:
-    """The program of this key, if there is one to trust."""
+    """Return the program under this key, if there is an intact one."""
     return kept.read_program(_KIND, key)
 
 
 def write_program(key: str, program: Program) -> None:
-    """Keep a program; silently not, if that is not possible."""
+    """Store a program; failures to do so are ignored."""
     kept.write_program(_KIND, key, program)

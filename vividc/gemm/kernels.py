@@ -1,4 +1,4 @@
-"""Kernels that are matrix products on an accelerator: in which mode a launch runs, and the run."""
+"""Launches of kernels that are matrix products: the choice of a mode, and `vividc.simulate`."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class KernelChoice:
 
 
 def check_kernel_mode(mode: str) -> None:
-    """Refuse what is no mode of a kernel.
+    """Refuse an unknown mode.
 
     Raises
     ------
@@ -212,7 +212,7 @@ def simulate(
 
 
 def _check_spread(program: object, fabric: object, observer: Observer | None) -> None:
-    """Refuse what no accelerator can run.
+    """Refuse arguments that cannot be run on an accelerator.
 
     Raises
     ------
@@ -280,7 +280,7 @@ class _Launch:
         return self._size(product.rows), self._size(product.cols), self._size(product.depth)
 
     def refusal(self) -> str:
-        """Why the launch has no TPU-like mode; "": it has."""
+        """Return why no TPU-like mode is possible; "": one is."""
         product = self._product
         rows, cols, depth = self.sizes
         if min(rows, cols, depth) < 1:
@@ -313,7 +313,7 @@ class _Launch:
         return replace(done.job, value=None)
 
     def _overflow(self) -> str:
-        """max(x, 0) of a NaN is 0 on the array: there must be none."""
+        """Return why a sum could be NaN, of which the array makes 0; "": none can."""
         depth = self.sizes[2]
         names = {*self._product.arrays} - {self._product.result.array}
         if not all(np.isfinite(self._array(name)).all() for name in names):

@@ -35,7 +35,7 @@ class Pass:
 
     @property
     def stop(self) -> int:
-        """The first layer behind it."""
+        """The first layer after the pass."""
         return self.first + len(self.chain.links)
 
 

@@ -1,5 +1,5 @@
-"""What a job computes: steps in waves that depend on earlier waves only, the tiles of a wave at the
-same time.
+"""Computes a job in waves of steps: each wave depends on earlier ones only, and its tiles run in
+parallel.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class _State:
                     self._tiles[id(program)] = shared_tile(program, engine)
 
     def _take(self, unit: int) -> None:
-        """What other forms of the same tiles had in their scratchpads is lost."""
+        """Discard what other forms of the same tiles held in their scratchpads."""
         for other in self._sharing[unit] & self._used:
             self._pads[other][:] = 0
             self._used.remove(other)

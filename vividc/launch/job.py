@@ -1,4 +1,4 @@
-"""`Job`: the host's way to say what the accelerator does, step by step, with dependencies."""
+"""`Job`: a launch graph that the host builds step by step."""
 
 from __future__ import annotations
 
@@ -412,7 +412,7 @@ def _bound(
 
 
 def _is_place(place: At, ndim: int) -> bool:
-    """Whether address and shape are whole numbers, and as many as there are axes."""
+    """Return whether address and shape are integers, with one size per axis."""
     if not isinstance(place.shape, tuple | list) or len(place.shape) != ndim:
         return False
     whole = (isinstance(n, int | np.integer) and n >= 0 for n in (place.address, *place.shape))
@@ -420,7 +420,7 @@ def _is_place(place: At, ndim: int) -> bool:
 
 
 def _refuse_overlap(program: Program, extents: ReadOnly[str, tuple[int, int]]) -> None:
-    """A kernel's arrays are apart, as for the compiler, which orders accesses of each only."""
+    """Refuse arrays that overlap: the compiler orders accesses within each array only."""
     places = sorted((start, end, name) for name, (start, end) in extents.items() if end > start)
     for number, (_, end, name) in enumerate(places):
         for start, _, other in places[number + 1 :]:

@@ -1,4 +1,4 @@
-"""What is made of a program is kept for the next job: it takes longer than running it."""
+"""A cache of what is derived from programs, since deriving it takes longer than a run."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class OwnArrays:
                 self._lost.setdefault(tile, []).append(lost)
 
     def refill(self, tiles: Sequence[int], start: int, end: int) -> None:
-        """Bytes get data anew."""
+        """Note that bytes are written again."""
         for tile in tiles:
             if tile in self._lost:
                 self._lost[tile] = [

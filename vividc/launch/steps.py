@@ -1,4 +1,4 @@
-"""What an accelerator can be told to do: the steps of a launch graph, and their results."""
+"""The steps of a launch graph: what an accelerator can be told to do."""
 
 from __future__ import annotations
 

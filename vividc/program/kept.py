@@ -13,7 +13,7 @@ from vividc.program import Program, from_bytes
 
 
 def read_program(kind: str, key: str) -> Program | None:
-    """The program kept under this key, if there is one to trust."""
+    """Return the program under this key, if there is an intact one."""
     content = cache.read(kind, key)
     if content is None:
         return None
@@ -25,7 +25,7 @@ def read_program(kind: str, key: str) -> Program | None:
 
 
 def write_program(kind: str, key: str, program: Program) -> None:
-    """Keep a program; silently not, if that is not possible."""
+    """Store a program; failures to do so are ignored."""
     if program.fabric.source:
         cache.write(kind, key, zlib.compress(program.to_bytes(), 1))
 

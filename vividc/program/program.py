@@ -104,8 +104,8 @@ class Program:
 
     @property
     def hurried(self) -> bool:
-        """The clock ended something that was to make the program better: on another machine, or
-        beside other work, the words may be others.
+        """A time limit cut short a search that could have improved the program: on another machine,
+        or under another load, the words may differ.
         """
         return any(CUT_SHORT in text for text in self.warnings)
 

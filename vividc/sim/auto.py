@@ -1,4 +1,4 @@
-"""The engine that is done first: the reference engine for what is short, else native code."""
+"""The engine that finishes first: the reference engine for short runs, native code otherwise."""
 
 from __future__ import annotations
 

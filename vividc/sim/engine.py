@@ -1,4 +1,4 @@
-"""The seam between a launch and the engine that runs it, and what every engine returns."""
+"""The interface between a launch and the engine that runs it, and what every engine returns."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Launch:
 
 @dataclass(frozen=True, slots=True)
 class Activity:
-    """Words that moved, in a region or a whole run; what moved nothing valid is not counted.
+    """Words moved in a region or a whole run; moves of invalid words are not counted.
 
     Attributes
     ----------

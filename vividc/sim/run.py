@@ -37,7 +37,7 @@ class Result:
 
 
 def check_run(cycle_limit: int, progress: object = None, observer: object = None) -> None:
-    """Refuse what is no limit, and what cannot be called.
+    """Refuse a limit that is no positive integer, and callbacks that cannot be called.
 
     Raises
     ------

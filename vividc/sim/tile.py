@@ -27,7 +27,7 @@ ENGINES: Final[dict[str, EngineFactory]] = {
 
 
 def check_engine(engine: object) -> None:
-    """Refuse what is no engine's name.
+    """Refuse an unknown engine.
 
     Raises
     ------
@@ -80,7 +80,8 @@ _known: OrderedDict[tuple[int, str], Tile] = OrderedDict()
 
 
 def shared_tile(program: Program, engine: str = AUTO) -> Tile:
-    """A tile with a program, the same one each time: decoding takes longer than many a launch.
+    """Return the tile that holds a program, always the same one: decoding takes longer than a short
+    launch.
 
     Raises
     ------

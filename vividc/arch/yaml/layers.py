@@ -144,7 +144,7 @@ def _text_of(path: Path) -> str:
 
 
 def a_folder(name: str) -> ArchError:
-    """What is wrong with the name of a folder."""
+    """Return the error for the path of a folder."""
     return ArchError("a folder is no fabric", loc=name, hint="name a YAML file in it")
 
 

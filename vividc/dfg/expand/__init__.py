@@ -1,4 +1,4 @@
-"""Operations that no FU has become those that it has (docs/math.md).
+"""Expansions of operations that no FU implements (docs/math.md).
 
 In order: `builder`, `magnitudes`; `integer`, `bits`, `divide`, `remainder`, `rounding`, `roots`,
 `exp`, `log`, `power`, `trigonometric`, `arc`, `hyperbolic`, each with a table of its expansions;

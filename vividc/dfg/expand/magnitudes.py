@@ -68,7 +68,7 @@ def _hull(*intervals: Interval) -> Interval:
 
 
 def _smaller(a: Interval, b: Interval) -> Interval:
-    """Of a NaN and a number the minimum is the number, which a constant always is."""
+    """The minimum of a NaN and a number is the number, and a constant is a number."""
     for constant in (a, b):
         if constant[0] == constant[1]:
             return min(a[0], b[0]), constant[1]

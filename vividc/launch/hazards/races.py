@@ -1,4 +1,4 @@
-"""Unordered uses of the same bytes, found in flat arrays: compiled functions."""
+"""Finds unordered uses of the same bytes in flat arrays; compiled."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _NONE = -1
 
 
 def first_race(uses: Ints, wait_begin: Ints, wait_items: Ints) -> tuple[int, int, int] | None:
-    """Return two steps, the earlier first, that use the same bytes of a memory, one of them
-    writing, and of which the later does not wait for the earlier, by no way; and the memory. None:
-    there are none.
+    """Return two steps, the earlier first, that use the same bytes of a memory, at least one of
+    them writing, where the later does not wait for the earlier even indirectly; and the memory.
+    None: there is no such pair.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ def plan_chunks(cut: Cut, length: int | None) -> Plan:
 
 
 def _on_one_tile(cut: Cut, loop: Interval, conflict: ArgumentError) -> Plan:
-    """All iterations as one chunk, whose order is that of the loop."""
+    """Plan all iterations as one chunk, which keeps the order of the loop."""
     plan = _plan(replace(cut, double_buffer=False), *loop, max(1, loop[1] - loop[0]))
     if _need(cut, plan) > cut.scratchpad.size_bytes:
         raise conflict
@@ -250,7 +250,7 @@ def _way_out(cut: Cut, plan: Plan) -> str:
 
 
 def _conflict_of(cut: Cut, plan: Plan) -> ArgumentError | None:
-    """Why the chunks may not be made: one may touch what another writes. None: they may."""
+    """Return why the loop cannot be cut so: a chunk may touch what another writes. None: it can."""
     if len(plan.chunks) == 1:
         return None
     for name in cut.sizes:

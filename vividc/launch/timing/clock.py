@@ -1,4 +1,4 @@
-"""What happens when, and what serves one at a time: compiled functions."""
+"""The event queue, and servers that take one request at a time; compiled."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def request(
 
 @inlined
 def look(queues: Queues, state: State, server: int, cycle: int) -> None:
-    """See who waits in `cycle`, once however many ask for that: one is served a cycle."""
+    """Look for a waiting request in `cycle`: once a cycle, however often this is called."""
     if cycle != state.looks_at[server]:
         state.looks_at[server] = cycle
         granted_at(queues, cycle, GRANT, server)
@@ -64,7 +64,7 @@ def look(queues: Queues, state: State, server: int, cycle: int) -> None:
 
 @inlined
 def serve(queues: Queues, state: State, server: int, cycle: int) -> int:
-    """Who has waited longest, or `NOTHING` if the server is busy or nobody waits."""
+    """Return who has waited longest; `NOTHING` if the server is busy or nobody waits."""
     if cycle == state.looks_at[server]:
         state.looks_at[server] = NOTHING
     if queues.length[server] == 0 or cycle < state.free_at[server]:

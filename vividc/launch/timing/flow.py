@@ -1,4 +1,4 @@
-"""Steps as they become ready, start and end, but for what transfers do: compiled functions."""
+"""When steps become ready, start and end, transfers aside; compiled."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _start_run(graph: Graph, queues: Queues, state: State, step: int, cycle: int
 
 @inlined
 def _charge_wait(graph: Graph, state: State, step: int, tile: int, cycle: int) -> None:
-    """The whole wait is charged to what ended last."""
+    """Charge the whole wait to whatever ended last."""
     wait = cycle - state.free_from[tile]
     if wait <= 0:
         return
@@ -130,7 +130,7 @@ def _stop_at(queues: Queues, state: State, tile: int, cycle: int) -> None:
 
 @inlined
 def take_banks(queues: Queues, state: State, tile: int, cycles: int, cycle: int) -> None:
-    """DMA has the banks of a tile for some cycles: a program that runs there stands still."""
+    """Give DMA the banks of a tile for some cycles, in which a program that runs there stalls."""
     is_running = state.running[tile] != NOTHING
     if is_running and state.issue_from[tile] <= cycle < state.stop[tile]:
         state.stalls[tile, BANKS_TAKEN] += cycles
@@ -139,7 +139,7 @@ def take_banks(queues: Queues, state: State, tile: int, cycles: int, cycle: int)
 
 @inlined
 def end_run(graph: Graph, queues: Queues, state: State, item: int, cycle: int) -> int:
-    """A run ends, unless it stood still meanwhile: then it is `NOTHING` that ends."""
+    """End a run; return `NOTHING` if it stalled meanwhile and so ends later."""
     tile, version = item % len(state.stop), item // len(state.stop)
     step = state.running[tile]
     if version != state.version[tile] or step == NOTHING:

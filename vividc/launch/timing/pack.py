@@ -38,7 +38,7 @@ def new_graph(
     waits: Sequence[tuple[int, ...]],
     outcome: Outcome,
 ) -> Graph:
-    """Take a job apart (see `schedule`)."""
+    """Return the steps of a job as flat arrays (see `schedule`)."""
     wait_begin, wait_items = flat(waits)
     next_begin, next_items = _inverted(wait_begin, wait_items)
     tile_begin, tile_items = flat([tiles_of(step) for step in steps])
@@ -97,8 +97,8 @@ def new_state(accelerator: Accelerator, graph: Graph) -> State:
 
 
 def new_queues(graph: Graph) -> Queues:
-    """Empty queues, with room for all that can ever be in them: the system gives memory for what is
-    written only.
+    """Return empty queues with room for the most that can ever be in them; the system allocates
+    only the pages that are written.
     """
     steps, bursts = len(graph.kind), len(graph.bursts)
     reached = int(np.diff(graph.tile_begin)[graph.bursts[:, OWNER]].sum())
@@ -130,7 +130,7 @@ def _kind(step: Step) -> int:
 
 
 def _cycles(accelerator: Accelerator, steps: Sequence[Step], outcome: Outcome) -> Ints:
-    """Of runs once they issue, and of configurations in the stream."""
+    """Return the cycles of each run once it issues, and of each configuration in the stream."""
     cycles = _zeros(len(steps))
     for number, run in outcome.runs.items():
         cycles[number] = run.cycles

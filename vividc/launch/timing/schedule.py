@@ -1,4 +1,4 @@
-"""A job's timing: its steps as flat arrays, simulated, and what came of it."""
+"""Times a job: flattens its steps, simulates them, and collects the result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The events of a job one after the other: the compiled function that is called from outside."""
+"""The event loop of a job: the compiled function that Python calls."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from vividc.launch.timing.transfers import (
 
 @compiled
 def simulate(graph: Graph, queues: Queues, state: State, machine: Machine) -> None:
-    """Let everything happen, from cycle 0 until nothing is left to."""
+    """Process events from cycle 0 until none is left."""
     for step in range(len(graph.kind)):
         if state.left[step] == 0:
             at(queues, FIRST_CYCLE, READY, step)

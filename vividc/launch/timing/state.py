@@ -104,7 +104,7 @@ class Queues(NamedTuple):
 
 
 class State(NamedTuple):
-    """All that changes.
+    """What changes during the simulation.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Which fabrics programs can be made for."""
+"""Which fabrics can be programmed."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ class Entry:
 
 
 def faults(entry: Entry, fabric: Fabric, pe: int) -> list[str]:
-    """What `entry` asks of PE `pe` that the PE does not have; empty: the PE can do it."""
+    """List what `entry` demands that PE `pe` does not have; empty: the PE can execute it."""
     return [*_structure_faults(entry, fabric, pe), *_operation_faults(entry, fabric, pe)]
 
 

@@ -12,7 +12,7 @@ from vividc.program.words.entry import Entry, Sel, Select
 def driver(
     fabric: Fabric, entries: Sequence[Entry], pe: int, select: Select
 ) -> tuple[int, Select, int]:
-    """Follow a link's selection through the links of the same cycle to what is none.
+    """Follow a link's selection through links of the same cycle to a source that is not a link.
 
     Parameters
     ----------

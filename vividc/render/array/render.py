@@ -105,7 +105,7 @@ def _sampled_corners(march: March, camera: Camera, share: float) -> Int32Array:
 
 
 def check_precision(precision: str, scene: Scene) -> None:
-    """Refuse a format that is none of the renderers'.
+    """Refuse a format that no renderer, or not this one, supports.
 
     Raises
     ------

@@ -129,7 +129,7 @@ def tile_lists(gaussians: Gaussians, camera: Camera) -> TileLists:
 
 
 def project(gaussians: Gaussians, camera: Camera) -> Projection:
-    """Project the Gaussians (EWA), drop those behind the near plane or off the image."""
+    """Project the Gaussians (EWA), and drop those before the near plane or off the image."""
     view = _transform(camera.world_to_view, gaussians.means)
     index = np.flatnonzero(view[:, 2] > _NEAR_DEPTH)
     view = view[index]

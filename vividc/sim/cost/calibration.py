@@ -1,4 +1,4 @@
-"""The rest that published totals leave: what no figure of a cost table covers.
+"""What published totals include beyond the figures of a cost table.
 
 Figures of single accesses and blocks stay as they are published. What they leave of a chip's power
 at the calibration point is spent in every cycle, and what they leave of its area is storage of the

@@ -38,7 +38,7 @@ _DECLARATIONS: Final = "".join(dict.fromkeys(_DECLARED.splitlines(keepends=True)
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is known of a program before it is compiled.
+    """What the analysis of a program finds before it is compiled.
 
     Attributes
     ----------

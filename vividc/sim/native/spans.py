@@ -35,7 +35,7 @@ class Spans:
         self._sums = self._counted(state)
 
     def after(self, state: MachineState) -> None:
-        """Tell of the region that ended since, if one did."""
+        """Report the region that has ended since, if any."""
         context = state.context
         if self._observer is None or context[Place.RESUME]:
             return

@@ -1,4 +1,4 @@
-"""All that a native run changes, in arrays that the machine code works on."""
+"""The mutable state of a native run, in arrays that the machine code works on."""
 
 from __future__ import annotations
 

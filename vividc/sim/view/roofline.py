@@ -27,7 +27,7 @@ _COLOURS: Final = ("vermilion", "blue", "green", "purple", "orange", "sky", "gre
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Something that ran: so many operations on so many bytes in so many cycles."""
+    """Something that ran: its operations, the bytes that it moved, and its cycles."""
 
     name: str
     operations: int

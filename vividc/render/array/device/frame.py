@@ -60,7 +60,7 @@ class Ledger:
         stage.stats.append(result.stats)
 
     def merge(self, other: Ledger) -> None:
-        """Book what another ledger has, behind what is here."""
+        """Append what another ledger has booked."""
         for name, theirs in other.stages.items():
             stage = self.stages.setdefault(name, Stage(name, theirs.mode))
             stage.cycles += theirs.cycles

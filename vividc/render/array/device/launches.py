@@ -100,7 +100,7 @@ class Launch:
 
     @property
     def group(self) -> tuple[int, ...]:
-        """The same for launches with the same shared arrays."""
+        """A key that is equal for launches with the same shared arrays."""
         return tuple(map(id, self.shared.values()))
 
     def _whole(self) -> Iterator[tuple[str, Words | Gathered]]:

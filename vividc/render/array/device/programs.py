@@ -87,8 +87,8 @@ class Programs:
 
     @property
     def late(self) -> tuple[str, ...]:
-        """What the clock cost: a line for each loaded program whose mapping it ended before the
-        effort was spent. On a machine with less to do the program may be another.
+        """One line for each loaded program whose mapping the time limit cut short: a less busy
+        machine may map it differently.
         """
         programs = self._loaded.values()
         return tuple(f"{one.name}: {_LATE}" for one in programs if one.hurried)
@@ -127,7 +127,7 @@ class Programs:
         return compiled
 
     def _key(self, file: Path, function: str, options: Options) -> str:
-        """Return what the program is known by."""
+        """Return the cache key of a program."""
         parts = (
             function,
             _text(self.machine.fabric),

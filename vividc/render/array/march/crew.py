@@ -39,7 +39,7 @@ Batch = tuple[Float32Array, Ledger]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Work:
-    """What a helper has to know of a frame."""
+    """What a helper needs to know about a frame."""
 
     scene: Scene
     camera: Camera
@@ -48,7 +48,7 @@ class Work:
 
 @dataclass(eq=False)
 class _Board:
-    """Batches: the numbers of those that nobody has taken, and what came of the others."""
+    """The batches that nobody has taken yet, and the results of the others."""
 
     batches: Sequence[Int32Array]
     open: deque[int]
@@ -100,7 +100,7 @@ class _Helper:
             self._board.open.append(taken)
 
     def stop(self) -> None:
-        """End the process, whatever it does."""
+        """Kill the process."""
         self._process.kill()
         self._process.wait()
         os.close(self._lifeline)

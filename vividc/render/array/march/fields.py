@@ -1,4 +1,4 @@
-"""Which field a ray-marched scene of a method is on the array."""
+"""Chooses the field that computes a ray-marched scene on the array."""
 
 from __future__ import annotations
 

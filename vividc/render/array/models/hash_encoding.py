@@ -117,7 +117,7 @@ def hash_encoding(model: InstantNGP) -> HashEncoding:
 
 
 def _check(level: Level) -> None:
-    """Refuse a level that the kernels have no form for."""
+    """Refuse a level that the kernels do not support."""
     entries, features = level.table.shape
     hint = "render it with --engine reference"
     if level.scale > _FINEST:

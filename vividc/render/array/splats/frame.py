@@ -111,4 +111,4 @@ def _white(camera: Camera) -> Float32Array:
 
 
 def _silent(_: float) -> None:
-    """Nobody asked."""
+    """Ignore the progress."""

@@ -65,7 +65,7 @@ class DeviceSplats:
 def project_on_array(
     device: Device, ledger: Ledger, scene: DeviceScene, camera: Camera, margin: float
 ) -> DeviceSplats:
-    """Project a scene, and give the splats that are seen their colour."""
+    """Project a scene, and compute the colours of the visible splats."""
     if len(scene.geometry) == 0:
         rows, entries = np.zeros((0, ROW_WORDS), np.float32), np.zeros((0, ENTRY_WORDS), np.int32)
         return DeviceSplats(rows, entries, np.zeros(0, np.int32), (), _CHUNK, 0, 0)

@@ -140,7 +140,7 @@ class BulkTables:
 
 
 def bulk_tables(flow: RegionFlow, pes: int) -> BulkTables | None:
-    """A region's tables; None: it is small, or does what tables have no form for."""
+    """Return a region's tables; None: it is small, or does something that tables cannot express."""
     if len(flow.ops) <= BULK_OPS or not _is_plain(flow):
         return None
     return _Tables(flow, pes).build()

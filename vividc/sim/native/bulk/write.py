@@ -80,7 +80,7 @@ class _Bulk:
         self._now: dict[str, str] = {}
 
     def write(self) -> None:
-        """Everything but the way around a loop without iterations."""
+        """Write all of it except the path around a loop without iterations."""
         code, frame = self._code, self._frame
         self._state = code.at("%context", "i64", frame.machine.layout.spill)
         address = frame.get(Place.TABLES)

@@ -41,7 +41,7 @@ class _Loop:
         self._end_of_trip = self._end_of(frame.trip)
 
     def write(self, initial: dict[Key, str]) -> None:
-        """Everything but the way around a loop without iterations."""
+        """Write all of it except the path around a loop without iterations."""
         code = self._code
         carried = self._carried(initial)
         resumed = code.value(f"icmp ne i64 {self._frame.get(Place.RESUME)}, 0")
