@@ -22,14 +22,15 @@ from vividc.host.watch import name_of
 from vividc.program import Program, disassemble
 from vividc.ssa.check import check_function
 from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.blocks import remove_unreachable_blocks
 from vividc.ssa.rewrite.combine_additions import combine_additions
 from vividc.ssa.rewrite.contract import contract
+from vividc.ssa.rewrite.dead import remove_unused
 from vividc.ssa.rewrite.hoist import hoist_invariants
-from vividc.ssa.rewrite.normalize import canonical_loops, remove_unreachable_blocks
-from vividc.ssa.rewrite.number_values import number_values
-from vividc.ssa.rewrite.simplify import remove_unused, simplify
+from vividc.ssa.rewrite.normalize import canonical_loops
+from vividc.ssa.rewrite.number_values import merge_equal, number_values
+from vividc.ssa.rewrite.simplify import simplify
 from vividc.ssa.rewrite.tidy import tidy
-from vividc.ssa.rewrite.value_numbering import merge_equal
 from vividc.ssa.text import to_text as function_text
 
 

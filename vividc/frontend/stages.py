@@ -24,10 +24,10 @@ from vividc.frontend.narrow.single_trip import straighten_single_trips
 from vividc.frontend.ranges.fold import fold_by_ranges, recover_extensions
 from vividc.host.watch import run_passes
 from vividc.ssa.ir import Function
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.blocks import remove_unreachable_blocks
+from vividc.ssa.rewrite.dead import remove_unused
 from vividc.ssa.rewrite.hoist import hoist_invariants
-from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
-from vividc.ssa.rewrite.value_numbering import merge_equal
+from vividc.ssa.rewrite.number_values import merge_equal
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def _on_function(one: Callable[[Function], Function]) -> Callable[[Pointers], Po
 def find_arrays(given: Pointers) -> Pointers:
     """Make the kernel's own arrays inputs like others."""
     made = own_arrays(given.function, given.text, packed=given.packed)
-    return replace(given, function=remove_dead(made.function), arrays=made.arrays)
+    return replace(given, function=remove_unused(made.function), arrays=made.arrays)
 
 
 def refuse_endless(function: Function) -> Function:

@@ -191,7 +191,7 @@ def _phis(fn: Function) -> Iterator[str]:
 
 
 def _dominance(fn: Function) -> Iterator[str]:
-    dominating = dominators(block_graph(fn), fn.blocks[0].name)
+    dominating = dominators(fn)
     home = {id_: block.name for block in fn.blocks for id_ in _defined(block)}
     for block in fn.blocks:
         if block.name not in dominating:

@@ -144,6 +144,21 @@ def substitute(function: Function, values: dict[int, Value]) -> Function:
     return replace(function, blocks=tuple(blocks))
 
 
+def replaced(function: Function, values: dict[int, Value]) -> Function:
+    """`function` with every use of the given ids replaced, and without their definitions."""
+    if not values:
+        return function
+    blocks = tuple(
+        replace(
+            block,
+            phis=tuple(phi for phi in block.phis if phi.id not in values),
+            instrs=tuple(instr for instr in block.instrs if instr.id not in values),
+        )
+        for block in function.blocks
+    )
+    return substitute(replace(function, blocks=blocks), values)
+
+
 def resolved(value: Value, values: Mapping[int, Value]) -> Value:
     """What stands for `value` after replacements by id, one after another."""
     while isinstance(value, Ref) and value.id in values:

@@ -54,8 +54,11 @@ def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
     return {name: tuple(sources) for name, sources in found.items()}
 
 
-def dominators(graph: nx.DiGraph[str], entry: str) -> dict[str, frozenset[str]]:
-    """The blocks that dominate each block, itself included."""
+@once_each
+def dominators(function: Function) -> Mapping[str, frozenset[str]]:
+    """The blocks that dominate each block that can be reached, itself included."""
+    entry = function.blocks[0].name
+    graph = block_graph(function)
     idom = nx.immediate_dominators(graph, entry)
     result = {entry: frozenset((entry,))}
     for name in graph.nodes:
@@ -72,7 +75,7 @@ def dominators(graph: nx.DiGraph[str], entry: str) -> dict[str, frozenset[str]]:
 def find_loops(function: Function) -> tuple[Loop, ...]:
     """All natural loops, innermost first (fewest blocks), then in block order."""
     graph = block_graph(function)
-    above = dominators(graph, function.blocks[0].name)
+    above = dominators(function)
     latches: dict[str, list[str]] = {}
     for source, target in graph.edges:
         if target in above[source]:

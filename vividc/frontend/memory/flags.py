@@ -11,7 +11,7 @@ from dataclasses import replace
 from vividc.machine.params import DType
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Function, Instr, Int, Ref, Value
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 _BYTE = "i8"
 
@@ -41,7 +41,7 @@ def load_flags(function: Function) -> Function:
         )
         for block in function.blocks
     )
-    return remove_dead(replace(function, blocks=blocks))
+    return remove_unused(replace(function, blocks=blocks))
 
 
 def _rewritten(op: Instr, loads: frozenset[int], ids: FreshIds) -> Iterator[Instr]:

@@ -25,7 +25,7 @@ from vividc.machine.params import Formula, LocalArray
 from vividc.ssa.edit import FreshIds, map_values, read_values, substitute
 from vividc.ssa.flow import flow_of
 from vividc.ssa.ir import Float, Function, Global, Input, Instr, Int, Key, Named, Phi, Ref, Value
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 _ELEMENTS = {"float32": "float", "int32": "i32", "uint32": "i32", "bool": "i8"}
 _ELEMENTS |= {"int64": "i64", "uint64": "i64", "float64": "double"}
@@ -208,7 +208,7 @@ def _hold_tables(
     function: Function, tables: dict[str, Table], *, packed: bool
 ) -> tuple[Function, list[OwnArray]]:
     """Constant tables that the function reads."""
-    function = remove_dead(function)
+    function = remove_unused(function)
     held: dict[str, OwnArray] = {}
     starts: dict[Global, Instr] = {}
     ids = FreshIds(function)

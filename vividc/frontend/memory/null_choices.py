@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from vividc.ssa.edit import substitute
 from vividc.ssa.ir import Function, Instr, Int, Named, Phi, Ref, Value
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 _OBSERVES = frozenset({"icmp", "ptrtoint", "ptrtoaddr"})
 
@@ -30,7 +30,7 @@ def drop_null_choices(function: Function) -> Function:
     }
     if not chosen:
         return function
-    return remove_dead(substitute(function, {name: _last(chosen, name) for name in chosen}))
+    return remove_unused(substitute(function, {name: _last(chosen, name) for name in chosen}))
 
 
 def _drop_null_merges(function: Function) -> Function:

@@ -17,7 +17,7 @@ from vividc.frontend.memory.pointer_math import compare_pointers, differences, w
 from vividc.frontend.memory.unmerge import split_merged_loads
 from vividc.ssa.edit import FreshIds
 from vividc.ssa.ir import Block, Function, Global, Instr, Int, Key, Named, Phi, Ref, Value
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 _BYTES = {"float": 4, "i32": 4, "i16": 2, "i8": 1}
 _LOCAL_HINT = Advice(
@@ -47,7 +47,7 @@ def resolve_memory(function: Function, own: dict[str, OwnArray] | None = None) -
     KernelError
         A pointer does not come from an array parameter.
     """
-    function = remove_dead(split_merged_loads(without_freezes(function)))
+    function = remove_unused(split_merged_loads(without_freezes(function)))
     return _Resolver(function, own or {}).run()
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.ssa.edit import FreshIds, read_values
 from vividc.ssa.ir import Block, Function, Instr, Int, Kind, Phi, Ref, Value, type_of
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 _SMALL = {"i8": 8, "i16": 16}
 _WORD = "i32"
@@ -245,7 +245,7 @@ def store_low_bits(function: Function) -> Function:
         replace(block, instrs=tuple(new for op in block.instrs for new in low.placed(op, values)))
         for block in function.blocks
     )
-    return remove_dead(replace(function, blocks=blocks))
+    return remove_unused(replace(function, blocks=blocks))
 
 
 def _is_narrow_store(op: Instr) -> bool:

@@ -14,7 +14,7 @@ from vividc.frontend.ranges.interval import S32, U32, contains
 from vividc.frontend.ranges.known import ranges_of
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value
-from vividc.ssa.rewrite.dead import remove_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 FLOOR_DIVISIONS = ("sfloordiv", "sfloorrem", "ufloordiv", "ufloorrem")
 _BITS = 64
@@ -24,10 +24,10 @@ def recover_divisions(function: Function) -> Function:
     """Replace numba's calls by operations, by powers of two by shifts and masks, and those of
     constants by their results.
     """
-    function = remove_dead(_map_ops(function, lambda op, _: (_recovered(op),)))
+    function = remove_unused(_map_ops(function, lambda op, _: (_recovered(op),)))
     while known := _constants(function):
-        function = remove_dead(substitute(function, known))
-    return remove_dead(_map_ops(function, lambda op, _: (_by_constant(op),)))
+        function = remove_unused(substitute(function, known))
+    return remove_unused(_map_ops(function, lambda op, _: (_by_constant(op),)))
 
 
 def sign_quotients(function: Function) -> Function:

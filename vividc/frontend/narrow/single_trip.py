@@ -14,8 +14,8 @@ from vividc.frontend.ranges.interval import compare
 from vividc.ssa.edit import FreshIds, fresh_name, map_values, rename_incoming, retarget
 from vividc.ssa.flow import Flow, flow_of
 from vividc.ssa.ir import Block, Branch, Function, Instr, Int, Ref, Value, definition_of
-from vividc.ssa.rewrite.dead import remove_dead
-from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
+from vividc.ssa.rewrite.blocks import remove_unreachable_blocks
+from vividc.ssa.rewrite.dead import remove_unused
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ def straighten_single_trips(function: Function) -> Function:
         )
         if found is None:
             return function
-        function = remove_dead(remove_unreachable_blocks(_straightened(function, found)))
+        function = remove_unused(remove_unreachable_blocks(_straightened(function, found)))
 
 
 def _once(function: Function, flow: Flow, name: str) -> _Once | None:

@@ -7,8 +7,8 @@ from dataclasses import replace
 from vividc.frontend.ranges.known import ranges_of
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value, definition_of
-from vividc.ssa.rewrite.dead import remove_dead
-from vividc.ssa.rewrite.simplify import fold_branches, merge_straight_chains
+from vividc.ssa.rewrite.dead import remove_unused
+from vividc.ssa.rewrite.simplify import fold_branches, merge_chains
 
 _WORD = 32
 _NEUTRAL_ZERO = frozenset({"add", "sub", "or", "xor", "shl", "lshr", "ashr"})
@@ -27,13 +27,13 @@ def fold_by_ranges(function: Function) -> Function:
             if outcome is not None:
                 known[op.id] = Int(int(outcome))
     function = _without_trivial(substitute(function, known))
-    return merge_straight_chains(_without_trivial(fold_branches(function)))
+    return merge_chains(_without_trivial(fold_branches(function)))
 
 
 def _without_trivial(function: Function) -> Function:
-    function = remove_dead(function)
+    function = remove_unused(function)
     while known := _trivial(function):
-        function = remove_dead(substitute(function, known))
+        function = remove_unused(substitute(function, known))
     return function
 
 
@@ -92,7 +92,7 @@ def recover_extensions(function: Function) -> Function:
         replace(block, instrs=tuple(n for op in block.instrs for n in _in_words(function, op, ids)))
         for block in function.blocks
     )
-    return remove_dead(replace(function, blocks=tuple(blocks)))
+    return remove_unused(replace(function, blocks=tuple(blocks)))
 
 
 def _in_words(function: Function, op: Instr, ids: FreshIds) -> tuple[Instr, ...]:

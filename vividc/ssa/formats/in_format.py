@@ -17,7 +17,7 @@ from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.words import float_of
 from vividc.ssa.edit import definitions, next_id
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Undefined, Value
-from vividc.ssa.rewrite.dead import without_dead
+from vividc.ssa.rewrite.dead import remove_unused
 from vividc.ssa.rewrite.hoist import hoist_invariants
 
 _STEMS: Final = {
@@ -35,7 +35,7 @@ def in_format(function: Function, fmt: Format) -> Function:
     if not any(i.op in _STEMS for block in function.blocks for i in block.instrs):
         return function
     function = _Converter(function, fmt).converted()
-    return hoist_invariants(without_dead(_Carrier(function, fmt).carried()))
+    return hoist_invariants(remove_unused(_Carrier(function, fmt).carried()))
 
 
 class _Rounding:

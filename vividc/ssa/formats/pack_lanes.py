@@ -20,7 +20,7 @@ from vividc.ssa.edit import definitions, map_values, next_id
 from vividc.ssa.flow import find_loops
 from vividc.ssa.formats.pack_groups import Group, find_groups
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value
-from vividc.ssa.rewrite.dead import without_dead
+from vividc.ssa.rewrite.dead import remove_unused
 from vividc.ssa.rewrite.hoist import hoist_invariants
 
 _LOOP_WEIGHT: Final = 16
@@ -109,7 +109,7 @@ def _packed(function: Function, groups: Sequence[Group]) -> Function | None:
     if not groups:
         return function
     built = _Packer(function, groups).built()
-    return None if built is None else without_dead(hoist_invariants(without_dead(built)))
+    return None if built is None else remove_unused(hoist_invariants(remove_unused(built)))
 
 
 class _Packer:

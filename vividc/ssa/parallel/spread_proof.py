@@ -36,7 +36,7 @@ def inside(function: Function, loop: Loop) -> frozenset[int]:
 
 def runs_for_certain(function: Function, loop: Loop) -> bool:
     """Whether every way through the kernel leads to the loop."""
-    before = dominators(block_graph(function), function.blocks[0].name)
+    before = dominators(function)
     ends = [block.name for block in function.blocks if block.branch.target is None]
     return all(loop.header in before.get(name, {loop.header}) for name in ends)
 

@@ -73,7 +73,7 @@ class TermTable:
         self._values = {i.id: i for b in function.blocks for i in definitions(b)}
         self._loops = {loop.header: loop for loop in find_loops(function)}
         self._facts = _facts_of_blocks(function)
-        self._dominators = dominators(block_graph(function), function.blocks[0].name)
+        self._dominators = dominators(function)
 
     def facts(self, block: str) -> frozenset[Fact]:
         """What is decided wherever a block runs."""

@@ -2,60 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from vividc.host import time_limit
-from vividc.machine.opcodes import MEMORY, Opcode
-from vividc.ssa.edit import uses
-from vividc.ssa.ir import Function, Instr, Phi, Ref, Value
+from vividc.machine.opcodes import Opcode
+from vividc.ssa.ir import Function, Instr, Ref, Value
 
 
-def without_dead(function: Function) -> Function:
-    """Without operations that nothing reads; accesses to memory and phis stay."""
-    while True:
-        read = {
-            value.id
-            for block in function.blocks
-            for value in (
-                *uses(block),
-                *(value for phi in block.phis for _, value in phi.incoming),
-            )
-            if isinstance(value, Ref)
-        }
-        blocks = tuple(
-            replace(b, instrs=tuple(i for i in b.instrs if i.id in read or i.op in MEMORY))
-            for b in function.blocks
-        )
-        if blocks == function.blocks:
-            return function
-        function = replace(function, blocks=blocks)
-
-
-def remove_dead(function: Function) -> Function:
-    """Without phis and instructions whose results reach no store, branch, call or return."""
-    time_limit.step("it was lowered")
-    live: set[int] = set()
-    pending: list[Value] = []
+def remove_unused(function: Function) -> Function:
+    """Drops phis and instructions whose results reach no store, branch, call or return."""
+    time_limit.step("dead code was removed")
+    operands: dict[int, Iterable[Value]] = {}
+    work: list[Value] = []
+    kept: set[int] = set()
     for block in function.blocks:
-        pending.extend(block.branch.read)
+        operands |= {phi.id: [value for _, value in phi.incoming] for phi in block.phis}
         for instr in block.instrs:
+            operands[instr.id] = instr.operands
             if has_effect(instr):
-                pending.extend(instr.operands)
-    while pending:
-        value = pending.pop()
-        if not isinstance(value, Ref) or value.id in live:
-            continue
-        live.add(value.id)
-        definition = function.definitions.get(value.id)
-        if isinstance(definition, Phi):
-            pending.extend(value for _, value in definition.incoming)
-        elif definition is not None:
-            pending.extend(definition.operands)
+                kept.add(instr.id)
+                work += instr.operands
+        work += block.branch.read
+    while work:
+        value = work.pop()
+        if isinstance(value, Ref) and value.id not in kept:
+            kept.add(value.id)
+            work += operands[value.id]
+    if kept >= operands.keys():
+        return function
     blocks = tuple(
         replace(
             block,
-            phis=tuple(phi for phi in block.phis if phi.id in live),
-            instrs=tuple(i for i in block.instrs if i.id in live or has_effect(i)),
+            phis=tuple(phi for phi in block.phis if phi.id in kept),
+            instrs=tuple(instr for instr in block.instrs if instr.id in kept),
         )
         for block in function.blocks
     )

@@ -14,7 +14,7 @@ from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
 from vividc.ssa.edit import incoming, next_id, with_blocks
 from vividc.ssa.flow import blocks_of_pipelined_loops, predecessors
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Undefined, Value
-from vividc.ssa.rewrite.normalize import merge_chains
+from vividc.ssa.rewrite.blocks import merge_chains
 
 _MOST_OPERATIONS = 16
 """In an arm: about what a tile issues in the cycles that a region of its own would cost."""
@@ -46,7 +46,8 @@ def merge_diamonds(function: Function) -> Function:
         found = _apart(_diamonds(function))
         if not found:
             return function
-        function = merge_chains(_merged(function, found))
+        function = _merged(function, found)
+        function = merge_chains(function, apart=blocks_of_pipelined_loops(function))
 
 
 def _apart(diamonds: Iterable[_Diamond]) -> list[_Diamond]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from operator import is_
 
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.edit import (
@@ -21,7 +20,7 @@ from vividc.ssa.edit import (
     incoming,
     next_id,
     rename_incoming,
-    resolved,
+    replaced,
     retarget,
     substitute,
     uses,
@@ -29,13 +28,13 @@ from vividc.ssa.edit import (
 )
 from vividc.ssa.flow import (
     Loop,
-    block_graph,
     blocks_of_pipelined_loops,
     find_loops,
     pipelined_loops,
     predecessors,
 )
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Value
+from vividc.ssa.rewrite.blocks import merge_chains, only_value, remove_unreachable_blocks
 
 
 def normalize(function: Function) -> Function:
@@ -46,7 +45,8 @@ def normalize(function: Function) -> Function:
         if loop.exits:
             function = _merge_exits(function, loop)
     function = _remove_trivial_phis(function)
-    return merge_chains(split_critical_edges(function))
+    function = split_critical_edges(function)
+    return merge_chains(function, apart=blocks_of_pipelined_loops(function))
 
 
 def canonical_loops(function: Function) -> Function:
@@ -56,81 +56,6 @@ def canonical_loops(function: Function) -> Function:
     function = remove_unreachable_blocks(function)
     function = _until_stable(function, _add_one_preheader)
     return _until_stable(function, _merge_latches_of_one_loop)
-
-
-def merge_chains(function: Function) -> Function:
-    """Joins a block with its only successor where that has no other predecessor, outside innermost
-    loops.
-    """
-    into = _heads_of_chains(function)
-    if not into:
-        return function
-    joined: dict[str, Block] = {}
-    values: dict[int, Value] = {}
-    by_name = {block.name: block for block in function.blocks}
-    for block in function.blocks:
-        if block.name in into:
-            continue
-        instrs, last = list(block.instrs), block
-        while (after := last.branch.target) is not None and after in into:
-            before, last = last, by_name[after]
-            values |= {phi.id: incoming(phi, before.name) for phi in last.phis}
-            instrs += last.instrs
-        joined[block.name] = replace(block, instrs=tuple(instrs), branch=last.branch)
-    renamed = (
-        replace(
-            block,
-            phis=tuple(
-                replace(phi, incoming=tuple((into.get(s, s), v) for s, v in phi.incoming))
-                for phi in block.phis
-            ),
-        )
-        for block in joined.values()
-    )
-    return substitute(replace(function, blocks=tuple(renamed)), values)
-
-
-def _heads_of_chains(function: Function) -> dict[str, str]:
-    """Of each block that is joined with the one before it: the block that its chain begins with."""
-    in_loop, sources = blocks_of_pipelined_loops(function), predecessors(function)
-    before: dict[str, str] = {}
-    for block in function.blocks:
-        follows = block.branch.successors
-        if len(follows) != 1 or block.name in in_loop or follows[0] in in_loop:
-            continue
-        if sources[follows[0]] == (block.name,) and follows[0] != block.name:
-            before[follows[0]] = block.name
-    heads: dict[str, str] = {}
-    for name in before:
-        chain = [name]
-        while chain[-1] in before and chain[-1] not in heads:
-            chain.append(before[chain[-1]])
-        head = heads.get(chain[-1], chain[-1])
-        heads |= dict.fromkeys(chain[:-1], head)
-    return heads
-
-
-def remove_unreachable_blocks(function: Function) -> Function:
-    """Drops blocks that no path from the entry reaches, and the phi inputs that came from them."""
-    graph = block_graph(function)
-    kept = tuple(
-        _along_edges(block, set(graph.predecessors(block.name)))
-        for block in function.blocks
-        if block.name in graph
-    )
-    same = len(kept) == len(function.blocks) and all(map(is_, kept, function.blocks))
-    return function if same else replace(function, blocks=kept)
-
-
-def _along_edges(block: Block, sources: set[str]) -> Block:
-    """The block whose phis take values from its predecessors only."""
-    if all(name in sources for phi in block.phis for name, _ in phi.incoming):
-        return block
-    phis = tuple(
-        replace(phi, incoming=tuple(item for item in phi.incoming if item[0] in sources))
-        for phi in block.phis
-    )
-    return replace(block, phis=phis)
 
 
 def split_critical_edges(function: Function) -> Function:
@@ -331,13 +256,7 @@ def _remove_trivial_phis(function: Function) -> Function:
     known: dict[int, Value] = {}
     while _find_trivial(function, inside, known):
         pass
-    if not known:
-        return function
-    blocks = tuple(
-        replace(block, phis=tuple(phi for phi in block.phis if phi.id not in known))
-        for block in function.blocks
-    )
-    return substitute(replace(function, blocks=blocks), known)
+    return replaced(function, known)
 
 
 def _find_trivial(function: Function, inside: dict[str, set[int]], known: dict[int, Value]) -> bool:
@@ -348,11 +267,9 @@ def _find_trivial(function: Function, inside: dict[str, set[int]], known: dict[i
         for phi in block.phis:
             if phi.id in known:
                 continue
-            others = {resolved(value, known) for _, value in phi.incoming} - {Ref(phi.id)}
-            if len(others) == 1:
-                value = others.pop()
-                if not (isinstance(value, Ref) and value.id in closed):
-                    known[phi.id] = value
+            value = only_value(phi, known)
+            if value is not None and not (isinstance(value, Ref) and value.id in closed):
+                known[phi.id] = value
     return len(known) > before
 
 

@@ -1,17 +1,19 @@
-"""Common subexpressions of a function: one instruction for each value that dominates its uses."""
+"""Common subexpressions of a function: one instruction for each value, in its block or for all
+blocks that it dominates.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 
 import networkx as nx
 
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.ssa.edit import substitute
+from vividc.ssa.edit import replaced
 from vividc.ssa.flow import block_graph, dominators
-from vividc.ssa.ir import Function, Instr, Ref, Value
+from vividc.ssa.ir import Block, Function, Instr, Kind, Ref, Value
 
-_Key = tuple[Opcode, tuple[Value, ...]]
+_Key = tuple[Opcode, Kind, tuple[Value, ...]]
 
 
 def number_values(function: Function) -> Function:
@@ -21,34 +23,43 @@ def number_values(function: Function) -> Function:
     Two additions of which one is proved not to wrap count as that one's equal only if the proof
     holds for the one that stays.
     """
-    graph = block_graph(function)
-    entry = function.blocks[0].name
-    dominating = dominators(graph, entry)
+    dominating = dominators(function)
     by_name = {block.name: block for block in function.blocks}
+    order = nx.dfs_postorder_nodes(block_graph(function), function.blocks[0].name)
+    blocks = [by_name[name] for name in reversed(list(order))]
+    return _merged(function, blocks, lambda home, name: home in dominating[name])
+
+
+def merge_equal(function: Function) -> Function:
+    """The same within each block: what narrowing wrote twice, and hoisting brought together.
+
+    Operations of different blocks stay apart: a word that lives from block to block costs more than
+    an operation.
+    """
+    return _merged(function, function.blocks, lambda home, name: home == name)
+
+
+def _merged(
+    function: Function, blocks: Iterable[Block], serves: Callable[[str, str], bool]
+) -> Function:
+    """`serves`: whether an operation of the first block may stand for one of the second."""
     known: dict[int, Value] = {}
     first: dict[_Key, list[tuple[str, Instr]]] = {}
-    for name in reversed(list(nx.dfs_postorder_nodes(graph, entry))):
-        for instr in by_name[name].instrs:
+    for block in blocks:
+        for instr in block.instrs:
             if instr.op in MEMORY:
                 continue
-            key = _key(instr, known)
-            candidates = first.setdefault(key, [])
-            kept = next((i for home, i in candidates if home in dominating[name]), None)
+            candidates = first.setdefault(_key(instr, known), [])
+            kept = next((i for home, i in candidates if serves(home, block.name)), None)
             if kept is not None and (kept.exact or not instr.exact):
                 known[instr.id] = Ref(kept.id)
             else:
-                candidates.insert(0, (name, instr))
-    if not known:
-        return function
-    blocks = tuple(
-        replace(block, instrs=tuple(i for i in block.instrs if i.id not in known))
-        for block in function.blocks
-    )
-    return substitute(replace(function, blocks=blocks), known)
+                candidates.insert(0, (block.name, instr))
+    return replaced(function, known)
 
 
 def _key(instr: Instr, known: dict[int, Value]) -> _Key:
     operands = [known.get(v.id, v) if isinstance(v, Ref) else v for v in instr.operands]
     if OPCODES[instr.opcode].commutes:
         operands[:2] = sorted(operands[:2], key=repr)
-    return instr.opcode, tuple(operands)
+    return instr.opcode, instr.type, tuple(operands)

@@ -6,15 +6,16 @@ results that nobody reads go, and straight chains of blocks become one block.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Set
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Set
+from dataclasses import replace
 
 from vividc.host import time_limit
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.ssa.analysis.constants import constant_value
-from vividc.ssa.edit import incoming, map_values, rename_incoming
-from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value, truth_of
-from vividc.ssa.rewrite.normalize import remove_unreachable_blocks
+from vividc.ssa.edit import replaced, resolved
+from vividc.ssa.ir import Branch, Const, Function, Instr, Phi, Ref, Value, truth_of
+from vividc.ssa.rewrite.blocks import merge_chains, only_value, remove_unreachable_blocks
+from vividc.ssa.rewrite.dead import remove_unused
 
 
 def simplify(function: Function) -> Function:
@@ -24,7 +25,7 @@ def simplify(function: Function) -> Function:
         before = function
         function = fold_values(function)
         function = fold_branches(function)
-        function = merge_straight_chains(function)
+        function = merge_chains(function)
     return remove_unused(function)
 
 
@@ -47,13 +48,13 @@ def fold_values(function: Function) -> Function:
                 if item.id in known:
                     continue
                 if isinstance(item, Phi):
-                    value = _phi_value(item, known)
+                    value = only_value(item, known)
                 else:
                     value = _value(item, known, flags)
                 if value is not None:
                     known[item.id] = value
                     changed = True
-    return _without(function, known) if known else function
+    return replaced(function, known)
 
 
 def fold_branches(function: Function) -> Function:
@@ -65,74 +66,8 @@ def fold_branches(function: Function) -> Function:
     return remove_unreachable_blocks(replace(function, blocks=tuple(blocks)))
 
 
-def merge_straight_chains(function: Function) -> Function:
-    """Joins each block with its only successor where that has no other predecessor."""
-    by_name = {block.name: block for block in function.blocks}
-    count: dict[str, int] = {}
-    for block in function.blocks:
-        for target in dict.fromkeys(block.branch.successors):
-            count[target] = count.get(target, 0) + 1
-    entry = function.blocks[0].name
-    follower = {
-        block.name: block.branch.successors[0]
-        for block in function.blocks
-        if len(block.branch.successors) == 1
-        and count[block.branch.successors[0]] == 1
-        and block.branch.successors[0] not in (entry, block.name)
-    }
-    if not follower:
-        return function
-    merged_away = set(follower.values())
-    merge = _Chains(by_name, follower)
-    blocks = [merge.joined(b) for b in function.blocks if b.name not in merged_away]
-    renamed = [_renamed_phis(block, merge.end_of) for block in blocks]
-    return _substituted(replace(function, blocks=tuple(renamed)), merge.values)
-
-
-def remove_unused(function: Function) -> Function:
-    """Drops phis and instructions, stores aside, that no store, branch or return depends on."""
-    operands: dict[int, Iterable[Value]] = {}
-    work: list[Value] = []
-    for block in function.blocks:
-        operands |= {phi.id: [value for _, value in phi.incoming] for phi in block.phis}
-        for instr in block.instrs:
-            operands[instr.id] = instr.operands
-            if instr.op is Opcode.STORE:
-                work += instr.operands
-        work += block.branch.read
-    used: set[int] = set()
-    while work:
-        value = work.pop()
-        if isinstance(value, Ref) and value.id not in used:
-            used.add(value.id)
-            work += operands[value.id]
-    stores = {i.id for b in function.blocks for i in b.instrs if i.op is Opcode.STORE}
-    if used | stores >= operands.keys():
-        return function
-    blocks = tuple(
-        replace(
-            block,
-            phis=tuple(phi for phi in block.phis if phi.id in used),
-            instrs=tuple(i for i in block.instrs if i.id in used or i.id in stores),
-        )
-        for block in function.blocks
-    )
-    return replace(function, blocks=blocks)
-
-
-def _resolve(value: Value, known: Mapping[int, Value]) -> Value:
-    while isinstance(value, Ref) and value.id in known:
-        value = known[value.id]
-    return value
-
-
-def _phi_value(phi: Phi, known: Mapping[int, Value]) -> Value | None:
-    values = {_resolve(value, known) for _, value in phi.incoming} - {Ref(phi.id)}
-    return values.pop() if len(values) == 1 else None
-
-
 def _value(instr: Instr, known: Mapping[int, Value], flags: Set[int]) -> Value | None:
-    operands = tuple(_resolve(value, known) for value in instr.operands)
+    operands = tuple(resolved(value, known) for value in instr.operands)
     if instr.op is Opcode.MOV:
         return operands[0]
     if instr.op is Opcode.SELECT:
@@ -177,58 +112,6 @@ def _decided(branch: Branch) -> Branch | None:
     if taken is None:
         return None
     return Branch(branch.target if taken else branch.otherwise, loc=branch.loc)
-
-
-def _without(function: Function, known: Mapping[int, Value]) -> Function:
-    blocks = tuple(
-        replace(
-            block,
-            phis=tuple(phi for phi in block.phis if phi.id not in known),
-            instrs=tuple(instr for instr in block.instrs if instr.id not in known),
-        )
-        for block in function.blocks
-    )
-    return _substituted(replace(function, blocks=blocks), known)
-
-
-def _substituted(function: Function, known: Mapping[int, Value]) -> Function:
-    blocks = tuple(map_values(block, lambda v: _resolve(v, known)) for block in function.blocks)
-    return replace(function, blocks=blocks)
-
-
-def _renamed_phis(block: Block, names: Mapping[str, str]) -> Block:
-    phis = block.phis
-    for old in {name for phi in phis for name, _ in phi.incoming if name in names}:
-        phis = tuple(rename_incoming(phi, old, names[old]) for phi in phis)
-    return replace(block, phis=phis)
-
-
-@dataclass
-class _Chains:
-    """Joins chains; `end_of` maps the last block of each to the joined block's name, `values` its
-    phis to what they were.
-    """
-
-    by_name: Mapping[str, Block]
-    follower: Mapping[str, str]
-
-    def __post_init__(self) -> None:
-        self.end_of: dict[str, str] = {}
-        self.values: dict[int, Value] = {}
-
-    def joined(self, first: Block) -> Block:
-        """`first` with everything that follows it."""
-        if first.name not in self.follower:
-            return first
-        instrs = list(first.instrs)
-        last = first
-        while last.name in self.follower:
-            following = self.by_name[self.follower[last.name]]
-            self.values |= {phi.id: incoming(phi, last.name) for phi in following.phis}
-            instrs += following.instrs
-            last = following
-        self.end_of[last.name] = first.name
-        return replace(first, instrs=tuple(instrs), branch=last.branch)
 
 
 _NEUTRAL = {

@@ -189,7 +189,7 @@ def _goes_on(function: Function, nest: Nest) -> Value | None:
     graph = block_graph(function)
     (test,) = graph.predecessors(back)
     branch = block_of(function, test).branch
-    dominating = dominators(graph, function.blocks[0].name)
+    dominating = dominators(function)
     always = test in dominating[latch]
     return branch.cond if always and branch.target == back else None
 

@@ -14,7 +14,7 @@ from vividc.ssa.analysis.counted import count_loop
 from vividc.ssa.analysis.counters import Counter, counter_of, defined_in, is_length
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.edit import block_of, next_id, uses, with_blocks
-from vividc.ssa.flow import Loop, block_graph, dominators, preheader_of
+from vividc.ssa.flow import Loop, dominators, preheader_of
 from vividc.ssa.ir import Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.ssa.loops.flatten.rotate import can_rotate
 
@@ -134,7 +134,7 @@ def _counters(function: Function, outer: Loop, inner: Loop) -> tuple[Counter, Co
     for loop in (outer, inner):
         if any(source != loop.header for source, _ in loop.exits):
             return None
-    dominating = dominators(block_graph(function), function.blocks[0].name)
+    dominating = dominators(function)
     if inner.header not in dominating[outer.latches[0]]:
         return None
     first, second = counter_of(function, outer), counter_of(function, inner)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS
-from vividc.ssa.rewrite.dead import without_dead
+from vividc.ssa.rewrite.dead import remove_unused
 
 
 @cases(__file__)
 def test_rules(case: Case) -> None:
-    FUNCTIONS.check(case, without_dead)
+    FUNCTIONS.check(case, remove_unused)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS
-from vividc.ssa.rewrite.value_numbering import merge_equal
+from vividc.ssa.rewrite.number_values import merge_equal
 
 
 @cases(__file__)
