@@ -93,19 +93,15 @@ class BundleError(VividcError):
 
 
 class MappingFailed(VividcError):
-    """A region has no mapping: proved infeasible (exit code 3). `headers`: blocks that begin the
-    loops that have none, where loops are the reason.
-    """
+    """A region has no mapping: proved infeasible (exit code 3)."""
 
     exit_code = 3
-    headers: tuple[str, ...] = ()
 
 
 class TimeLimit(VividcError):
-    """Something was not done within the time limit (exit code 4). `headers` as above."""
+    """Something was not done within the time limit (exit code 4)."""
 
     exit_code = 4
-    headers: tuple[str, ...] = ()
 
 
 class SimulationError(VividcError):

@@ -12,7 +12,14 @@ from typing import Unpack
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
-from vividc.compiler.map_regions import MapOptions, Progress, guarded, map_kernel, mapping_of
+from vividc.compiler.map_regions import (
+    MapOptions,
+    Progress,
+    Unmapped,
+    guarded,
+    mapped_kernel,
+    mapping_of,
+)
 from vividc.compiler.planning.budget import Budget
 from vividc.compiler.planning.choose import Stage, choose
 from vividc.compiler.planning.estimate import Estimator, Shape
@@ -26,7 +33,6 @@ from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.errors import (
     KernelError,
-    MappingFailed,
     SourceLoc,
     TimeLimit,
     VividcWarning,
@@ -350,16 +356,18 @@ def _map_stage(
             function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
         kernel = _kernel_of(function, estimator)
-        mapping = partial(map_kernel, kernel, estimator.fabric, options, known, demanded=demanded)
-        try:
-            mapped, results = watched("map", mapping)
+        mapping = partial(
+            mapped_kernel, kernel, estimator.fabric, options, known, demanded=demanded
+        )
+        made = watched("map", mapping)
+        if not isinstance(made, Unmapped):
             break
-        except (MappingFailed, TimeLimit) as error:
-            if not error.headers or not demanded.isdisjoint(error.headers):
-                raise
-            timed_out = isinstance(error, TimeLimit)
-            why = "took too long" if timed_out else "has no modulo schedule"
-            sequential |= dict.fromkeys(error.headers, why)
+        if not demanded.isdisjoint(made.headers):
+            raise made.error
+        timed_out = isinstance(made.error, TimeLimit)
+        why = "took too long" if timed_out else "has no modulo schedule"
+        sequential |= dict.fromkeys(made.headers, why)
+    mapped, results = made
     mappings = {index: mapping_of(result) for index, result in results.items()}
     encoding = partial(
         encode, mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)

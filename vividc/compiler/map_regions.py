@@ -59,22 +59,18 @@ class MapOptions:
     progress: Progress | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Unmapped:
+    """Headers of the loops that have no mapping, and why the first of them has none."""
+
+    headers: tuple[str, ...]
+    error: MappingFailed | TimeLimit
+
+
 def map_kernel(
-    kernel: Kernel,
-    fabric: Fabric,
-    options: MapOptions,
-    known: dict[DFG, MapResult] | None = None,
-    *,
-    demanded: frozenset[str] = frozenset(),
+    kernel: Kernel, fabric: Fabric, options: MapOptions
 ) -> tuple[Kernel, dict[int, MapResult]]:
     """Maps all regions: loops first, then straight regions around them.
-
-    Parameters
-    ----------
-    known
-        Keeps the results of loops from one call to the next.
-    demanded
-        Headers of loops without which the rest is of no use.
 
     Returns
     -------
@@ -83,11 +79,39 @@ def map_kernel(
     Raises
     ------
     MappingFailed, TimeLimit
-        With `headers` of the loops that have no mapping, if loops are the reason.
+    """
+    mapped = mapped_kernel(kernel, fabric, options, {})
+    if isinstance(mapped, Unmapped):
+        raise mapped.error
+    return mapped
+
+
+def mapped_kernel(
+    kernel: Kernel,
+    fabric: Fabric,
+    options: MapOptions,
+    known: dict[DFG, MapResult],
+    *,
+    demanded: frozenset[str] = frozenset(),
+) -> tuple[Kernel, dict[int, MapResult]] | Unmapped:
+    """As `map_kernel`, or the loops that have no mapping.
+
+    Parameters
+    ----------
+    known
+        Keeps the results of loops from one call to the next.
+    demanded
+        Headers of loops without which the rest is of no use.
+
+    Raises
+    ------
+    MappingFailed, TimeLimit
+        A straight region has no mapping.
     """
     with limited(options.time_limit_s) as effort:
-        known = {} if known is None else known
         results = _map_loops(kernel, fabric, options, known, demanded, effort)
+        if isinstance(results, Unmapped):
+            return results
         loops = {index: mapping_of(result) for index, result in results.items()}
         homes = variable_homes(kernel, fabric, loops)
         done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
@@ -150,7 +174,7 @@ def _map_loops(
     known: dict[DFG, MapResult],
     demanded: frozenset[str],
     effort: Deadline,
-) -> dict[int, MapResult]:
+) -> dict[int, MapResult] | Unmapped:
     loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
     left_s = time_limit.remaining_s()
@@ -158,7 +182,7 @@ def _map_loops(
     until = time_limit.now() + max(left_s - reserve_s, LEAST_S)
     results: dict[int, MapResult] = {}
     done: list[tuple[DFG, Mapping]] = []
-    failed: list[MappingFailed | TimeLimit] = []
+    failed: dict[str, MappingFailed | TimeLimit] = {}
     for number, (index, region) in enumerate(loops):
         problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
         result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, known)
@@ -171,13 +195,10 @@ def _map_loops(
             results[index] = result
             done.append((region.dfg, mapping_of(result)))
             continue
-        failed.append(result)
+        failed[region.header] = result
         if region.header in demanded:
             break
-    if failed:
-        failed[0].headers = tuple(header for error in failed for header in error.headers)
-        raise failed[0]
-    return results
+    return Unmapped(tuple(failed), next(iter(failed.values()))) if failed else results
 
 
 def _still_good(problem: MapProblem, known: dict[DFG, MapResult]) -> MapResult | None:
@@ -194,32 +215,27 @@ def _mapped_loop(
 ) -> MapResult | MappingFailed | TimeLimit:
     """The result of a loop, or why it has no mapping."""
     hint = "give a longer --time-limit, or a larger fabric"
-    error: MappingFailed | TimeLimit
     if time_limit.remaining_s() < _LEAST_LOOP_S:
         time_limit.left_out(_SEARCH)
     if min(share_s, time_limit.remaining_s()) < _LEAST_LOOP_S:
         text = f"{region.name} was not mapped: no time was left for it"
-        error = TimeLimit(text, loc=region.loc, hint=hint)
-    else:
-        result = map_dfg(
-            region.dfg,
-            problem.fabric,
-            options.mapper,
-            time_limit_s=share_s,
-            resident=problem.resident,
-            progress=_prefixed(options.progress, region),
-            thrifty=True,
-        )
-        if result.mapping is not None:
-            return result
-        if result.status == "infeasible":
-            text = f"{region.name} cannot be mapped: {result.explain()}"
-            error = MappingFailed(text, loc=region.loc)
-        else:
-            text = f"{region.name} was not mapped in time: {result.explain()}"
-            error = TimeLimit(text, loc=region.loc, hint=hint)
-    error.headers = (region.header,)
-    return error
+        return TimeLimit(text, loc=region.loc, hint=hint)
+    result = map_dfg(
+        region.dfg,
+        problem.fabric,
+        options.mapper,
+        time_limit_s=share_s,
+        resident=problem.resident,
+        progress=_prefixed(options.progress, region),
+        thrifty=True,
+    )
+    if result.mapping is not None:
+        return result
+    if result.status == "infeasible":
+        text = f"{region.name} cannot be mapped: {result.explain()}"
+        return MappingFailed(text, loc=region.loc)
+    text = f"{region.name} was not mapped in time: {result.explain()}"
+    return TimeLimit(text, loc=region.loc, hint=hint)
 
 
 def _map_straight(problem: MapProblem, options: MapOptions, pace: _Pace) -> MapResult:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from vividc.compiler.map_regions import Unmapped
 from vividc.dfg.check import check
 from vividc.dfg.cut.build import SHAPING
 from vividc.dfg.forms.text import to_text as graph_text
@@ -117,6 +118,8 @@ def text_of(made: object) -> str:
         return graph_text(made)
     if isinstance(made, Program):
         return disassemble(made)
+    if isinstance(made, Unmapped):
+        return str(made.error)
     assert isinstance(made, Kernel)
     return "\n".join(
         f"# region {index}: {region.kind} {region.header}\n{graph_text(region.dfg)}"

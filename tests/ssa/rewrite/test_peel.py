@@ -17,7 +17,7 @@ from vividc.ssa.rewrite.simplify import simplify
 
 
 def run(function: Function, header: str, iterations: str) -> Function:
-    return peel(function, loop_at(function, header), int(iterations))
+    return peel(function, loop_at(function, header), int(iterations)).function
 
 
 @cases(__file__)
@@ -32,7 +32,7 @@ def test_peeled_programs_mean_the_same(
 ) -> None:
     before = canonical_loops(simplify(lower(program)))
     loops = find_loops(before)
-    after = peel(before, loops[which % len(loops)], iterations) if loops else before
+    after = peel(before, loops[which % len(loops)], iterations).function if loops else before
     for made in (after, simplify(after)):
         assert check_function(made) == []
         demand_same(before, made, tries=2)
@@ -42,6 +42,6 @@ def test_a_loop_of_as_many_iterations_as_are_peeled_goes() -> None:
     program = (For(0, 0, 3, (Load(1, 0), Assign(1, "add", 1, 0, None), Store(0, 1))),)
     before = canonical_loops(simplify(lower(program)))
     (loop,) = find_loops(before)
-    peeled = simplify(peel(before, loop, 4))
+    peeled = simplify(peel(before, loop, 4).function)
     assert len(peeled.blocks) == 1
     demand_same(before, peeled, tries=2)

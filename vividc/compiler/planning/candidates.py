@@ -183,7 +183,7 @@ def _fully(state: State, header: str) -> State | Refusal:
         loop.header for loop in find_loops(function) if loop.header in state.loop(header).blocks
     }
     while True:
-        loops = [loop for loop in find_loops(function) if _stem(loop.header) in inside]
+        loops = [loop for loop in find_loops(function) if loop.header in inside]
         if not loops:
             return replace(state, function=function, made=state.made | {_around(state, header)})
         counted = ((loop, constant_trips(function, loop, MOST_ITERATIONS)) for loop in loops)
@@ -193,12 +193,9 @@ def _fully(state: State, header: str) -> State | Refusal:
         size = _size(function, loop) * trips.entries
         if size > MOST_INSTRUCTIONS:
             return Refusal(f"it would make {size} instructions")
-        function = tidy(peel(function, loop, trips.entries))
-
-
-def _stem(header: str) -> str:
-    """The name of the block that `header` is a copy of."""
-    return header.split(".peel", maxsplit=1)[0]
+        peeled = peel(function, loop, trips.entries)
+        inside |= {new for new, old in peeled.origin.items() if old in inside}
+        function = tidy(peeled.function)
 
 
 def _around(state: State, header: str) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 from vividc.ssa.edit import block_of, incoming, retarget, with_blocks
 from vividc.ssa.flow import Loop, preheader_of
@@ -10,7 +11,15 @@ from vividc.ssa.ir import Block, Function, Value
 from vividc.ssa.rewrite.clone import Clone, clone_blocks, extend_phis, repair_uses
 
 
-def peel(function: Function, loop: Loop, iterations: int) -> Function:
+@dataclass(frozen=True)
+class Peeled:
+    """`origin`: the block that each copy is one of, by name."""
+
+    function: Function
+    origin: Mapping[str, str]
+
+
+def peel(function: Function, loop: Loop, iterations: int) -> Peeled:
     """The same function with the first iterations of `loop` copied in front of it.
 
     Each copy keeps its tests; what they decide is left to `simplify`, which also removes the loop
@@ -34,7 +43,8 @@ def peel(function: Function, loop: Loop, iterations: int) -> Function:
         for phi in header.phis
     )
     function = with_blocks(function, (replace(block_of(function, loop.header), phis=phis),))
-    return repair_uses(function, loop.blocks, clones)
+    origin = {new: old for clone in clones for old, new in clone.names.items()}
+    return Peeled(repair_uses(function, loop.blocks, clones), origin)
 
 
 def with_back_edge_to(clone: Clone, loop: Loop, target: str) -> Clone:
