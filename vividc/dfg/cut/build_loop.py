@@ -124,7 +124,7 @@ class _LoopEmitter:
 
     def emit_body(self) -> None:
         """All blocks in topological order."""
-        for name in self.body.order:
+        for name in self.body.flow.order:
             block = self.body.by_name[name]
             if name != self.body.entry:
                 for phi in block.phis:
@@ -189,7 +189,7 @@ class _LoopEmitter:
 
     def _exits(self) -> list[tuple[str, str]]:
         """Deciding exits, in the order in which an iteration meets them."""
-        position = {name: index for index, name in enumerate(self.body.order)}
+        position = {name: index for index, name in enumerate(self.body.flow.order)}
         return sorted(self.parts.exits, key=lambda edge: position[edge[0]])
 
     def _phi(self, phi: Phi) -> Operand:
@@ -273,15 +273,15 @@ class _LoopEmitter:
     def _load_guard(self, block: str) -> tuple[Operand | None, bool]:
         """Predicate of a load in `block`, and whether an exiting iteration may not come so far."""
         sources = (source for source, _ in self.parts.exits)
-        after_exit = any(s != block and self.body.reaches(s, block) for s in sources)
+        after_exit = any(s != block and self.body.flow.reaches(s, block) for s in sources)
         return self.predicates.of(block), after_exit
 
     def _guard(self, block: str) -> tuple[Operand | None, bool]:
         """Predicate of an effect in `block`, and whether the exiting iteration leaves it out."""
         pred = self.predicates.of(block)
         sources = [source for source, _ in self.parts.exits]
-        before = [s for s in sources if s != block and self.body.reaches(s, block)]
-        later = [s for s in sources if self.body.reaches(block, s)]
+        before = [s for s in sources if s != block and self.body.flow.reaches(s, block)]
+        later = [s for s in sources if self.body.flow.reaches(block, s)]
         if not later:
             return pred, bool(before)
         for source in before:

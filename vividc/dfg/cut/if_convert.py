@@ -1,9 +1,7 @@
 """If-conversion: the acyclic body of a region becomes one graph with predicates and selects.
 
-Path predicates follow Park and Schlansker (1991), simplified by dominance: a block that post-
-dominates its immediate dominator needs no condition of its own. Branches out of the loop count as
-not taken; the tile controller undoes what an exiting iteration must not do (`unless_exit`), and
-effects before a later exit carry a predicate.
+Branches out of the loop count as not taken (`PathPredicates`); the tile controller undoes what an
+exiting iteration must not do (`unless_exit`), and effects before a later exit carry a predicate.
 """
 
 from __future__ import annotations
@@ -15,9 +13,8 @@ import networkx as nx
 
 from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.analysis.acyclic import Acyclic, Edge, PathPredicates
 from vividc.ssa.ir import Block, Function, Phi, Undefined, Value
-
-_SINK = ""
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Body:
         return {block.name: block for block in self.function.blocks if block.name in self.names}
 
     @cached_property
-    def dag(self) -> nx.DiGraph[str]:
+    def flow(self) -> Acyclic:
         """Control flow inside the body without the back edge."""
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(name for name in self.by_name)
@@ -46,46 +43,16 @@ class Body:
             for target in block.branch.successors:
                 if target in self.names and target != self.entry:
                     graph.add_edge(name, target)
-        return graph
-
-    @cached_property
-    def order(self) -> tuple[str, ...]:
-        """The blocks in topological order."""
-        position = {name: index for index, name in enumerate(self.by_name)}
-        return tuple(nx.lexicographical_topological_sort(self.dag, key=position.__getitem__))
-
-    @cached_property
-    def immediate_dominator(self) -> dict[str, str]:
-        """Immediate dominator of each block but the entry."""
-        return dict(nx.immediate_dominators(self.dag, self.entry))
-
-    @cached_property
-    def _post_dominators(self) -> dict[str, str]:
-        graph = self.dag.reverse(copy=True)
-        graph.add_edges_from(
-            (_SINK, name) for name in self.dag.nodes if self.dag.out_degree(name) == 0
-        )
-        return dict(nx.immediate_dominators(graph, _SINK))
-
-    def always_follows(self, name: str, after: str) -> bool:
-        """Whether `name` runs whenever `after` does, exits aside."""
-        walk = after
-        while walk not in (name, _SINK):
-            walk = self._post_dominators[walk]
-        return walk == name
+        return Acyclic(graph, self.entry)
 
     def are_exclusive(self, one: str, other: str) -> bool:
         """Whether no iteration runs both blocks."""
-        return not self.reaches(one, other) and not self.reaches(other, one)
-
-    def reaches(self, source: str, target: str) -> bool:
-        """Whether control may go from `source` to `target` within an iteration."""
-        return source == target or nx.has_path(self.dag, source, target)
+        return not self.flow.reaches(one, other) and not self.flow.reaches(other, one)
 
 
 @dataclass
-class Predicates:
-    """Emits path predicates of a body's blocks; None stands for `always`."""
+class Predicates(PathPredicates[Operand]):
+    """Emits path predicates of a body's blocks."""
 
     body: Body
     builder: GraphBuilder
@@ -93,22 +60,30 @@ class Predicates:
     _memo: dict[tuple[str, str], Operand | None] = field(default_factory=dict)
     _inverted: dict[Operand, Operand] = field(default_factory=dict)
 
-    def of(self, name: str, relative_to: str | None = None) -> Operand | None:
-        """When block `name` runs, given that its dominator `relative_to` (default: entry) runs."""
-        root = self.body.entry if relative_to is None else relative_to
-        if name == root:
-            return None
-        if (name, root) not in self._memo:
-            self._memo[name, root] = self._compute(name, root)
-        return self._memo[name, root]
+    @property
+    def flow(self) -> Acyclic:
+        """The body's blocks."""
+        return self.body.flow
 
-    def edge(self, source: str, target: str, root: str) -> Operand | None:
-        """When control goes from `source` to `target`, given that `root` runs."""
-        base = self.of(source, root)
-        inside = list(self.body.dag.successors(source))
-        if len(inside) < 2:  # noqa: PLR2004 - one way on
-            return base
-        return self.both(base, self._taken(source, target))
+    def node(self, block: str) -> str:
+        """Each block is a node."""
+        return block
+
+    def into(self, node: str) -> list[Edge]:
+        """The edges that lead to a block."""
+        return [(source, node) for source in self.flow.graph.predecessors(node)]
+
+    def of(self, node: str, root: str | None = None) -> Operand | None:
+        """When a block runs, emitted once."""
+        root = self.body.entry if root is None else root
+        if (node, root) not in self._memo:
+            self._memo[node, root] = super().of(node, root)
+        return self._memo[node, root]
+
+    def taken(self, edge: Edge) -> Operand | None:
+        """When control goes along an edge, given that its first block runs."""
+        is_only = self.flow.graph.out_degree(edge[0]) == 1
+        return None if is_only else self._taken(*edge)
 
     def leaving(self, source: str, target: str) -> Operand:
         """When control leaves the loop from `source` to `target`."""
@@ -139,16 +114,6 @@ class Predicates:
         condition = self.condition[source]
         return condition if branch.target == target else self.inverted(condition)
 
-    def _compute(self, name: str, root: str) -> Operand | None:
-        dominator = self.body.immediate_dominator[name]
-        if self.body.always_follows(name, dominator):
-            return self.of(dominator, root)
-        total: Operand | None = None
-        for number, source in enumerate(self.body.dag.predecessors(name)):
-            edge = self.edge(source, name, root)
-            total = edge if number == 0 else self.either(total, edge)
-        return total
-
 
 def merge_phi(
     predicates: Predicates, block: str, phi: Phi, values: dict[Value, Operand]
@@ -167,14 +132,11 @@ def merge_phi(
         groups.setdefault(values[value], []).append(source)
     default = max(groups, key=lambda operand: (operand.is_phi, len(groups[operand])))
     result = default
-    root = body.immediate_dominator[block]
+    root = body.flow.dominator[block]
     for operand, sources in groups.items():
         if operand == default:
             continue
-        when: Operand | None = None
-        for number, source in enumerate(sources):
-            edge = predicates.edge(source, block, root)
-            when = edge if number == 0 else predicates.either(when, edge)
+        when = predicates.any_of([(source, block) for source in sources], root)
         if when is None:
             return operand
         result = predicates.builder.add(Opcode.SELECT, [when, operand, result], phi.loc)

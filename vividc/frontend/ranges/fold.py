@@ -7,8 +7,9 @@ from dataclasses import replace
 from vividc.frontend.ranges.known import ranges_of
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value, definition_of
+from vividc.ssa.rewrite.blocks import merge_chains
 from vividc.ssa.rewrite.dead import remove_unused
-from vividc.ssa.rewrite.simplify import fold_branches, merge_chains
+from vividc.ssa.rewrite.simplify import fold_branches
 
 _WORD = 32
 _NEUTRAL_ZERO = frozenset({"add", "sub", "or", "xor", "shl", "lshr", "ashr"})

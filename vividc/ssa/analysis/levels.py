@@ -10,14 +10,10 @@ from functools import cached_property
 
 import networkx as nx
 
+from vividc.ssa.analysis.acyclic import Acyclic, Edge
 from vividc.ssa.edit import block_of, defined_types, fresh_name, redirect_edge, uses
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Block, Branch, Function, Kind, Ref, Value
-
-_SINK = ""
-
-Edge = tuple[str, str]
-"""From a block to a block."""
 
 
 @dataclass(frozen=True)
@@ -63,38 +59,12 @@ class Level:
         )
 
     @cached_property
-    def graph(self) -> nx.DiGraph[str]:
+    def flow(self) -> Acyclic:
         """The nodes, without the back edge."""
         graph: nx.DiGraph[str] = nx.DiGraph()
         graph.add_nodes_from(dict.fromkeys(map(self.node, self.blocks)))
         graph.add_edges_from((self.node(a), self.node(b)) for a, b in self.edges)
-        return graph
-
-    @cached_property
-    def order(self) -> tuple[str, ...]:
-        """The nodes in topological order."""
-        position = {name: index for index, name in enumerate(self.graph.nodes)}
-        return tuple(nx.lexicographical_topological_sort(self.graph, key=position.__getitem__))
-
-    @cached_property
-    def dominator(self) -> dict[str, str]:
-        """Immediate dominator of each node but the header's."""
-        return dict(nx.immediate_dominators(self.graph, self.loop.header))
-
-    @cached_property
-    def _post_dominators(self) -> dict[str, str]:
-        graph = self.graph.reverse(copy=True)
-        graph.add_edges_from(
-            (_SINK, name) for name in self.graph if not self.graph.out_degree(name)
-        )
-        return dict(nx.immediate_dominators(graph, _SINK))
-
-    def always_follows(self, node: str, after: str) -> bool:
-        """Whether `node` runs whenever `after` does, exits aside."""
-        walk = after
-        while walk not in (node, _SINK):
-            walk = self._post_dominators[walk]
-        return walk == node
+        return Acyclic(graph, self.loop.header)
 
     def exits_before(self, block: str) -> tuple[Edge, ...]:
         """Exits of the loop that an iteration may have met before it comes to a block."""
@@ -102,13 +72,13 @@ class Level:
         return tuple(
             (source, target)
             for source, target in self.exits
-            if self.node(source) != node and nx.has_path(self.graph, self.node(source), node)
+            if self.node(source) != node and self.flow.reaches(self.node(source), node)
         )
 
     @cached_property
     def exits(self) -> tuple[Edge, ...]:
         """Edges out of the loop, in the order in which an iteration meets them."""
-        position = {name: index for index, name in enumerate(self.order)}
+        position = {name: index for index, name in enumerate(self.flow.order)}
         return tuple(sorted(self.loop.exits, key=lambda edge: position[self.node(edge[0])]))
 
     @property

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from functools import reduce
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.ssa.analysis.levels import Edge, Level
+from vividc.ssa.analysis.acyclic import Edge
+from vividc.ssa.analysis.levels import Level
 from vividc.ssa.analysis.uniform import Uniform
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Ref, Value
 from vividc.ssa.loops.threads.chain import Chain

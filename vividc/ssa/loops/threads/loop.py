@@ -14,7 +14,8 @@ from functools import reduce
 import networkx as nx
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.ssa.analysis.levels import Edge, Level
+from vividc.ssa.analysis.acyclic import Edge
+from vividc.ssa.analysis.levels import Level
 from vividc.ssa.edit import definitions, incoming
 from vividc.ssa.ir import Branch, Const, Instr, Phi, Ref, Undefined, Value
 from vividc.ssa.loops.threads.body import Body, Group, can_test_address
@@ -317,7 +318,7 @@ def _start(level: Level, phi: Phi) -> Value:
 def _deciding(level: Level) -> frozenset[int]:
     """Ids of what the exits of a loop without inner ones depend on, in any iteration."""
     deciding = {level.node(source) for source, _ in level.exits}
-    deciding |= {node for exit_ in set(deciding) for node in nx.ancestors(level.graph, exit_)}
+    deciding |= {node for exit_ in set(deciding) for node in nx.ancestors(level.flow.graph, exit_)}
     items = _items(level)
     work = [cond for name in deciding if (cond := level.blocks[name].branch.cond) is not None]
     found: set[int] = set()

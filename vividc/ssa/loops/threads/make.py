@@ -75,7 +75,7 @@ def thread(function: Function, header: str, count: int) -> Threaded | Refusal:
         return refused
     level = level_of(function, header)
     for inner in level.all_levels():
-        if not nx.is_directed_acyclic_graph(inner.graph):
+        if not nx.is_directed_acyclic_graph(inner.flow.graph):
             return Refusal("its control flow has a loop with two entries")
     preheader = preheader_of(function, level.loop)
     counted, trip = count_loop(function, level.loop, preheader)
@@ -124,8 +124,8 @@ def _handed_on(level: Level) -> _HandedOn | Refusal:
             steps[phi.id] = step
         else:
             variables.append(phi)
-    inner = [index for index, node in enumerate(level.order) if node in level.children]
-    last = level.order[inner[-1] + 1 :] if inner else level.order
+    inner = [index for index, node in enumerate(level.flow.order) if node in level.children]
+    last = level.flow.order[inner[-1] + 1 :] if inner else level.flow.order
     for ident in level.leaving:
         if not any(phi.id == ident for phi in variables):
             return Refusal("what it computes is used after it, other than what it hands on")
@@ -255,7 +255,7 @@ class _Threads:
     def _body(self, body: Body, active: list[Value | None]) -> dict[int, Value]:
         """One group; the variables' words after it."""
         last = self.handed.last
-        self._nodes(body, [node for node in self.level.order if node not in last])
+        self._nodes(body, [node for node in self.level.flow.order if node not in last])
         values = self.group.values
         variables: dict[int, Value] = {}
         for thread in range(self.count if last else 0):
@@ -282,7 +282,7 @@ class _Threads:
                 body.paths[thread].left_by.update(loop.edges[thread])
 
     def _rest(self, body: Body, written: tuple[str, ...]) -> None:
-        self._nodes(body, [node for node in body.level.order if node not in written])
+        self._nodes(body, [node for node in body.level.flow.order if node not in written])
 
     def _close(self, number: Phi, phis: dict[int, Phi], variables: dict[int, Value]) -> None:
         """The back edge of the loop over groups."""
@@ -318,7 +318,7 @@ class _Threads:
     def _own_loads(self) -> frozenset[int]:
         """Loads that are written thread by thread, and perhaps not for all of them."""
         level = self.level
-        nodes = [n for n in self.handed.last if not level.always_follows(n, level.loop.header)]
+        nodes = [n for n in self.handed.last if not level.flow.always_follows(n, level.loop.header)]
         instrs = (instr for node in nodes for instr in level.blocks[node].instrs)
         return frozenset(instr.id for instr in instrs if instr.op is Opcode.LOAD)
 

@@ -1,21 +1,18 @@
-"""When a thread runs a block: path predicates of a level, for one thread.
-
-As in `if_convert`: a node that always follows its dominator needs no condition of its own, and
-branches out of the loop count as not taken (Park and Schlansker 1991).
-"""
+"""When a thread runs a block: path predicates of a level, for one thread."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from vividc.ssa.analysis.levels import Edge, Level
+from vividc.ssa.analysis.acyclic import Acyclic, Edge, PathPredicates
+from vividc.ssa.analysis.levels import Level
 from vividc.ssa.ir import Const, Phi, Undefined, Value
 from vividc.ssa.loops.threads.chain import Chain
 
 
 @dataclass
-class Paths:
-    """Path predicates of the nodes of a level; None stands for always.
+class Paths(PathPredicates[Value]):
+    """Path predicates of the nodes of a level.
 
     Attributes
     ----------
@@ -30,29 +27,32 @@ class Paths:
     conditions: dict[str, Value] = field(default_factory=dict)
     left_by: dict[Edge, Value] = field(default_factory=dict)
 
-    def of(self, node: str, root: str | None = None) -> Value | None:
-        """When a node runs, given that its dominator `root` (the level's header) does."""
-        root = self.level.loop.header if root is None else root
-        if node == root:
-            return None
-        dominator = self.level.dominator[node]
-        if self.level.always_follows(node, dominator):
-            return self.of(dominator, root)
-        total: Value | None = None
-        into = [edge for edge in self.level.edges if self.level.node(edge[1]) == node]
-        for number, edge in enumerate(into):
-            found = self.edge(edge, root)
-            total = found if number == 0 else self.chain.either(total, found)
-        return total
+    @property
+    def flow(self) -> Acyclic:
+        """The level's nodes."""
+        return self.level.flow
 
-    def edge(self, edge: Edge, root: str | None = None) -> Value | None:
-        """When control goes along an edge between nodes, given that `root` runs."""
-        node = self.level.node(edge[0])
-        base = self.of(node, root)
-        ways = sum(self.level.node(source) == node for source, _ in self.level.edges)
-        if ways < 2:  # noqa: PLR2004 - one way on
-            return base
-        return self.chain.both(base, self._taken(edge))
+    def node(self, block: str) -> str:
+        """The node that a block belongs to."""
+        return self.level.node(block)
+
+    def into(self, node: str) -> list[Edge]:
+        """The edges that lead to a node."""
+        return [edge for edge in self.level.edges if self.node(edge[1]) == node]
+
+    def taken(self, edge: Edge) -> Value | None:
+        """When control goes along an edge, given that its first node runs."""
+        node = self.node(edge[0])
+        ways = sum(self.node(source) == node for source, _ in self.level.edges)
+        return self._taken(edge) if ways > 1 else None
+
+    def both(self, left: Value | None, right: Value | None) -> Value | None:
+        """Conjunction."""
+        return self.chain.both(left, right)
+
+    def either(self, left: Value | None, right: Value | None) -> Value | None:
+        """Disjunction."""
+        return self.chain.either(left, right)
 
     def leaving(self, edge: Edge) -> Value:
         """When control leaves the loop along an edge, if it has not done so before."""
@@ -77,14 +77,11 @@ class Paths:
         for source, value in defined.items():
             groups.setdefault(value, []).append(source)
         default = max(groups, key=lambda value: (value in carried, len(groups[value])))
-        result, root = default, self.level.dominator[block]
+        result, root = default, self.flow.dominator[block]
         for value, sources in groups.items():
             if value == default:
                 continue
-            when: Value | None = None
-            for number, source in enumerate(sources):
-                found = self.edge((source, block), root)
-                when = found if number == 0 else self.chain.either(when, found)
+            when = self.any_of([(source, block) for source in sources], root)
             result = self.chain.select(when, value, result, phi.type)
         return result
 
