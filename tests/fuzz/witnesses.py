@@ -22,6 +22,7 @@ from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
 from vividc import arch
 from vividc.compiler.driver import CompileOptions, map_kernel
+from vividc.compiler.map_regions import Unmapped
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.dfg.pipeline import optimize_kernel
@@ -126,7 +127,10 @@ def words_in_blocks(function: Function) -> Program:
     headers = frozenset(loop.header for loop in find_loops(normalize(function)))
     function = normalize(replace(function, sequential=headers))
     kernel = optimize_kernel(build_kernel(function), OPTIONS)
-    mapped, results = map_kernel(kernel, fabric, CompileOptions(time_limit_s=MAPPING_S))
+    made = map_kernel(kernel, fabric, CompileOptions(time_limit_s=MAPPING_S))
+    if isinstance(made, Unmapped):
+        raise made.error
+    mapped, results = made
     mappings = {i: r.mapping for i, r in results.items() if r.mapping is not None}
     return encode(mapped, fabric, mappings, reports=results)
 

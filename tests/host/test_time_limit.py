@@ -168,7 +168,7 @@ def test_a_kernel_too_long_for_its_fabric_is_refused_before_anything_is_mapped(
 ) -> None:
     machine = arch.load("vivid-tile")
     short = replace(machine, controller=replace(machine.controller, contexts=2))
-    monkeypatch.setattr("vividc.compiler.driver.mapped_kernel", None)
+    monkeypatch.setattr("vividc.compiler.driver.map_kernel", None)
     with pytest.raises(vividc.VividcError, match=r"needs at least \d+ contexts") as caught:
         vividc.compile(nested, short, loops=vividc.LoopOptions(auto=False))
     assert caught.value.exit_code == 2

@@ -17,7 +17,7 @@ from vividc.compiler.map_regions import (
     Progress,
     Unmapped,
     guarded,
-    mapped_kernel,
+    map_kernel,
     mapping_of,
 )
 from vividc.compiler.planning.budget import Budget
@@ -356,9 +356,7 @@ def _map_stage(
             function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
         kernel = _kernel_of(function, estimator)
-        mapping = partial(
-            mapped_kernel, kernel, estimator.fabric, options, known, demanded=demanded
-        )
+        mapping = partial(map_kernel, kernel, estimator.fabric, options, known, demanded=demanded)
         made = watched("map", mapping)
         if not isinstance(made, Unmapped):
             break

@@ -68,33 +68,14 @@ class Unmapped:
 
 
 def map_kernel(
-    kernel: Kernel, fabric: Fabric, options: MapOptions
-) -> tuple[Kernel, dict[int, MapResult]]:
-    """Maps all regions: loops first, then straight regions around them.
-
-    Returns
-    -------
-    The kernel whose straight regions hold their deliveries, and the result of each region by index.
-
-    Raises
-    ------
-    MappingFailed, TimeLimit
-    """
-    mapped = mapped_kernel(kernel, fabric, options, {})
-    if isinstance(mapped, Unmapped):
-        raise mapped.error
-    return mapped
-
-
-def mapped_kernel(
     kernel: Kernel,
     fabric: Fabric,
     options: MapOptions,
-    known: dict[DFG, MapResult],
+    known: dict[DFG, MapResult] | None = None,
     *,
     demanded: frozenset[str] = frozenset(),
 ) -> tuple[Kernel, dict[int, MapResult]] | Unmapped:
-    """As `map_kernel`, or the loops that have no mapping.
+    """Maps all regions: loops first, then straight regions around them.
 
     Parameters
     ----------
@@ -103,12 +84,18 @@ def mapped_kernel(
     demanded
         Headers of loops without which the rest is of no use.
 
+    Returns
+    -------
+    The kernel whose straight regions hold their deliveries, and the result of each region by index;
+    or the loops that have no mapping.
+
     Raises
     ------
     MappingFailed, TimeLimit
         A straight region has no mapping.
     """
     with limited(options.time_limit_s) as effort:
+        known = {} if known is None else known
         results = _map_loops(kernel, fabric, options, known, demanded, effort)
         if isinstance(results, Unmapped):
             return results

@@ -95,7 +95,7 @@ def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The kernel as written still pipelines: it does not run block by block."""
-    real = driver.mapped_kernel
+    real = driver.map_kernel
 
     def fails_if_jammed(kernel, *rest, **options):  # type: ignore[no-untyped-def]
         headers = [region.header for region in kernel.regions if region.kind == "loop"]
@@ -104,7 +104,7 @@ def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
             return Unmapped(jammed, TimeLimit("no time"))
         return real(kernel, *rest, **options)
 
-    monkeypatch.setattr(driver, "mapped_kernel", fails_if_jammed)
+    monkeypatch.setattr(driver, "map_kernel", fails_if_jammed)
     program = driver.compile(product, MACHINE)
     assert [region.kind for region in program.regions].count("loop") == 1
     reasons = [item.reason for loop in program.loops for item in loop.transforms]
