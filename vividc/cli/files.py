@@ -40,7 +40,7 @@ def check_output(path: Path, option: str) -> None:
 
 
 def make_folder(path: Path, option: str) -> None:
-    """Make a folder for output, if it is not there yet; the one above it must be.
+    """Create an output folder if it does not exist; its parent must.
 
     Raises
     ------

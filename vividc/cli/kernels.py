@@ -101,7 +101,7 @@ def _compiled(file: Path, sha256: str | None = None) -> CodeType:
 
 @contextmanager
 def _once(file: Path) -> Iterator[None]:
-    """Refuse a file that, while it runs, starts vividc on itself: it would do so without end."""
+    """Refuse a file that starts vividc on itself while it runs: that would never end."""
     path = str(file.resolve())
     running = os.environ.get(_RUNNING, "")
     if path in running.split(os.pathsep):

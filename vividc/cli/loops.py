@@ -57,7 +57,11 @@ _OPTIONS: Final = (
         help="Make one loop of the loop on this line and the loop inside it.",
     ),
     click.option(
-        "--no-flatten", multiple=True, type=int, metavar="LINE", help="Leave the loop on this line."
+        "--no-flatten",
+        multiple=True,
+        type=int,
+        metavar="LINE",
+        help="Do not flatten the loop on this line.",
     ),
     click.option(
         "--threads",

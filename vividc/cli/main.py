@@ -47,7 +47,7 @@ from vividc.errors import InternalError, VividcError, VividcWarning
 
 INTERRUPTED: Final = 130
 _NO_PROCESS: Final = ("can't start new thread", os.strerror(errno.EAGAIN))
-"""What Python and libraries in C++ say where a user may have no more processes."""
+"""What Python and C++ libraries say when a user may start no more processes."""
 _NO_PROCESS_MESSAGE: Final = "a thread or a process cannot be started"
 _NO_PROCESS_HINT: Final = "hint: allow more of them (ulimit -u)"
 _DEBUG: Final = "VIVIDC_DEBUG"
@@ -121,7 +121,7 @@ def _no_memory(error: MemoryError) -> str:
 
 
 def _give_up_stdout(error: OSError) -> NoReturn:
-    """Say that output was lost; what is still in the buffer must not be tried again at the end."""
+    """Say that output was lost, and leave without flushing the buffer again."""
     say(f"vividc: standard output: {error.strerror}", err=True)
     with suppress(OSError):
         sys.stderr.flush()
@@ -139,7 +139,7 @@ def _open_closed_streams() -> None:
 
 @contextmanager
 def _seen_interrupts() -> Iterator[list[BaseException]]:
-    """Interrupts that a callback of a C library has swallowed, instead of their tracebacks.
+    """Collect interrupts that a C library's callback swallowed, and print no traceback.
 
     numba compiles through such callbacks, and goes on to fail for another reason.
     """

@@ -66,6 +66,6 @@ time_limit = click.option(
     default=60.0,
     show_default=True,
     metavar="S",
-    help="Seconds of wall time for all of it, but for machine code that is built once.",
+    help="Wall time for the whole command, in seconds; machine code that is built once is extra.",
 )
 as_json = click.option("--json", "as_json", is_flag=True, help="Print one JSON object to stdout.")

@@ -24,7 +24,7 @@ _NAMES = tuple(dict.fromkeys(stage.name for stage in STAGES))
 
 
 class Stopped(Exception):
-    """The stage at which a compilation was to stop is done."""
+    """Raised after the stage at which a compilation is to stop."""
 
 
 @dataclass(slots=True)
@@ -46,12 +46,12 @@ class Look:
 
     @property
     def prints(self) -> bool:
-        """Whether something is printed that is no result."""
+        """Whether more than the result is printed."""
         return bool(self.after and self.folder is None) or self.time
 
     @contextmanager
     def watching(self) -> Iterator[End]:
-        """Look at the stages inside, which end after the last one wanted."""
+        """Watch the stages inside, and stop after the one asked for."""
         end = End()
         if not (self.after or self.stop or self.verify or self.time):
             yield end
@@ -111,7 +111,7 @@ _OPTIONS: Final = (
         type=click.Choice((ALL, *_NAMES)),
         multiple=True,
         metavar="STAGE",
-        help="Print what this stage leaves, or all of them (`vividc opt --list`).",
+        help="Print the output of this stage, or of `all` (`vividc opt --list`).",
     ),
     click.option(
         "--print-to",
@@ -123,7 +123,7 @@ _OPTIONS: Final = (
         "--stop-after",
         type=click.Choice(_NAMES),
         metavar="STAGE",
-        help="Go no farther than this stage.",
+        help="Stop after this stage.",
     ),
     click.option("--verify-each", is_flag=True, help="Check invariants after each stage."),
     click.option("--time-passes", is_flag=True, help="Print the seconds of each stage."),

@@ -66,7 +66,7 @@ from vividc.ssa.rewrite.contract import contract as contract_products
 from vividc.ssa.rewrite.normalize import normalize
 
 _GRACE_S, _GRACE_SHARE = 0.5, 0.05
-"""What only misses its limit by so little is finished: seconds, and a share of the limit."""
+"""Work that misses its limit by no more than this is finished: seconds, and a share of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,7 @@ def _compiled(
     options: CompileOptions,
     mode: str,
 ) -> Program:
-    """The program, with its warnings, which were given, too."""
+    """The program, with the warnings that were given."""
     wanted, strict_fp = options.loops, options.strict_fp
     function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     for name in idle_names(dict(options.precision), function):
@@ -193,7 +193,7 @@ def _compiled(
 def _checked(
     kernel: object, fabric: str | Fabric | Accelerator, time_limit_s: float
 ) -> Fabric | Accelerator:
-    """The machine to compile for; arguments that make no sense are refused."""
+    """The machine to compile for, once all arguments are checked."""
     hint = "decorate the function with @vividc.kernel, or load a C function with vividc.load_ll"
     demand_type(kernel, (KernelFunction, LLKernel), "the kernel", hint)
     hint = "give a preset, a YAML file or a Fabric"
@@ -210,7 +210,7 @@ def _product(
     options: CompileOptions,
     mode: str,
 ) -> Product | None:
-    """The matrix product that a kernel is; one that is to run as such must be one.
+    """The matrix product that the kernel computes, if any; TPU-like modes demand one.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
 
 
 def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> frozenset[int]:
-    """Lines with loops over `prange`; some, if threads are asked for."""
+    """Lines with loops over `prange`; threads demand one."""
     lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
     if not lines and (wanted.threads or 1) > 1:
         raise KernelError(
@@ -264,7 +264,7 @@ def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> f
 def _lowered(
     kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
 ) -> tuple[Function, Parallel | None, tuple[str, ...]]:
-    """The kernel in SSA form, its loop to spread, and the frontend's warnings, given too."""
+    """The kernel in SSA form, the loop to spread, and the warnings that the frontend gave."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
         function, parallel = watched("frontend", partial(_cut, kernel, strict_fp, spread))
@@ -380,7 +380,7 @@ def _map_stage(
 
 
 def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Function:
-    """The stage's function, normalised; what is estimated on the way nobody looks at."""
+    """The stage's function, normalised; estimates on the way are not watched."""
 
     def prepare() -> Function:
         with watch.aside():
@@ -391,7 +391,7 @@ def _prepared(function: Function, stage: Stage, estimator: Estimator) -> Functio
 
 
 def _kernel_of(function: Function, estimator: Estimator) -> Kernel:
-    """The function's regions with optimised graphs; too many contexts are refused before."""
+    """The function's regions with optimised graphs; too many contexts are refused first."""
     built = watched("build-kernel", lambda: estimator.built(function))
     check_contexts(built, estimator.fabric, estimator.contexts(built), "at least ")
     return watched("optimize", lambda: estimator.optimized_kernel(built))

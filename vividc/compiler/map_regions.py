@@ -27,16 +27,16 @@ Progress = Callable[[str], None]
 _SEARCH = "the search for mappings"
 
 LEAST_S = 0.3
-"""All loops together have so long in any case."""
+"""Seconds that all loops together have in any case."""
 
 _LEAST_LOOP_S = 0.1
 """A loop that has less time is not tried: it runs block by block."""
 
 _STRAIGHT_NODE_S = 0.003
-"""One trial of a straight region takes so long for each node, roughly."""
+"""Rough seconds that one trial of a straight region takes for each node."""
 
 _STRAIGHT_SHARE = 0.5
-"""Of the time, kept for straight regions at most while loops are mapped."""
+"""Largest share of the time that is kept for straight regions while loops are mapped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,7 @@ def map_kernel(
 
 @contextmanager
 def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
-    """What is done inside has so many seconds; that the clock ended it is noted."""
+    """Limits what is done inside to so many seconds, and notes if the clock ended it."""
     with time_limit.limited(seconds, grace_s=grace_s) as guard:
         try:
             yield
@@ -128,7 +128,7 @@ def guarded(seconds: float, *, grace_s: float = 0.0) -> Iterator[None]:
 
 @dataclass
 class _Pace:
-    """How fast straight regions are scheduled, for the time that the rest of them needs."""
+    """How fast straight regions are scheduled, to predict the time of the rest."""
 
     nodes: int
     done: int = 0
@@ -189,7 +189,7 @@ def _map_loops(
 
 
 def _still_good(problem: MapProblem, known: dict[DFG, MapResult]) -> MapResult | None:
-    """A loop's result from before, if it goes with the loops mapped so far."""
+    """A loop's earlier result, if it is compatible with the loops mapped so far."""
     result = known.get(problem.dfg)
     if result is None:
         return None

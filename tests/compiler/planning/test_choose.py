@@ -90,7 +90,7 @@ def test_the_user_decides_before_the_estimate() -> None:
 
 
 def test_a_line_without_a_loop_is_refused_with_those_that_have_one() -> None:
-    with pytest.raises(KernelError, match="no loop is in this line") as caught:
+    with pytest.raises(KernelError, match="no loop starts on this line") as caught:
         plan(windows, unroll={2: 4})
     assert str(line_of(windows, "for k in")) in str(caught.value.hint)
 

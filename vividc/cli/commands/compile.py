@@ -55,7 +55,7 @@ SCHEMA = "vividc.compile/1"
     show_default=True,
     help="How an accelerator runs a kernel that is a matrix product.",
 )
-@click.option("--explain", is_flag=True, help="Say what was done with each loop, and why.")
+@click.option("--explain", is_flag=True, help="Say what was done to each loop, and why.")
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
 )

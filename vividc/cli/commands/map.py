@@ -50,7 +50,7 @@ _MOST_OF_THE_TIME = 0.8
     type=click.Choice(get_args(dfg.UnknownOps)),
     default="generic",
     show_default=True,
-    help="An operation name that is not in the table: run it on any PE, with a warning, or refuse.",
+    help="Operations that are not in the table: run them on any PE, with a warning, or refuse.",
 )
 @options.time_limit
 @click.option(
@@ -78,7 +78,7 @@ def command(
     """Map a dataflow graph (JSON, DOT, Morpher XML or text form) and say what was proved.
 
     Exit code 3: proved infeasible. Exit code 4: no mapping within the time limit. Exit code 130:
-    interrupted (Ctrl-C); the best mapping until then is told and written.
+    interrupted (Ctrl-C); the best mapping found so far is reported and written.
     """
     _check_outputs({"--output": output, "--plot": plot}, [graph, Path(fabric)])
     the_dfg = dfg.load(graph, unknown_ops=unknown_ops)

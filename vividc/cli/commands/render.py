@@ -83,7 +83,7 @@ def _size(
 @click.command("render")
 @click.argument("scene", metavar="SCENE", type=options.FILE)
 @click.option(
-    "--method", type=click.Choice(METHODS), help="What the scene must be; told by the file else."
+    "--method", type=click.Choice(METHODS), help="Kind of scene; by default, the file decides."
 )
 @click.option(
     "--views",
@@ -97,7 +97,7 @@ def _size(
     "--size",
     callback=_size,
     metavar="WxH",
-    help="Pixels of the picture; without: the view's, or 800x800.",
+    help="Size of the picture in pixels; by default the view's, or 800x800.",
 )
 @click.option(
     "--azimuth", type=float, default=30.0, show_default=True, help="Degrees; without --views."
@@ -132,7 +132,7 @@ def _size(
     type=click.Choice([REFERENCE, ARRAY]),
     default=REFERENCE,
     show_default=True,
-    help="Float32 on the host, or every stage by the array, compared with the former.",
+    help="Compute in float32 on the host, or on the array, compared with the host.",
 )
 @click.option(
     "--blend",
@@ -252,7 +252,7 @@ def _view(views_file: Path | None, index: int | None) -> View | None:
 def _check_array_options(
     engine: str, program: Path | None, sample: float, precision: RenderPrecision
 ) -> None:
-    """Refuse what only the array's renderers know, without them."""
+    """Refuse options that only the array's renderers have."""
     if sample != 1:
         if engine != ARRAY:
             raise SceneError("only the array is simulated", loc="--sample", hint="--engine array")
@@ -329,7 +329,7 @@ def _draw(
     blend: tuple[vividc.Program, Gaussians] | None,
     fabric: str,
 ) -> _Drawn:
-    """Draw by the reference, and by the array what is wanted of it."""
+    """Draw with the reference, and with the array if it is asked for."""
     frame = None if wanted is None else _on_array(scene, camera, wanted)
     with _bar(f"rendering {camera.width}x{camera.height}") as progress:
         picture = render_reference(scene, camera, switches, progress)

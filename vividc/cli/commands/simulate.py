@@ -58,7 +58,7 @@ MISMATCH: Final = 5
     "--kernel",
     "source",
     metavar="FILE[:KERNEL]",
-    help="The file that --check runs, where it is not the one that you compiled.",
+    help="The source that --check runs, if it is not the file that was compiled.",
 )
 @click.option(
     "--rtol", type=float, callback=options.finite, default=1e-5, show_default=True, metavar="R"
@@ -72,14 +72,14 @@ MISMATCH: Final = 5
     default=CYCLE_LIMIT,
     show_default=True,
     metavar="N",
-    help="Give the run up after N cycles.",
+    help="Stop the run after N cycles.",
 )
 @click.option(
     "--engine",
     type=click.Choice([*ENGINES]),
     default=AUTO,
     show_default=True,
-    help="What runs the words: native code, the reference engine, or what is done first.",
+    help="Engine: native code, the reference engine, or the one that is likely done first.",
 )
 @view_options
 @click.option(

@@ -53,7 +53,7 @@ def command(mapping: Path, graph: Path | None, fabric: str | None, as_json: bool
 
 
 def _read_named(mapping: Path, graph: Path | None, fabric: str | None) -> MapResult:
-    """As `_read`; what is wrong in the file is told with the file's name."""
+    """As `_read`, with the file's name in errors."""
     try:
         return _read(mapping, graph, fabric)
     except VividcError as error:
@@ -91,7 +91,7 @@ def read_json(path: Path) -> object:
 
 
 def _once(path: Path, pairs: list[tuple[str, object]]) -> dict[str, object]:
-    """An object whose keys are there once: of two the last would be taken unseen."""
+    """An object whose keys are unique: of two equal ones json keeps the last without a word."""
     found = dict(pairs)
     if len(found) < len(pairs):
         keys = [key for key, _ in pairs]
@@ -117,7 +117,7 @@ def _as_object(
 
 
 def _given(about: Subject) -> Iterator[str]:
-    """What was decided before, within which everything else holds."""
+    """What was fixed before mapping, on which all claims rest."""
     if about.allowed:
         yield f"(nodes whose PEs were given: {len(about.allowed)})"
     if about.resident:

@@ -1,4 +1,4 @@
-"""Energy and area for people."""
+"""Tables of energy and area."""
 
 from __future__ import annotations
 

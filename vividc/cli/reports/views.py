@@ -134,7 +134,7 @@ class Views:
         }
 
     def print(self, program: Program, result: Result | JobResult, fabric: str | None) -> None:
-        """Tell people."""
+        """Print the views that are text."""
         report = self.energy(program, result, fabric)
         if report is not None:
             print_energy(report)
@@ -187,7 +187,7 @@ def _window(_ctx: click.Context, _param: click.Parameter, value: str) -> tuple[i
 
 
 _OPTIONS: Final = (
-    click.option("--energy", is_flag=True, help="Tell energy, by a cost table with sources."),
+    click.option("--energy", is_flag=True, help="Report energy, from a cost table with sources."),
     click.option(
         "--costs", metavar="TABLE", help=f"Cost table, by name or YAML file. [{DEFAULT_TABLE}]"
     ),
@@ -202,7 +202,7 @@ _OPTIONS: Final = (
         "--trace", type=options.FILE, metavar="T.json", help="Write a trace for Perfetto."
     ),
     click.option(
-        "--vcd", type=options.FILE, metavar="T.vcd", help="Write the words of the window's cycles."
+        "--vcd", type=options.FILE, metavar="T.vcd", help="Write a waveform of the window's cycles."
     ),
     click.option(
         "--plot",

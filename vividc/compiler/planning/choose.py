@@ -328,7 +328,7 @@ class _Chooser:
             lines = sorted({loc.line for loc in locs if loc is not None})
             hint = f"lines with loops: {', '.join(map(str, lines)) or 'none'}"
             file = state.function.file
-            raise KernelError("no loop is in this line", loc=SourceLoc(file, line), hint=hint)
+            raise KernelError("no loop starts on this line", loc=SourceLoc(file, line), hint=hint)
         return found
 
     def _parallel(self) -> list[str]:
