@@ -7,7 +7,7 @@ test file, then with all of that file, then with the tests of others. Defects th
 anybody could notice are listed in `EQUIVALENT`, each with its reason, and drawn anew.
 
     python -m tests.mutants                    draw, run, and write the table of tests/README.md
-    python -m tests.mutants --only diamonds    of one pass, and say what each is
+    python -m tests.mutants --only diamonds    of one pass
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -359,11 +361,16 @@ def _imported(module: ModuleType) -> set[str]:
 
 
 def judged(mutant: Mutant, *, others: bool) -> str:
-    """Who notices a defect: its own file, others, or nobody."""
-    own = str(mutant.of.test)
+    """Who notices a defect: its own file, others, or nobody; "equivalent" if nobody can."""
+    if _is_equivalent(mutant):
+        return "equivalent"
+    own, verdict = str(mutant.of.test), "nobody"
     if notices(mutant, (own, "-k", "rules"), OWN_S) or notices(mutant, (own,), OWN_S):
-        return "own"
-    return "others" if others and notices(mutant, OTHERS, OTHERS_S) else "nobody"
+        verdict = "own"
+    elif others and notices(mutant, OTHERS, OTHERS_S):
+        verdict = "others"
+    print(f"{verdict}: {mutant.of.name}: {mutant.kind}: {mutant.change}", flush=True)
+    return verdict
 
 
 def table(rows: dict[str, dict[str, int]]) -> str:
@@ -384,22 +391,22 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=COUNT)
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--only", default="", help="passes whose names hold this")
+    parser.add_argument("--jobs", type=int, default=2, help="defects tried at a time")
     parser.add_argument("--no-others", action="store_true", help="own files only")
     options = parser.parse_args()
     os.chdir(ROOT)
     rows: dict[str, dict[str, int]] = {}
-    for mutant in drawn(options.count, options.seed):
-        if options.only not in mutant.of.name:
-            continue
+    chosen = [m for m in drawn(options.count, options.seed) if options.only in m.of.name]
+    judge = partial(judged, others=not options.no_others)
+    with ThreadPoolExecutor(options.jobs) as pool:
+        verdicts = list(pool.map(judge, chosen))
+    for mutant, verdict in zip(chosen, verdicts, strict=True):
         row = rows.setdefault(mutant.of.name, {})
-        if _is_equivalent(mutant):
-            row["equivalent"] = row.get("equivalent", 0) + 1
+        if verdict == "equivalent":
+            row[verdict] = row.get(verdict, 0) + 1
             continue
-        verdict = judged(mutant, others=not options.no_others)
         row["planted"] = row.get("planted", 0) + 1
         row[verdict] = row.get(verdict, 0) + 1
-        if verdict != "own" or options.only:
-            print(f"{verdict}: {mutant.of.name}: {mutant.kind}: {mutant.change}", flush=True)
     made = table(rows)
     print(made)
     if not options.only and not options.no_others and options.seed == SEED:
