@@ -1,9 +1,10 @@
 """Place and route by annealing and negotiation, for graphs too large to be solved in time.
 
 In order: `compiled` (where machine code is met), `arrays` (the problem), `places`, `words`,
-`motion`, `anneal`; `traffic`, `ways`, `repair` (with routes); `lockstep`, `negotiate`.
+`motion`, `anneal`; `traffic`, `ways`, `repair` (with routes); `lockstep`, `tuning`, `negotiate`.
 """
 
-from vividc.mapper.engines.negotiate.negotiate import Effort, negotiate, prepare
+from vividc.mapper.engines.negotiate.negotiate import negotiate, prepare
+from vividc.mapper.engines.negotiate.tuning import Effort
 
 __all__ = ["Effort", "negotiate", "prepare"]

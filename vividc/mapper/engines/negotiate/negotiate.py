@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from vividc.errors import InternalError
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import tuning
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.engines.negotiate.arrays import Task, build_task
 from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
@@ -32,6 +32,7 @@ from vividc.mapper.engines.negotiate.traffic import (
     raise_prices,
     reprice_all,
 )
+from vividc.mapper.engines.negotiate.tuning import Effort
 from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_round
 from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
@@ -40,79 +41,6 @@ from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.mapper.resources.distances import FAR, hop_distances
 from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
-
-_MOVES_PER_NODE: Final = 8000
-_ROUNDS: Final = 30
-_REPAIRS_PER_NODE: Final = 150
-_TRIALS: Final = 2
-_NAMING_ROUNDS: Final = 12
-_WARM, _COOL = 5.0, 1.0
-_OUTPUT_WARM, _OUTPUT_COOL = 3.0, 0.5
-_SHOWN_WARM, _SHOWN_COOL = 0.8, 0.25
-_SHOWN_MOVES: Final = 3
-"""More annealing where moves of words are claimed, since little is left to routes."""
-_LITTLE: Final = 8
-"""Violations up to which a result is annealed again."""
-_QUENCH, _QUENCH_HOT, _QUENCH_COLD = 0.25, 2.0, 0.2
-_OUTPUT_REPAIRS: Final = 25
-_OUTPUT_NODES: Final = 100
-"""Where words go through output registers, annealing without routes sees little of what they cost,
-and a move with routes takes a twentieth of the time that it takes over links: so many times the
-moves, of graphs up to so many nodes.
-"""
-_SLICE: Final = 10_000
-_BEGIN_S: Final = 0.005
-_MOVE_S, _SHOWN_MOVE_S = 3e-7, 5e-7
-_REPAIR_S, _OUTPUT_REPAIR_S = 1e-4, 1e-5
-_ROUTED_S: Final = 2e-5
-_TYPICAL_EDGES: Final = 1.3
-"""Effort of an attempt's arrays, of a move without and with moves of words claimed, of a move with
-routes (where words go through output registers), and of routing the words of a node, in graphs of
-so many edges a node; denser ones take as much more.
-"""
-_REPAIR_SLICE: Final = 64
-_HOPELESS: Final = ((0.0, 1 / 4), (0.1, 1 / 8))
-"""From such a part of the moves with routes on, crowding of more than such a part of the nodes is
-given up: of 170 such repairs on public graphs none came from above a sixteenth to nothing, and of
-a graph of 293 nodes all moves halve it at best.
-"""
-_FEW: Final = 8
-"""Crowding up to which a repair is never given up."""
-_SEED_STEP: Final = 1000
-"""Between the seeds of attempts that run side by side."""
-_HISTORY, _GROWTH, _MOST_PRESSURE = 0.6, 1.2, 40.0
-_REPAIR_PRESSURE: Final = 3.0
-_MOST_CELLS: Final = 20_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class _Cooling:
-    """Of annealing: heats, and the parts of the first with which it is done again."""
-
-    hot: float
-    cold: float
-    again: tuple[float, ...]
-
-
-_FREELY: Final = _Cooling(30.0, 0.2, (0.25, 0.25))
-_SHOWN: Final = _Cooling(12.0, 1.5, (0.6, 0.6))
-"""Where moves of words are claimed: from about as much broken as there are operations to where
-nothing that is broken changes any more.
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Effort:
-    """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
-    node with routes, and how often all that is tried; `shown`: how many times the annealing moves
-    where moves of words are claimed.
-    """
-
-    moves: int = _MOVES_PER_NODE
-    rounds: int = _ROUNDS
-    repairs: int = _REPAIRS_PER_NODE
-    trials: int = _TRIALS
-    shown: int = _SHOWN_MOVES
 
 
 def prepare(tell: Callable[[str], None]) -> None:
@@ -141,7 +69,7 @@ def negotiate(
     Deterministic for a seed and so many sides; threads only make it faster.
     """
     effort = effort or Effort()
-    deadline.charge(_BEGIN_S)
+    deadline.charge(tuning.BEGIN_S)
     nodes = tuple(node.id for node in problem.dfg.placed)
     start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
     if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
@@ -151,7 +79,7 @@ def negotiate(
     if any(time > latest for time in start.values()):
         return None
     begin = _with_room(problem, start, latest)
-    seeds = range(seed, seed + _SEED_STEP * sides, _SEED_STEP)
+    seeds = range(seed, seed + tuning.SEED_STEP * sides, tuning.SEED_STEP)
     attempts = [Negotiation(problem, ii, begin, latest, one) for one in seeds]
     if not attempts[0].fits:
         return None
@@ -202,7 +130,7 @@ def _compile_all() -> None:
     attempt = Negotiation(problem, 1, {0: 0}, 0, 1)
     never = Deadline.after(3600.0)
     first_result([attempt.run(Effort(1, 1, 1, 1), never)], never.charge)
-    raise_prices(attempt.traffic, 1, _HISTORY, _GROWTH, _MOST_PRESSURE)
+    raise_prices(attempt.traffic, 1, tuning.HISTORY, tuning.GROWTH, tuning.MOST_PRESSURE)
     attempt.traffic.totals[OVER] = 1
     repair(attempt.router, new_undo(attempt.task, attempt.traffic), new_heat(1.0, 1.0, 1), 1)
     route_as_shown(attempt.router, attempt.words)
@@ -218,10 +146,10 @@ class Negotiation:
         self.mrrg: MRRG = build_mrrg(problem.fabric)
         self.task: Task
         self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
-        self.density = max(len(self.task.edges.src) / len(self.ids) / _TYPICAL_EDGES, 1.0)
+        self.density = max(len(self.task.edges.src) / len(self.ids) / tuning.TYPICAL_EDGES, 1.0)
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
-        self.cooling = _SHOWN if self.task.array.moves else _FREELY
+        self.cooling = tuning.SHOWN if self.task.array.moves else tuning.FREELY
         self._put(start)
         self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
         sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
@@ -230,7 +158,8 @@ class Negotiation:
     @property
     def fits(self) -> bool:
         """Whether the work space is of a sensible size."""
-        return max(self.cycles * self.mrrg.locations, self.room * len(self.ids)) <= _MOST_CELLS
+        cells = max(self.cycles * self.mrrg.locations, self.room * len(self.ids))
+        return cells <= tuning.MOST_CELLS
 
     def _put(self, start: ReadOnly[int, int]) -> None:
         nodes = self.task.nodes
@@ -260,7 +189,7 @@ class Negotiation:
         show_all(task, places, words)
         for part in (1.0, *self.cooling.again):
             yield from self._cool(part, int(moves * part**0.5), deadline)
-            if not 0 < broken(task, places) <= _LITTLE:
+            if not 0 < broken(task, places) <= tuning.LITTLE:
                 break
         hide_all(task, places, words)
         return broken(task, places) == 0
@@ -273,15 +202,15 @@ class Negotiation:
         heat, end = new_heat(part * self.cooling.hot, self.cooling.cold, moves), moves
         done, quenched = 0, not self.task.array.moves
         while done < end and not deadline.passed:
-            moves_now = min(_SLICE, end - done)
+            moves_now = min(tuning.SLICE, end - done)
             anneal(self.task, state, heat, moves_now)
-            done += _SLICE
-            move_s = _SHOWN_MOVE_S if self.task.array.moves else _MOVE_S
+            done += tuning.SLICE
+            move_s = tuning.SHOWN_MOVE_S if self.task.array.moves else tuning.MOVE_S
             yield self.density * moves_now * move_s
             if not quenched and broken(self.task, self.places) == 0:
-                quenched, end = True, min(end, done + int(_QUENCH * moves))
-                hot = min(float(heat.value[0]), _QUENCH_HOT)
-                heat = new_heat(hot, _QUENCH_COLD, end - done)
+                quenched, end = True, min(end, done + int(tuning.QUENCH * moves))
+                hot = min(float(heat.value[0]), tuning.QUENCH_HOT)
+                heat = new_heat(hot, tuning.QUENCH_COLD, end - done)
 
     def _routed(self, effort: Effort, deadline: Deadline) -> Steps[Mapping | None]:
         """Route and name registers; where a file's words fit but have no allocation, again with
@@ -291,10 +220,10 @@ class Negotiation:
         scratch = new_scratch(self.mrrg, self.cycles)
         graph = new_graph(self.mrrg, self.problem.fabric)
         self.router = Router(graph, self.task, self.places, self.traffic, scratch)
-        for turn in range(_NAMING_ROUNDS):
+        for turn in range(tuning.NAMING_ROUNDS):
             moves = effort.repairs * len(self.ids)
             if turn == 0 and self._as_shown():
-                free = yield from self._repaired(moves, _SHOWN_WARM, _SHOWN_COOL, deadline)
+                free = yield from self._repaired(moves, tuning.SHOWN_REPAIR_HEATS, deadline)
             else:
                 free = yield from self._negotiate(effort.rounds, deadline, fresh=turn == 0)
                 free = free or (yield from self._repair(moves, deadline))
@@ -322,42 +251,43 @@ class Negotiation:
                 return False
             if traffic.totals[OVER] == 0:
                 return True
-            raise_prices(traffic, self.ii, _HISTORY, _GROWTH, _MOST_PRESSURE)
-            yield self.density * _ROUTED_S * len(self.ids)
+            raise_prices(traffic, self.ii, tuning.HISTORY, tuning.GROWTH, tuning.MOST_PRESSURE)
+            yield self.density * tuning.ROUTED_S * len(self.ids)
         return False
 
     def _repair(self, moves: int, deadline: Deadline) -> Steps[bool]:
         """Route everything, then move nodes with their routes; True when nothing is crowded."""
         traffic = self.traffic
         traffic.history[:] = 1.0
-        traffic.totals[PRESSURE] = _REPAIR_PRESSURE
+        traffic.totals[PRESSURE] = tuning.REPAIR_PRESSURE
         reprice_all(traffic, self.ii)
         if route_round(self.router, True):
             return False
-        warm, cool = _WARM, _COOL
+        heats = tuning.REPAIR_HEATS
         if self.task.array.outputs:
-            warm, cool = _OUTPUT_WARM, _OUTPUT_COOL
-            moves *= max(1, _OUTPUT_REPAIRS * _OUTPUT_NODES // max(_OUTPUT_NODES, len(self.ids)))
-        return (yield from self._repaired(moves, warm, cool, deadline))
+            heats = tuning.OUTPUT_REPAIR_HEATS
+            nodes = max(tuning.OUTPUT_NODES, len(self.ids))
+            moves *= max(1, tuning.OUTPUT_REPAIRS * tuning.OUTPUT_NODES // nodes)
+        return (yield from self._repaired(moves, heats, deadline))
 
-    def _repaired(self, moves: int, warm: float, cool: float, deadline: Deadline) -> Steps[bool]:
+    def _repaired(self, moves: int, heats: tuple[float, float], deadline: Deadline) -> Steps[bool]:
         """Move nodes with their routes; True when nothing is crowded."""
         undo = new_undo(self.task, self.traffic)
-        heat = new_heat(warm, cool, moves)
-        for done in range(0, moves, _REPAIR_SLICE):
+        heat = new_heat(*heats, moves)
+        for done in range(0, moves, tuning.REPAIR_SLICE):
             crowding = int(self.traffic.totals[OVER])
             if deadline.passed or crowding == 0 or self._is_hopeless(crowding, done / moves):
                 break
-            moves_now = min(_REPAIR_SLICE, moves - done)
+            moves_now = min(tuning.REPAIR_SLICE, moves - done)
             repair(self.router, undo, heat, moves_now)
-            repair_s = _OUTPUT_REPAIR_S if self.task.array.outputs else _REPAIR_S
+            repair_s = tuning.OUTPUT_REPAIR_S if self.task.array.outputs else tuning.REPAIR_S
             yield self.density * moves_now * repair_s
         return bool(self.traffic.totals[OVER] == 0)
 
     def _is_hopeless(self, crowding: int, share: float) -> bool:
         """Whether this much crowding is hopeless after this share of the moves."""
-        least = min(part for start, part in _HOPELESS if start <= share)
-        return crowding > max(_FEW, least * len(self.ids))
+        least = min(part for start, part in tuning.HOPELESS if start <= share)
+        return crowding > max(tuning.FEW, least * len(self.ids))
 
     def _shrink(self, pe: int) -> bool:
         """Take one register from a file; False if it has none left."""

@@ -1,0 +1,84 @@
+"""The constants of annealing, repair and negotiation, and how hard one try is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+NAMING_ROUNDS: Final = 12
+"""Routings of one placement, each with a register less in the files whose words found no names."""
+REPAIR_HEATS: Final = (5.0, 1.0)
+OUTPUT_REPAIR_HEATS: Final = (3.0, 0.5)
+SHOWN_REPAIR_HEATS: Final = (0.8, 0.25)
+"""First and last heat of a repair: over links, where words go through output registers, and from
+routes as the annealer claimed moves for them.
+"""
+LITTLE: Final = 8
+"""Violations up to which a result is annealed again."""
+QUENCH, QUENCH_HOT, QUENCH_COLD = 0.25, 2.0, 0.2
+"""Part of the moves, and heats, of the quench that ends annealing when nothing is broken."""
+OUTPUT_REPAIRS: Final = 25
+OUTPUT_NODES: Final = 100
+"""Where words go through output registers, annealing without routes sees little of what they cost,
+and a move with routes takes a twentieth of the time that it takes over links: so many times the
+moves, of graphs up to so many nodes.
+"""
+SLICE: Final = 10_000
+REPAIR_SLICE: Final = 64
+"""Moves, without and with routes, between two looks at the deadline."""
+BEGIN_S: Final = 0.005
+MOVE_S, SHOWN_MOVE_S = 3e-7, 5e-7
+REPAIR_S, OUTPUT_REPAIR_S = 1e-4, 1e-5
+ROUTED_S: Final = 2e-5
+TYPICAL_EDGES: Final = 1.3
+"""Effort of an attempt's arrays, of a move without and with moves of words claimed, of a move with
+routes (where words go through output registers), and of routing the words of a node, in graphs of
+so many edges a node; denser ones take as much more.
+"""
+HOPELESS: Final = ((0.0, 1 / 4), (0.1, 1 / 8))
+"""From such a part of the moves with routes on, crowding of more than such a part of the nodes is
+given up: of 170 such repairs on public graphs none came from above a sixteenth to nothing, and of
+a graph of 293 nodes all moves halve it at best.
+"""
+FEW: Final = 8
+"""Crowding up to which a repair is never given up."""
+SEED_STEP: Final = 1000
+"""Between the seeds of attempts that run side by side."""
+HISTORY, GROWTH, MOST_PRESSURE = 0.6, 1.2, 40.0
+"""Of negotiation: what a round adds to the price of crowded resources, the growth of the pressure
+of crowding, and its limit.
+"""
+REPAIR_PRESSURE: Final = 3.0
+"""The pressure of crowding during a repair."""
+MOST_CELLS: Final = 20_000_000
+"""The largest work space of a search."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cooling:
+    """Of annealing: heats, and the parts of the first with which it is done again."""
+
+    hot: float
+    cold: float
+    again: tuple[float, ...]
+
+
+FREELY: Final = Cooling(30.0, 0.2, (0.25, 0.25))
+SHOWN: Final = Cooling(12.0, 1.5, (0.6, 0.6))
+"""Where moves of words are claimed: from about as much broken as there are operations to where
+nothing that is broken changes any more.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How hard one try is: annealing moves a node without routes, rounds of negotiation, moves a
+    node with routes, and how often all that is tried; `shown`: how many times the annealing moves
+    where moves of words are claimed, since little is left to routes.
+    """
+
+    moves: int = 8000
+    rounds: int = 30
+    repairs: int = 150
+    trials: int = 2
+    shown: int = 3
