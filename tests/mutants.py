@@ -360,15 +360,16 @@ def _imported(module: ModuleType) -> set[str]:
     return _READ[file]
 
 
-def judged(mutant: Mutant, *, others: bool) -> str:
+def judged(mutant: Mutant, *, quick: bool) -> str:
     """Who notices a defect: its own file, others, or nobody; "equivalent" if nobody can."""
     if _is_equivalent(mutant):
         return "equivalent"
     own, verdict = str(mutant.of.test), "nobody"
-    if notices(mutant, (own, "-k", "rules"), OWN_S) or notices(mutant, (own,), OWN_S):
-        verdict = "own"
-    elif others and notices(mutant, OTHERS, OTHERS_S):
-        verdict = "others"
+    wider = () if quick else ((own,), OTHERS)
+    for whose, tests in zip(("own", "own", "others"), ((own, "-k", "rules"), *wider), strict=False):
+        if notices(mutant, tests, OTHERS_S if whose == "others" else OWN_S):
+            verdict = whose
+            break
     print(f"{verdict}: {mutant.of.name}: {mutant.kind}: {mutant.change}", flush=True)
     return verdict
 
@@ -392,12 +393,12 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=SEED)
     parser.add_argument("--only", default="", help="passes whose names hold this")
     parser.add_argument("--jobs", type=int, default=2, help="defects tried at a time")
-    parser.add_argument("--no-others", action="store_true", help="own files only")
+    parser.add_argument("--quick", action="store_true", help="only the cases of own files")
     options = parser.parse_args()
     os.chdir(ROOT)
     rows: dict[str, dict[str, int]] = {}
     chosen = [m for m in drawn(options.count, options.seed) if options.only in m.of.name]
-    judge = partial(judged, others=not options.no_others)
+    judge = partial(judged, quick=options.quick)
     with ThreadPoolExecutor(options.jobs) as pool:
         verdicts = list(pool.map(judge, chosen))
     for mutant, verdict in zip(chosen, verdicts, strict=True):
@@ -409,7 +410,7 @@ def main() -> None:
         row[verdict] = row.get(verdict, 0) + 1
     made = table(rows)
     print(made)
-    if not options.only and not options.no_others and options.seed == SEED:
+    if not options.only and not options.quick and options.seed == SEED:
         text = README.read_text()
         begin, end = "<!-- mutants -->\n", "<!-- end -->"
         head, _, rest = text.partition(begin)
