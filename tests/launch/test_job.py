@@ -129,7 +129,7 @@ def unordered_dram() -> Job:
 
 @pytest.mark.parametrize("make", [unordered_moves, unordered_run, unordered_dram])
 def test_a_race_is_refused(make) -> None:
-    with pytest.raises(ArgumentError, match="nothing says which comes first") as error:
+    with pytest.raises(ArgumentError, match="their order is not given") as error:
         make().simulate()
     assert "after=[" in str(error.value)
 

@@ -189,5 +189,5 @@ def test_a_picture_of_no_numbers_is_a_message(tmp_path: Path) -> None:
     sh = np.full((2, 9, 3), 3e38, dtype=np.float32)
     path = changed(tmp_path, GAUSSIANS, sh=sh, log_scales=np.zeros((2, 3)))
     camera = orbit_camera(scene := read_scene(path)[1], 30.0, 20.0, "+z", 8, 8)
-    with pytest.raises(SceneError, match="pixels are no numbers: values of the scene"):
+    with pytest.raises(SceneError, match="pixels are not finite: values of the scene"):
         render_reference(scene, camera)

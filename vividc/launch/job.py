@@ -113,9 +113,9 @@ class Job:
         where = self._tiles(tiles)
         array, chosen = _array(source), _array(indices)
         if not array.flags.c_contiguous or array.ndim == 0:
-            raise ArgumentError("a gather's source is a C-contiguous array")
+            raise ArgumentError("a gather's source must be a C-contiguous array")
         if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
-            raise ArgumentError("a gather's indices are one dimension of int32 or uint32")
+            raise ArgumentError("a gather's indices must be one-dimensional, of int32 or uint32")
         row = array[:1].nbytes if len(array) else array.itemsize
         self._fits(address, row * len(chosen), where)
         self._own.refill(where, address, address + row * len(chosen))
@@ -295,9 +295,9 @@ class Job:
         demand_type(step.address, (int, np.integer), "the address", "give a whole number of bytes")
         apart = step.pitch != WORD_BYTES
         if step.pitch < WORD_BYTES or step.pitch % WORD_BYTES:
-            raise ArgumentError(f"a pitch of {step.pitch} bytes: it is a multiple of {WORD_BYTES}")
+            raise ArgumentError(f"the pitch is {step.pitch} bytes, not a multiple of {WORD_BYTES}")
         if apart and (step.view.itemsize != WORD_BYTES or step.address % WORD_BYTES):
-            raise ArgumentError("with a pitch, whole words move, to a multiple of 4")
+            raise ArgumentError("a transfer with a pitch moves whole words, at a multiple of 4")
         start, end = step.extent(step.view.nbytes)
         self._fits(start, end - start, step.tiles)
         if step.kind == "move out":
@@ -327,7 +327,7 @@ class Job:
             demand_type(tile, (int, np.integer), "a tile", hint)
         count = len(self.accelerator.units)
         if not chosen or len(set(chosen)) < len(chosen):
-            raise ArgumentError("a step names its tiles once each")
+            raise ArgumentError("a step must name its tiles, once each")
         for tile in chosen:
             if not 0 <= tile < count:
                 raise ArgumentError(f"there is no tile {tile}: they are 0 to {count - 1}")
@@ -383,7 +383,7 @@ def _array(value: object) -> NDArray[np.generic]:
     if not isinstance(value, np.ndarray):
         raise ArgumentError(f"expected a numpy array, got {type(value).__name__}")
     if value.dtype.kind not in "biuf" or value.itemsize > WORD_BYTES:
-        raise ArgumentError(f"the accelerator has no elements of {value.dtype}")
+        raise ArgumentError(f"the accelerator does not support elements of {value.dtype}")
     return value
 
 

@@ -125,5 +125,6 @@ def _load_arrays(path: Path, names: tuple[str, ...]) -> dict[str, npt.NDArray[np
         )
     odd = [name for name in names if arrays[name].dtype.kind not in "fiu"]
     if odd:
-        raise SceneError(f"the array `{odd[0]}` holds no numbers", loc=str(path), hint=_VIEWS_HINT)
+        reason = f"the array `{odd[0]}` does not hold numbers"
+        raise SceneError(reason, loc=str(path), hint=_VIEWS_HINT)
     return arrays

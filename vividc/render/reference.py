@@ -71,7 +71,7 @@ def render_reference(
     Raises
     ------
     SceneError
-        Values of the scene are so large that pixels are no numbers.
+        Values of the scene are so large that pixels are not finite.
     """
     demand_scene(scene)
     demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
@@ -87,7 +87,7 @@ def render_reference(
     odd = int(np.count_nonzero(~np.isfinite(image).all(axis=2)))
     if odd:
         raise SceneError(
-            f"{odd} of {camera.width * camera.height} pixels are no numbers: values of the scene "
+            f"{odd} of {camera.width * camera.height} pixels are not finite: values of the scene "
             "or the camera leave the range of float32",
             hint="the training diverged, or a file is damaged",
         )

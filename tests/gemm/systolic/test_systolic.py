@@ -53,10 +53,10 @@ def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, rel
 
 
 def test_drains_that_cannot_pack_are_refused() -> None:
-    with pytest.raises(SystolicError, match="6 columns are no multiple of 4"):
+    with pytest.raises(SystolicError, match="6 columns are not a multiple of 4"):
         plan(SystolicArray.of(small(2, 6)), 4, results="e4m3")
     slow = SMALL.replace("{{fma", "{{convert: 3, fma").format(rows=4, cols=5, fma=4, load=2)
-    with pytest.raises(SystolicError, match="stores no f16: the latency of convert is 3"):
+    with pytest.raises(SystolicError, match="cannot store f16: the latency of convert is 3"):
         plan(SystolicArray.of(arch.load_text(slow, "slow.yaml")), 4, results="f16")
     blunt = SMALL.format(rows=4, cols=5, fma=4, load=2)
     blunt += "overrides:\n  - at: {rows: 1}\n    sliced: false\n"
@@ -79,7 +79,7 @@ def test_a_block_takes_two_cycles_more_than_its_inner_dimension() -> None:
 
 
 def test_a_fabric_without_edges_is_refused() -> None:
-    with pytest.raises(SystolicError, match="vivid-tile is no systolic array"):
+    with pytest.raises(SystolicError, match="vivid-tile is not a systolic array"):
         SystolicArray.of(arch.load("vivid-tile"))
 
 

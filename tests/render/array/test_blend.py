@@ -104,7 +104,7 @@ def test_other_programs_are_refused(mic: Gaussians, mic_cameras: tuple) -> None:
 
     small = scaled_camera(mic_cameras[0], 100, 100)
     other = vividc.compile(zero, fabric="vivid-tile", time_limit_s=10)
-    with pytest.raises(SceneError, match="`zero` is no blending kernel: its parameters are x, n"):
+    with pytest.raises(SceneError, match="`zero` is not a blending kernel: its parameters are x"):
         blend_on_array(other, mic, small)
     with pytest.raises(ArgumentError):
         blend_on_array(program("vivid-tile-unit"), mic, small)

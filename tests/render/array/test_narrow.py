@@ -177,7 +177,7 @@ def test_features_that_fill_no_words_are_rounded_apart(host: Host) -> None:
 def test_an_accelerator_without_modes_is_refused() -> None:
     net: Network = network([dense_layer(np.ones((4, 4)))], "fp8", [1.0])
     device = open_device("vivid-unit")
-    with pytest.raises(SceneError, match="vivid-unit runs no layers of fp8 numbers"):
+    with pytest.raises(SceneError, match="vivid-unit cannot run layers of fp8 numbers"):
         net.run(device, Ledger(), "network", net.words(2))
     assert net.run(device, Ledger(), "network", net.words(0)).shape == (0, 4, 16)
     for file, make in FIELDS.items():  # before anything is rendered

@@ -45,7 +45,7 @@ class SystolicArray:
         fault = array._fault()
         if fault is not None:
             raise SystolicError(
-                f"fabric {fabric.name} is no systolic array: {fault}",
+                f"fabric {fabric.name} is not a systolic array: {fault}",
                 loc=fabric.name,
                 hint="choose vivid-16x16 or vivid-8x8, or a fabric that extends one of them",
             )
@@ -128,7 +128,7 @@ class SystolicArray:
     def missing_pack(self, ops: Sequence[Opcode], lanes: int) -> str | None:
         """Why the drains cannot make words of `lanes` results with `ops`; None: they can."""
         if self.cols % lanes:
-            return f"{self.cols} columns are no multiple of {lanes}"
+            return f"{self.cols} columns are not a multiple of {lanes}"
         if self.latency(LatencyClass.CONVERT) != _PACK_LATENCY:
             latency = self.latency(LatencyClass.CONVERT)
             return f"the latency of convert is {latency}, and must be {_PACK_LATENCY}"

@@ -119,22 +119,22 @@ def plan(
         As `gemm_region`.
     """
     if depth < 1:
-        raise SystolicError(f"an inner dimension of {depth}", hint="it is 1 or more")
+        raise SystolicError(f"an inner dimension of {depth}", hint="give 1 or more")
     ii = least_ii(array, depth, activated=relu)
     op = PRODUCTS[precision]
     fault = array.missing_product(op)
     if fault is not None:
         raise SystolicError(
-            f"fabric {array.fabric.name} multiplies no {precision}: {fault}",
+            f"fabric {array.fabric.name} cannot multiply {precision}: {fault}",
             loc=array.fabric.name,
             hint="choose the precision f32",
         )
     fault = array.missing_pack((*PACKS[results], LARGEST[results]), lanes(results))
     if results != "f32" and fault is not None:
         raise SystolicError(
-            f"fabric {array.fabric.name} stores no {results}: {fault}",
+            f"fabric {array.fabric.name} cannot store {results}: {fault}",
             loc=array.fabric.name,
-            hint="choose the precision f32 for the layer behind",
+            hint="choose the precision f32 for the next layer",
         )
     schedule = SystolicSchedule(array, depth, ii, relu, op, lanes(results))
     room = array.fabric.scratchpad.words if words is None else words

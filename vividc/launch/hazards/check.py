@@ -28,7 +28,7 @@ def check_order(steps: Sequence[Step], waits: Sequence[tuple[int, ...]]) -> None
     where = f"the scratchpad of tile {place}" if place >= 0 else "one array"
     raise ArgumentError(
         f"step {late} ({kind_of(steps[late])}) and step {early} ({kind_of(steps[early])}) use the "
-        f"same bytes of {where}, and nothing says which comes first",
+        f"same bytes of {where}, and their order is not given",
         hint=f"give step {late} `after=[{early}]`, or other places",
     )
 

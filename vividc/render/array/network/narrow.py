@@ -152,7 +152,7 @@ class Network:
         choice = tpu_choice(device, self.narrow, samples)
         if choice is None:
             raise SceneError(
-                f"{device.programs.machine.name} runs no layers of {self.precision} numbers of "
+                f"{device.programs.machine.name} cannot run layers of {self.precision} numbers of "
                 "this size: it has no TPU-like mode for them",
                 loc="--precision",
                 hint="choose fp32, or the fabric vivid",

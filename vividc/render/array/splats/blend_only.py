@@ -80,7 +80,7 @@ def blend_on_array(
     names = tuple(parameter.name for parameter in program.params)
     if names != PARAMETERS:
         raise SceneError(
-            f"`{program.name}` is no blending kernel: its parameters are {', '.join(names)}",
+            f"`{program.name}` is not a blending kernel: its parameters are {', '.join(names)}",
             hint="compile kernels/gs_blend.py, or a kernel with the same parameters",
         )
     crop = Crop(0, 0, camera.width, camera.height)
