@@ -82,6 +82,18 @@ def test_seconds_of_stages(kernel: Path) -> None:
     assert shown[-1] == "build-kernel"
 
 
+def test_the_loop_that_tiles_share_is_cut_by_a_stage_of_its_own(kernel: Path) -> None:
+    source = SOURCE.replace("import vividc", "import vividc\nfrom numba import prange", 1)
+    kernel.write_text(source.replace("in range", "in prange"))
+    result = compiled(
+        kernel, "--fabric", "vivid", "--print-after", "all", "--stop-after", "cut-parallel-loop"
+    )
+    whole, cut = re.split("^# after frontend|# after cut-parallel-loop", result.stdout, flags=re.M)[
+        1:
+    ]
+    assert parse_function(whole) != parse_function(cut)
+
+
 def test_what_breaks_an_invariant_is_named(kernel: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(passes, "check_function", lambda function: ["it is odd"])
     result = compiled(kernel, "--verify-each")

@@ -244,7 +244,7 @@ def why_no_product(kernel: KernelFunction | LLKernel) -> str:
 
 def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
     """The kernel in SSA form, loops over `prange` as any other."""
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), watch.aside():
         warnings.simplefilter("ignore", VividcWarning)  # they are told of elsewhere
         return normalize(kernel.lower(strict_fp=strict_fp))
 
@@ -267,7 +267,7 @@ def _lowered(
     """The kernel in SSA form, the loop to spread, and the warnings that the frontend gave."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", VividcWarning)
-        function, parallel = watched("frontend", partial(_cut, kernel, strict_fp, spread))
+        function, parallel = _cut(kernel, strict_fp, spread)
     for warning in caught:
         warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
     told = (str(w.message) for w in caught if issubclass(w.category, VividcWarning))
@@ -288,10 +288,10 @@ def _cut(
                 f"{kernel.loc}: {kernel.name} runs on one tile only: {text}; write it in the kernel"
             )
             warnings.warn(text, VividcWarning, stacklevel=2)
-        return kernel.lower(strict_fp=strict_fp), None
-    function = kernel.lower(strict_fp=strict_fp, spread=True)
+        return watched("frontend", lambda: kernel.lower(strict_fp=strict_fp)), None
+    function = watched("frontend", lambda: kernel.lower(strict_fp=strict_fp, spread=True))
     try:
-        return cut_parallel_loop(function, lines)
+        return watched("cut-parallel-loop", lambda: cut_parallel_loop(function, lines))
     except KernelError as refusal:
         loc = refusal.loc or SourceLoc(function.file, min(lines))
         text = f"{loc}: {kernel.name} runs on one tile only: {refusal.reason}; {refusal.hint}"

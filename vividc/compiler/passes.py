@@ -88,9 +88,8 @@ STAGES: Final = (
         "narrow", "operations of LLVM's become the machine's, 64 bits one or two words", Function
     ),
     *(Stage(name_of(one), "on words", Function) for one in TIDYING),
-    Stage(
-        "frontend", "from Python or C to SSA, 64 bits to words, the loop over prange cut", Function
-    ),
+    Stage("frontend", "from Python or C to SSA, 64 bits to words", Function),
+    Stage("cut-parallel-loop", "for an accelerator: a launch deals out its iterations", Function),
     Stage("contract", "products and sums become FMAs", Function),
     Stage("in-format", "float32 arithmetic in the format that --precision asks for", Function),
     Stage(

@@ -79,7 +79,7 @@ MISMATCH: Final = 5
     type=click.Choice([*ENGINES]),
     default=AUTO,
     show_default=True,
-    help="Engine: native code, the reference engine, or the one that is likely done first.",
+    help="Native code, the reference engine, or whichever is likely to finish first.",
 )
 @view_options
 @click.option(
