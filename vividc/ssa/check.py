@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode, Type
+from vividc.machine.words import WORD_BYTES
 from vividc.ssa.edit import read_values
 from vividc.ssa.flow import block_graph, dominators
 from vividc.ssa.ir import (
@@ -25,8 +26,7 @@ from vividc.ssa.ir import (
 )
 
 _WORD_LIMIT = 1 << 32
-_WORD_BYTES = 4
-_WIDTHS = (1, 2, _WORD_BYTES)
+_WIDTHS = (1, 2, WORD_BYTES)
 _NOT_INSTRUCTIONS = frozenset(
     {Opcode.CONST, Opcode.LIVE_IN, Opcode.LIVE_OUT, Opcode.IV, Opcode.GENERIC}
 )
@@ -170,9 +170,9 @@ def _operands_of(instr: Instr, block: Block) -> Iterator[str]:
 def _width_problems(
     instr: Instr, loads: tuple[Opcode | str, ...] = (Opcode.LOAD,)
 ) -> Iterator[str]:
-    if instr.width not in _WIDTHS or (not instr.array and instr.width != _WORD_BYTES):
+    if instr.width not in _WIDTHS or (not instr.array and instr.width != WORD_BYTES):
         yield f"has a width of {instr.width} bytes"
-    if instr.signed and (instr.op not in loads or instr.width == _WORD_BYTES):
+    if instr.signed and (instr.op not in loads or instr.width == WORD_BYTES):
         yield "is signed and no load of less than a word"
 
 

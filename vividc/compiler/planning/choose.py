@@ -203,8 +203,8 @@ class _Chooser:
         """Flattens nests of two loops, then what has become one by that."""
         tried: set[str] = set()
         while True:
-            found = (loop.header for loop in self._outer() if loop.header not in tried)
-            header = next((item for item in found if not self._is_refused(item)), None)
+            headers = (loop.header for loop in self._outer() if loop.header not in tried)
+            header = next((item for item in headers if not self._is_refused(item)), None)
             if header is None:
                 return
             tried.add(header)
@@ -224,12 +224,12 @@ class _Chooser:
             self._note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
             return
         for factor in _FACTORS:
-            found = self._evaluate(base, Candidate(kind, header, factor))
-            if found is None:
+            stage = self._evaluate(base, Candidate(kind, header, factor))
+            if stage is None:
                 break
-            if best is not None and found.estimate.cycles > _STEP * best.estimate.cycles:
+            if best is not None and stage.estimate.cycles > _STEP * best.estimate.cycles:
                 break
-            best = found
+            best = stage
         if best is not None:
             self._accept(best)
 
@@ -242,9 +242,9 @@ class _Chooser:
         return nested and constant_trips(function, loop, MOST_ITERATIONS) is None
 
     def _try(self, candidate: Candidate) -> None:
-        found = self._evaluate(self.now, candidate)
-        if found is not None:
-            self._accept(found)
+        stage = self._evaluate(self.now, candidate)
+        if stage is not None:
+            self._accept(stage)
 
     def _accept(self, stage: Stage) -> None:
         self.now = stage
@@ -318,31 +318,31 @@ class _Chooser:
 
     def _at_line(self, line: int) -> list[str]:
         state = self.now.state
-        found = [
+        headers = [
             loop.header
             for loop in find_loops(state.function)
             if (loc := state.loc(loop.header)) is not None and loc.line == line
         ]
-        if not found:
+        if not headers:
             locs = (state.loc(loop.header) for loop in find_loops(state.function))
             lines = sorted({loc.line for loc in locs if loc is not None})
             hint = f"lines with loops: {', '.join(map(str, lines)) or 'none'}"
             file = state.function.file
             raise KernelError("no loop starts on this line", loc=SourceLoc(file, line), hint=hint)
-        return found
+        return headers
 
     def _parallel(self) -> list[str]:
         """Headers of the loops over `prange` that are in no other one."""
         state = self.now.state
-        found: list[Loop] = []
+        chosen: list[Loop] = []
         for loop in reversed(find_loops(state.function)):
             loc = state.loc(loop.header)
             marked = loc is not None and loc.file == state.function.file
             if loc is None or not marked or loc.line not in self.parallel:
                 continue
-            if loop.header not in self.fixed and not any(loop.header in o.blocks for o in found):
-                found.append(loop)
-        return [loop.header for loop in found]
+            if loop.header not in self.fixed and not any(loop.header in o.blocks for o in chosen):
+                chosen.append(loop)
+        return [loop.header for loop in chosen]
 
     def _thread(self, count: int) -> None:
         """Makes threads of the loops over `prange`, as the user asks."""

@@ -65,12 +65,12 @@ class _Teller:
     def _hot(self, header: str) -> _Hot | None:
         outcome = self.settled.outcome
         state = outcome.stage.state
-        found = [
+        loops = [
             _Hot(region, report, region.header, state.scale.get(region.header, 1))
             for region, report in zip(outcome.kernel.regions, outcome.program.regions, strict=True)
             if region.kind == "loop" and state.origin.get(region.header, region.header) == header
         ]
-        return max(found, key=lambda hot: hot.scale, default=None)
+        return max(loops, key=lambda hot: hot.scale, default=None)
 
     def _outcome(self, header: str, hot: _Hot | None) -> str:
         state = self.settled.outcome.stage.state

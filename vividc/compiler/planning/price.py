@@ -18,7 +18,7 @@ _ENDLESS = 1e15
 
 
 def priced(
-    found: Product, function: Function, estimator: Estimator, wanted: LoopOptions
+    product: Product, function: Function, estimator: Estimator, wanted: LoopOptions
 ) -> Product:
     """A product with the cycles that a tile takes for each of its terms: of the plan that is tried
     first, by its estimate with assumed sizes.
@@ -28,4 +28,4 @@ def priced(
     trips = expected_trips(function, {})
     terms = math.prod(trips[loop.header] for loop in find_loops(function))
     cycles = min(last.estimate.cycles, _ENDLESS)
-    return replace(found, cycles_a_term=cycles / terms)
+    return replace(product, cycles_a_term=cycles / terms)

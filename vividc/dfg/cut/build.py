@@ -117,14 +117,14 @@ class _Cutter:
         defined: dict[int, str] = {}
         for block in self.plan.function.blocks:
             defined |= dict.fromkeys(defined_types(block), self._home(block.name))
-        found: set[int] = set()
+        elsewhere: set[int] = set()
         for block in self.plan.function.blocks:
             home = self._home(block.name)
             inside = block.name in self.loop_of
             for value in self._loop_reads(block) if inside else self._straight_reads(block):
                 if isinstance(value, Ref) and defined[value.id] != home:
-                    found.add(value.id)
-        return found
+                    elsewhere.add(value.id)
+        return elsewhere
 
     def _loop_reads(self, block: Block) -> Iterable[Value]:
         yield from uses(block)
@@ -252,8 +252,8 @@ def _drop_empty(regions: list[Region]) -> list[Region]:
     renamed = {old: new for new, old in enumerate(kept)}
 
     def target(index: int | None, *, is_branch: bool = False) -> int | None:
-        found = follow(index, is_branch=is_branch)
-        return None if found is None else renamed[found]
+        kept_target = follow(index, is_branch=is_branch)
+        return None if kept_target is None else renamed[kept_target]
 
     return [
         Region(

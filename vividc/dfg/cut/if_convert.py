@@ -88,8 +88,8 @@ class Predicates(PathPredicates[Operand]):
     def leaving(self, source: str, target: str) -> Operand:
         """When control leaves the loop from `source` to `target`."""
         taken = self._taken(source, target)
-        found = self.both(self.of(source), taken)
-        return taken if found is None else found
+        when = self.both(self.of(source), taken)
+        return taken if when is None else when
 
     def both(self, left: Operand | None, right: Operand | None) -> Operand | None:
         """Conjunction."""

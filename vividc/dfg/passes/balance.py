@@ -157,5 +157,5 @@ def _components(dfg: DFG) -> dict[int, int]:
     graph: nx.DiGraph[int] = nx.DiGraph()
     graph.add_nodes_from(node.id for node in dfg.nodes)
     graph.add_edges_from((edge.src, edge.dst) for edge in dfg.edges if edge.is_data)
-    found = enumerate(nx.strongly_connected_components(graph))
-    return {node_id: number for number, nodes in found for node_id in nodes}
+    parts = enumerate(nx.strongly_connected_components(graph))
+    return {node_id: number for number, nodes in parts for node_id in nodes}

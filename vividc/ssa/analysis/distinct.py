@@ -92,16 +92,16 @@ class _Proof:
     def _monotone(self) -> list[Ref]:
         """Phis of the outer loop that each outer iteration moves one way, and that never wrap."""
         analysis = AffineAnalysis(self.function, self.outer)
-        found = []
+        counters = []
         if self.rows is not None and abs(self.rows.step) <= _STEP_LIMIT:
-            found.append(Ref(self.rows.phi.id))
+            counters.append(Ref(self.rows.phi.id))
         for phi in block_of(self.function, self.outer.header).phis:
             step = analysis.step(phi)
-            if not step or abs(step) > _STEP_LIMIT or Ref(phi.id) in found:
+            if not step or abs(step) > _STEP_LIMIT or Ref(phi.id) in counters:
                 continue
             if analysis.never_wraps(Ref(phi.id), by_one=False):
-                found.append(Ref(phi.id))
-        return found
+                counters.append(Ref(phi.id))
+        return counters
 
     def _has_fixed_base(self, access: Instr) -> bool:
         base = access.operands[0]

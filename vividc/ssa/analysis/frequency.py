@@ -31,16 +31,16 @@ def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, 
 
     The loops are canonical (`normalize.canonical_loops`).
     """
-    found: dict[str, float] = {}
+    trips: dict[str, float] = {}
     loops = find_loops(function)
     for loop in loops:
         if loop.header in hints:
-            found[loop.header] = hints[loop.header]
+            trips[loop.header] = hints[loop.header]
             continue
         constant = constant_trips(function, loop, _MOST_EVALUATED)
         assumed = SINGLE_LOOP_TRIPS if _is_single(loop, loops) else _assumed(function, loop)
-        found[loop.header] = assumed if constant is None else float(constant.iterations)
-    return found
+        trips[loop.header] = assumed if constant is None else float(constant.iterations)
+    return trips
 
 
 def _assumed(function: Function, loop: Loop) -> float:

@@ -89,10 +89,10 @@ class Level:
     @cached_property
     def types(self) -> dict[int, Kind]:
         """Types of the values that the loop defines."""
-        found: dict[int, Kind] = {}
+        types: dict[int, Kind] = {}
         for block in self.blocks.values():
-            found |= defined_types(block)
-        return found
+            types |= defined_types(block)
+        return types
 
     @cached_property
     def leaving(self) -> tuple[int, ...]:
@@ -128,10 +128,10 @@ def with_own_latches(function: Function, header: str) -> Function:
     inner loop straight to the header of the one around it.
     """
     while True:
-        found = _foreign_latch(function, header)
-        if found is None:
+        edge = _foreign_latch(function, header)
+        if edge is None:
             return function
-        source, target = found
+        source, target = edge
         name = fresh_name(function, f"{target}.latch")
         loc = block_of(function, target).branch.loc
         function = redirect_edge(

@@ -96,11 +96,11 @@ class Polynomials:
             return symbol(value)
         instr = self._instrs[value.id]
         rule = _RULES.get(instr.opcode)
-        found = None if rule is None else rule([self.of(operand) for operand in instr.operands])
-        if found is None or len(found.terms) > _MAX_TERMS:
+        made = None if rule is None else rule([self.of(operand) for operand in instr.operands])
+        if made is None or len(made.terms) > _MAX_TERMS:
             return symbol(value)
-        short = all(len(monomial) <= _MAX_DEGREE for monomial in found.terms)
-        return found if short else symbol(value)
+        short = all(len(monomial) <= _MAX_DEGREE for monomial in made.terms)
+        return made if short else symbol(value)
 
 
 def _shift(operands: list[Polynomial]) -> Polynomial | None:

@@ -55,26 +55,26 @@ class _Analysis:
                 if level is not root and name == level.loop.header:
                     self.phis |= {phi.id: (phi, level) for phi in block.phis}
         stored = {i.array for i, _ in self.instrs.values() if i.op is Opcode.STORE}
-        self.found = {
+        self.uniform = {
             ident
             for ident, (instr, _) in self.instrs.items()
             if instr.op is not Opcode.STORE
             and not (instr.op is Opcode.LOAD and (instr.array in stored or ident in own_loads))
         }
-        self.found |= self.phis.keys()
+        self.uniform |= self.phis.keys()
         self.stepping = {level.loop.header for level in self.levels if level is not root}
 
     def run(self) -> Uniform:
         """Drops what is not uniform until all that is left agrees."""
         before = None
-        while before != (before := (len(self.found), len(self.stepping))):
+        while before != (before := (len(self.uniform), len(self.stepping))):
             self.stepping = {
                 level.loop.header
                 for level in self.levels
                 if level.loop.header in self.stepping and self._leaves_together(level)
             }
-            self.found = {ident for ident in self.found if self._holds(ident)}
-        return Uniform(frozenset(self.found), frozenset(self.stepping))
+            self.uniform = {ident for ident in self.uniform if self._holds(ident)}
+        return Uniform(frozenset(self.uniform), frozenset(self.stepping))
 
     def _leaves_together(self, level: Level) -> bool:
         """Whether the header's test alone ends the loop, and all threads make the same one.
@@ -106,7 +106,7 @@ class _Analysis:
         """Whether a value is uniform where `reader`'s own blocks read it."""
         if not isinstance(value, Ref) or value.id not in self.home:
             return True
-        if value.id not in self.found:
+        if value.id not in self.uniform:
             return False
         level = self.home[value.id]
         while not reader.loop.blocks <= level.loop.blocks:

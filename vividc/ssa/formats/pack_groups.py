@@ -73,7 +73,7 @@ class _Finder:
         self.formats = self._formats()
         self.colours = self._colours()
         self.lane_of: dict[int, tuple[int, int]] = {}
-        self.found: list[Group] = []
+        self.made: list[Group] = []
 
     def groups(self) -> Iterator[Group]:
         """All groups; members are in the order of their operands' lanes."""
@@ -89,7 +89,7 @@ class _Finder:
                     rows[level, instr.opcode].append(instr)
             for (_, opcode), members in sorted(rows.items(), key=lambda row: row[0][0]):
                 self._collect(block, opcode, members)
-        yield from self.found
+        yield from self.made
 
     def _packs(self, instr: Instr) -> bool:
         if instr.op in _ARITHMETIC:
@@ -109,8 +109,8 @@ class _Finder:
             for first in range(0, len(ordered), fmt.lanes):
                 chunk = tuple(item.id for item in ordered[first : first + fmt.lanes])
                 if len(chunk) > 1:
-                    self.lane_of |= {m: (len(self.found), lane) for lane, m in enumerate(chunk)}
-                    self.found.append(Group(chunk, block.name, opcode, fmt))
+                    self.lane_of |= {m: (len(self.made), lane) for lane, m in enumerate(chunk)}
+                    self.made.append(Group(chunk, block.name, opcode, fmt))
 
     def _key(self, item: Phi | Instr) -> object:
         fmt = self.formats[item.id].name

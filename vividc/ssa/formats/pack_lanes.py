@@ -33,10 +33,10 @@ _PAIR: Final = 2
 
 def pack_lanes(function: Function) -> Function:
     """Pack what pays by count; the same object if nothing does."""
-    found = find_groups(function)
-    if not found:
+    groups = find_groups(function)
+    if not groups:
         return function
-    chosen = _profitable(function, _orderly(function, list(found)))
+    chosen = _profitable(function, _orderly(function, list(groups)))
     best = _packed(function, chosen) if chosen else None
     return function if best is None else best
 

@@ -64,8 +64,8 @@ def parse_precision(wanted: FormatChoices | None) -> Precision:
 
 def formats_of(policy: Precision) -> dict[Opcode, Format]:
     """The format of each opcode that has one."""
-    found = {FUNCTIONS[name]: FORMAT_NAMES[fmt] for name, fmt in policy if name in FUNCTIONS}
-    return {opcode: fmt for opcode, fmt in found.items() if fmt is not None}
+    formats = {FUNCTIONS[name]: FORMAT_NAMES[fmt] for name, fmt in policy if name in FUNCTIONS}
+    return {opcode: fmt for opcode, fmt in formats.items() if fmt is not None}
 
 
 def arithmetic_format(policy: Precision) -> Format | None:

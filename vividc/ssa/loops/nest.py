@@ -8,6 +8,7 @@ from enum import IntEnum
 from functools import cached_property
 
 from vividc.machine.opcodes import MEMORY, Opcode
+from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.affine import Affine, AffineAnalysis
 from vividc.ssa.analysis.alias import different_elements
 from vividc.ssa.analysis.counted import count_loop
@@ -15,8 +16,6 @@ from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops, preheader_of
 from vividc.ssa.ir import Function, Instr, Ref, Value
 from vividc.ssa.rewrite.refusal import Refusal
-
-_WORD_BYTES = 4
 
 
 class Part(IntEnum):
@@ -91,8 +90,8 @@ def find_nest(function: Function, outer: Loop) -> Nest | Refusal:
         if loop.header in outer.blocks and loop.header != outer.header
     ]
     if len(within) != 1:
-        found = "no loop is" if not within else f"{len(within)} loops are"
-        return Refusal(f"{found} inside it, and not one")
+        count = "no loop is" if not within else f"{len(within)} loops are"
+        return Refusal(f"{count} inside it, and not one")
     (inner,) = within
     if any(source != loop.header for loop in (outer, inner) for source, _ in loop.exits):
         return Refusal("a loop is left by a break")
@@ -145,7 +144,7 @@ def _reversed(first: Access, second: Access, distance: int) -> bool:
     if first.inner or second.inner:  # only the inner one of the two moves
         stride = second.inner if second.part is Part.INNER else -first.inner
         return any(iteration >= 0 for iteration in _solutions(stride, gap))
-    return abs(gap) < _WORD_BYTES
+    return abs(gap) < WORD_BYTES
 
 
 def _gap(first: Access, second: Access, distance: int) -> int | None:
@@ -161,13 +160,13 @@ def _gap(first: Access, second: Access, distance: int) -> int | None:
 def _solutions(stride: int, gap: int) -> Iterator[int]:
     """Integers x, of either sign where all are, with stride * x within a word of `gap`."""
     if stride == 0:
-        if abs(gap) < _WORD_BYTES:
+        if abs(gap) < WORD_BYTES:
             yield from (-1, 1)
         return
     near = gap // stride
-    reach = 1 + _WORD_BYTES // abs(stride)
+    reach = 1 + WORD_BYTES // abs(stride)
     for candidate in range(near - reach, near + reach + 1):
-        if abs(stride * candidate - gap) < _WORD_BYTES:
+        if abs(stride * candidate - gap) < WORD_BYTES:
             yield candidate
 
 

@@ -66,16 +66,16 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
     loop, header = _marked_loop(function, lines)
     loc = header.branch.loc
     index, first, last = _bounds(function, loop, header)
-    found = _reductions(function, loop, header, index)
-    result = returned_reduction(function, loop, found)
+    carried = _reductions(function, loop, header, index)
+    result = returned_reduction(function, loop, carried)
     starts: dict[int, Value] = {index.id: Input(FIRST)}
-    starts |= {item.phi: Input(f"{START}{n}") for n, item in enumerate(found)}
+    starts |= {item.phi: Input(f"{START}{n}") for n, item in enumerate(carried)}
     cut = _with_inputs(function, loop, header, starts)
     table = TermTable(cut, index.id)
     demand_own_arrays_apart(cut, loop, table)
     accesses = tuple(_accesses(cut, loop, table))
     bounds = (table.of(first), table.of(last))
-    reductions = tuple(_described(item, table) for item in found)
+    reductions = tuple(_described(item, table) for item in carried)
     terms = tuple(table.terms)
     for term in bounds:
         _demand_exact(table, term, loc)
@@ -158,9 +158,9 @@ def _steps(phi: Phi, loop: Loop, instrs: Mapping[int, Instr]) -> Iterator[Const]
 def _reductions(
     function: Function, loop: Loop, header: Block, index: Phi
 ) -> tuple[FoundReduction, ...]:
-    found: list[FoundReduction] = []
+    reductions: list[FoundReduction] = []
     for phi in header.phis:
-        if phi.id == index.id or any(item.phi == phi.id for item in found):
+        if phi.id == index.id or any(item.phi == phi.id for item in reductions):
             continue
         item = reduction_of(function, loop, phi)
         pair = () if item is not None else _wide_sum(function, loop, header, phi)
@@ -170,8 +170,8 @@ def _reductions(
                 loc=phi.loc or header.branch.loc,
                 hint=_FLOATS if phi.type is Type.F32 else _INTEGERS,
             )
-        found += pair if item is None else (item,)
-    return tuple(found)
+        reductions += pair if item is None else (item,)
+    return tuple(reductions)
 
 
 def _wide_sum(

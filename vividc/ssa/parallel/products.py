@@ -89,7 +89,7 @@ class _Matcher:
         total = self._sum(inner)
         left, right = self._factors(total[1], row, col, counters[2])
         bias, starts, relu = self._epilogue(store.operands[2], total, col)
-        found = Product(
+        product = Product(
             left,
             right,
             result,
@@ -102,8 +102,8 @@ class _Matcher:
             str(total[0].loc or ""),
         )
         _demand(result.array not in (left.array, right.array, bias), "it overwrites what it reads")
-        self._check_rest(found, outer)
-        return found
+        self._check_rest(product, outer)
+        return product
 
     # Values
 
@@ -289,7 +289,7 @@ class _Matcher:
 
     # What else there is
 
-    def _check_rest(self, found: Product, outer: Loop) -> None:
+    def _check_rest(self, product: Product, outer: Loop) -> None:
         """Outside the loops there is nothing but checks that a defined product passes."""
         for block in self._function.blocks:
             if block.name in outer.blocks or block.branch.cond is None:
@@ -298,7 +298,7 @@ class _Matcher:
             _demand(len(raising) == 1, "there is a condition around its loops")
             taken = block.branch.target == raising[0]
             for sizes in combinations(_CHECKED, repeat=_NEST):
-                words = _shapes(found, *sizes)
+                words = _shapes(product, *sizes)
                 if self._word(block.branch.cond, words) == int(taken):
                     raise _NoProduct("a check before its loops asks for certain sizes")
 
@@ -318,19 +318,19 @@ class _Matcher:
         raise _NoProduct("a check before its loops is not one of the matrices' sizes")
 
 
-def _shapes(found: Product, rows: int, cols: int, depth: int) -> dict[str, int]:
+def _shapes(product: Product, rows: int, cols: int, depth: int) -> dict[str, int]:
     """The sizes of a product's arrays, by input key."""
     sizes = {
-        found.left: (rows, depth),
-        found.right: (depth, cols),
-        found.result: (rows, cols),
+        product.left: (rows, depth),
+        product.right: (depth, cols),
+        product.result: (rows, cols),
     }
     words: dict[str, int] = {}
     for factor, shape in sizes.items():
         for axis, size in enumerate(shape[::-1] if factor.transposed else shape):
             words[f"{factor.array}.shape{axis}"] = size
-    if found.bias:
-        words[f"{found.bias}.shape0"] = cols
+    if product.bias:
+        words[f"{product.bias}.shape0"] = cols
     return words
 
 

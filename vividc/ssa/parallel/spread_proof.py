@@ -42,7 +42,7 @@ def runs_for_certain(function: Function, loop: Loop) -> bool:
 
 
 def returned_reduction(
-    function: Function, loop: Loop, found: Sequence[FoundReduction]
+    function: Function, loop: Loop, reductions: Sequence[FoundReduction]
 ) -> int | None:
     """The reduction that is returned, by number.
 
@@ -52,15 +52,15 @@ def returned_reduction(
         Anything else that the loop computes is used after it, or the kernel may return another
         value.
     """
-    return _Leaving(function, loop, found).result()
+    return _Leaving(function, loop, reductions).result()
 
 
 class _Leaving:
     """Follows the values that a loop hands to the blocks after it."""
 
-    def __init__(self, function: Function, loop: Loop, found: Sequence[FoundReduction]) -> None:
-        self._found = found
-        self._own = {item.phi: number for number, item in enumerate(found)}
+    def __init__(self, function: Function, loop: Loop, carried: Sequence[FoundReduction]) -> None:
+        self._reductions = carried
+        self._own = {item.phi: number for number, item in enumerate(carried)}
         self._inside = inside(function, loop)
         self._after = [block for block in function.blocks if block.name not in loop.blocks]
         self._loc = _start(function, loop)
@@ -125,10 +125,10 @@ class _Leaving:
     def _is_whole(self, low: Ref, high: Value | None) -> bool:
         """Whether a reduction is returned as what it is: one word, or both words of a sum."""
         number = self._own[low.id]
-        item = self._found[number]
+        item = self._reductions[number]
         if item.how.op != WIDE_LOW:
             return high in (None, Const(0)) and item.how.op != WIDE_HIGH
-        return high is None or high == Ref(self._found[number + 1].phi)
+        return high is None or high == Ref(self._reductions[number + 1].phi)
 
     def _used(self, block: Block) -> KernelError:
         loc = block.branch.loc or _first_loc(block) or self._loc
@@ -202,8 +202,8 @@ def _start(function: Function, loop: Loop) -> SourceLoc | None:
 def _reached_from(function: Function, loop: Loop) -> set[str]:
     """Blocks that run in the loop or after it."""
     graph = block_graph(function)
-    found: set[str] = nx.descendants(graph, loop.header)
-    return found | {loop.header}
+    behind: set[str] = nx.descendants(graph, loop.header)
+    return behind | {loop.header}
 
 
 def _each_its_own(accesses: list[tuple[Block, Instr]], table: TermTable) -> bool:

@@ -19,7 +19,7 @@ from vividc.machine.parallel import (
     UNION,
     Term,
 )
-from vividc.machine.words import signed
+from vividc.machine.words import WORD_BITS, WORD_BYTES, signed
 from vividc.ssa.edit import definitions
 from vividc.ssa.flow import Loop, block_graph, dominators, find_loops
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
@@ -50,7 +50,6 @@ _ARITHMETIC = frozenset(
 )
 _PREDICATES = frozenset(op for op in Opcode if op.value.startswith(("icmp", "fcmp")))
 _DECIDED = frozenset(op for op in Opcode if op.value.startswith("icmp"))
-_WORD_BITS = 32
 
 
 class TermTable:
@@ -85,7 +84,7 @@ class TermTable:
         if key in self._known:
             return self._known[key]
         if key in self._open:
-            return self._add(Term(ANY, word=_WORD_BITS))
+            return self._add(Term(ANY, word=WORD_BITS))
         self._open.add(key)
         number = self._of(value, facts)
         self._open.remove(key)
@@ -94,7 +93,7 @@ class TermTable:
 
     def anything(self) -> int:
         """The term of which nothing is known."""
-        return self._add(Term(ANY, word=_WORD_BITS))
+        return self._add(Term(ANY, word=WORD_BITS))
 
     def counters_around(self, block: str, outermost: Loop) -> tuple[int, ...] | None:
         """Terms of the variables of the loops within `outermost` around a block that runs in every
@@ -155,7 +154,7 @@ class TermTable:
         return number
 
     def _instr(self, instr: Instr, facts: frozenset[Fact]) -> int:
-        if instr.op is Opcode.LOAD and instr.width < _WORD_BITS // 8 and not instr.signed:
+        if instr.op is Opcode.LOAD and instr.width < WORD_BYTES and not instr.signed:
             return self._add(Term(ANY, word=8 * instr.width))
         if instr.op in _PREDICATES and instr.op not in _DECIDED:
             return self._add(Term(ANY, word=1))
@@ -165,7 +164,7 @@ class TermTable:
             no = self.of(instr.operands[2], facts | {(cond, False)})
             return self._add(Term(CHOICE, (self.of(instr.operands[0], facts), yes, no)))
         if instr.op not in _ARITHMETIC and instr.op not in _DECIDED:
-            return self._add(Term(ANY, word=_WORD_BITS))
+            return self._add(Term(ANY, word=WORD_BITS))
         args = tuple(self.of(operand, facts) for operand in instr.operands)
         return self._add(Term(instr.op.value, args))
 
@@ -184,7 +183,7 @@ class TermTable:
         moves = self._moves(phi, loop)
         counter = self._counter(header, loop)
         if moves is None or counter is None:
-            return self._add(Term(ANY, word=_WORD_BITS))
+            return self._add(Term(ANY, word=WORD_BITS))
         start, step = moves
         base, limit, stride, cond = counter
         around = self.facts(header.name)
@@ -291,8 +290,8 @@ class TermTable:
         return (left, right) if is_such else (None, None)
 
     def _instruction(self, value: Value) -> Instr | None:
-        found = self._values.get(value.id) if isinstance(value, Ref) else None
-        return found if isinstance(found, Instr) else None
+        definition = self._values.get(value.id) if isinstance(value, Ref) else None
+        return definition if isinstance(definition, Instr) else None
 
     def _clamped(self, number: int, value: Value, cond: int, taken: bool) -> int:
         test = self._values.get(cond)

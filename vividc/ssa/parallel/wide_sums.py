@@ -47,19 +47,19 @@ class _Check:
 
     def _all_users(self) -> set[int]:
         """All that is computed from the phis, they included."""
-        found = {phi.id for phi in self._phis}
+        made = {phi.id for phi in self._phis}
         before = 0
-        while len(found) > before:
-            before = len(found)
+        while len(made) > before:
+            before = len(made)
             for item in self._values.values():
                 operands = (
                     [value for _, value in item.incoming]
                     if isinstance(item, Phi)
                     else list(item.operands)
                 )
-                if any(isinstance(v, Ref) and v.id in found for v in operands):
-                    found.add(item.id)
-        return found
+                if any(isinstance(v, Ref) and v.id in made for v in operands):
+                    made.add(item.id)
+        return made
 
     def _is_used(self, value: Value) -> bool:
         return isinstance(value, Ref) and value.id in self._users
@@ -133,16 +133,16 @@ class _Check:
     def _leaves(self, item: Instr, sign: int) -> list[_Leaf]:
         """The terms of a sum of words."""
         self._told.add(item.id)
-        found: list[_Leaf] = []
+        leaves: list[_Leaf] = []
         signs = (sign, -sign if item.op is Opcode.SUB else sign)
         for way, operand in zip(signs, item.operands, strict=True):
             inner = self._values.get(operand.id) if isinstance(operand, Ref) else None
             is_sum = isinstance(inner, Instr) and inner.op in (Opcode.ADD, Opcode.SUB)
             if is_sum and isinstance(inner, Instr) and self._is_used(operand):
-                found += self._leaves(inner, way)
+                leaves += self._leaves(inner, way)
             else:
-                found.append((way, operand))
-        return found
+                leaves.append((way, operand))
+        return leaves
 
     def _is_carry(self, leaf: _Leaf, low: Instr) -> bool:
         """The carry of an addition is added, the borrow of a subtraction subtracted."""

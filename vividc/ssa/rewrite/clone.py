@@ -196,8 +196,8 @@ def _used_elsewhere(function: Function, inside: set[str]) -> set[int]:
 
 def _definitions(ident: int, home: str, clones: Collection[Clone]) -> dict[str, Value]:
     """What `ident` is called at the end of each block that defines it or a copy of it."""
-    found: dict[str, Value] = {home: Ref(ident)}
+    names: dict[str, Value] = {home: Ref(ident)}
     for clone in clones:
         if home in clone.names:
-            found[clone.names[home]] = clone.values[ident]
-    return found
+            names[clone.names[home]] = clone.values[ident]
+    return names

@@ -43,17 +43,17 @@ def combine_additions(function: Function) -> Function:
 
 
 def _combined(instr: Instr, known: dict[int, _Sum]) -> Instr:
-    found = _sum(instr)
-    if found is None:
+    own = _sum(instr)
+    if own is None:
         return instr
-    inner = known.get(found.base.id) if isinstance(found.base, Ref) else None
+    inner = known.get(own.base.id) if isinstance(own.base, Ref) else None
     if inner is not None:
-        total = inner.constant + found.constant
-        exact = inner.exact and found.exact and -_LIMIT <= total < _LIMIT
-        found = _Sum(inner.base, signed(total), exact)
-        operands = (found.base, Const(found.constant & 0xFFFFFFFF))
+        total = inner.constant + own.constant
+        exact = inner.exact and own.exact and -_LIMIT <= total < _LIMIT
+        own = _Sum(inner.base, signed(total), exact)
+        operands = (own.base, Const(own.constant & 0xFFFFFFFF))
         instr = replace(instr, op=Opcode.ADD, operands=operands, exact=exact)
-    known[instr.id] = found
+    known[instr.id] = own
     return instr
 
 

@@ -69,10 +69,10 @@ class _Contraction:
         return instr
 
     def _product(self, reader: Instr, value: Value) -> Instr | None:
-        found = self.instrs.get(value.id) if isinstance(value, Ref) else None
-        if found is None or found.op is not Opcode.FMUL or self.readers[found.id] != 1:
+        product = self.instrs.get(value.id) if isinstance(value, Ref) else None
+        if product is None or product.op is not Opcode.FMUL or self.readers[product.id] != 1:
             return None
-        return found if self.region[found.id] == self.region[reader.id] else None
+        return product if self.region[product.id] == self.region[reader.id] else None
 
     def _operands(self, instr: Instr, product: Instr, port: int) -> tuple[Value, ...] | None:
         first, second = product.operands
@@ -92,5 +92,5 @@ class _Contraction:
         """A value that is `-value` at no cost."""
         if isinstance(value, Const):
             return Const(value.word ^ SIGN_BIT)
-        found = self.instrs.get(value.id) if isinstance(value, Ref) else None
-        return found.operands[0] if found is not None and found.op is Opcode.FNEG else None
+        negation = self.instrs.get(value.id) if isinstance(value, Ref) else None
+        return negation.operands[0] if negation is not None and negation.op is Opcode.FNEG else None

@@ -43,10 +43,10 @@ def merge_diamonds(function: Function) -> Function:
     16 instructions, none of which is expanded later (divisions, elementary functions).
     """
     while True:
-        found = _apart(_diamonds(function))
-        if not found:
+        chosen = _apart(_diamonds(function))
+        if not chosen:
             return function
-        function = _merged(function, found)
+        function = _merged(function, chosen)
         function = merge_chains(function, apart=blocks_of_pipelined_loops(function))
 
 
