@@ -57,7 +57,7 @@ def earliest_starts(
     """Longest path from the beginning to each node (Bellman-Ford); None if a cycle is positive, so
     II too small.
     """
-    start, cycle = _longest_paths(nodes, edges, ii)
+    start, cycle = _longest_paths(nodes, _rows(edges), ii)
     return None if cycle else start
 
 
@@ -65,18 +65,23 @@ def least_ii(nodes: Iterable[int], edges: Iterable[Dependence]) -> int | None:
     """The least II at which no cycle is positive, so the maximum cycle ratio, rounded up; None if
     a positive cycle has distance 0.
 
-    Each II that is too small has a positive cycle, whose ratio is the next II to try (Lawler 1976).
+    Binary search (Lawler 1976), where an II that is too small has a positive cycle, whose ratio is
+    the next lower bound.
     """
-    nodes, edges = tuple(nodes), tuple(edges)
-    ii = 0
-    while True:
-        _, cycle = _longest_paths(nodes, edges, ii)
-        if not cycle:
-            return ii
-        distance = sum(edge.distance for edge in cycle)
-        if not distance:
-            return None
-        ii = -(-sum(edge.separation for edge in cycle) // distance)
+    nodes, rows = tuple(nodes), _rows(edges)
+    low, ii = 0, 0
+    high: int | None = None
+    while high is None or low < high:
+        _, cycle = _longest_paths(nodes, rows, ii)
+        if cycle:
+            distance = sum(edge.distance for edge in cycle)
+            if not distance:
+                return None
+            low = -(-sum(edge.separation for edge in cycle) // distance)
+        else:
+            high = ii
+        ii = max(low, 2 * ii) if high is None else (low + high) // 2
+    return low
 
 
 def longest_tails(nodes: Iterable[int], edges: Iterable[Dependence], ii: int) -> dict[int, int]:
@@ -93,26 +98,26 @@ def positive_cycle(
 ) -> tuple[Dependence, ...]:
     """Edges of a cycle whose separations exceed II times its distance, or () if there is none."""
     start = dict.fromkeys(nodes, 0)
-    rows = _weighted(edges, ii)
+    rows = _rows(edges)
     into: dict[int, Dependence] = {}
     moved: int | None = None
     for _ in range(len(start) + 1):
-        moved = _relax(start, rows, into)
+        moved = _relax(start, rows, ii, into)
         if moved is None:
             return ()
     return _walk_back(into, moved, len(start)) if moved is not None else ()
 
 
-_Row = tuple[int, int, int, Dependence]
-"""Source, destination and weight of a dependence, and itself."""
+_Row = tuple[int, int, int, int, Dependence]
+"""Source, destination, separation and distance of a dependence, and itself."""
 
 
-def _weighted(edges: Iterable[Dependence], ii: int) -> list[_Row]:
-    return [(edge.src, edge.dst, edge.weight(ii), edge) for edge in edges]
+def _rows(edges: Iterable[Dependence]) -> list[_Row]:
+    return [(edge.src, edge.dst, edge.separation, edge.distance, edge) for edge in edges]
 
 
 def _longest_paths(
-    nodes: Iterable[int], edges: Iterable[Dependence], ii: int
+    nodes: Iterable[int], rows: list[_Row], ii: int
 ) -> tuple[dict[int, int], tuple[Dependence, ...]]:
     """Longest path from the beginning to each node, or some positive cycle.
 
@@ -120,10 +125,9 @@ def _longest_paths(
     1999): it shows long before as many rounds as nodes have passed.
     """
     start = dict.fromkeys(nodes, 0)
-    rows = _weighted(edges, ii)
     into: dict[int, Dependence] = {}
     for number in range(1, len(start) + 2):
-        moved = _relax(start, rows, into)
+        moved = _relax(start, rows, ii, into)
         if moved is None:
             return start, ()
         if number & (number - 1) == 0 and (cycle := _cycle_of(into)):
@@ -131,11 +135,13 @@ def _longest_paths(
     return start, _walk_back(into, moved, len(start)) if moved is not None else ()
 
 
-def _relax(start: dict[int, int], rows: list[_Row], into: dict[int, Dependence]) -> int | None:
+def _relax(
+    start: dict[int, int], rows: list[_Row], ii: int, into: dict[int, Dependence]
+) -> int | None:
     """Move nodes past those they depend on, once for each edge; return the last that moved."""
     moved = None
-    for src, dst, weight, edge in rows:
-        reached = start[src] + weight
+    for src, dst, separation, distance, edge in rows:
+        reached = start[src] + separation - ii * distance
         if reached > start[dst]:
             start[dst] = reached
             into[dst] = edge
