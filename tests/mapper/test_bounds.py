@@ -16,7 +16,13 @@ from vividc.errors import SourceLoc
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.bounds.bounds import all_bounds, hall_sets, mii, no_ii
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.dependences import dependences
+from vividc.mapper.resources.dependences import (
+    Dependence,
+    dependences,
+    earliest_starts,
+    least_ii,
+    positive_cycle,
+)
 
 SLOW_FP = {LatencyClass.FADD: 4, LatencyClass.IMUL: 3}
 
@@ -182,3 +188,20 @@ def test_hall_sets_are_capped_but_keep_the_whole() -> None:
     sets = hall_sets([{n} for n in range(16)])
     assert frozenset(range(16)) in sets
     assert len(sets) <= 256
+
+
+def test_the_least_ii_is_the_first_without_a_positive_cycle() -> None:
+    rng = random.Random(3)
+    for _ in range(300):
+        nodes = range(rng.randint(1, 9))
+        edges = [
+            Dependence(
+                *(rng.choice(nodes), rng.choice(nodes), rng.choice((0, 0, 1, 1, 2, 3))),
+                *(rng.randint(0, 7), True, 1, index),
+            )
+            for index in range(rng.randint(1, 20))
+        ]
+        limit = sum(edge.separation for edge in edges) + 1
+        works = [ii for ii in range(limit) if not positive_cycle(nodes, edges, ii)]
+        assert least_ii(nodes, edges) == min(works, default=None)
+        assert all(earliest_starts(nodes, edges, ii) is not None for ii in works)
