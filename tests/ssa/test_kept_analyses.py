@@ -29,6 +29,22 @@ def test_an_analysis_is_made_once_for_a_function_and_anew_for_its_copy() -> None
         assert once(function) is once(function)
 
 
+def test_an_analysis_of_a_part_is_made_once_for_each() -> None:
+    calls: list[str] = []
+
+    @once_each
+    def analysis(function: Function, part: str) -> str:
+        calls.append(part)
+        return f"{function.name} {part}"
+
+    function = lower([_CHOICE])
+    assert {analysis(function, part) for part in "aba"} == {
+        f"{function.name} a",
+        f"{function.name} b",
+    }
+    assert calls == ["a", "b"]
+
+
 def test_what_is_kept_does_not_keep_the_function() -> None:
     function = lower([_CHOICE])
     find_loops(function), predecessors(function)

@@ -1,0 +1,42 @@
+"""What was estimated is not made again, and is what would be made."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import vividc
+from vividc import arch
+from vividc.compiler.planning.estimate import Estimator
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.ir import DFG
+from vividc.dfg.pipeline import PassOptions, optimize_kernel
+from vividc.dfg.regions import Kernel
+
+
+@vividc.kernel("void(int32[::1], int32)")
+def twice(x, n):
+    for i in range(n):
+        x[i] = x[i] * np.int32(3) + np.int32(1)
+    for i in range(n):
+        x[i] = x[i] * np.int32(3) + np.int32(1)
+
+
+def loops(kernel: Kernel) -> list[DFG]:
+    return [region.dfg for region in kernel.regions if region.kind == "loop"]
+
+
+def test_equal_loops_share_an_estimate_and_keep_their_source_lines() -> None:
+    options = PassOptions(contract=False)
+    estimator = Estimator(arch.load("vivid-tile"), options)
+    function = estimator.prepared(twice.lower(), {})
+    estimator.estimate(twice.lower(), {})
+    assert estimator.prepared(twice.lower(), {}) is function
+    built = estimator.built(function)
+    assert estimator.built(function) is built
+    made = estimator.optimized_kernel(built)
+    anew = optimize_kernel(build_kernel(function), options)
+    assert made == anew
+    first, second = loops(made)
+    assert [node.loc for node in first.nodes] != [node.loc for node in second.nodes]
+    for one, other in zip(loops(made), loops(anew), strict=True):
+        assert [node.loc for node in one.nodes] == [node.loc for node in other.nodes]
