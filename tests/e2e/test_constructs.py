@@ -11,16 +11,26 @@ import vividc
 from tests.e2e.constructs import arrays, calls, control, numbers, tables, whole_arrays  # noqa: F401 - they register
 from tests.e2e.constructs.registry import CONSTRUCTS, Construct
 from tests.e2e.test_kernels import assert_close
+from tests.marks import with_slow
 from vividc import arch
 from vividc.compiler.driver import lower
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.sim.bind import bind, returned
 
 pytestmark = pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
+SLOW = {
+    "longest_row_of_flags",
+    "outer_products_of_other_types",
+    "sorted_copy_with_a_nan",
+    "sums_of_a_cube",
+    "where_of_scalars_and_types",
+    "where_rows_are_repeated",
+}
+"""Numba takes seconds for them; others make the same calls with less."""
 MAPPED = {name: item for name, item in CONSTRUCTS.items() if item.mapped}
 
 
-@pytest.mark.parametrize("name", CONSTRUCTS)
+@pytest.mark.parametrize("name", with_slow(CONSTRUCTS, SLOW))
 def test_a_construct_means_what_it_means_to_numba(name: str) -> None:
     construct = CONSTRUCTS[name]
     ours, theirs = construct.fresh(), construct.fresh()

@@ -12,6 +12,7 @@ from tests.fuzz.generator import random_source
 from tests.fuzz.places import FIXED, MOST
 from tests.fuzz.shrink import shrink
 from tests.fuzz.witnesses import Simulated, judge, load, shapes_of, stays_inside
+from tests.marks import with_slow
 
 
 def check(seed: int, folder: Path, *, simulate: Simulated = "") -> None:
@@ -19,12 +20,12 @@ def check(seed: int, folder: Path, *, simulate: Simulated = "") -> None:
     assert not verdict.is_find, verdict.text
 
 
-@pytest.mark.parametrize("seed", range(1, 13))
+@pytest.mark.parametrize("seed", with_slow(range(1, 13), {1, 3, 8}))
 def test_graphs(seed: int, tmp_path: Path) -> None:
     check(seed, tmp_path)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", with_slow([1, 2, 3], {1, 3}))
 def test_words_of_loops_in_blocks(seed: int, tmp_path: Path) -> None:
     check(seed, tmp_path, simulate="blocks")
 

@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz.spreads import judge_spread, random_spread_source
+from tests.marks import with_slow
 
 
-@pytest.mark.parametrize("seed", [1000, 1003])
+@pytest.mark.parametrize("seed", with_slow([1000, 1003], {1003}))
 def test_spread_loops(seed: int, tmp_path: Path) -> None:
     verdict = judge_spread(random_spread_source(seed), seed, tmp_path)
     assert verdict.kind == "agrees", verdict.text

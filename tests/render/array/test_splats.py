@@ -18,7 +18,7 @@ from vividc.render.array import (
     open_device,
     render_array,
 )
-from vividc.render.array.splats.blend import EXP_EXCESS
+from vividc.render.array.splats.blend import EXP_EXCESS, Band, balanced
 from vividc.render.array.splats.frame import render_splats
 
 
@@ -170,6 +170,19 @@ def test_lookahead_gives_the_same_picture_with_fewer_exps(
     np.testing.assert_array_equal(blocks.image, late.image)
 
 
+def test_rows_of_a_screen_tile_with_nearly_all_splats_are_shared_out() -> None:
+    """Tiles with few splats stay whole; four rows of blocks of one list go to four tiles."""
+    long = Band(0, 0, 14, 4, 0, 400)
+    short = [Band(16 * number, 0, 14, 4, 400, 402) for number in (1, 2, 3)]
+    shares = [share for share in balanced([long, *short], 16) if share]
+    assert sorted((share[0] for share in shares), key=lambda band: (band.x, band.y)) == [
+        *(Band(0, y, height, 1, 0, 400) for y, height in ((0, 4), (4, 4), (8, 4), (12, 2))),
+        *short,
+    ]
+    assert all(len(share) == 1 for share in shares)
+
+
+@pytest.mark.slow
 def test_a_screen_tile_with_nearly_all_splats_is_shared_out(device: Device) -> None:
     """Of one list of 400 splats four tiles blend a row of blocks each."""
     places = np.random.default_rng(5).uniform(-0.15, 0.15, (400, 2))

@@ -57,7 +57,7 @@ between two powers of two, where its logarithm is 0.0711 too large.
 
 
 @dataclass(frozen=True, slots=True)
-class _Band:
+class Band:
     """Rows of blocks of a screen tile to blend: its place in pixels, rows of pixels in the image,
     rows of blocks, and the tile's list."""
 
@@ -74,7 +74,7 @@ class _Band:
         length = self.last - self.first
         return length * self.block_rows + _RUN_ENTRIES * -(-length // _LIST_PART)
 
-    def halves(self) -> tuple[_Band, _Band]:
+    def halves(self) -> tuple[Band, Band]:
         """The upper and the lower half of its rows of blocks."""
         upper = self.block_rows // 2
         rows = upper * _SIDE
@@ -100,7 +100,7 @@ class _Blend:
     image: Float32Array
     counts: Int32Array
 
-    def tile(self, tile: int, share: Sequence[_Band]) -> None:
+    def tile(self, tile: int, share: Sequence[Band]) -> None:
         """Add the steps of one tile: the next part of a list is fetched while one is blended."""
         zeros = self.counts[tile]
         counted = self.job.move_in(tile, zeros, _COUNTS_AT)
@@ -161,7 +161,7 @@ def blend_splats(
     counts = np.zeros((tiles, _COUNTS), dtype=np.int32)
     graph = _Blend(job, program, splats, lists, image, counts)
     screens = _screens(lists, camera, columns, chosen)
-    for tile, share in enumerate(_balanced(screens, tiles)):
+    for tile, share in enumerate(balanced(screens, tiles)):
         if share:
             graph.tile(tile, share)
     device.finish(ledger, _STAGE, job)
@@ -170,7 +170,7 @@ def blend_splats(
     return np.ascontiguousarray(whole[: camera.height, : camera.width, :3])
 
 
-def _blocks_of(image: Float32Array, band: _Band) -> Float32Array:
+def _blocks_of(image: Float32Array, band: Band) -> Float32Array:
     """Return a band of the image [block rows, rows, block columns, columns, 4], by block."""
     row, column, side = band.y // _SIDE, band.x // _SIDE, TILE_PX // _SIDE
     return image[row : row + band.block_rows, :, column : column + side].transpose(0, 2, 1, 3, 4)
@@ -192,7 +192,7 @@ def _count(ledger: Ledger, counts: Int32Array, culling: Culling) -> None:
     ledger.count(evaluated=pairs, exponents=exponents, exponentials=exponentials)
 
 
-def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[_Band]:
+def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Array) -> list[Band]:
     """Return those of the chosen screen tiles in which something may be seen, each whole."""
     bands = []
     lengths = np.diff(lists.start)[chosen]
@@ -200,11 +200,11 @@ def _screens(lists: ScreenLists, camera: Camera, columns: int, chosen: Int32Arra
         x, y = tile % columns * TILE_PX, tile // columns * TILE_PX
         height = min(TILE_PX, camera.height - y)
         first, last = int(lists.start[tile]), int(lists.start[tile + 1])
-        bands.append(_Band(x, y, height, -(-height // _SIDE), first, last))
+        bands.append(Band(x, y, height, -(-height // _SIDE), first, last))
     return bands
 
 
-def _balanced(screens: Sequence[_Band], tiles: int) -> list[list[_Band]]:
+def balanced(screens: Sequence[Band], tiles: int) -> list[list[Band]]:
     """Give each tile whole screen tiles, or bands of them where the last tile then ends earlier.
 
     A band reads the list of its whole screen tile, and what an entry costs is known roughly only:
@@ -217,7 +217,7 @@ def _balanced(screens: Sequence[_Band], tiles: int) -> list[list[_Band]]:
     return best if _longest(best) < _WORTH_CUTTING * _longest(whole) else whole
 
 
-def _cut(screens: Sequence[_Band], most: float) -> list[_Band]:
+def _cut(screens: Sequence[Band], most: float) -> list[Band]:
     """Halve what is more work than `most`, down to single rows of blocks."""
     bands, todo = [], list(screens)
     while todo:
@@ -229,11 +229,11 @@ def _cut(screens: Sequence[_Band], most: float) -> list[_Band]:
     return bands
 
 
-def _shares(bands: Sequence[_Band], tiles: int) -> list[list[_Band]]:
+def _shares(bands: Sequence[Band], tiles: int) -> list[list[Band]]:
     """Give each tile bands; of those with the same work the ones higher up are dealt first."""
     rows = sorted(bands, key=lambda band: (band.y, band.x))
     return [[rows[n] for n in share] for share in deal([band.work for band in rows], tiles)]
 
 
-def _longest(shares: Sequence[Sequence[_Band]]) -> int:
+def _longest(shares: Sequence[Sequence[Band]]) -> int:
     return max(sum(band.work for band in share) for share in shares)
