@@ -346,8 +346,8 @@ _READ: dict[str, set[str]] = {}
 
 def _imported(module: ModuleType) -> set[str]:
     """Names of the modules that a module's text imports."""
-    file = getattr(module, "__file__", None)
-    if file is None:
+    file = getattr(module, "__file__", None) or ""
+    if not file.startswith(str(ROOT)) or not file.endswith(".py"):
         return set()
     if file not in _READ:
         found = set()
@@ -399,6 +399,8 @@ def main() -> None:
     rows: dict[str, dict[str, int]] = {}
     chosen = [m for m in drawn(options.count, options.seed) if options.only in m.of.name]
     judge = partial(judged, quick=options.quick)
+    for module in list(sys.modules.values()):  # once, before the processes are split off
+        _imported(module)
     with ThreadPoolExecutor(options.jobs) as pool:
         verdicts = list(pool.map(judge, chosen))
     for mutant, verdict in zip(chosen, verdicts, strict=True):

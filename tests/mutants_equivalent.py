@@ -9,4 +9,8 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
         "rewrite/repair",
         "_Repair._rewritten: replace(block, phis=()) -> replace(block)",
     ): "the phis are put in their place afterwards",
+    (
+        "rewrite/dead",
+        "has_effect: ('store', Opcode.STORE) -> (Opcode.STORE, 'store')",
+    ): "membership does not depend on the order",
 }
