@@ -1,8 +1,8 @@
 """`python -m benchmarks.weather`: are figures the same on an idle machine and on a busy one?
 
-The kernels of the tables, and a small frame of each method, are compiled with an empty cache and
-simulated, twice: as the machine is, and beside processes that do nothing but count. Words and
-cycles must be equal; the command ends with 1 where they are not.
+The kernels of the tables, matrix products, and a small frame of each method, are compiled with an
+empty cache and simulated, twice: as the machine is, and beside processes that do nothing but count.
+Words and cycles must be equal; the command ends with 1 where they are not.
 """
 
 from __future__ import annotations
@@ -19,15 +19,18 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, get_args
 
 import click
+import numpy as np
 
 import vividc
 from benchmarks import PATIENCE, c_kernels, general, render_kernels
 from benchmarks.measured_frames import METHODS, MIC, scenes
 from benchmarks.quality import MODELS
 from benchmarks.workloads import WORKLOADS, Workload
+from vividc.gemm import Layer, mlp_job
+from vividc.gemm.layer import Apart
 from vividc.render import read_scene, read_views, scaled_camera
 from vividc.render.array import ArrayOptions, render_array
 
@@ -36,7 +39,8 @@ KERNELS: Final[dict[str, tuple[Workload, ...]]] = {
     "render": render_kernels.WORKLOADS,
     "c_kernels": c_kernels.WORKLOADS,
 }
-GROUPS: Final = (*KERNELS, *METHODS)
+PRODUCTS: Final = "products"
+GROUPS: Final = (*KERNELS, PRODUCTS, *METHODS)
 HEADER: Final = (
     "| case | cycles | beside {busy} processes | same words | stopped by clock | s | s beside |\n"
     "|---|---|---|---|---|---|---|"
@@ -59,6 +63,8 @@ def cases(group: str, fabric: str, time_limit_s: float, size: int) -> Iterator[C
     if group in KERNELS:
         for workload in KERNELS[group]:
             yield _kernel(workload, fabric, time_limit_s)
+    elif group == PRODUCTS:
+        yield from _products()
     else:
         yield _frame(group, size)
 
@@ -83,6 +89,24 @@ def _frame(method: str, size: int) -> Case:
     words = hashlib.sha256(stages.encode() + frame.image.tobytes()).hexdigest()[:12]
     name = f"{method}, {size}x{size}"
     return Case(name, int(frame.cycles), words, bool(frame.late), round(seconds, 1))
+
+
+def _products() -> Iterator[Case]:
+    """Networks whose activations the tiles compute: what a user calls, with no more patience."""
+    rng = np.random.default_rng(1)
+    x, first, last = (
+        rng.standard_normal(shape, np.float32) for shape in ((64, 32), (32, 48), (48, 16))
+    )
+    for activation in get_args(Apart):
+        for mode in ("tpu-unified", "tpu-partitioned"):
+            start = time.perf_counter()
+            layers = [Layer(first, activation="relu"), Layer(last, activation=activation)]
+            with vividc.patient(1):
+                run = mlp_job(x, layers, mode=mode)
+            seconds = round(time.perf_counter() - start, 1)
+            account = hashlib.sha256(repr(run.job.events).encode() + run.values.tobytes())
+            name = f"two layers, {activation}, {mode}"
+            yield Case(name, int(run.job.cycles), account.hexdigest()[:12], False, seconds)
 
 
 @contextmanager
