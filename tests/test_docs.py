@@ -23,7 +23,7 @@ PAGES = sorted(
     if re.search(r"```(python|sh)\n", page.read_text())
 )
 
-PLAIN_COMMAND = re.compile(r"^(vividc [^|><;&$`\\\n]+\n)", re.MULTILINE)
+PLAIN_COMMAND = re.compile(r"^(vividc [^|><;&$*?{~`\\\n]+\n)", re.MULTILINE)
 """A line that only starts vividc: it needs no shell."""
 SLOW = {"render-your-own"}
 """Pages that compile all kernels of a renderer, which takes minutes."""

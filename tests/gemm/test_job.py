@@ -153,7 +153,7 @@ def test_words_apart() -> None:
     job.move_out(2, 4 + 16, back[:2], after=[moved], pitch=16)
     job.simulate()
     assert back.tolist() == [[1, 2], [3, 4], [0, 0]]
-    with pytest.raises(ArgumentError, match="a pitch of 6 bytes"):
+    with pytest.raises(ArgumentError, match="the pitch is 6 bytes"):
         job.move_in(2, words, 4, pitch=6)
     with pytest.raises(ArgumentError, match="whole words"):
         job.move_in(2, np.zeros(8, np.uint8), 4, pitch=8)

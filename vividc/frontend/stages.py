@@ -22,6 +22,7 @@ from vividc.frontend.narrow.floor_division import recover_divisions, sign_quotie
 from vividc.frontend.narrow.narrow import refuse_calls
 from vividc.frontend.narrow.single_trip import straighten_single_trips
 from vividc.frontend.ranges.fold import fold_by_ranges, recover_extensions
+from vividc.host import time_limit
 from vividc.host.watch import run_passes
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.blocks import remove_unreachable_blocks
@@ -75,6 +76,7 @@ def without_pointers(function: Function, text: str, *, packed: bool = False) -> 
 def _on_function(one: Callable[[Function], Function]) -> Callable[[Pointers], Pointers]:
     @wraps(one)
     def run(given: Pointers) -> Pointers:
+        time_limit.step("it was lowered")
         return replace(given, function=one(given.function))
 
     return run

@@ -181,7 +181,7 @@ def test_an_accelerator_without_modes_is_refused() -> None:
         net.run(device, Ledger(), "network", net.words(2))
     assert net.run(device, Ledger(), "network", net.words(0)).shape == (0, 4, 16)
     for file, make in FIELDS.items():  # before anything is rendered
-        with pytest.raises(SceneError, match="no layers of fp8"):
+        with pytest.raises(SceneError, match="vivid-unit cannot run layers of fp8 numbers"):
             make(read_scene(MIC / file)[1], device, "fp8")
 
 

@@ -15,6 +15,7 @@ from vividc.frontend.advice import Advice
 from vividc.frontend.memory.local_arrays import OwnArray, as_words, in_words, wide_access
 from vividc.frontend.memory.pointer_math import compare_pointers, differences, without_freezes
 from vividc.frontend.memory.unmerge import split_merged_loads
+from vividc.host import time_limit
 from vividc.ssa.edit import FreshIds
 from vividc.ssa.ir import Block, Function, Global, Instr, Int, Key, Named, Phi, Ref, Value
 from vividc.ssa.rewrite.dead import remove_unused
@@ -99,6 +100,7 @@ class _Resolver:
         return self._arrays[pointer.key] if isinstance(pointer, Named) else ""
 
     def _block(self, block: Block) -> Block:
+        time_limit.step("it was lowered")
         ops = tuple(new for op in block.instrs for new in self._rewrite(op))
         return replace(block, phis=tuple(self._phi(phi) for phi in block.phis), instrs=ops)
 

@@ -37,6 +37,7 @@ from vividc.frontend.narrow.wide.words import Words
 from vividc.frontend.ranges.interval import S32, U32, contains
 from vividc.frontend.ranges.known import ranges_of
 from vividc.frontend.ranges.ranges import Ranges
+from vividc.host import time_limit
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import WIDE_DTYPES, DType
 from vividc.ssa.ir import Block, Branch, Function, Input, Instr, Phi, Value
@@ -82,6 +83,7 @@ class _Narrower:
 
     def block(self, block: Block, returns: DType | None) -> Block:
         """One block."""
+        time_limit.step("it was lowered")
         emitter = self.emitter
         emitter.start(block.name)
         phis = tuple(

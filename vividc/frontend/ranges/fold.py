@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from vividc.frontend.ranges.known import ranges_of
+from vividc.host import time_limit
 from vividc.ssa.edit import FreshIds, substitute
 from vividc.ssa.ir import Block, Function, Instr, Int, Ref, Value, definition_of
 from vividc.ssa.rewrite.blocks import merge_chains
@@ -34,6 +35,7 @@ def fold_by_ranges(function: Function) -> Function:
 def _without_trivial(function: Function) -> Function:
     function = remove_unused(function)
     while known := _trivial(function):
+        time_limit.step("it was lowered")
         function = remove_unused(substitute(function, known))
     return function
 
