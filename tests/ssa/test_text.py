@@ -115,6 +115,7 @@ def test_damaged_text_is_read_or_refused(rng: random.Random) -> None:
         ('function "f"\nentry:\n  %1 i32 = add %2 shift 1 shift 2', 3, "is no clause"),
         ('function "f"\nentry:\n  return\n  return', 4, "expected :, found"),
         ('function "f"\nentry:\n  %1 i32 = add %2\n  %3 i32 = phi []', 4, "phis come before"),
+        ('function "f"\nparam "x" int32[99999999]', 2, "an array of 99999999 dimensions"),
         ('function "f"\nentry:\n  jump ?', 3, "cannot read"),
         ('function "f" returns i32', 1, "expected a type, found i32"),
     ],

@@ -23,7 +23,7 @@ from vividc.frontend.numba.target import Callee
 from vividc.host.inputs import demand_utf8_path
 from vividc.lang.numba_types import TYPES, for_numba, in_arrays
 from vividc.lang.numba_words import plain
-from vividc.machine.params import MAX_SPREAD, DType, Param
+from vividc.machine.params import MAX_NDIM, MAX_SPREAD, DType, Param
 from vividc.ssa.ir import Function
 
 _DTYPES = {
@@ -38,7 +38,6 @@ _DTYPES = {
 }
 _ELEMENTS = _DTYPES | {TYPES[F16]: DType.F16}
 _SCALARS = _DTYPES | {types.int64: DType.I64, types.uint64: DType.U64}
-_MAX_NDIM = 3
 _SUPPORTED = (
     "scalars and arrays are float32, int32, uint32, int16, uint16, int8, uint8 or bool, scalars "
     "also int64 and uint64, arrays also float16; arrays in C order, as in float32[::1] or "
@@ -229,7 +228,7 @@ def _param(name: str, type_: Any, loc: SourceLoc) -> Param:
         reason = f"array {name} is not contiguous in C order ({plain(str(type_))})"
         hint = f"write {plain(str(type_.copy(layout='C')))}, and pass np.ascontiguousarray(array)"
         raise KernelError(reason, loc=loc, hint=hint)
-    if not 1 <= type_.ndim <= _MAX_NDIM:
+    if not 1 <= type_.ndim <= MAX_NDIM:
         reason = f"array {name} has {type_.ndim} dimensions"
         raise KernelError(reason, loc=loc, hint="arrays have one to three dimensions")
     return Param(name, _ELEMENTS[type_.dtype], type_.ndim)

@@ -19,6 +19,10 @@ MAX_SPREAD = 1 << 24
 """The first dimension of an array of a kernel that is spread over tiles may be as large as this."""
 
 
+MAX_NDIM = 3
+"""Dimensions of an array."""
+
+
 MAX_ELEMENTS = 1 << 29
 """No array has more, as addresses have 32 bits; nor have two dimensions beside one of size 0."""
 

@@ -11,7 +11,7 @@ from vividc.errors import SourceLoc, SSAError, quoted
 from vividc.host.inputs import demand_few_parts
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode, Type
-from vividc.machine.params import DType, LocalArray, Param
+from vividc.machine.params import MAX_NDIM, DType, LocalArray, Param
 from vividc.machine.text_line import TextLine
 from vividc.ssa.ir import (
     Block,
@@ -242,6 +242,8 @@ def _param(line: _Line) -> Param:
     ndim = 0
     if line.accept("mark", "["):
         ndim = line.integer()
+        if not 1 <= ndim <= MAX_NDIM:
+            line.fail(f"an array of {ndim} dimensions, where 1 to {MAX_NDIM} are possible")
         line.expect("mark", "]")
     flat = line.accept("word", "flat") is not None
     words = line.integer() if line.accept("word", "words") else 1
