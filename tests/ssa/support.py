@@ -16,7 +16,7 @@ from vividc.errors import SSAError
 from vividc.machine.parallel import Term
 from vividc.machine.params import Param
 from vividc.ssa.check import check_function
-from vividc.ssa.edit import definitions, map_values
+from vividc.ssa.edit import map_values
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Block, Function, Ref, Value
@@ -58,7 +58,7 @@ def _heading(given: Function) -> str:
 
 
 def _numbered(given: Function) -> Function:
-    items = (item for block in given.blocks for item in definitions(block))
+    items = (item for block in given.blocks for item in block.items)
     idents = {item.id: number for number, item in enumerate(items)}
 
     def change(value: Value) -> Value:

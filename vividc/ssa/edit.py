@@ -44,11 +44,6 @@ def defined_types(block: Block) -> dict[int, Kind]:
     return phis | {instr.id: instr.type for instr in block.instrs}
 
 
-def definitions(block: Block) -> tuple[Phi | Instr, ...]:
-    """Phis, then instructions."""
-    return (*block.phis, *block.instrs)
-
-
 def fresh_name(function: Function, stem: str) -> str:
     """A block name that starts with `stem` and is not in use."""
     return first_free({block.name for block in function.blocks}, stem)
@@ -190,4 +185,4 @@ def incoming(phi: Phi, source: str) -> Value:
 
 def block_of(function: Function, name: str) -> Block:
     """The block called `name`."""
-    return next(block for block in function.blocks if block.name == name)
+    return function.by_name[name]

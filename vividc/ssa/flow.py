@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import networkx as nx
 
@@ -140,13 +139,16 @@ def preheader_of(function: Function, loop: Loop) -> str:
 
 @dataclass(frozen=True)
 class Flow:
-    """A tree of dominators, and the blocks in reverse postorder."""
+    """A tree of dominators, the blocks in reverse postorder, and the blocks of the natural loop of
+    each header, in that order of the headers.
+    """
 
     entry: str
     order: tuple[str, ...]
     successors: Mapping[str, tuple[str, ...]]
     predecessors: Mapping[str, tuple[str, ...]]
     idom: Mapping[str, str]
+    loops: Mapping[str, frozenset[str]]
 
     def dominates(self, a: str, b: str) -> bool:
         """Whether every path from the entry to `b` passes `a` (a block dominates itself)."""
@@ -161,26 +163,6 @@ class Flow:
             name = self.idom[name]
             yield name
 
-    @cached_property
-    def loops(self) -> dict[str, frozenset[str]]:
-        """Blocks of the natural loop of each header, in reverse postorder of the headers."""
-        found: dict[str, frozenset[str]] = {}
-        for header in self.order:
-            latches = [p for p in self.predecessors[header] if self.dominates(header, p)]
-            if latches:
-                found[header] = self._natural_loop(header, latches)
-        return found
-
-    def _natural_loop(self, header: str, latches: list[str]) -> frozenset[str]:
-        body = {header}
-        pending = list(latches)
-        while pending:
-            name = pending.pop()
-            if name not in body:
-                body.add(name)
-                pending.extend(self.predecessors[name])
-        return frozenset(body)
-
 
 @once_each
 def flow_of(function: Function) -> Flow:
@@ -193,4 +175,6 @@ def flow_of(function: Function) -> Flow:
         for target in dict.fromkeys(successors[name]):
             before[target].append(name)
     idom = nx.immediate_dominators(graph, entry) | {entry: entry}
-    return Flow(entry, order, successors, {k: tuple(v) for k, v in before.items()}, idom)
+    bodies = {loop.header: loop.blocks for loop in find_loops(function)}
+    loops = {name: bodies[name] for name in order if name in bodies}
+    return Flow(entry, order, successors, {k: tuple(v) for k, v in before.items()}, idom, loops)

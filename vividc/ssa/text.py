@@ -48,6 +48,7 @@ from vividc.errors import SourceLoc
 from vividc.machine.lanes import Lane
 from vividc.machine.params import LocalArray, Param
 from vividc.machine.text_line import location_text
+from vividc.machine.words import WORD_BYTES
 from vividc.ssa.ir import (
     Block,
     Branch,
@@ -69,8 +70,6 @@ from vividc.ssa.ir import (
 from vividc.ssa.text_parser import PLAIN, parse
 
 __all__ = ["parse", "to_text"]
-
-_WORD_BYTES: Final = 4
 
 
 def to_text(function: Function) -> str:
@@ -205,7 +204,7 @@ _CLAUSES: Final[Mapping[str, tuple[object, Callable[[Any], str]]]] = {
     "array": ("", json.dumps),
     "shift": (0, str),
     "offset": (0, str),
-    "width": (_WORD_BYTES, str),
+    "width": (WORD_BYTES, str),
     "signed": (False, lambda _: ""),
     "exact": (False, lambda _: ""),
     "distinct": ("", _name),

@@ -7,10 +7,8 @@ from vividc.frontend.ranges.ranges import Ranges
 from vividc.frontend.ranges.sizes import bounds_of_sizes
 from vividc.host.once import once_within
 from vividc.machine.params import MAX_ELEMENTS
+from vividc.machine.words import WORD_BYTES, signed
 from vividc.ssa.ir import Function, Key
-
-_SIGN = 0x80000000
-_WORD_BYTES = 4
 
 
 @once_within
@@ -36,7 +34,7 @@ def _of_tables(function: Function) -> dict[Key, Interval]:
     for block in function.blocks:
         for op in block.instrs:
             words = contents.get(op.array) if op.op == "load" and op.type == "i32" else None
-            if words and op.width == _WORD_BYTES:
-                values = [word - ((word & _SIGN) << 1) for word in words]
+            if words and op.width == WORD_BYTES:
+                values = [signed(word) for word in words]
                 bounds[op.id] = (min(values), max(values))
     return bounds

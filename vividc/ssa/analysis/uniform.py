@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.ssa.analysis.levels import Level
-from vividc.ssa.edit import definitions, incoming
+from vividc.ssa.edit import incoming
 from vividc.ssa.ir import Instr, Phi, Ref, Value
 
 
@@ -50,7 +50,7 @@ class _Analysis:
         self.phis: dict[int, tuple[Phi, Level]] = {}
         for level in self.levels:  # inner ones come later and take over
             for name, block in level.blocks.items():
-                self.home |= {item.id: level for item in definitions(block)}
+                self.home |= {item.id: level for item in block.items}
                 self.instrs |= {instr.id: (instr, level) for instr in block.instrs}
                 if level is not root and name == level.loop.header:
                     self.phis |= {phi.id: (phi, level) for phi in block.phis}

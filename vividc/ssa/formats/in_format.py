@@ -15,7 +15,7 @@ from vividc.errors import SourceLoc
 from vividc.formats import Format, round_bits, to_float
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.words import float_of
-from vividc.ssa.edit import definitions, next_id
+from vividc.ssa.edit import next_id
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Undefined, Value
 from vividc.ssa.rewrite.dead import remove_unused
 from vividc.ssa.rewrite.hoist import hoist_invariants
@@ -97,7 +97,7 @@ class _Carrier(_Rounding):
 
     def __init__(self, function: Function, fmt: Format) -> None:
         super().__init__(function, fmt)
-        self.definitions = {item.id: item for b in function.blocks for item in definitions(b)}
+        self.definitions = {item.id: item for b in function.blocks for item in b.items}
         self.merges = {ident for ident, item in self.definitions.items() if _is_merge(item)}
         self.readers = self._readers()
         self.members = self._closed(self._is_rounded) | self._closed(self._is_narrow)
@@ -205,7 +205,7 @@ class _Carrier(_Rounding):
         readers: dict[int, list[int]] = {}
         for block in self.function.blocks:
             reads = [(value, -1) for value in block.branch.read]
-            for item in definitions(block):
+            for item in block.items:
                 reads += [(value, item.id) for value in _operands(item)]
             for value, reader in reads:
                 if isinstance(value, Ref):

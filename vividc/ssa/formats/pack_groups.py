@@ -15,7 +15,6 @@ from typing import Final
 from vividc.formats import FORMATS, Format
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import OPCODES, Opcode, Type
-from vividc.ssa.edit import definitions
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value
 
 _ROUNDS: Final = 4
@@ -68,7 +67,7 @@ class _Finder:
     def __init__(self, function: Function) -> None:
         self.function = function
         self.definitions: dict[int, Phi | Instr] = {
-            item.id: item for block in function.blocks for item in definitions(block)
+            item.id: item for block in function.blocks for item in block.items
         }
         self.formats = self._formats()
         self.colours = self._colours()

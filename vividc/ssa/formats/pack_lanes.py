@@ -16,7 +16,7 @@ from typing import Final
 
 from vividc.formats import Format, join
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.ssa.edit import definitions, map_values, next_id
+from vividc.ssa.edit import map_values, next_id
 from vividc.ssa.flow import find_loops
 from vividc.ssa.formats.pack_groups import Group, find_groups
 from vividc.ssa.ir import Block, Const, Function, Instr, Phi, Ref, Value
@@ -76,7 +76,7 @@ def _components(function: Function, groups: list[Group]) -> list[list[Group]]:
         return number
 
     for block in function.blocks:
-        for item in definitions(block):
+        for item in block.items:
             if item.id not in owner:
                 continue
             for value in _operands(item):
@@ -119,7 +119,7 @@ class _Packer:
         self.home: dict[int, str] = {}
         self.place: dict[int, float] = {}
         for block in function.blocks:
-            for item in definitions(block):
+            for item in block.items:
                 self.definitions[item.id] = item
                 self.home[item.id] = block.name
             self.place |= {instr.id: float(n) for n, instr in enumerate(block.instrs)}

@@ -7,7 +7,6 @@ from typing import Final
 
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import Reduction
-from vividc.ssa.edit import definitions
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Block, Function, Instr, Phi, Ref, Value
 
@@ -89,7 +88,7 @@ def _carried(blocks: list[Block], start: int) -> _Carried | None:
     changed = True
     while changed:
         changed = False
-        for item in (item for block in blocks for item in definitions(block)):
+        for item in (item for block in blocks for item in block.items):
             if item.id in items or item.id in tests:
                 continue
             reached = ids | tests.keys()

@@ -21,7 +21,6 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.parallel import ANY, COUNTER, INDEX, STEPS, UNION, WIDE_HIGH, WIDE_LOW
 from vividc.machine.params import TRAP, LocalArray
-from vividc.ssa.edit import definitions
 from vividc.ssa.flow import Loop, block_graph, dominators
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
 from vividc.ssa.parallel.reductions import FoundReduction
@@ -31,7 +30,7 @@ from vividc.ssa.parallel.terms import TermTable
 def inside(function: Function, loop: Loop) -> frozenset[int]:
     """Ids of all values that a loop's blocks define."""
     blocks = (block for block in function.blocks if block.name in loop.blocks)
-    return frozenset(item.id for block in blocks for item in definitions(block))
+    return frozenset(item.id for block in blocks for item in block.items)
 
 
 def runs_for_certain(function: Function, loop: Loop) -> bool:

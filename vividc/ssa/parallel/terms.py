@@ -20,7 +20,6 @@ from vividc.machine.parallel import (
     Term,
 )
 from vividc.machine.words import WORD_BITS, WORD_BYTES, signed
-from vividc.ssa.edit import definitions
 from vividc.ssa.flow import Loop, block_graph, dominators, find_loops
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
 
@@ -68,8 +67,8 @@ class TermTable:
         self._known: dict[tuple[Value, frozenset[Fact]], int] = {}
         self._open: set[tuple[Value, frozenset[Fact]]] = set()
         self._blocks = {block.name: block for block in function.blocks}
-        self._home = {i.id: b for b in function.blocks for i in definitions(b)}
-        self._values = {i.id: i for b in function.blocks for i in definitions(b)}
+        self._home = {i.id: b for b in function.blocks for i in b.items}
+        self._values = {i.id: i for b in function.blocks for i in b.items}
         self._loops = {loop.header: loop for loop in find_loops(function)}
         self._facts = _facts_of_blocks(function)
         self._dominators = dominators(function)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.edit import definitions
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Function, Instr, Phi, Ref, Value
 
@@ -27,8 +26,8 @@ class _Check:
         self._loop = loop
         self._phis = (low, high)
         self._blocks = [block for block in function.blocks if block.name in loop.blocks]
-        self._values = {item.id: item for block in self._blocks for item in definitions(block)}
-        self._home = {item.id: block.name for block in self._blocks for item in definitions(block)}
+        self._values = {item.id: item for block in self._blocks for item in block.items}
+        self._home = {item.id: block.name for block in self._blocks for item in block.items}
         self._users = self._all_users()
         self._told: set[int] = {low.id, high.id}
         self._known: set[_Pair] = {(Ref(low.id), Ref(high.id))}

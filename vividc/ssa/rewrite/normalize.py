@@ -14,7 +14,6 @@ from dataclasses import replace
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.edit import (
     defined_types,
-    definitions,
     first_free,
     fresh_name,
     incoming,
@@ -278,7 +277,7 @@ def _defined_in_loop_before(function: Function) -> dict[str, set[int]]:
     inside: dict[str, set[int]] = {}
     by_name = {block.name: block for block in function.blocks}
     for loop in pipelined_loops(function):
-        ids = {item.id for name in loop.blocks for item in definitions(by_name[name])}
+        ids = {item.id for name in loop.blocks for item in by_name[name].items}
         for _, target in loop.exits:
             inside.setdefault(target, set()).update(ids)
     return inside

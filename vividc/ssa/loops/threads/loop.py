@@ -16,7 +16,7 @@ import networkx as nx
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.ssa.analysis.acyclic import Edge
 from vividc.ssa.analysis.levels import Level
-from vividc.ssa.edit import definitions, incoming
+from vividc.ssa.edit import incoming
 from vividc.ssa.ir import Branch, Const, Instr, Phi, Ref, Undefined, Value
 from vividc.ssa.loops.threads.body import Body, Group, can_test_address
 
@@ -332,7 +332,7 @@ def _deciding(level: Level) -> frozenset[int]:
 
 
 def _items(level: Level) -> dict[int, Phi | Instr]:
-    return {i.id: i for block in level.blocks.values() for i in definitions(block)}
+    return {i.id: i for block in level.blocks.values() for i in block.items}
 
 
 def _loads_ahead(level: Level, deciding: frozenset[int]) -> frozenset[int]:
