@@ -5,15 +5,12 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib import resources
 from pathlib import Path
 from typing import Final
 
-from pydantic import ValidationError
-
 from vividc.arch.cost.schema import CostSpec, Kind, TableSpec
-from vividc.arch.yaml.layers import is_path
-from vividc.arch.yaml.problems import did_you_mean, raise_all, schema_problems
+from vividc.arch.yaml.layers import is_path, shipped, shipped_text
+from vividc.arch.yaml.problems import did_you_mean, validated
 from vividc.arch.yaml.tree import parse
 from vividc.errors import ArchError, demand_type
 from vividc.host.inputs import YAML_BYTES, read_text
@@ -160,25 +157,13 @@ def costs_from_text(text: str, file: str = "costs.yaml") -> CostTable:
         The table is faulty; every fault is listed with `file:line`.
     """
     tree = parse(text, file, "cost table")
-    try:
-        spec = TableSpec.model_validate(tree.data)
-    except ValidationError as error:
-        problems = schema_problems(error, tree, TableSpec)
-        plain = [
-            replace(p, hint=None) if p.hint is not None and "extends" in p.hint else p
-            for p in problems
-        ]
-        raise_all(plain)
-        raise
+    spec = validated(tree, TableSpec, inherits=False)
     return _table(spec, tree.place(("calibration",)))
 
 
 def cost_table_names() -> tuple[str, ...]:
     """Names of the shipped cost tables."""
-    folder = resources.files("vividc.arch") / "cost_tables"
-    return tuple(
-        sorted(e.name.removesuffix(".yaml") for e in folder.iterdir() if e.name.endswith(".yaml"))
-    )
+    return shipped("cost_tables")
 
 
 def _shipped(name: str) -> CostTable:
@@ -188,8 +173,7 @@ def _shipped(name: str) -> CostTable:
         guess = did_you_mean(name, names)
         hint = known if guess is None else f"{guess} {known}"
         raise ArchError(f"unknown cost table `{name}`", hint=hint)
-    file = resources.files("vividc.arch") / "cost_tables" / f"{name}.yaml"
-    return costs_from_text(file.read_text(encoding="utf-8"), f"{name}.yaml")
+    return costs_from_text(shipped_text("cost_tables", name), f"{name}.yaml")
 
 
 def _between(below: Bank, above: Bank, size_bytes: int) -> Bank:

@@ -7,11 +7,10 @@ from collections.abc import Iterable, Iterator
 from types import MappingProxyType
 
 import yaml
-from pydantic import ValidationError
 
 from vividc.arch.fabric import PE, Controller, Fabric, Link, Routing, Scratchpad
 from vividc.arch.topology import topology_links
-from vividc.arch.yaml.problems import Problem, raise_all, schema_problems
+from vividc.arch.yaml.problems import Problem, raise_all, validated
 from vividc.arch.yaml.schema import TIMED_CLASSES, LinkSpec, Override, PESpec, Spec, indices
 from vividc.arch.yaml.tree import Path, Tree
 from vividc.machine.opcodes import LatencyClass
@@ -28,7 +27,7 @@ def build(tree: Tree) -> Fabric:
     ArchError
         Everything that is missing or contradicts itself, each with its line.
     """
-    spec = _validated(tree)
+    spec = validated(tree, Spec)
     problems = [
         *_override_problems(spec, tree),
         *_link_problems(spec, tree),
@@ -56,14 +55,6 @@ def build(tree: Tree) -> Fabric:
         routing=_routing(spec),
         occupancies=MappingProxyType(_occupancies(spec)),
     )
-
-
-def _validated(tree: Tree) -> Spec:
-    try:
-        return Spec.model_validate(tree.data)
-    except ValidationError as error:
-        raise_all(schema_problems(error, tree, Spec))
-        raise
 
 
 def _canonical_text(spec: Spec) -> str:

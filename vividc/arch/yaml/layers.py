@@ -8,9 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Final
 
-from pydantic import ValidationError
-
-from vividc.arch.yaml.problems import did_you_mean, raise_all, schema_problems
+from vividc.arch.yaml.problems import did_you_mean, validated
 from vividc.arch.yaml.schema import LATENCY_GROUPS, MAX_SIDE, Layer
 from vividc.arch.yaml.tree import Path as TreePath
 from vividc.arch.yaml.tree import Plain, Tree, parse
@@ -43,7 +41,7 @@ _MOST_LAYERS = 8
 
 def preset_names() -> tuple[str, ...]:
     """Names of the shipped fabrics; besides them, those of `family_names()` exist up to 32x32."""
-    return tuple(sorted(name for name in _shipped() if not name.startswith("_")))
+    return tuple(name for name in shipped("presets") if not name.startswith("_"))
 
 
 def family_names() -> tuple[str, ...]:
@@ -184,10 +182,7 @@ def _copy_places(tree: Tree, source: TreePath, to: TreePath, places: dict[TreePa
 
 
 def _checked(tree: Tree) -> Tree:
-    try:
-        Layer.model_validate(tree.data)
-    except ValidationError as error:
-        raise_all(schema_problems(error, tree, Layer))
+    validated(tree, Layer)
     return _without_nulls(tree)
 
 
@@ -225,15 +220,20 @@ def _stem(file: str) -> str:
     return stem[:64] or "fabric"
 
 
-def _shipped() -> tuple[str, ...]:
-    folder = resources.files("vividc.arch") / "presets"
-    names = (entry.name for entry in folder.iterdir())
-    return tuple(name.removesuffix(".yaml") for name in names if name.endswith(".yaml"))
+def shipped(folder: str) -> tuple[str, ...]:
+    """Names of the YAML files of one of the package's folders."""
+    names = (entry.name for entry in (resources.files("vividc.arch") / folder).iterdir())
+    return tuple(sorted(name.removesuffix(".yaml") for name in names if name.endswith(".yaml")))
+
+
+def shipped_text(folder: str, name: str) -> str:
+    """One of these files."""
+    file = resources.files("vividc.arch") / folder / f"{name}.yaml"
+    return file.read_text(encoding="utf-8")
 
 
 def _shipped_tree(name: str) -> Tree:
-    file = resources.files("vividc.arch") / "presets" / f"{name}.yaml"
-    return text_tree(file.read_text(encoding="utf-8"), f"{name}.yaml")
+    return text_tree(shipped_text("presets", name), f"{name}.yaml")
 
 
 def _parametrised(name: str, family: str, rows: int, cols: int) -> Tree:

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import os
-from importlib import resources
 from pathlib import Path
 
 import yaml
-from pydantic import ValidationError
 
 from vividc.arch.accelerator import DMA, DRAM, Accelerator, Configuration, NoC, Orientation
 from vividc.arch.fabric import Fabric
 from vividc.arch.yaml.accelerator_schema import AcceleratorLayer, AcceleratorSpec
 from vividc.arch.yaml.build import build
-from vividc.arch.yaml.layers import entered, file_tree, is_path, merge
+from vividc.arch.yaml.layers import entered, file_tree, is_path, merge, shipped, shipped_text
 from vividc.arch.yaml.load import load as load_tile
-from vividc.arch.yaml.problems import Problem, raise_all, schema_problems
+from vividc.arch.yaml.problems import Problem, raise_all, validated
 from vividc.arch.yaml.reflect import reflected
-from vividc.arch.yaml.schema import StrictModel
 from vividc.arch.yaml.tree import Tree, parse
 from vividc.errors import ArchError, demand_type
 from vividc.host.inputs import YAML_BYTES, read_text
@@ -25,9 +22,7 @@ from vividc.host.inputs import YAML_BYTES, read_text
 
 def accelerator_names() -> tuple[str, ...]:
     """Names of the shipped accelerators."""
-    folder = resources.files("vividc.arch") / "accelerators"
-    names = (entry.name for entry in folder.iterdir())
-    return tuple(sorted(n.removesuffix(".yaml") for n in names if n.endswith(".yaml")))
+    return shipped("accelerators")
 
 
 def load(name_or_path: str | os.PathLike[str]) -> Fabric | Accelerator:
@@ -105,7 +100,7 @@ def _extends_accelerator(base: str, path: Path, opened: tuple[Path, ...]) -> boo
 
 
 def _layered(tree: Tree, path: Path, opened: tuple[Path, ...]) -> Tree:
-    _validated(tree, AcceleratorLayer)
+    validated(tree, AcceleratorLayer)
     base = tree.data.get("extends")
     data = {key: value for key, value in tree.data.items() if key != "extends"}
     data.setdefault("name", path.stem)
@@ -127,21 +122,12 @@ def _layered(tree: Tree, path: Path, opened: tuple[Path, ...]) -> Tree:
 
 
 def _preset_tree(name: str) -> Tree:
-    file = resources.files("vividc.arch") / "accelerators" / f"{name}.yaml"
-    return _layered(parse(file.read_text(encoding="utf-8"), f"{name}.yaml"), Path(name), ())
-
-
-def _validated(tree: Tree, model: type[StrictModel]) -> StrictModel:
-    try:
-        return model.model_validate(tree.data)
-    except ValidationError as error:
-        raise_all(schema_problems(error, tree, model))
-        raise
+    tree = parse(shipped_text("accelerators", name), f"{name}.yaml")
+    return _layered(tree, Path(name), ())
 
 
 def _build(tree: Tree, folder: Path | None) -> Accelerator:
-    spec = _validated(tree, AcceleratorSpec)
-    assert isinstance(spec, AcceleratorSpec)
+    spec = validated(tree, AcceleratorSpec)
     raise_all(list(_problems(spec, tree)))
     fabric = _tile(spec.tiles.fabric, tree, folder)
     corners: dict[Orientation, Fabric] = {}

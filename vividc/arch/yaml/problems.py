@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails
 from vividc.arch.yaml.tree import Tree
 from vividc.errors import ArchError, quoted
 
+Model = TypeVar("Model", bound=BaseModel)
 _IN_OUR_WORDS: Final = {
     "model_type": "should be a mapping",
     "string_pattern_mismatch": "should be up to 64 letters, digits, dots, dashes and underscores",
@@ -50,9 +51,19 @@ def _with_hint(text: str, hint: str | None) -> str:
     return text if hint is None else f"{text}\n    hint: {hint}"
 
 
-def schema_problems(error: ValidationError, tree: Tree, model: type[BaseModel]) -> list[Problem]:
-    """What pydantic found, in our words and with the line of each value."""
-    return [_problem(detail, tree, model) for detail in error.errors()]
+def validated(tree: Tree, model: type[Model], *, inherits: bool = True) -> Model:
+    """The tree as a model; `inherits`: what is missing may come from a file that it extends.
+
+    Raises
+    ------
+    ArchError
+        All that pydantic finds, in our words and with the line of each value.
+    """
+    try:
+        return model.model_validate(tree.data)
+    except ValidationError as error:
+        raise_all([_problem(detail, tree, model, inherits) for detail in error.errors()])
+        raise
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str | None:
@@ -61,7 +72,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str | None:
     return f"did you mean `{close[0]}`?" if close else None
 
 
-def _problem(detail: ErrorDetails, tree: Tree, model: type[BaseModel]) -> Problem:
+def _problem(detail: ErrorDetails, tree: Tree, model: type[BaseModel], inherits: bool) -> Problem:
     path = detail["loc"]
     name = _path_text(tree, path)
     place = tree.place(path)
@@ -70,7 +81,8 @@ def _problem(detail: ErrorDetails, tree: Tree, model: type[BaseModel]) -> Proble
         hint = did_you_mean(str(path[-1]), known) or f"known keys here: {', '.join(known)}"
         return Problem(place, f"unknown key `{name}`", hint)
     if detail["type"] == "missing":
-        way_out = "give it, or inherit it: `extends: vivid-tile`" if len(path) == 1 else None
+        whole = inherits and len(path) == 1
+        way_out = "give it, or inherit it: `extends: vivid-tile`" if whole else None
         return Problem(place, f"`{name}` is missing", way_out)
     message = detail["msg"].removeprefix("Value error, ").removeprefix("Input ")
     message = _IN_OUR_WORDS.get(detail["type"], message)
