@@ -13,7 +13,7 @@ import pytest
 
 from vividc.errors import VividcWarning
 from vividc.frontend import KernelFunction
-from vividc.frontend.llvm.reader import Locations
+from vividc.frontend.llvm.metadata import Locations
 
 SOURCE = """import vividc
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-_NODE = re.compile(r"^(!\d+) = (?:distinct )?(!\w*)[({](.*)[)}]$", re.MULTILINE)
-_FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
-_SCOPE = re.compile(r"!dbg (!\d+)")
-_MAX_DEPTH = 32
+from vividc.frontend.llvm.metadata import Metadata, debug_node
+
 _DTYPES = {
     ("DW_ATE_float", "32"): "float32",
     ("DW_ATE_boolean", "8"): "bool",
@@ -41,52 +39,41 @@ class Declared:
 
 def declared(text: str, header: str) -> Declared | None:
     """The C declaration of the function whose `define` line is `header`; None without `-g`."""
-    scope = _SCOPE.search(header)
-    if scope is None:
+    scope = debug_node(header)
+    if not scope:
         return None
-    nodes = {match[1]: (match[2], match[3]) for match in _NODE.finditer(text)}
-    found = _Declarations(nodes)
-    types = found.parameter_types(scope[1])
-    names = found.parameter_names(scope[1])
+    metadata = Metadata(text)
+    types = _parameter_types(metadata, scope)
+    names = _parameter_names(metadata, scope)
     if not names or len(types) != len(names) + 1 or sorted(names) != [*range(1, len(types))]:
         return None
     return Declared(
         tuple(names[number] for number in sorted(names)),
-        tuple(found.dtype(type_) for type_ in types[1:]),
-        found.dtype(types[0]),
+        tuple(_dtype(metadata, type_) for type_ in types[1:]),
+        _dtype(metadata, types[0]),
     )
 
 
-class _Declarations:
-    """A module's metadata nodes, by number: kind ("!" for lists) and text of the fields."""
+def _parameter_types(metadata: Metadata, subprogram: str) -> list[str]:
+    """Nodes of the returned type, then of the parameters'."""
+    kind = metadata.fields(subprogram).get("type", "")
+    listed = metadata.fields(kind).get("types", "")
+    return re.findall(r"null|!\d+", metadata.listed(listed))
 
-    def __init__(self, nodes: dict[str, tuple[str, str]]) -> None:
-        self._nodes = nodes
 
-    def _fields(self, node: str) -> dict[str, str]:
-        _, text = self._nodes.get(node, ("", ""))
-        return {match[1]: match[2] or match[3] or "" for match in _FIELD.finditer(text)}
+def _parameter_names(metadata: Metadata, subprogram: str) -> dict[int, str]:
+    """Name of each parameter, by position from 1."""
+    variables = map(metadata.fields, metadata.of_kind("!DILocalVariable"))
+    return {
+        int(fields["arg"]): fields["name"]
+        for fields in variables
+        if fields.get("scope") == subprogram and "arg" in fields
+    }
 
-    def parameter_types(self, subprogram: str) -> list[str]:
-        """Nodes of the returned type, then of the parameters'."""
-        kind = self._fields(subprogram).get("type", "")
-        listed = self._fields(kind).get("types", "")
-        return re.findall(r"null|!\d+", self._nodes.get(listed, ("", ""))[1])
 
-    def parameter_names(self, subprogram: str) -> dict[int, str]:
-        """Name of each parameter, by position from 1."""
-        found: dict[int, str] = {}
-        for node, (kind, _) in self._nodes.items():
-            fields = self._fields(node) if kind == "!DILocalVariable" else {}
-            if fields.get("scope") == subprogram and "arg" in fields:
-                found[int(fields["arg"])] = fields["name"]
-        return found
-
-    def dtype(self, node: str) -> str:
-        """Type of a word, or of the word that is pointed to."""
-        for _ in range(_MAX_DEPTH):
-            fields = self._fields(node)
-            if "encoding" in fields:
-                return _DTYPES.get((fields["encoding"], fields.get("size", "")), "")
-            node = fields.get("baseType", "")
-        return ""
+def _dtype(metadata: Metadata, node: str) -> str:
+    """Type of a word, or of the word that is pointed to."""
+    for fields in metadata.path(node, "baseType"):
+        if "encoding" in fields:
+            return _DTYPES.get((fields["encoding"], fields.get("size", "")), "")
+    return ""

@@ -17,7 +17,7 @@ from vividc.frontend.c.lower import CModule, declare, lower_c
 from vividc.frontend.c.places import instruction_lines
 from vividc.frontend.c.reference import reference_text
 from vividc.frontend.c.source import bodies, located_module, printed, read_ll
-from vividc.frontend.llvm.reader import Locations
+from vividc.frontend.llvm.metadata import Locations
 from vividc.machine.params import DType, Param
 from vividc.ssa.ir import Function
 

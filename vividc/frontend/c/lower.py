@@ -19,8 +19,9 @@ from vividc.frontend.c.unrotate import unrotate
 from vividc.frontend.llvm.calls import ALLOCATE
 from vividc.frontend.llvm.child.client import Late, Lost, ask
 from vividc.frontend.llvm.layout import size_of, structs_of
+from vividc.frontend.llvm.metadata import Locations
 from vividc.frontend.llvm.passes import ENTRY
-from vividc.frontend.llvm.reader import Locations, read_function, signature
+from vividc.frontend.llvm.reader import read_function, signature
 from vividc.frontend.llvm.tokens import Structs
 from vividc.frontend.lower import counting_parameters, located, lower_words
 from vividc.frontend.memory.local_arrays import RAW
@@ -240,29 +241,29 @@ def _params(function: CFunction, wide: Function) -> tuple[Param, ...]:
 def _accessed(blocks: tuple[Block, ...]) -> dict[str, set[str]]:
     """LLVM types of the accesses to each array, and "signed" if all loads are sign-extended."""
     extended = _extended(blocks)
-    found: dict[str, set[str]] = {}
+    accesses: dict[str, set[str]] = {}
     unsigned: set[str] = set()
     for block in blocks:
         for op in block.instrs:
             if op.array:
-                found.setdefault(op.array, set()).add(str(op.type))
+                accesses.setdefault(op.array, set()).add(str(op.type))
             if op.op == "load" and extended.get(op.id, set()) != {"sext"}:
                 unsigned.add(op.array)
     loaded = {op.array for block in blocks for op in block.instrs if op.op == "load"}
     for array in loaded - unsigned:
-        found[array].add("signed")
-    return found
+        accesses[array].add("signed")
+    return accesses
 
 
 def _extended(blocks: tuple[Block, ...]) -> dict[int, set[str]]:
     """By which operations each value is used, phis and exits left out."""
-    found: dict[int, set[str]] = {}
+    extensions: dict[int, set[str]] = {}
     for block in blocks:
         for op in block.instrs:
             for arg in op.operands:
                 if isinstance(arg, Ref):
-                    found.setdefault(arg.id, set()).add(op.mnemonic)
-    return found
+                    extensions.setdefault(arg.id, set()).add(op.mnemonic)
+    return extensions
 
 
 def _element(param: CParameter, accesses: set[str]) -> DType:

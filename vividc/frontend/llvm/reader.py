@@ -1,13 +1,7 @@
-"""Read the text of LLVM IR into `ssa.Function`: as much of the language as kernels use.
-
-Debug locations are read from the metadata once. Of a chain of inlined calls the innermost line in
-the user's own file counts: a fault inside a helper or inside numba is reported where the kernel
-asked for it.
-"""
+"""Read the text of LLVM IR into `ssa.Function`: as much of the language as kernels use."""
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -15,15 +9,13 @@ from dataclasses import dataclass, replace
 from vividc.errors import InternalError, SourceLoc
 from vividc.frontend.llvm.aggregates import split_aggregates
 from vividc.frontend.llvm.layout import offsets, part_type, structs_of
+from vividc.frontend.llvm.metadata import Locations
 from vividc.frontend.llvm.subscripts import Subscripts
 from vividc.frontend.llvm.tokens import Cursor, Names, Structs, bare
 from vividc.ssa.ir import LLVM_BINARY, LLVM_CASTS, Block, Branch, Function, Instr, Phi, Value
 
 _DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILINE)
 _LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
-_METADATA = re.compile(r"^(!\d+) = (?:distinct )?(!\w+)\((.*)\)$", re.MULTILINE)
-_FIELD = re.compile(r'(\w+): (?:"((?:[^"\\]|\\.)*)"|([^,]+))')
-_LINE = re.compile(r"[1-9][0-9]{0,9}")
 
 
 def read_function(text: str, name: str, file: str) -> Function:
@@ -82,73 +74,6 @@ def _params(cursor: Cursor) -> Iterator[tuple[str, str]]:
             cursor.skip_parentheses()
         yield bare(cursor.take()), type_
         cursor.accept(",")
-
-
-_MADE = "__numba_"
-
-
-class Locations:
-    """Source lines of `!dbg` attachments. LLVM does not check where nodes point: one that leads
-    nowhere, or in a circle, gives no line.
-    """
-
-    def __init__(self, text: str, file: str) -> None:
-        self._file = file
-        self._nodes = {
-            match[1]: (match[2], {f[1]: f[2] or f[3] or "" for f in _FIELD.finditer(match[3])})
-            for match in _METADATA.finditer(text)
-        }
-
-    def __call__(self, line: str) -> SourceLoc | None:
-        match = re.search(r", !dbg (!\d+)", line)
-        if match is None:
-            return None
-        chain = list(self._chain(match[1]))
-        own = [loc for loc in chain if loc.file == self._file]
-        return own[0] if own else next(iter(chain), None)
-
-    def definition(self, header: str) -> SourceLoc | None:
-        """Where the function of a `define` line is defined."""
-        match = re.search(r"!dbg (!\d+)", header)
-        if match is None:
-            return None
-        return self._place(match[1], self._fields(match[1]))
-
-    def _chain(self, node: str) -> Iterator[SourceLoc]:
-        for fields in self._path(node, "inlinedAt"):
-            scope = fields.get("scope", "")
-            found = self._place(scope, fields)
-            # A function that numba makes of an array expression has the kernel's file, and lines
-            # of its own.
-            if found is not None and not self._fields(scope).get("name", "").startswith(_MADE):
-                yield found
-
-    def _place(self, scope: str, fields: dict[str, str]) -> SourceLoc | None:
-        line, file = fields.get("line", ""), self._file_of(scope)
-        if file is None or not _LINE.fullmatch(line):  # line 0 is LLVM's mark of merged code
-            return None
-        return SourceLoc(file, int(line))
-
-    def _path(self, node: str, way: str) -> Iterator[dict[str, str]]:
-        """The fields of a node, and of those that it leads to by the field `way`."""
-        seen: set[str] = set()
-        while node in self._nodes and node not in seen:
-            seen.add(node)
-            yield self._fields(node)
-            node = self._fields(node).get(way, "")
-
-    def _fields(self, node: str) -> dict[str, str]:
-        return self._nodes[node][1] if node in self._nodes else {}
-
-    def _file_of(self, scope: str) -> str | None:
-        file_nodes = (fields["file"] for fields in self._path(scope, "scope") if "file" in fields)
-        file = self._fields(next(file_nodes, ""))
-        if "filename" not in file:
-            return None
-        name = re.sub(r"\\([0-9A-Fa-f]{2})", lambda m: chr(int(m[1], 16)), file["filename"])
-        directory = file.get("directory", "")
-        inside = not directory or name.startswith(("/", directory))
-        return os.path.abspath(name if inside else f"{directory}/{name}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -291,8 +216,8 @@ def _read_store(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) ->
 
 def _read_gep(cursor: Cursor, id_: int, opcode: str, loc: SourceLoc | None) -> Instr:
     element, args = cursor.address()
-    found = offsets(element, args[1:], cursor.structs)
-    indices, strides = found or (args[1:], ())
+    scaled = offsets(element, args[1:], cursor.structs)
+    indices, strides = scaled or (args[1:], ())
     operands = (args[0], *indices)
     return Instr(id_, opcode, "ptr", operands, source=element, strides=strides, loc=loc)
 

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import re
 
-_KIND = "vividc.subscript"
+from vividc.frontend.llvm.metadata import Metadata
 
-
-_VARIABLE = "_"
-
-
-_MARK = re.compile(rf", !{re.escape(_KIND)} (!\d+)")
-
-
-_NODE = re.compile(r'^(!\d+) = !\{!"([\d_,]+)"\}$', re.MULTILINE)
-
+KIND = "vividc.subscript"
+_MARK = re.compile(rf", !{re.escape(KIND)} (!\d+)")
+_ENTRIES = re.compile(r'!"([\d_,]+)"')
+VARIABLE = "_"
 
 Subscript = tuple[int | None, ...]
 """One entry for each dimension: its constant, or None."""
@@ -24,12 +19,12 @@ class Subscripts:
     """The marks in a module's text."""
 
     def __init__(self, text: str) -> None:
-        self._nodes = {match[1]: match[2] for match in _NODE.finditer(text)}
+        self._metadata = Metadata(text)
 
     def __call__(self, line: str) -> Subscript:
         """Constant subscripts of the access in `line`; () if it has no mark."""
         match = _MARK.search(line)
-        text = None if match is None else self._nodes.get(match[1])
+        text = None if match is None else _ENTRIES.fullmatch(self._metadata.listed(match[1]))
         if text is None:
             return ()
-        return tuple(None if part == _VARIABLE else int(part) for part in text.split(","))
+        return tuple(None if part == VARIABLE else int(part) for part in text[1].split(","))

@@ -21,11 +21,7 @@ from numba.core.ir_utils import build_definitions
 from numba.core.lowering import Lower
 from numba.np import arrayobj
 
-from vividc.frontend.llvm.subscripts import (
-    _KIND,
-    _VARIABLE,
-    Subscript,
-)
+from vividc.frontend.llvm.subscripts import KIND, VARIABLE, Subscript
 from vividc.machine.params import MAX_DIMENSION
 
 
@@ -79,10 +75,10 @@ class _Marker:
         """Of a statement that reads or writes one element of a parameter; () if it is another, or
         none is constant.
         """
-        found = _array_and_index(inst)
-        if found is None:
+        access = _array_and_index(inst)
+        if access is None:
             return ()
-        array, index = found
+        array, index = access
         type_ = self.lower.typeof(array.name)
         if not isinstance(type_, types.Array) or type_.layout != "C":
             return ()
@@ -137,7 +133,7 @@ def _attach(builder: Any, pointer: Any, subscript: Subscript) -> None:
     """Gives the access to `pointer` that was emitted last its subscripts."""
     if not subscript:
         return
-    text = ",".join(_VARIABLE if part is None else str(part) for part in subscript)
+    text = ",".join(VARIABLE if part is None else str(part) for part in subscript)
     for made in reversed(builder.block.instructions):
         if isinstance(made, llvm.LoadInstr) and made.operands[0] is pointer:
             break
@@ -146,4 +142,4 @@ def _attach(builder: Any, pointer: Any, subscript: Subscript) -> None:
     else:
         return
     module = builder.module
-    made.set_metadata(_KIND, module.add_metadata([llvm.MetaDataString(module, text)]))
+    made.set_metadata(KIND, module.add_metadata([llvm.MetaDataString(module, text)]))
