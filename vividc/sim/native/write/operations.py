@@ -46,11 +46,21 @@ def _word(code: Code, number: str) -> str:
     return code.choose(is_nan, "i32", str(CANONICAL_NAN), bits)
 
 
-def _binary(name: str) -> Lowering:
-    def lowering(code: Code, words: Sequence[str]) -> str:
-        return code.value(f"{name} i32 {words[0]}, {words[1]}")
+def _value(pattern: str) -> Lowering:
+    """One instruction on the words."""
+    return lambda code, words: code.value(pattern.format(*words))
 
-    return lowering
+
+def _binary(name: str) -> Lowering:
+    return _value(f"{name} i32 {{}}, {{}}")
+
+
+def _intrinsic(name: str) -> Lowering:
+    return _value(f"call i32 @llvm.{name}.i32(i32 {{}}, i32 {{}})")
+
+
+def _with_bits(name: str, mask: int) -> Lowering:
+    return _value(f"{name} i32 {{}}, {_signed32(mask)}")
 
 
 def _shift(name: str) -> Lowering:
@@ -73,24 +83,9 @@ def _high(extend: str) -> Lowering:
 
 def _compared(comparison: str) -> Lowering:
     def lowering(code: Code, words: Sequence[str]) -> str:
-        holds = code.value(f"icmp {comparison} i32 {words[0]}, {words[1]}")
+        operands = ", ".join(_floats(code, words) if "fcmp" in comparison else words)
+        holds = code.value(f"{comparison} {operands}")
         return code.value(f"zext i1 {holds} to i32")
-
-    return lowering
-
-
-def _float_compared(comparison: str) -> Lowering:
-    def lowering(code: Code, words: Sequence[str]) -> str:
-        x, y = _floats(code, words)
-        holds = code.value(f"fcmp {comparison} float {x}, {y}")
-        return code.value(f"zext i1 {holds} to i32")
-
-    return lowering
-
-
-def _intrinsic(name: str) -> Lowering:
-    def lowering(code: Code, words: Sequence[str]) -> str:
-        return code.value(f"call i32 @llvm.{name}.i32(i32 {words[0]}, i32 {words[1]})")
 
     return lowering
 
@@ -99,13 +94,6 @@ def _arithmetic(name: str) -> Lowering:
     def lowering(code: Code, words: Sequence[str]) -> str:
         x, y = _floats(code, words)
         return _word(code, code.value(f"{name} float {x}, {y}"))
-
-    return lowering
-
-
-def _with_bits(name: str, mask: int) -> Lowering:
-    def lowering(code: Code, words: Sequence[str]) -> str:
-        return code.value(f"{name} i32 {words[0]}, {_signed32(mask)}")
 
     return lowering
 
@@ -137,10 +125,6 @@ def _extremum(comparison: str, if_equal: str) -> Lowering:
     return lowering
 
 
-def _mov(_: Code, words: Sequence[str]) -> str:
-    return words[0]
-
-
 def _select(code: Code, words: Sequence[str]) -> str:
     holds = code.value(f"icmp ne i32 {words[0]}, 0")
     return code.choose(holds, "i32", words[1], words[2])
@@ -156,7 +140,7 @@ def _fptosi(code: Code, words: Sequence[str]) -> str:
 
 
 _LOWERINGS: Final[dict[Opcode, Lowering]] = {
-    Opcode.MOV: _mov,
+    Opcode.MOV: lambda _, words: words[0],
     Opcode.ADD: _binary("add"),
     Opcode.SUB: _binary("sub"),
     Opcode.MUL: _binary("mul"),
@@ -170,12 +154,12 @@ _LOWERINGS: Final[dict[Opcode, Lowering]] = {
     Opcode.ASHR: _shift("ashr"),
     Opcode.SMIN: _intrinsic("smin"),
     Opcode.SMAX: _intrinsic("smax"),
-    Opcode.ICMP_EQ: _compared("eq"),
-    Opcode.ICMP_NE: _compared("ne"),
-    Opcode.ICMP_SLT: _compared("slt"),
-    Opcode.ICMP_SLE: _compared("sle"),
-    Opcode.ICMP_ULT: _compared("ult"),
-    Opcode.ICMP_ULE: _compared("ule"),
+    Opcode.ICMP_EQ: _compared("icmp eq i32"),
+    Opcode.ICMP_NE: _compared("icmp ne i32"),
+    Opcode.ICMP_SLT: _compared("icmp slt i32"),
+    Opcode.ICMP_SLE: _compared("icmp sle i32"),
+    Opcode.ICMP_ULT: _compared("icmp ult i32"),
+    Opcode.ICMP_ULE: _compared("icmp ule i32"),
     Opcode.SELECT: _select,
     Opcode.FADD: _arithmetic("fadd"),
     Opcode.FSUB: _arithmetic("fsub"),
@@ -185,16 +169,16 @@ _LOWERINGS: Final[dict[Opcode, Lowering]] = {
     Opcode.FABS: _with_bits("and", INT_MAX),
     Opcode.FMIN: _extremum("olt", "or"),
     Opcode.FMAX: _extremum("ogt", "and"),
-    Opcode.FCMP_OEQ: _float_compared("oeq"),
-    Opcode.FCMP_UNE: _float_compared("une"),
-    Opcode.FCMP_OLT: _float_compared("olt"),
-    Opcode.FCMP_OLE: _float_compared("ole"),
-    Opcode.FCMP_ULT: _float_compared("ult"),
-    Opcode.FCMP_ULE: _float_compared("ule"),
-    Opcode.FCMP_ONE: _float_compared("one"),
-    Opcode.FCMP_UEQ: _float_compared("ueq"),
-    Opcode.FCMP_ORD: _float_compared("ord"),
-    Opcode.FCMP_UNO: _float_compared("uno"),
+    Opcode.FCMP_OEQ: _compared("fcmp oeq float"),
+    Opcode.FCMP_UNE: _compared("fcmp une float"),
+    Opcode.FCMP_OLT: _compared("fcmp olt float"),
+    Opcode.FCMP_OLE: _compared("fcmp ole float"),
+    Opcode.FCMP_ULT: _compared("fcmp ult float"),
+    Opcode.FCMP_ULE: _compared("fcmp ule float"),
+    Opcode.FCMP_ONE: _compared("fcmp one float"),
+    Opcode.FCMP_UEQ: _compared("fcmp ueq float"),
+    Opcode.FCMP_ORD: _compared("fcmp ord float"),
+    Opcode.FCMP_UNO: _compared("fcmp uno float"),
     Opcode.SITOFP: _converted("sitofp"),
     Opcode.UITOFP: _converted("uitofp"),
     Opcode.FPTOSI: _fptosi,
