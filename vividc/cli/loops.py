@@ -32,7 +32,6 @@ _OPTIONS: Final = (
         "--transform/--no-transform",
         "auto",
         default=True,
-        show_default=True,
         help="Unroll, jam and flatten loops where an estimate says that it pays.",
     ),
     click.option(

@@ -186,7 +186,10 @@ def _show_warning(
     say(f"vividc: warning: {message}", err=True)
 
 
-@click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+_SETTINGS: Final = {"help_option_names": ["-h", "--help"], "show_default": True}
+
+
+@click.command(cls=_Commands, context_settings=_SETTINGS)
 @click.version_option(__version__, prog_name="vividc")
 def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""

@@ -47,14 +47,12 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 fabric = click.option(
     "--fabric",
     default="vivid-tile",
-    show_default=True,
     metavar="F",
     help="Name of a fabric (vivid-tile, mesh-4x4, ...) or a YAML file.",
 )
 mapper = click.option(
     "--mapper",
     default="auto",
-    show_default=True,
     metavar="M",
     help="Name of the mapper.",
 )
@@ -64,7 +62,6 @@ time_limit = click.option(
     type=float,
     callback=positive,
     default=60.0,
-    show_default=True,
     metavar="S",
     help="Wall time for the whole command, in seconds; machine code that is built once is extra.",
 )

@@ -26,7 +26,6 @@ SCHEMA = "vividc.area/1"
 @click.option(
     "--costs",
     default=DEFAULT_TABLE,
-    show_default=True,
     metavar="TABLE",
     help="Cost table, by name or YAML file.",
 )

@@ -34,7 +34,6 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "--contract/--no-contract",
     default=True,
-    show_default=True,
     help="Fuse a multiplication and an addition into one operation with one rounding.",
 )
 @click.option(
@@ -52,7 +51,6 @@ SCHEMA = "vividc.compile/1"
     "--mode",
     type=click.Choice(["auto", "gpu", *MODES]),
     default="auto",
-    show_default=True,
     help="How an accelerator runs a kernel that is a matrix product.",
 )
 @click.option("--explain", is_flag=True, help="Say what was done to each loop, and why.")

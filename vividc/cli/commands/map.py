@@ -49,7 +49,6 @@ _MOST_OF_THE_TIME = 0.8
     "--unknown-ops",
     type=click.Choice(get_args(dfg.UnknownOps)),
     default="generic",
-    show_default=True,
     help="Operations that are not in the table: run them on any PE, with a warning, or refuse.",
 )
 @options.time_limit

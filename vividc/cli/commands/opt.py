@@ -28,7 +28,9 @@ from vividc.ssa.text import parse as parse_function
 
 @click.command("opt")
 @click.argument("file", type=click.Path(path_type=Path, dir_okay=False), required=False)
-@click.option("--passes", default="", metavar="A,B,...", help="Run these, in this order.")
+@click.option(
+    "--passes", default="", show_default=False, metavar="A,B,...", help="Run these, in this order."
+)
 @click.option("--list", "listed", is_flag=True, help="List the stages and the passes, and stop.")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), help="File for the text.  [default: stdout]"

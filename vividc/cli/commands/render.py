@@ -99,31 +99,24 @@ def _size(
     metavar="WxH",
     help="Size of the picture in pixels; by default the view's, or 800x800.",
 )
-@click.option(
-    "--azimuth", type=float, default=30.0, show_default=True, help="Degrees; without --views."
-)
-@click.option(
-    "--elevation", type=float, default=20.0, show_default=True, help="Degrees; without --views."
-)
+@click.option("--azimuth", type=float, default=30.0, help="Degrees; without --views.")
+@click.option("--elevation", type=float, default=20.0, help="Degrees; without --views.")
 @click.option(
     "--up",
     type=click.Choice(["+x", "-x", "+y", "-y", "+z", "-z"]),
     default="+z",
-    show_default=True,
     help="The scene's axis that points up; without --views.",
 )
 @click.option(
     "--lookahead",
     type=click.Choice(["on", "off"]),
     default="on",
-    show_default=True,
     help="Lookahead Culling: colour networks (I) or exp (II) only where they count.",
 )
 @click.option(
     "--exponent-margin",
     type=float,
     default=BlendOptions().margin,
-    show_default=True,
     metavar="M",
     help="3DGS: keep exponents down to ln(1 / (255 opacity)) - M.",
 )
@@ -131,7 +124,6 @@ def _size(
     "--engine",
     type=click.Choice([REFERENCE, ARRAY]),
     default=REFERENCE,
-    show_default=True,
     help="Compute in float32 on the host, or on the array, compared with the host.",
 )
 @click.option(
@@ -145,7 +137,6 @@ def _size(
     "--sample",
     type=float,
     default=1.0,
-    show_default=True,
     metavar="SHARE",
     help="For --engine array: share of the blocks of pixels that is simulated; the rest is white.",
 )
@@ -153,20 +144,17 @@ def _size(
     "--precision",
     type=click.Choice(PRECISIONS),
     default="fp32",
-    show_default=True,
     help="For --engine array: format of the networks' operands, or of 3DGS's exp.",
 )
 @click.option(
     "--mode",
     type=click.Choice(NETWORK_MODES),
     default="auto",
-    show_default=True,
     help="For --engine array: of networks; gpu, or gpu and the TPU-like modes.",
 )
 @click.option(
     "--fabric",
     default="vivid",
-    show_default=True,
     metavar="F",
     help="For --engine array: name of an accelerator, or a YAML file.",
 )

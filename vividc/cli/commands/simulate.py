@@ -60,17 +60,12 @@ MISMATCH: Final = 5
     metavar="FILE[:KERNEL]",
     help="The source that --check runs, if it is not the file that was compiled.",
 )
-@click.option(
-    "--rtol", type=float, callback=options.finite, default=1e-5, show_default=True, metavar="R"
-)
-@click.option(
-    "--atol", type=float, callback=options.finite, default=1e-6, show_default=True, metavar="A"
-)
+@click.option("--rtol", type=float, callback=options.finite, default=1e-5, metavar="R")
+@click.option("--atol", type=float, callback=options.finite, default=1e-6, metavar="A")
 @click.option(
     "--cycle-limit",
     type=click.IntRange(min=1),
     default=CYCLE_LIMIT,
-    show_default=True,
     metavar="N",
     help="Stop the run after N cycles.",
 )
@@ -78,7 +73,6 @@ MISMATCH: Final = 5
     "--engine",
     type=click.Choice([*ENGINES]),
     default=AUTO,
-    show_default=True,
     help="Native code, the reference engine, or whichever is likely to finish first.",
 )
 @view_options

@@ -92,13 +92,13 @@ def read_json(path: Path) -> object:
 
 def _once(path: Path, pairs: list[tuple[str, object]]) -> dict[str, object]:
     """An object whose keys are unique: of two equal ones json keeps the last without a word."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    unique = dict(pairs)
+    if len(unique) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
         hint = "name a file that `vividc map -o` wrote"
         raise VividcError(f"the key {quoted(twice)} is there twice", loc=str(path), hint=hint)
-    return found
+    return unique
 
 
 def _as_object(

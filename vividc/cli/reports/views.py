@@ -216,7 +216,6 @@ _OPTIONS: Final = (
     click.option(
         "--window",
         default="0:2000",
-        show_default=True,
         callback=_window,
         metavar="FIRST:END",
         help="Cycles for --vcd and --plot, which run on the reference engine up to END.",
