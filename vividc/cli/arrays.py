@@ -82,10 +82,10 @@ def _problems(headers: Mapping[str, Header], params: Sequence[Param]) -> list[st
 
 
 def _misfit(array: Header, param: Param) -> list[str]:
-    found = f"{array.dtype}[{','.join(map(str, array.shape))}]" if array.ndim else str(array.dtype)
+    given = f"{array.dtype}[{','.join(map(str, array.shape))}]" if array.ndim else str(array.dtype)
     axes_fit = array.ndim == param.ndim or (param.flat and array.ndim > 0)
     if not axes_fit or (param.ndim and array.dtype != np.dtype(param.dtype.value)):
-        return [f"`{param.name}` is {found}, not {describe(param).partition(': ')[2]}"]
+        return [f"`{param.name}` is {given}, not {describe(param).partition(': ')[2]}"]
     return []
 
 

@@ -152,11 +152,11 @@ def _is_of(kernel: KernelFunction, file: Path) -> bool:
 
 def _named(kernels: Mapping[str, KernelFunction], name: str, file: Path) -> KernelFunction:
     by_own_name = {kernel.name: kernel for kernel in kernels.values()}
-    found = kernels.get(name) or by_own_name.get(name)
-    if found is None:
+    chosen = kernels.get(name) or by_own_name.get(name)
+    if chosen is None:
         known = ", ".join(kernels) or "none"
         raise KernelError(f"has no kernel `{name}`", loc=str(file), hint=f"its kernels: {known}")
-    return found
+    return chosen
 
 
 def _only(kernels: Mapping[str, KernelFunction], file: Path) -> KernelFunction:

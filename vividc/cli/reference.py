@@ -101,10 +101,10 @@ def mismatches(
     simulated: Mapping[str, Array], reference: Mapping[str, Array], tolerance: Tolerance
 ) -> list[Mismatch]:
     """Arrays that differ, in the order of `simulated`."""
-    found = (
+    compared = (
         _mismatch(name, array, reference[name], tolerance) for name, array in simulated.items()
     )
-    return [item for item in found if item is not None]
+    return [item for item in compared if item is not None]
 
 
 def _mismatch(name: str, found: Array, expected: Array, tolerance: Tolerance) -> Mismatch | None:

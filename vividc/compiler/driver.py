@@ -217,20 +217,20 @@ def _product(
     KernelError
         The mode is TPU-like, and the kernel or the machine has no such mode.
     """
-    found: Product | str = "the fabric is one tile: give an accelerator, as vivid"
+    product: Product | str = "the fabric is one tile: give an accelerator, as vivid"
     if isinstance(machine, Accelerator):
         function = _whole(kernel, options.strict_fp)
-        found = recognise(function)
+        product = recognise(function)
         if not options.contract:
-            found = "its sums are chains of FMAs, which --no-contract forbids"
+            product = "its sums are chains of FMAs, which --no-contract forbids"
         elif options.precision:
-            found = "formats of its arithmetic or functions are chosen by --precision"
-        if isinstance(found, Product):
+            product = "formats of its arithmetic or functions are chosen by --precision"
+        if isinstance(product, Product):
             estimator = Estimator(machine.fabric, PassOptions(options.contract))
-            return replace(priced(found, function, estimator, options.loops), mode=mode)
+            return replace(priced(product, function, estimator, options.loops), mode=mode)
     if mode in GEMM_MODES:
         raise KernelError(
-            f"{kernel.name} cannot run in mode {mode}: {found}",
+            f"{kernel.name} cannot run in mode {mode}: {product}",
             hint="a matrix product is three loops, as in docs/gemm.md; or choose the mode gpu",
         )
     return None
@@ -238,8 +238,8 @@ def _product(
 
 def why_no_product(kernel: KernelFunction | LLKernel) -> str:
     """Why a kernel is no matrix product; "": it is one."""
-    found = recognise(_whole(kernel, strict_fp=False))
-    return found if isinstance(found, str) else ""
+    product = recognise(_whole(kernel, strict_fp=False))
+    return product if isinstance(product, str) else ""
 
 
 def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:

@@ -229,7 +229,7 @@ def _map_straight(problem: MapProblem, options: MapOptions, pace: _Pace) -> MapR
     start = time.monotonic()
     pace.begin(len(problem.dfg.placed))
     mapping = list_schedule(problem, pace.leaves_time)
-    found = violations(
+    faults = violations(
         problem.dfg,
         problem.fabric,
         mapping,
@@ -237,8 +237,8 @@ def _map_straight(problem: MapProblem, options: MapOptions, pace: _Pace) -> MapR
         resident=problem.resident,
         straight=True,
     )
-    if found:
-        raise InternalError(f"list schedule of {problem.dfg.name}: {found[0].message}")
+    if faults:
+        raise InternalError(f"list schedule of {problem.dfg.name}: {faults[0].message}")
     bound = straight_lower_bound(problem)
     wall_s = time.monotonic() - start
     if options.progress is not None:

@@ -110,12 +110,12 @@ class GraphBuilder:
     def invert(self, operand: Operand) -> Operand:
         """The predicate that is 1 where `operand` is 0; a comparison is inverted by its opcode."""
         node = self.node(operand)
-        found = INVERSES.get(node.op) if node is not None else None
-        if node is None or found is None:
+        inverse = INVERSES.get(node.op) if node is not None else None
+        if node is None or inverse is None:
             return self.add(Opcode.XOR, [operand, self.const(1)])
         left, right = self._operands[node.id]
-        pair = [right, left] if found[1] else [left, right]
-        return self.add(found[0], pair, node.loc)
+        pair = [right, left] if inverse[1] else [left, right]
+        return self.add(inverse[0], pair, node.loc)
 
     def mark(self, operand: Operand, control: Control, loc: SourceLoc | None = None) -> Operand:
         """Hands `operand` to the tile controller (through a `mov` where it is not an operation)."""

@@ -99,10 +99,10 @@ def choose_for(
         except SystolicError as error:
             refused += f"; {mode} not: {error.reason}"
     best = min(costs, key=lambda mode: costs[mode])
-    told = ", ".join(f"{mode} {count} cycles" for mode, count in costs.items())
+    listed = ", ".join(f"{mode} {count} cycles" for mode, count in costs.items())
     on = f" ({tiles} tile{'s' if tiles > 1 else ''})"
-    told = told.replace(f"{GPU} ", f"{GPU}{on} ", 1)
-    return KernelChoice(best, f"fewest cycles predicted: {told}{refused}", costs)
+    listed = listed.replace(f"{GPU} ", f"{GPU}{on} ", 1)
+    return KernelChoice(best, f"fewest cycles predicted: {listed}{refused}", costs)
 
 
 def explain(program: Program, machine: Accelerator) -> str:

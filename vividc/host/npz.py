@@ -245,27 +245,31 @@ def _read_header(member: IO[bytes]) -> Header:
         raise ValueError(f"the header of an array takes {length} bytes")
     text = _exactly(member, length).decode("latin-1")
     try:
-        told = ast.literal_eval(text.strip())
+        fields = ast.literal_eval(text.strip())
     except _NO_LITERAL as fault:
         raise ValueError("the header of an array is malformed") from fault
     offset = len(begin) + struct.calcsize(form) + length
-    return Header(*_understood(told), offset)
+    return Header(*_understood(fields), offset)
 
 
-def _understood(told: object) -> tuple[np.dtype[Any], tuple[int, ...], bool]:
-    if not isinstance(told, dict) or set(told) != _KEYS or not isinstance(told["shape"], tuple):
+def _understood(fields: object) -> tuple[np.dtype[Any], tuple[int, ...], bool]:
+    if (
+        not isinstance(fields, dict)
+        or set(fields) != _KEYS
+        or not isinstance(fields["shape"], tuple)
+    ):
         raise ValueError("the header of an array is malformed")
-    shape, fortran = told["shape"], told["fortran_order"]
+    shape, fortran = fields["shape"], fields["fortran_order"]
     if not all(type(size) is int and size >= 0 for size in shape) or type(fortran) is not bool:
         raise ValueError("the header of an array has no usable shape")
-    if not isinstance(told["descr"], str):
+    if not isinstance(fields["descr"], str):
         raise ValueError("an array has elements of several fields")
     try:
-        dtype = np.dtype(told["descr"])
+        dtype = np.dtype(fields["descr"])
     except (TypeError, ValueError, SyntaxError) as fault:
         raise ValueError("the header of an array has no usable dtype") from fault
     if dtype.kind not in _KINDS or not dtype.itemsize or dtype.subdtype is not None:
-        raise ValueError(f"an array holds {quoted(told['descr'], 20)}, not plain numbers or text")
+        raise ValueError(f"an array holds {quoted(fields['descr'], 20)}, not plain numbers or text")
     return dtype, shape, fortran
 
 

@@ -30,7 +30,7 @@ from vividc.lang.host import HOST
 from vividc.lang.numba_words import plain
 
 _TARGET = "vividc"
-_WORD = ir.IntType(32)
+_I32 = ir.IntType(32)
 _PREFIX = "vividc.format."
 
 
@@ -60,7 +60,7 @@ class _Model(DataModel):  # type: ignore[misc]
     """A word in registers; in memory as many bytes as the format has."""
 
     def get_value_type(self) -> Any:
-        return _WORD
+        return _I32
 
     def get_data_type(self) -> Any:
         return ir.IntType(self._fe_type.format.bits)
@@ -69,7 +69,7 @@ class _Model(DataModel):  # type: ignore[misc]
         return builder.trunc(value, self.get_data_type())
 
     def from_data(self, builder: Any, value: Any) -> Any:
-        return builder.zext(value, _WORD)
+        return builder.zext(value, _I32)
 
     def as_argument(self, builder: Any, value: Any) -> Any:
         return value
@@ -151,7 +151,7 @@ def _from_number(fmt: Format, context: Any, builder: Any, signature: Any, args: 
 
 def _from_code(fmt: Format, context: Any, builder: Any, signature: Any, args: Any) -> Any:
     wide = context.cast(builder, args[0], signature.args[0], types.uint32)
-    return builder.and_(wide, _WORD(fmt.mask))
+    return builder.and_(wide, _I32(fmt.mask))
 
 
 def _arithmetic(operation: str, context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -163,8 +163,8 @@ def _arithmetic(operation: str, context: Any, builder: Any, signature: Any, args
 def _sign(operation: str, _: Any, builder: Any, signature: Any, args: Any) -> Any:
     fmt = signature.return_type.format
     if operation == "neg":
-        return builder.xor(args[0], _WORD(fmt.sign))
-    return builder.and_(args[0], _WORD(fmt.sign - 1))
+        return builder.xor(args[0], _I32(fmt.sign))
+    return builder.and_(args[0], _I32(fmt.sign - 1))
 
 
 def _comparison(operation: str, context: Any, builder: Any, signature: Any, args: Any) -> Any:

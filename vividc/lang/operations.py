@@ -23,7 +23,7 @@ MULHS = "vividc.mulhs"
 MULHU = "vividc.mulhu"
 
 _TARGET = "vividc"
-_WORD = ir.IntType(32)
+_I32 = ir.IntType(32)
 _I64 = ir.IntType(64)
 _INTEGERS = (types.Integer, types.Boolean)
 
@@ -99,7 +99,7 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, args: Any) -> li
     words = []
     for value, type_ in zip(args, signature.args, strict=True):
         wide = context.cast(builder, value, type_, types.int64)
-        words.append(builder.trunc(wide, _WORD))
+        words.append(builder.trunc(wide, _I32))
     return words
 
 
@@ -119,10 +119,10 @@ def _emit_mulhi(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     words = _words(context, builder, signature, args)
     signed = signature.return_type == types.int32
     if context.codegen().magic_tuple() == (_TARGET,):
-        return _call(builder, MULHS if signed else MULHU, _WORD, words)
+        return _call(builder, MULHS if signed else MULHU, _I32, words)
     widen = builder.sext if signed else builder.zext
     product = builder.mul(widen(words[0], _I64), widen(words[1], _I64))
-    return builder.trunc(builder.lshr(product, _I64(32)), _WORD)
+    return builder.trunc(builder.lshr(product, _I64(32)), _I32)
 
 
 def _emit_to_float(context: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -130,7 +130,7 @@ def _emit_to_float(context: Any, builder: Any, signature: Any, args: Any) -> Any
 
 
 def _emit_to_word(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-    return builder.bitcast(_floats(context, builder, signature, args)[0], _WORD)
+    return builder.bitcast(_floats(context, builder, signature, args)[0], _I32)
 
 
 def _typed(emit: Callable[..., Any], result: Any, accepted: Any, args: Any) -> Any:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode, Type
-from vividc.machine.words import WORD_BYTES
+from vividc.machine.words import WORD_BYTES, WORD_MASK
 from vividc.ssa.edit import read_values
 from vividc.ssa.flow import block_graph, dominators
 from vividc.ssa.ir import (
@@ -25,7 +25,6 @@ from vividc.ssa.ir import (
     Value,
 )
 
-_WORD_LIMIT = 1 << 32
 _WIDTHS = (1, 2, WORD_BYTES)
 _NOT_INSTRUCTIONS = frozenset(
     {Opcode.CONST, Opcode.LIVE_IN, Opcode.LIVE_OUT, Opcode.IV, Opcode.GENERIC}
@@ -94,7 +93,7 @@ def _operands(fn: Function) -> Iterator[str]:
 
 def _word_value(value: Value) -> str:
     if isinstance(value, Const):
-        return "" if 0 <= value.word < _WORD_LIMIT else f"is no word: {value.word}"
+        return "" if 0 <= value.word <= WORD_MASK else f"is no word: {value.word}"
     return "" if isinstance(value, Named) else f"is no word but LLVM's: {value}"
 
 

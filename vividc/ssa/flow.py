@@ -46,11 +46,11 @@ def block_graph(function: Function) -> nx.DiGraph[str]:
 def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
     """The blocks that may come before each block, in block order, unreachable ones among them."""
     time_limit.step("control flow was analysed")
-    found: dict[str, list[str]] = {block.name: [] for block in function.blocks}
+    sources_of: dict[str, list[str]] = {block.name: [] for block in function.blocks}
     for block in function.blocks:
         for target in dict.fromkeys(block.branch.successors):
-            found[target].append(block.name)
-    return {name: tuple(sources) for name, sources in found.items()}
+            sources_of[target].append(block.name)
+    return {name: tuple(sources) for name, sources in sources_of.items()}
 
 
 @once_each

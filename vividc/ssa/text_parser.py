@@ -13,6 +13,7 @@ from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import MAX_NDIM, DType, LocalArray, Param
 from vividc.machine.text_line import TextLine
+from vividc.machine.words import WORD_MASK
 from vividc.ssa.ir import (
     Block,
     Branch,
@@ -37,7 +38,6 @@ PLAIN: Final = re.compile(r"[A-Za-z_][\w.]*")
 _OPCODES: Final = {op.value: op for op in Opcode}
 _TYPES: Final = {kind.value: kind for kind in Type}
 _DTYPES: Final = {kind.value: kind for kind in DType}
-_WORD: Final = 1 << 32
 _VALUES: Final = frozenset({"undef", "f64", "parts"})
 """Words that values begin with."""
 
@@ -114,7 +114,7 @@ class _Line(TextLine):
     def word(self) -> Const:
         """A constant of 32 bits."""
         word = self.integer()
-        if not 0 <= word < _WORD:
+        if not 0 <= word <= WORD_MASK:
             self.fail(f"{word} is no word of 32 bits")
         return Const(word)
 
@@ -142,10 +142,10 @@ class _Line(TextLine):
         kind, text = self.peek()
         if self.ended or (kind == "word" and text not in _VALUES):
             return ()
-        found = [self.value()]
+        values = [self.value()]
         while self.accept("mark", ","):
-            found.append(self.value())
-        return tuple(found)
+            values.append(self.value())
+        return tuple(values)
 
     def result(self) -> int | None:
         """The id of what the line defines, if it defines anything."""

@@ -100,12 +100,12 @@ def _renamed(
     entry: Mapping[str, object], aliases: Mapping[str, tuple[str, ...]]
 ) -> dict[str, object]:
     """The first alias that is there counts; the others of that meaning are dropped."""
-    found = dict(entry)
+    renamed = dict(entry)
     for key, names in aliases.items():
-        given = [found.pop(name) for name in names if name in found]
+        given = [renamed.pop(name) for name in names if name in renamed]
         if given:
-            found[key] = given[0]
-    return found
+            renamed[key] = given[0]
+    return renamed
 
 
 def _unstyled(attributes: Mapping[str, object]) -> dict[str, object]:

@@ -207,14 +207,14 @@ class _Parser:
             self.identifier()
 
     def attributes(self) -> dict[str, str]:
-        found: dict[str, str] = {}
+        given: dict[str, str] = {}
         while self.accept("mark", "["):
             while not self.accept("mark", "]"):
                 key = self.identifier()
-                found[key] = self.identifier() if self.accept("mark", "=") else "true"
+                given[key] = self.identifier() if self.accept("mark", "=") else "true"
                 if not self.accept("mark", ","):
                     self.accept("mark", ";")
-        return found
+        return given
 
 
 def _unescaped(text: str) -> str:

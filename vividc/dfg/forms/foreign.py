@@ -65,11 +65,11 @@ def foreign_node(found: ForeignNode, *, has_inputs: bool) -> Node:
 
 def unknown_operations(dfg: DFG) -> dict[str, tuple[int, ...]]:
     """Nodes of each operation name that the table does not have."""
-    found: dict[str, list[int]] = {}
+    unknown: dict[str, list[int]] = {}
     for node in dfg.nodes:
         if node.op is Opcode.GENERIC and not is_known(node.name):
-            found.setdefault(node.name, []).append(node.id)
-    return {name: tuple(nodes) for name, nodes in found.items()}
+            unknown.setdefault(node.name, []).append(node.id)
+    return {name: tuple(nodes) for name, nodes in unknown.items()}
 
 
 def parse_word(text: str) -> int | None:

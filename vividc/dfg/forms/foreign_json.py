@@ -138,14 +138,14 @@ def _node(fields: Fields, numbers: Mapping[int | str, int], fed: set[int]) -> No
     op = fields.text("op", None)
     if op == "" and isinstance(fields.data.get("op"), str):
         fields.problem("op is empty")
-    found = ForeignNode(
+    node = ForeignNode(
         number,
         op,
         fields.text("label", str(node_id)) or str(node_id),
         _word_text(word),
         fields.text("array", ""),
     )
-    return foreign_node(found, has_inputs=number in fed)
+    return foreign_node(node, has_inputs=number in fed)
 
 
 def _word_text(word: object) -> str | None:

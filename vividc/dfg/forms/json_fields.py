@@ -130,14 +130,14 @@ def fields_of(data: Mapping[str, object], key: str, problems: list[str]) -> list
     if not isinstance(entries, list):
         problems.append(f"{key} is missing" if entries is None else f"{key} is no array")
         return []
-    found: list[Fields] = []
+    objects: list[Fields] = []
     for index, entry in enumerate(entries):
         place = f"{key}[{index}]"
         if isinstance(entry, dict):
-            found.append(Fields(entry, place, problems))
+            objects.append(Fields(entry, place, problems))
         else:
             problems.append(f"{place}: {quoted(entry)} is no object")
-    return found
+    return objects
 
 
 def parse_loc(text: str) -> SourceLoc | None:

@@ -35,11 +35,11 @@ class ElementLines(Mapping[str, int]):
         self._text = text
 
     def __getitem__(self, place: str) -> int:
-        found = _PLACE.fullmatch(place)
-        offsets = self._offsets.get(found[1]) if found is not None else None
-        if found is None or offsets is None or int(found[2]) >= len(offsets):
+        match = _PLACE.fullmatch(place)
+        offsets = self._offsets.get(match[1]) if match is not None else None
+        if match is None or offsets is None or int(match[2]) >= len(offsets):
             raise KeyError(place)
-        return self._text.count("\n", 0, offsets[int(found[2])]) + 1
+        return self._text.count("\n", 0, offsets[int(match[2])]) + 1
 
     def __iter__(self) -> Iterator[str]:
         return (f"{key}[{i}]" for key, found in self._offsets.items() for i in range(len(found)))

@@ -194,13 +194,13 @@ def _tag(match: re.Match[str], line: int, file: str) -> _Tag:
     attributes: dict[str, str] = {}
     at, end = 0, len(rest.rstrip())
     while at < end:
-        found = _ATTRIBUTE.match(rest, at)
-        if found is None:
+        attribute = _ATTRIBUTE.match(rest, at)
+        if attribute is None:
             odd = f"{rest[at : at + 30]!r}"
             _fail(file, line, f"an attribute of <{quoted(match['tag'])[1:-1]}> is malformed: {odd}")
-        value = found[2] if found[2] is not None else found[3]
-        attributes[found[1]] = html.unescape(value)
-        at = found.end()
+        value = attribute[2] if attribute[2] is not None else attribute[3]
+        attributes[attribute[1]] = html.unescape(value)
+        at = attribute.end()
     return _Tag(match["tag"], attributes, match["close"] is not None, empty, line, "")
 
 

@@ -80,15 +80,15 @@ _RULES = (
 
 def reachable(body: Body, all_bodies: Mapping[str, Body]) -> tuple[Body, ...]:
     """`body` and the functions of the file that it calls, directly or not."""
-    found = {body.name: body}
+    reached = {body.name: body}
     pending = [body]
     while pending:
         for line in pending.pop().lines[1:]:
             for callee in _referenced(line):
-                if callee in all_bodies and callee not in found:
-                    found[callee] = all_bodies[callee]
+                if callee in all_bodies and callee not in reached:
+                    reached[callee] = all_bodies[callee]
                     pending.append(all_bodies[callee])
-    return tuple(found.values())
+    return tuple(reached.values())
 
 
 def _referenced(line: str) -> Iterator[str]:

@@ -14,7 +14,7 @@ from vividc.machine.params import DType
 RETURNS = {"i1": "i1", "i8": "i32", "i16": "i32", "i32": "i32", "i64": "i64"}
 RETURNS |= {"float": "float", "double": "float", "void": "void"}
 """Type that the entry returns for each type of C's."""
-_WORD = {"ptr": "ptr", "i1": "i1", "float": "float", "double": "float"}
+_ENTRY_TYPE = {"ptr": "ptr", "i1": "i1", "float": "float", "double": "float"}
 _CONVERSION = {"i8": "trunc", "i16": "trunc", "double": "fpext"}
 _UNSIGNED = {("i32", DType.U32.value), ("i64", DType.U64.value)}
 
@@ -74,7 +74,7 @@ def entry_text(function: CFunction, counts: frozenset[str] = frozenset()) -> str
     inputs, body, arguments = [], [], []
     for index, param in enumerate(function.params):
         whole = param.type == "i64" and param.name not in counts
-        word = "i64" if whole else _WORD.get(param.type, "i32")
+        word = "i64" if whole else _ENTRY_TYPE.get(param.type, "i32")
         # Arrays of a launch never overlap.
         name = f'%"&{param.name}"' if word == "ptr" else f'%"{param.name}"'
         inputs.append(f"ptr noalias {name}" if word == "ptr" else f"{word} {name}")

@@ -102,14 +102,14 @@ def _blocks(arrays: Sequence[_Array]) -> list[tuple[int, int]]:
     """Address and size of each stretch of memory that the arrays take: those that overlap stay
     together.
     """
-    found: list[tuple[int, int]] = []
+    merged: list[tuple[int, int]] = []
     for start, size in sorted({(_address(array), array.nbytes) for array in arrays}):
-        if found and start < sum(found[-1]):
-            first, length = found[-1]
-            found[-1] = (first, max(length, start + size - first))
+        if merged and start < sum(merged[-1]):
+            first, length = merged[-1]
+            merged[-1] = (first, max(length, start + size - first))
         else:
-            found.append((start, size))
-    return found
+            merged.append((start, size))
+    return merged
 
 
 def _argument(value: object, blocks: list[tuple[int, int]]) -> object:

@@ -46,13 +46,13 @@ def instruction_lines(text: str) -> dict[str, tuple[int, ...]]:
     Calls of `llvm.dbg` functions are not counted. Of instructions whose result has no name in the
     file some may be missing.
     """
-    found: dict[str, tuple[int, ...]] = {}
+    lines: dict[str, tuple[int, ...]] = {}
     tokens = _tokens(text)
     for token, line in tokens:
         if token == "define":
             name = _header(tokens)
-            found[name] = (line, *_body(tokens))
-    return found
+            lines[name] = (line, *_body(tokens))
+    return lines
 
 
 def nesting(text: str) -> tuple[int, int]:

@@ -336,11 +336,11 @@ class _Writer:
 
     def _variable(self, name: str) -> str:
         if name not in self.names:
-            found = [text for key, text in self.known.items() if bare(key) == name]
-            if not found:  # a function that nothing calls: only its address is taken
+            definitions = [text for key, text in self.known.items() if bare(key) == name]
+            if not definitions:  # a function that nothing calls: only its address is taken
                 self.names[name] = f"inttoptr (i64 {_ODD_ADDRESS + len(self.names)} to ptr)"
                 return self.names[name]
-            cursor = Cursor(found[0])
+            cursor = Cursor(definitions[0])
             _demand_all_read(cursor)
             while cursor.peek not in ("global", "constant"):
                 token = cursor.take()

@@ -122,9 +122,9 @@ def _test(function: Function, header: Block, latch: Block, body: frozenset[str])
         if not _is_invariant(function, limit, body):
             continue
         for phi in header.phis:
-            found = _test_of_phi(function, phi, latch.name, (value, pred, limit, op))
-            if found is not None:
-                return found
+            phi_test = _test_of_phi(function, phi, latch.name, (value, pred, limit, op))
+            if phi_test is not None:
+                return phi_test
     return None
 
 
@@ -266,7 +266,7 @@ def _values_after(
     if a value is used where the loop's ways out have met.
     """
     latch = rotated.latch.name
-    found: _After = {latch: {v: carried.value(v) for v in _handed_out(function, rotated)}}
+    after: _After = {latch: {v: carried.value(v) for v in _handed_out(function, rotated)}}
     only_way = flow.predecessors[rotated.outside] == (latch,)
     reached = _reached(flow, rotated.outside)
     for block in function.blocks:
@@ -276,8 +276,8 @@ def _values_after(
         dominated = only_way and flow.dominates(rotated.outside, block.name)
         if used and not rotated.only_exit and not dominated:
             return None
-        found[block.name] = {value: carried.value(value) for value in used}
-    return found
+        after[block.name] = {value: carried.value(value) for value in used}
+    return after
 
 
 def _handed_out(function: Function, rotated: _Rotated) -> Iterator[Named]:

@@ -145,8 +145,8 @@ class _Splitter:
         """Types of the elements, however deep; of what is no aggregate itself; () of too many."""
         if not _is_aggregate(type_):
             return (str(type_),)
-        found = tuple(leaf for one in self._inner(type_) for leaf in self._types(one))
-        return found if len(found) <= _MOST else ()
+        leaves = tuple(leaf for one in self._inner(type_) for leaf in self._types(one))
+        return leaves if len(leaves) <= _MOST else ()
 
     def _inner(self, type_: Kind) -> list[str]:
         text = str(type_)

@@ -27,12 +27,12 @@ def offsets(
 
     None if an element's size is not known.
     """
-    found: list[tuple[Value, int]] = []
+    scaled: list[tuple[Value, int]] = []
     for position, index in enumerate(indices):
         inside = list(members(element, structs)) if position else []
         if inside:
             assert isinstance(index, Int)  # LLVM takes nothing else
-            found.append((Int(_offset(inside, index.value, structs)), 1))
+            scaled.append((Int(_offset(inside, index.value, structs)), 1))
             element = inside[index.value]
             continue
         inner = _ARRAY.fullmatch(element) if position else None
@@ -40,8 +40,8 @@ def offsets(
         layout = _layout(element, structs)
         if layout is None or (position and inner is None):
             return None
-        found.append((index, layout[0]))
-    return tuple(index for index, _ in found), tuple(stride for _, stride in found)
+        scaled.append((index, layout[0]))
+    return tuple(index for index, _ in scaled), tuple(stride for _, stride in scaled)
 
 
 def part_type(type_: str, indices: tuple[int, ...], structs: Structs) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.ir import LLVM_CASTS, Float, Global, Input, Int, Named, Parts, Ref, Value
 
 _TOKEN = re.compile(
@@ -48,7 +49,6 @@ _FLAGS = frozenset(
 _SPECIAL = re.compile(rb'[^ -~]|["\\]')
 _ESCAPE = re.compile(rb"\\\\|\\[0-9A-Fa-f]{2}")
 _FLOAT_DIGITS = 8
-_WORD = 32
 
 
 class Structs(dict[str, str]):
@@ -181,11 +181,11 @@ class Cursor:
         if token == "getelementptr":
             return self._constant_address()
         start = self.position
-        found = self._moved(token)
-        if found is None:
+        place = self._moved(token)
+        if place is None:
             self.position = start
             self._skip_constant_expression()
-        return found or Global(token)
+        return place or Global(token)
 
     def _moved(self, token: str) -> Global | None:
         """An address as a number, or one a constant further: `add (i64 ptrtoint (...), i64 -20)`;
@@ -282,8 +282,8 @@ def _kept(value: int, type_: str) -> int:
     """A constant as it is kept: of an integer type of less than a word, whatever its width (LLVM
     narrows switches to i2, i5, ...), without sign.
     """
-    bits = int(type_[1:]) if type_[:1] == "i" and type_[1:].isdigit() else _WORD
-    return value & ((1 << bits) - 1) if bits < _WORD else value
+    bits = int(type_[1:]) if type_[:1] == "i" and type_[1:].isdigit() else WORD_BITS
+    return value & ((1 << bits) - 1) if bits < WORD_BITS else value
 
 
 def _float(token: str) -> float:

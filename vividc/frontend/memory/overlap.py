@@ -32,13 +32,13 @@ def fold_overlaps(function: Function) -> Function:
 
 def _arrays(function: Function, address: Value) -> set[Key]:
     """Parameters that an address is computed from; {""} stands for what is not known."""
-    found: set[Key] = set()
+    bases: set[Key] = set()
     seen: set[Key] = set()
     pending = [address]
     while pending:
         operand = pending.pop()
         if isinstance(operand, Global):
-            found.add(operand.name)
+            bases.add(operand.name)
         if not isinstance(operand, Named) or operand.key in seen:
             continue
         seen.add(operand.key)
@@ -46,9 +46,9 @@ def _arrays(function: Function, address: Value) -> set[Key]:
         if isinstance(definition, Phi):
             pending.extend(value for _, value in definition.incoming)
         elif isinstance(definition, Instr) and definition.op == "call":
-            found.add(operand.key)  # an array that the kernel makes
+            bases.add(operand.key)  # an array that the kernel makes
         elif isinstance(definition, Instr):
             pending.extend(definition.operands)
         elif type_of(function, operand) == "ptr":
-            found.add(operand.key)
-    return found
+            bases.add(operand.key)
+    return bases

@@ -15,7 +15,7 @@ from vividc.ssa.ir import Block, Function, Instr, Int, Kind, Phi, Ref, Value, ty
 from vividc.ssa.rewrite.dead import remove_unused
 
 _SMALL = {"i8": 8, "i16": 16}
-_WORD = "i32"
+_I32 = "i32"
 _WORD_BYTES = 4
 _EXTREMA = ("llvm.smin.", "llvm.smax.")
 _SIGNED_OPS = frozenset({"sext", "sitofp", "ashr", "sdiv", "srem"})
@@ -37,13 +37,13 @@ def extend_loads(function: Function) -> Function:
 
 
 def _read_by_phis(function: Function, chosen: dict[int, str]) -> dict[str, tuple[Phi, ...]]:
-    found: dict[str, tuple[Phi, ...]] = {}
+    feeding: dict[str, tuple[Phi, ...]] = {}
     for block in function.blocks:
         for phi in block.phis:
             for pred, value in phi.incoming:
                 if phi.id not in chosen and isinstance(value, Ref) and value.id in chosen:
-                    found[pred] = (*found.get(pred, ()), phi)
-    return found
+                    feeding[pred] = (*feeding.get(pred, ()), phi)
+    return feeding
 
 
 def _signed_values(function: Function) -> dict[int, str]:
@@ -152,7 +152,7 @@ class _SignedWords:
         """The phi on words if it is chosen, else on what its predecessors cut for it."""
         if phi.id in self.chosen:
             words = tuple((pred, self.word(value, phi.type)) for pred, value in phi.incoming)
-            return Phi(self.ids(phi.id), _WORD, words, phi.loc)
+            return Phi(self.ids(phi.id), _I32, words, phi.loc)
         incoming = tuple(
             (pred, Ref(self.ids(phi.id, pred)) if self.has_word(value) else value)
             for pred, value in phi.incoming
@@ -169,9 +169,9 @@ class _SignedWords:
             yield replace(
                 op,
                 id=self.ids(op.id),
-                type=_WORD,
+                type=_I32,
                 operands=op.operands if op.op == "load" else (*op.operands[:first], *words),
-                pred=op.pred.replace(str(op.type), _WORD),
+                pred=op.pred.replace(str(op.type), _I32),
                 signed=op.op == "load",
             )
             return
@@ -194,13 +194,13 @@ class _SignedWords:
             return op
         word = self.word(op.operands[0])
         if op.op == "store":
-            return replace(op, type=_WORD, operands=(word, *op.operands[1:]))
+            return replace(op, type=_I32, operands=(word, *op.operands[1:]))
         if op.op not in ("sext", "sitofp", "trunc"):
             return op
         opcode = "trunc" if op.op == "sext" and op.type in _SMALL else op.op
-        if op.op == "sext" and op.type == _WORD:
+        if op.op == "sext" and op.type == _I32:
             opcode = "freeze"
-        return replace(op, op=opcode, operands=(word,), source=_WORD)
+        return replace(op, op=opcode, operands=(word,), source=_I32)
 
     def comparison(self, op: Instr) -> Instr:
         """Sign extension keeps the order of signed numbers and that of unsigned ones."""
@@ -209,7 +209,7 @@ class _SignedWords:
         if not any(chosen) or not all(a or b for a, b in zip(chosen, constant, strict=True)):
             return op
         args = tuple(self.word(arg, op.type) for arg in op.operands)
-        return replace(op, type=_WORD, operands=args)
+        return replace(op, type=_I32, operands=args)
 
     def has_word(self, operand: Value) -> bool:
         """Whether the operand is held as a signed word."""
@@ -226,7 +226,7 @@ class _SignedWords:
     def cut(self, value: Ref, id_: int, user: Instr | Phi) -> Instr:
         """The small value with an id of its own."""
         word = self.word(value)
-        return Instr(id_, "trunc", self.chosen[value.id], (word,), source=_WORD, loc=user.loc)
+        return Instr(id_, "trunc", self.chosen[value.id], (word,), source=_I32, loc=user.loc)
 
 
 def store_low_bits(function: Function) -> Function:
@@ -291,24 +291,24 @@ class _LowWords:
         id_ = self.ids(op.id)
         if op.op == "trunc":
             opcode = "trunc" if op.source == "i64" else "freeze"
-            return replace(op, id=id_, op=opcode, type=_WORD, operands=(self.word(op.operands[0]),))
+            return replace(op, id=id_, op=opcode, type=_I32, operands=(self.word(op.operands[0]),))
         if self.counts.get(op.id, 0) > 1:
             return None
         if op.op in _RING:
-            return replace(op, id=id_, type=_WORD, operands=tuple(map(self.word, op.operands)))
+            return replace(op, id=id_, type=_I32, operands=tuple(map(self.word, op.operands)))
         if op.op == "select":
             args = (op.operands[0], *map(self.word, op.operands[1:]))
-            return replace(op, id=id_, type=_WORD, operands=args)
+            return replace(op, id=id_, type=_I32, operands=args)
         if op.op == "shl" and isinstance(op.operands[1], Int):
             return replace(
-                op, id=id_, type=_WORD, operands=(self.word(op.operands[0]), op.operands[1])
+                op, id=id_, type=_I32, operands=(self.word(op.operands[0]), op.operands[1])
             )
         return None
 
     def placed(self, op: Instr, values: dict[Instr, Value]) -> Iterator[Instr]:
         """The operation, a store with its word, and behind it the word it got."""
         if op in values:
-            yield replace(op, type=_WORD, operands=(values[op], *op.operands[1:]))
+            yield replace(op, type=_I32, operands=(values[op], *op.operands[1:]))
             return
         yield op
         if op.id in self.added:

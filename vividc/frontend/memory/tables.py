@@ -11,6 +11,7 @@ from vividc.errors import InternalError, KernelError, SourceLoc
 from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.tokens import Cursor, bare, unescaped
 from vividc.frontend.ranges.interval import S32, U32
+from vividc.machine.words import WORD_MASK
 from vividc.ssa.ir import Float, Int
 
 _GLOBAL = re.compile(r'^(@(?:"(?:[^"\\]|\\.)*"|[-\w.$]+)) = .*?\bconstant (\[.*)$', re.MULTILINE)
@@ -18,7 +19,6 @@ _ARRAY = re.compile(r"\[(\d+)x(.*)\]")
 _SCALARS = frozenset({"i8", "i16", "i32", "i64", "float", "double"})
 _MAX_LENGTH = 1 << 24
 _UNDEFINED = frozenset({"zeroinitializer", "poison", "undef"})
-_MASK = 0xFFFFFFFF
 
 PACKED_BYTES = {"i8": 1, "i16": 2}
 
@@ -35,7 +35,7 @@ class Table:
 
 def tables_of(text: str) -> dict[str, Table]:
     """Constant arrays of numbers by name; nested arrays are flattened, others are left out."""
-    found: dict[str, Table] = {}
+    tables: dict[str, Table] = {}
     for match in _GLOBAL.finditer(text):
         cursor = Cursor(match[2])
         type_ = cursor.type()
@@ -46,8 +46,8 @@ def tables_of(text: str) -> dict[str, Table]:
         if element in _SCALARS and cursor.peek not in ("", ","):  # else another file has it
             values = _values(cursor, type_)
             if None not in values:
-                found[bare(match[1])] = Table(element, tuple(v for v in values if v is not None))
-    return found
+                tables[bare(match[1])] = Table(element, tuple(v for v in values if v is not None))
+    return tables
 
 
 def words_of(table: Table, loc: SourceLoc | None) -> tuple[int, ...]:
@@ -71,7 +71,7 @@ def words_of(table: Table, loc: SourceLoc | None) -> tuple[int, ...]:
                 c="keep its numbers within int32_t, or within uint32_t",
             ),
         )
-    return tuple(int(value) & _MASK for value in table.values)
+    return tuple(int(value) & WORD_MASK for value in table.values)
 
 
 def packed_words_of(table: Table) -> tuple[int, ...]:

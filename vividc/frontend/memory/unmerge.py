@@ -17,10 +17,10 @@ def split_merged_loads(function: Function) -> Function:
     """Undo `load (phi a, b)`, and `load (select c, a, b)` where a and b are of different arrays."""
     function = _split_phis(_with_own_edges(function))
     while True:
-        found = _load_of_choice(function)
-        if found is None:
+        merged = _load_of_choice(function)
+        if merged is None:
             return function
-        function = _branch_on_choice(function, *found)
+        function = _branch_on_choice(function, *merged)
 
 
 def _with_own_edges(function: Function) -> Function:

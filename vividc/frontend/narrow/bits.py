@@ -12,23 +12,22 @@ from vividc.frontend.narrow.emit import WORD_HINT, Emitter
 from vividc.frontend.narrow.small import emit_masked, sign_extended
 from vividc.frontend.ranges.interval import width
 from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.ir import Const, Instr, Int, Value
 
 Rule = Callable[[Emitter, Instr], None]
-_WORD = 32
 _UINT32 = Advice("use np.uint32(...)", c="use uint32_t")
-_MASK = 0xFFFFFFFF
 _INT_MAX = 0x7FFFFFFF
 
 
 def _count_ones(emitter: Emitter, op: Instr) -> None:
     word = _word(emitter, op)
-    if width(op.type) <= _WORD or emitter.range(op.operands[0])[0] >= 0:
+    if width(op.type) <= WORD_BITS or emitter.range(op.operands[0])[0] >= 0:
         emitter.emit(op, Opcode.CTPOP, (word,))
         return
     ones = emitter.helper(op, Opcode.CTPOP, word)
-    sign = emitter.helper(op, Opcode.ASHR, word, Const(_WORD - 1))
-    above = emitter.helper(op, Opcode.AND, sign, Const(_WORD))
+    sign = emitter.helper(op, Opcode.ASHR, word, Const(WORD_BITS - 1))
+    above = emitter.helper(op, Opcode.AND, sign, Const(WORD_BITS))
     emitter.emit(op, Opcode.ADD, (ones, above))
 
 
@@ -36,12 +35,12 @@ def _leading_zeros(emitter: Emitter, op: Instr) -> None:
     """A word has 32 - width more; the upper word of a 64-bit value is 0, or all ones."""
     bits = width(op.type)
     word = _word(emitter, op)
-    if bits == _WORD:
+    if bits == WORD_BITS:
         emitter.emit(op, Opcode.CTLZ, (word,))
         return
     zeros = emitter.helper(op, Opcode.CTLZ, word)
-    difference = Const(bits - _WORD & _MASK)
-    if bits < _WORD or emitter.range(op.operands[0])[0] >= 0:
+    difference = Const(bits - WORD_BITS & WORD_MASK)
+    if bits < WORD_BITS or emitter.range(op.operands[0])[0] >= 0:
         emitter.emit(op, Opcode.ADD, (zeros, difference))
         return
     total = emitter.helper(op, Opcode.ADD, zeros, difference)
@@ -53,9 +52,9 @@ def _trailing_zeros(emitter: Emitter, op: Instr) -> None:
     """0 has as many as its type has bits, unless LLVM gives it no meaning."""
     bits = width(op.type)
     word = _word(emitter, op)
-    if bits < _WORD:
+    if bits < WORD_BITS:
         word = emitter.helper(op, Opcode.OR, word, Const(1 << bits))
-    if bits <= _WORD or op.operands[1] == Int(1):
+    if bits <= WORD_BITS or op.operands[1] == Int(1):
         emitter.emit(op, Opcode.CTTZ, (word,))
         return
     zeros = emitter.helper(op, Opcode.CTTZ, word)
@@ -66,7 +65,7 @@ def _trailing_zeros(emitter: Emitter, op: Instr) -> None:
 def _word(emitter: Emitter, op: Instr) -> Value:
     """The word of the operand, which determines it."""
     operand = op.operands[0]
-    if width(op.type) > _WORD and not emitter.unsigned(operand):
+    if width(op.type) > WORD_BITS and not emitter.unsigned(operand):
         emitter.require_signed(operand, op.loc, "the operand of a bit count", WORD_HINT)
     return emitter.value(operand)
 
@@ -76,14 +75,14 @@ def _permutation(opcode: Opcode) -> Rule:
 
     def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
-        if bits > _WORD:
+        if bits > WORD_BITS:
             raise KernelError("the bits of a 64-bit integer", loc=op.loc, hint=_UINT32)
         word = emitter.value(op.operands[0])
-        if bits == _WORD:
+        if bits == WORD_BITS:
             emitter.emit(op, opcode, (word,))
             return
         top = emitter.helper(op, opcode, word)
-        emitter.emit(op, Opcode.LSHR, (top, Const(_WORD - bits)))
+        emitter.emit(op, Opcode.LSHR, (top, Const(WORD_BITS - bits)))
 
     return rule
 
@@ -93,9 +92,9 @@ def _funnel(left: bool) -> Rule:
 
     def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
-        if bits > _WORD:
+        if bits > WORD_BITS:
             raise KernelError("a rotation of a 64-bit integer", loc=op.loc, hint=_UINT32)
-        if bits < _WORD:
+        if bits < WORD_BITS:
             _funnel_small(emitter, op, left)
         elif isinstance(op.operands[2], Int):
             _funnel_constant(emitter, op, op.operands[2].value % bits, left)
@@ -109,12 +108,12 @@ def _funnel(left: bool) -> Rule:
 
 def _funnel_constant(emitter: Emitter, op: Instr, amount: int, left: bool) -> None:
     high, low = (emitter.value(arg) for arg in op.operands[:2])
-    by = amount if left else -amount % _WORD
+    by = amount if left else -amount % WORD_BITS
     if by == 0:
         emitter.emit(op, Opcode.MOV, (high if left else low,))
         return
     up = emitter.helper(op, Opcode.SHL, high, Const(by))
-    down = emitter.helper(op, Opcode.LSHR, low, Const(_WORD - by))
+    down = emitter.helper(op, Opcode.LSHR, low, Const(WORD_BITS - by))
     emitter.emit(op, Opcode.OR, (up, down))
 
 
@@ -131,7 +130,7 @@ def _rotate(emitter: Emitter, op: Instr, left: bool) -> None:
 def _funnel_variable(emitter: Emitter, op: Instr, left: bool) -> None:
     """By one, then by 31 - amount: a shift by 32 would be one by 0."""
     high, low, amount = (emitter.value(arg) for arg in op.operands)
-    rest = emitter.helper(op, Opcode.XOR, amount, Const(_WORD - 1))
+    rest = emitter.helper(op, Opcode.XOR, amount, Const(WORD_BITS - 1))
     if left:
         near = emitter.helper(op, Opcode.SHL, high, amount)
         far = emitter.helper(op, Opcode.LSHR, low, Const(1))
@@ -146,7 +145,7 @@ def _funnel_variable(emitter: Emitter, op: Instr, left: bool) -> None:
 def _funnel_small(emitter: Emitter, op: Instr, left: bool) -> None:
     """Both halves side by side in one word; the types that LLVM makes have 8 or 16 bits."""
     bits = width(op.type)
-    if 2 * bits > _WORD or bits & (bits - 1):
+    if 2 * bits > WORD_BITS or bits & (bits - 1):
         raise KernelError(f"a rotation of {op.type}", loc=op.loc, hint=_UINT32)
     high, low, amount = (emitter.value(arg) for arg in op.operands)
     up = emitter.helper(op, Opcode.SHL, high, Const(bits))
@@ -164,9 +163,9 @@ def _saturating(opcode: Opcode, is_signed: bool) -> Rule:
 
     def rule(emitter: Emitter, op: Instr) -> None:
         bits = width(op.type)
-        if bits > _WORD:
+        if bits > WORD_BITS:
             _saturating_wide(emitter, op, opcode, is_signed)
-        elif bits < _WORD:
+        elif bits < WORD_BITS:
             _saturating_small(emitter, op, opcode, is_signed)
         elif is_signed:
             _saturating_signed(emitter, op, opcode)
@@ -196,7 +195,7 @@ def _saturating_small(emitter: Emitter, op: Instr, opcode: Opcode, is_signed: bo
     else:
         left, right = (emitter.value(arg) for arg in op.operands)
     exact = emitter.helper(op, opcode, left, right)
-    above = emitter.helper(op, Opcode.SMAX, exact, Const(low & _MASK))
+    above = emitter.helper(op, Opcode.SMAX, exact, Const(low & WORD_MASK))
     emit_masked(emitter, op, Opcode.SMIN, above, Const(high))
 
 
@@ -207,7 +206,7 @@ def _saturating_unsigned(emitter: Emitter, op: Instr, opcode: Opcode) -> None:
         wraps = emitter.helper(op, Opcode.ICMP_ULT, result, left, type_=Type.PRED)
     else:
         wraps = emitter.helper(op, Opcode.ICMP_ULT, left, right, type_=Type.PRED)
-    limit = Const(_MASK if opcode is Opcode.ADD else 0)
+    limit = Const(WORD_MASK if opcode is Opcode.ADD else 0)
     emitter.emit(op, Opcode.SELECT, (wraps, limit, result))
 
 
@@ -220,7 +219,7 @@ def _saturating_signed(emitter: Emitter, op: Instr, opcode: Opcode) -> None:
     differs = emitter.helper(op, Opcode.XOR, other, right)
     both = emitter.helper(op, Opcode.AND, changed, differs)
     wraps = emitter.helper(op, Opcode.ICMP_SLT, both, Const(0), type_=Type.PRED)
-    sign = emitter.helper(op, Opcode.ASHR, left, Const(_WORD - 1))
+    sign = emitter.helper(op, Opcode.ASHR, left, Const(WORD_BITS - 1))
     limit = emitter.helper(op, Opcode.XOR, sign, Const(_INT_MAX))
     emitter.emit(op, Opcode.SELECT, (wraps, limit, result))
 

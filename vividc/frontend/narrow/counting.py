@@ -25,11 +25,11 @@ def word_parameters(function: Function) -> frozenset[str]:
     if not wide:
         return frozenset()
     search = _Search(function)
-    found: set[str] = set()
+    counting: set[str] = set()
     for header in search.flow.loops:
         for operand in search.counts(header):
-            found |= wide & search.sources(operand)
-    return frozenset(found)
+            counting |= wide & search.sources(operand)
+    return frozenset(counting)
 
 
 class _Search:
@@ -52,7 +52,7 @@ class _Search:
 
     def sources(self, operand: Value, *, indexes: bool = False) -> set[Key]:
         """Parameters and phis that an operand is computed from."""
-        found: set[Key] = set()
+        sources: set[Key] = set()
         pending, seen = [operand], set[Key]()
         while pending:
             current = pending.pop()
@@ -64,8 +64,8 @@ class _Search:
                 kept = _keeps_magnitude(definition) or (indexes and definition.op == "trunc")
                 pending.extend(definition.operands if kept else ())
             else:
-                found.add(current.key)
-        return found
+                sources.add(current.key)
+        return sources
 
     def _sources_of_indices(self) -> set[Key]:
         return {

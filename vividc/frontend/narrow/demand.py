@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vividc.frontend.ranges.interval import width
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.ir import Block, Function, Instr, Int, Key, Named, Value
 
 _ALL = 64
-_WORD = 32
 _RING = frozenset({"add", "sub", "mul", "or", "xor", "freeze"})
 
 
@@ -45,9 +45,9 @@ def _demands(block: Block, demand: dict[Key, int]) -> Iterator[tuple[Value, int]
 def _of_operands(op: Instr, bits: int) -> Iterator[tuple[Value, int]]:
     if op.op == "store":
         yield op.operands[0], 8 * op.width
-        yield op.operands[1], _WORD
+        yield op.operands[1], WORD_BITS
     elif op.op == "load":
-        yield op.operands[0], _WORD
+        yield op.operands[0], WORD_BITS
     elif op.op == "select":
         yield op.operands[0], 1
         yield from ((arg, bits) for arg in op.operands[1:])

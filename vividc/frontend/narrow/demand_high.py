@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 from vividc.frontend.ranges.interval import S32, U32, Interval, contains
 from vividc.frontend.ranges.ranges import Ranges
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.ir import Branch, Function, Instr, Int, Key, Named, Phi, Value, result_type
 
-WORD = 32
 WIDE = "i64"
 COMPARING_CALLS = frozenset({"smin", "smax", "umin", "umax", "abs", "scmp", "ucmp"})
 WHOLE_CALLS = frozenset(
@@ -111,7 +111,7 @@ def _of_low_bits(op: Instr) -> Iterator[Value]:
         yield from op.operands
     elif op.op == "shl":
         amount = op.operands[1]
-        if not isinstance(amount, Int) or amount.value < WORD:
+        if not isinstance(amount, Int) or amount.value < WORD_BITS:
             yield op.operands[0]
 
 
@@ -121,7 +121,7 @@ def _both_ways(op: Instr) -> tuple[tuple[Value, Value], ...]:
 
 
 def _has_no_high(operand: Value) -> bool:
-    return isinstance(operand, Int) and 0 <= operand.value < 1 << WORD
+    return isinstance(operand, Int) and 0 <= operand.value < 1 << WORD_BITS
 
 
 def _of_comparison(op: Instr, facts: WordFacts, _: bool) -> tuple[Value, ...]:
@@ -133,8 +133,8 @@ def _of_shift_right(op: Instr, facts: WordFacts, wanted: bool) -> tuple[Value, .
     if wanted:
         return (value,)
     if isinstance(amount, Int):
-        bits = min(facts.demand.get(op.id, 0), WORD)
-        return () if amount.value + bits <= WORD or facts.fit(value) else (value,)
+        bits = min(facts.demand.get(op.id, 0), WORD_BITS)
+        return () if amount.value + bits <= WORD_BITS or facts.fit(value) else (value,)
     if op.op == "lshr" and facts.range(value)[0] < 0:
         return (value,)
     return () if facts.fit(value) else (value,)

@@ -21,10 +21,9 @@ from vividc.frontend.narrow.small import sign_extended, signed_range
 from vividc.frontend.ranges.interval import S32, U32, Interval, contains, width
 from vividc.machine.division import multiplier, quotient_by_constant, remainder_by_constant
 from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.ir import Const, Instr, Value
 
-_WORD = 32
-_MASK = 0xFFFFFFFF
 _SIGN = 31
 
 
@@ -62,7 +61,7 @@ def divide(emitter: Emitter, op: Instr, hint: str) -> None:
     """
     result = _Division(emitter, op, hint).result(is_quotient=op.mnemonic.endswith("div"))
     bits = width(op.type)
-    if bits < _WORD:
+    if bits < WORD_BITS:
         emitter.emit(op, Opcode.AND, (result, Const((1 << bits) - 1)))
     else:
         emitter.emit(op, Opcode.MOV, (result,))
@@ -99,10 +98,10 @@ class _Division:
         emitter, op = self._emitter, self._op
         bits, is_signed = width(op.type), op.mnemonic[0] == "s"
         interval = emitter.range(operand)
-        if bits < _WORD and is_signed:
+        if bits < WORD_BITS and is_signed:
             word = sign_extended(emitter, op, operand, bits)
             return _Term(word, signed_range(interval, bits), operand)
-        if bits == _WORD and not is_signed and interval[0] < 0:
+        if bits == WORD_BITS and not is_signed and interval[0] < 0:
             interval = _as_unsigned(interval)
         if not contains(U32, interval) and not (is_signed and contains(S32, interval)):
             emitter.require_signed(operand, op.loc, what, self._hint)
@@ -113,7 +112,8 @@ class _Division:
 
     def _emit(self, opcode: Opcode, *operands: Value | int) -> Value:
         values = tuple(
-            Const(operand & _MASK) if isinstance(operand, int) else operand for operand in operands
+            Const(operand & WORD_MASK) if isinstance(operand, int) else operand
+            for operand in operands
         )
         info = OPCODES[opcode]
         kind = Type.PRED if info.result is Type.PRED else Type.I32
@@ -167,7 +167,7 @@ class _Division:
         if divisor == 1 << power:
             if power == 0:
                 return a.word
-            bias = self._emit(Opcode.LSHR, sign, _WORD - power)
+            bias = self._emit(Opcode.LSHR, sign, WORD_BITS - power)
             return self._emit(Opcode.ASHR, self._emit(Opcode.ADD, a.word, bias), power)
         by = multiplier(divisor, a.magnitude)
         if by.factor >> _SIGN or by.before or by.increment:
@@ -197,7 +197,7 @@ class _Division:
         a = self._dividend
         multiple = -(a.range[0] // divisor)
         largest = a.range[1] + multiple * divisor
-        if largest > _MASK or largest < 0:
+        if largest > WORD_MASK or largest < 0:
             return None
         shifted = self._emit(Opcode.ADD, a.word, multiple * divisor)
         result = self._by_constant(shifted, largest, divisor, is_quotient)
@@ -258,7 +258,7 @@ class _Division:
 
     def _by_reciprocal(self, dividend: Value, divisor: Value, is_quotient: bool) -> Value:
         """All that depends on the divisor alone leaves the loop."""
-        reciprocal = self._emit(Opcode.UDIV, _MASK, divisor)
+        reciprocal = self._emit(Opcode.UDIV, WORD_MASK, divisor)
         negated = self._emit(Opcode.SUB, 0, divisor)
         quotient = self._emit(Opcode.MULHU, dividend, reciprocal)
         rest = self._emit(Opcode.ADD, dividend, self._emit(Opcode.MUL, quotient, negated))
@@ -272,4 +272,4 @@ class _Division:
 def _as_unsigned(interval: Interval) -> Interval:
     """Of words that are kept as signed."""
     low, high = interval
-    return U32 if high >= 0 else (low + 2**_WORD, high + 2**_WORD)
+    return U32 if high >= 0 else (low + 2**WORD_BITS, high + 2**WORD_BITS)

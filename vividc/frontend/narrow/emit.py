@@ -14,6 +14,7 @@ from vividc.frontend.ranges.interval import S32, U32, Interval, contains
 from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import HIGH_SUFFIX
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.ir import (
     Const,
     Float,
@@ -35,7 +36,6 @@ WORD_HINT = Advice(
     "a range with a step: range(0, min(n, len(x)), 2)",
     c="cast the result to int32_t, or bound it with a comparison before",
 )
-_MASK = 0xFFFFFFFF
 _DEPTH = 4
 
 
@@ -49,7 +49,7 @@ def word_type(type_: Kind) -> Type:
 def constant(operand: Int | Float) -> Const:
     """The word of a constant; doubles are rounded to float32."""
     if isinstance(operand, Int):
-        return Const(operand.value & _MASK)
+        return Const(operand.value & WORD_MASK)
     with np.errstate(over="ignore"):
         return Const(int(np.float32(operand.value).view(np.uint32)))
 
@@ -70,9 +70,9 @@ class Emitter:
         self._types = types_of(function)
         self._block = ""
         self._next = len(ids)
-        found = high_words(function, ranges, self._demand, returned=returned)
+        needed = high_words(function, ranges, self._demand, returned=returned)
         # In the function's order, so that two runs give the same numbers.
-        self.high_ids = {name: self.fresh() for name in self._types if name in found}
+        self.high_ids = {name: self.fresh() for name in self._types if name in needed}
 
     def start(self, block: str) -> None:
         """Begin a block."""
@@ -119,7 +119,7 @@ class Emitter:
     def known_high(self, operand: Value) -> Value | None:
         """The high word of a 64-bit integer; None if that is the sign of its word."""
         if isinstance(operand, Int):
-            return Const(operand.value >> 32 & _MASK)
+            return Const(operand.value >> WORD_BITS & WORD_MASK)
         if self.unsigned(operand):
             return Const(0)
         assert isinstance(operand, Named)

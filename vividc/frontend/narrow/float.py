@@ -13,6 +13,7 @@ from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.small import emit_masked, is_small, sign_extended
 from vividc.frontend.ranges.interval import width
 from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.words import WORD_MASK
 from vividc.ssa.ir import Const, Float, Instr, Named, Value
 
 Rule = Callable[[Emitter, Instr], None]
@@ -35,7 +36,6 @@ _COMPARE: dict[str, tuple[Opcode, bool]] = {
     "uge": (_O.FCMP_ULE, True),
 }
 _SIGN = 0x80000000
-_MASK = 0xFFFFFFFF
 
 
 def _direct(opcode: Opcode) -> Rule:
@@ -173,14 +173,14 @@ def _ldexp(emitter: Emitter, op: Instr) -> None:
         emitter.demote(op)
     x, n = (emitter.value(arg) for arg in op.operands)
     for step in (-102, -102, 127, 127):
-        bounds = (n, Const(-126 & _MASK)) if step < 0 else (Const(127), n)
+        bounds = (n, Const(-126 & WORD_MASK)) if step < 0 else (Const(127), n)
         beyond = emitter.helper(op, Opcode.ICMP_SLT, *bounds, type_=Type.PRED)
         scale = Const((step + 127) << 23)
         scaled = emitter.helper(op, Opcode.FMUL, x, scale, type_=Type.F32)
         x = emitter.helper(op, Opcode.SELECT, beyond, scaled, x, type_=Type.F32)
-        rest = emitter.helper(op, Opcode.ADD, n, Const(-step & _MASK))
+        rest = emitter.helper(op, Opcode.ADD, n, Const(-step & WORD_MASK))
         n = emitter.helper(op, Opcode.SELECT, beyond, rest, n)
-    n = emitter.helper(op, Opcode.SMAX, n, Const(-126 & _MASK))
+    n = emitter.helper(op, Opcode.SMAX, n, Const(-126 & WORD_MASK))
     n = emitter.helper(op, Opcode.SMIN, n, Const(127))
     power = emitter.helper(op, Opcode.SHL, emitter.helper(op, Opcode.ADD, n, Const(127)), Const(23))
     emitter.emit(op, Opcode.FMUL, (x, power))

@@ -28,16 +28,16 @@ def _rule(opcode: Opcode) -> Rule:
 def _opcodes(fmt: Format) -> dict[str, Opcode]:
     """Opcodes of a format by the names of `lang.numba_types`."""
     packed = f"{fmt.name}x{fmt.lanes}"
-    found = {name: Opcode(f"f{name}.{packed}") for name in ("add", "sub", "mul")}
-    found["fma"] = Opcode(f"fma.{packed}")
-    found["from_f32"] = Opcode(f"fptrunc.{fmt.name}")
-    found["to_f32"] = Opcode(f"fpext.{fmt.name}")
-    found["pack"] = Opcode(f"pack.{packed}")
-    found["lanes_max"] = Opcode(f"fmax.{packed}")
-    found["dot"] = Opcode(f"dot.{packed}")
+    opcodes = {name: Opcode(f"f{name}.{packed}") for name in ("add", "sub", "mul")}
+    opcodes["fma"] = Opcode(f"fma.{packed}")
+    opcodes["from_f32"] = Opcode(f"fptrunc.{fmt.name}")
+    opcodes["to_f32"] = Opcode(f"fpext.{fmt.name}")
+    opcodes["pack"] = Opcode(f"pack.{packed}")
+    opcodes["lanes_max"] = Opcode(f"fmax.{packed}")
+    opcodes["dot"] = Opcode(f"dot.{packed}")
     if fmt.lanes > 2:  # noqa: PLR2004 - the lanes that `pack` fills
-        found["pack_high"] = Opcode(f"pack_high.{packed}")
-    return found
+        opcodes["pack_high"] = Opcode(f"pack_high.{packed}")
+    return opcodes
 
 
 CALLS: Final[dict[str, Rule]] = {

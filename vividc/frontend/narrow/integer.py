@@ -12,11 +12,11 @@ from vividc.frontend.narrow.small import emit_masked, sign_extended
 from vividc.frontend.ranges.interval import width
 from vividc.lang.operations import MULHS, MULHU
 from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.ir import Const, Instr, Int, Value
 
 Rule = Callable[[Emitter, Instr], None]
 
-_WORD = 32
 _HINT = WORD_HINT
 _SIGNED: dict[str, tuple[Opcode, bool]] = {
     "eq": (Opcode.ICMP_EQ, False),
@@ -35,9 +35,9 @@ _SIGNED: dict[str, tuple[Opcode, bool]] = {
 def computes(op: Instr) -> bool:
     """Whether a conversion is more than another name for its operand's word."""
     if op.op == "trunc":
-        return width(op.type) < _WORD
+        return width(op.type) < WORD_BITS
     if op.op == "sext":
-        return width(op.source) < _WORD
+        return width(op.source) < WORD_BITS
     return False
 
 
@@ -47,7 +47,7 @@ def _ring(opcode: Opcode) -> Rule:
     def rule(emitter: Emitter, op: Instr) -> None:
         operands = tuple(emitter.value(arg) for arg in op.operands)
         bits = width(op.type)
-        if bits >= _WORD or opcode in (Opcode.AND, Opcode.OR, Opcode.XOR):
+        if bits >= WORD_BITS or opcode in (Opcode.AND, Opcode.OR, Opcode.XOR):
             emitter.emit(op, opcode, operands)
         else:
             wide = emitter.helper(op, opcode, *operands)
@@ -68,12 +68,12 @@ def _sign_extend(emitter: Emitter, op: Instr) -> None:
     if bits == 1:
         emit_masked(emitter, op, Opcode.SUB, Const(0), word)
         return
-    up = emitter.helper(op, Opcode.SHL, word, Const(_WORD - bits))
-    emit_masked(emitter, op, Opcode.ASHR, up, Const(_WORD - bits))
+    up = emitter.helper(op, Opcode.SHL, word, Const(WORD_BITS - bits))
+    emit_masked(emitter, op, Opcode.ASHR, up, Const(WORD_BITS - bits))
 
 
 def _small(op: Instr) -> bool:
-    return width(op.type) < _WORD
+    return width(op.type) < WORD_BITS
 
 
 def _whole(emitter: Emitter, op: Instr, *operands: Value, what: str) -> bool:
@@ -82,7 +82,7 @@ def _whole(emitter: Emitter, op: Instr, *operands: Value, what: str) -> bool:
     """
     if emitter.signed(*operands):
         return True
-    if width(op.type) == _WORD or emitter.unsigned(*operands):
+    if width(op.type) == WORD_BITS or emitter.unsigned(*operands):
         return False
     for operand in operands:
         emitter.require_signed(operand, op.loc, what, _HINT)
@@ -111,11 +111,11 @@ def _word_predicate(emitter: Emitter, op: Instr) -> str:
     """The same comparison of words. Signed where both agree: the controller counts such loops."""
     pred = op.pred
     if pred in ("eq", "ne"):
-        if width(op.type) > _WORD:
+        if width(op.type) > WORD_BITS:
             _whole(emitter, op, *op.operands, what="the compared integer")
         return pred
     nonnegative = all(emitter.range(arg)[0] >= 0 for arg in op.operands)
-    if width(op.type) == _WORD:
+    if width(op.type) == WORD_BITS:
         return "s" + pred[1:] if nonnegative else pred
     if _whole(emitter, op, *op.operands, what="the compared integer"):
         # Sign extension keeps the unsigned order too.
@@ -140,11 +140,11 @@ def _shift_right(emitter: Emitter, op: Instr) -> None:
         return
     value, amount = op.operands
     word = emitter.value(value)
-    if width(op.type) == _WORD:
+    if width(op.type) == WORD_BITS:
         opcode = Opcode.ASHR if op.op == "ashr" else Opcode.LSHR
         emitter.emit(op, opcode, (word, emitter.value(amount)))
         return
-    if isinstance(amount, Int) and emitter.demand(op) + amount.value <= _WORD:
+    if isinstance(amount, Int) and emitter.demand(op) + amount.value <= WORD_BITS:
         # What comes in from above the word is not looked at.
         emitter.emit(op, Opcode.LSHR, (word, Const(amount.value)))
         return
@@ -154,7 +154,7 @@ def _shift_right(emitter: Emitter, op: Instr) -> None:
         _shift_sign_down(emitter, op, word, amount)
     else:
         outside = (
-            emitter.helper(op, Opcode.ASHR, word, Const(_WORD - 1))
+            emitter.helper(op, Opcode.ASHR, word, Const(WORD_BITS - 1))
             if _may_exceed(emitter, amount)
             else Const(0)
         )
@@ -167,27 +167,27 @@ def _shift_sign_down(emitter: Emitter, op: Instr, word: Value, amount: Value) ->
     """
     if not isinstance(amount, Int):
         raise KernelError("a shift of a negative integer as unsigned", loc=op.loc, hint=_HINT)
-    if amount.value < _WORD:
+    if amount.value < WORD_BITS:
         emitter.emit(op, Opcode.ASHR, (word, Const(amount.value)))
         return
-    sign = emitter.helper(op, Opcode.ASHR, word, Const(_WORD - 1))
-    emitter.emit(op, Opcode.LSHR, (sign, Const(amount.value - _WORD)))
+    sign = emitter.helper(op, Opcode.ASHR, word, Const(WORD_BITS - 1))
+    emitter.emit(op, Opcode.LSHR, (sign, Const(amount.value - WORD_BITS)))
 
 
 def _may_exceed(emitter: Emitter, amount: Value) -> bool:
     low, high = emitter.range(amount)
-    return low < 0 or high >= _WORD
+    return low < 0 or high >= WORD_BITS
 
 
 def _emit_shift(
     emitter: Emitter, op: Instr, opcode: Opcode, word: Value, amount: Value, outside: Value
 ) -> None:
     """The machine's amounts count modulo 32; LLVM's go up to the width of the type."""
-    if width(op.type) == _WORD or not _may_exceed(emitter, amount):
+    if width(op.type) == WORD_BITS or not _may_exceed(emitter, amount):
         emitter.emit(op, opcode, (word, emitter.value(amount)))
         return
     by = emitter.value(amount)
-    inside = emitter.helper(op, Opcode.ICMP_ULT, by, Const(_WORD), type_=Type.PRED)
+    inside = emitter.helper(op, Opcode.ICMP_ULT, by, Const(WORD_BITS), type_=Type.PRED)
     shifted = emitter.helper(op, opcode, word, by)
     emitter.emit(op, Opcode.SELECT, (inside, shifted, outside))
 
@@ -215,7 +215,7 @@ def _extremum(signed: bool, largest: bool) -> Rule:
             return
         left, right = (emitter.value(arg) for arg in op.operands[:2])
         as_signed = signed
-        if width(op.type) > _WORD:
+        if width(op.type) > WORD_BITS:
             whole = _whole(emitter, op, *op.operands[:2], what="the compared integer")
             as_signed = signed and whole
         if as_signed:
@@ -229,7 +229,7 @@ def _extremum(signed: bool, largest: bool) -> Rule:
 
 def _abs(emitter: Emitter, op: Instr) -> None:
     value = op.operands[0]
-    if width(op.type) > _WORD and not emitter.signed(value):
+    if width(op.type) > WORD_BITS and not emitter.signed(value):
         emitter.require_signed(value, op.loc, "the operand of abs", _HINT)
     word = sign_extended(emitter, op, value, width(op.type))
     negated = emitter.helper(op, Opcode.SUB, Const(0), word)
@@ -247,7 +247,7 @@ def _three_way(signed: bool) -> Rule:
             for arg in op.operands[:2]
         )
         as_signed = signed
-        if bits > _WORD:
+        if bits > WORD_BITS:
             if not emitter.signed(*op.operands[:2]) and not emitter.unsigned(*op.operands[:2]):
                 raise KernelError(
                     "a three-way comparison of 64-bit integers", loc=op.loc, hint=_HINT

@@ -35,12 +35,12 @@ def straighten_single_trips(function: Function) -> Function:
     """Turn each loop that runs exactly once into straight code."""
     while True:
         flow = flow_of(function)
-        found = next(
+        single = next(
             (once for header in flow.loops if (once := _once(function, flow, header))), None
         )
-        if found is None:
+        if single is None:
             return function
-        function = remove_unused(remove_unreachable_blocks(_straightened(function, found)))
+        function = remove_unused(remove_unreachable_blocks(_straightened(function, single)))
 
 
 def _once(function: Function, flow: Flow, name: str) -> _Once | None:

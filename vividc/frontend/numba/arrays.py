@@ -28,7 +28,7 @@ from vividc.frontend.llvm.calls import ALLOCATE, COPY, OVERLAP, PICK, TABLE
 from vividc.lang.formats import MISUSE
 
 _I64 = ir.IntType(64)
-_WORD = ir.IntType(32)
+_I32 = ir.IntType(32)
 _DIGEST = 16
 
 
@@ -314,10 +314,10 @@ def pick(context: Any, builder: ir.IRBuilder, sig: Any, args: Any) -> Any:
     element = context.get_value_type(sig.args[0].dtype)
     if count == 0 or not _is_plain(element):
         return _getitem_unituple(context, builder, sig, args)
-    if index.type != _WORD:  # as an array's index: any other is outside
-        index = builder.trunc(index, _WORD)
-    from_end = builder.add(index, _WORD(count))
-    negative = builder.icmp_signed("<", index, _WORD(0))
+    if index.type != _I32:  # as an array's index: any other is outside
+        index = builder.trunc(index, _I32)
+    from_end = builder.add(index, _I32(count))
+    negative = builder.icmp_signed("<", index, _I32(0))
     index = builder.select(negative, from_end, index)
     items = [builder.extract_value(tuple_, position) for position in range(count)]
     return _pick_leaves(builder, index, items)
@@ -342,7 +342,7 @@ def _pick_leaves(builder: ir.IRBuilder, index: Any, items: list[Any]) -> Any:
             leaf = _pick_leaves(builder, index, parts)
             result = builder.insert_value(result, leaf, position)
         return result
-    signature = ir.FunctionType(type_, [_WORD, *(item.type for item in items)])
+    signature = ir.FunctionType(type_, [_I32, *(item.type for item in items)])
     symbol = f"{PICK}{type_} {len(items)}"
     callee = cgutils.get_or_insert_function(builder.module, signature, symbol)
     callee.attributes.add("nounwind")

@@ -133,9 +133,9 @@ def diagnose(error: Exception, loc: SourceLoc, name: str) -> KernelError:
     source = source_of(loc, name)
     lines = _lines_named(error, text, loc, source)
     place = SourceLoc(loc.file, lines[-1]) if lines else loc
-    told = _named(text, place, loc, source)
-    if told is not None:
-        return told
+    named = _named(text, place, loc, source)
+    if named is not None:
+        return named
     findings = [f for f in _findings(source, lines) if not _is_beside(f, text, source)]
     findings.sort(key=lambda f: (f.line not in lines, f.line))
     precise = bool(lines) and source is not None and source.is_statement(lines[-1])
@@ -175,8 +175,8 @@ def construct_at(loc: SourceLoc, name: str, line: int | None = None) -> KernelEr
     loc, name
         As for `diagnose`.
     """
-    found = _findings(source_of(loc, name), [])
-    findings = [f for f in found if line is None or f.line == line]
+    everywhere = _findings(source_of(loc, name), [])
+    findings = [f for f in everywhere if line is None or f.line == line]
     return _refusal(loc.file, min(findings, key=lambda f: f.line)) if findings else None
 
 
@@ -200,8 +200,8 @@ def behind(error: KernelError, loc: SourceLoc, name: str) -> KernelError | None:
     """
     source = source_of(loc, name)
     if "never ends" in error.reason:
-        found = (f for f in _findings(source, []) if f.rule in _ENDLESS)
-        named = next((_refusal(loc.file, finding) for finding in found), None)
+        endless = (f for f in _findings(source, []) if f.rule in _ENDLESS)
+        named = next((_refusal(loc.file, finding) for finding in endless), None)
         return named or _endless_loop(error, loc, source)
     if source is None or not isinstance(error.loc, SourceLoc) or error.loc.file != loc.file:
         return None

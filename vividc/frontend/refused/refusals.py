@@ -227,10 +227,10 @@ def _of_conversion(_: Refusal, match: re.Match[str]) -> Told:
     given, wanted = plain(match["one"]), plain(match["other"])
     if "return_value" not in match["name"]:
         return f"`{match['name'].partition('.')[0]}` is {given}, and {wanted} is wanted", _UNIFORM
-    told = "nothing" if given == "None" else "a string" if given.startswith("'") else given
+    returned = "nothing" if given == "None" else "a string" if given.startswith("'") else given
     signed = "void" if wanted == "None" else wanted
     hint = 'the type in front of the signature is that of what is returned: "int32(float32[::1])"'
-    return f"the kernel returns {told}, and its signature says {signed}", hint
+    return f"the kernel returns {returned}, and its signature says {signed}", hint
 
 
 def _of_frozen(_: Refusal, match: re.Match[str]) -> Told:

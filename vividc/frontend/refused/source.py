@@ -40,23 +40,23 @@ class KernelSource:
         which they can see.
         """
         homes = dict(_homes(self.tree, ()))
-        found = [] if self.kernel is None else [self.kernel]
-        found += [f for f in self.functions if any(line in span(f) for line in lines)]
-        for function in found:  # grows as it goes
+        reached = [] if self.kernel is None else [self.kernel]
+        reached += [f for f in self.functions if any(line in span(f) for line in lines)]
+        for function in reached:  # grows as it goes
             called = {
                 node.func.id
                 for node in ast.walk(function)
                 if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
             }
             seen_from = (*homes[function], function)
-            found += [
+            reached += [
                 other
                 for other in self.functions
                 if other.name in called
-                and other not in found
+                and other not in reached
                 and homes[other] == seen_from[: len(homes[other])]
             ]
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(reached))
 
     def on_line(self, line: int) -> Iterator[ast.AST]:
         """Expressions and statements that begin on a line or go over it, inner ones last."""

@@ -136,12 +136,12 @@ class RegionState:
     def run(self) -> None:
         """Run to the end and add the time to the tile's."""
         tile = self._tile
-        told = 0
+        reported = 0
         while self.cycle < self._end:
             self._contexts()
             tile.check_limit(self._region.index, self.cycle + self.stalls)
-            if tile.progress is not None and self.cycle - told >= _PROGRESS_EVERY:
-                told = self.cycle
+            if tile.progress is not None and self.cycle - reported >= _PROGRESS_EVERY:
+                reported = self.cycle
                 tile.progress(tile.cycle + self.cycle + self.stalls)
         while self._exits:
             self._resolve()

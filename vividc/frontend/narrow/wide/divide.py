@@ -11,8 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vividc.frontend.narrow.wide.shifts import ashr, lshr
-from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
+from vividc.frontend.narrow.wide.words import ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.ir import Const, Instr, Int, Value
 
 _BITS = 64
@@ -61,11 +62,11 @@ def divide_down(w: Words, op: Instr) -> Pair:
         step = w.op(Opcode.AND, differ, inexact)
         quotient = w.add(quotient, Pair(step, ZERO))
         remainder = w.select(step, w.sub(d, remainder), remainder)
-    found = _signed(w, quotient, differ) if is_quotient else _signed(w, remainder, divisor_sign)
+    whole = _signed(w, quotient, differ) if is_quotient else _signed(w, remainder, divisor_sign)
     low, high = w.range(divisor)
     if low > 0 or high < 0:
-        return found
-    return w.select(w.equal(w.pair(divisor), _NOTHING), _NOTHING, found)
+        return whole
+    return w.select(w.equal(w.pair(divisor), _NOTHING), _NOTHING, whole)
 
 
 def _by_magnitude(w: Words, dividend: Pair, d: Pair) -> _Division:
@@ -82,7 +83,7 @@ def _power_of(d: Pair) -> int | None:
     """The exponent of a constant power of two (0 for 0)."""
     assert isinstance(d.low, Const)
     assert isinstance(d.high, Const)
-    divisor = d.low.word | d.high.word << WORD
+    divisor = d.low.word | d.high.word << WORD_BITS
     return max(divisor.bit_length() - 1, 0) if divisor & (divisor - 1) == 0 else None
 
 
@@ -104,7 +105,7 @@ def _is_constant(pair: Pair) -> bool:
 
 
 def _constant(value: int) -> Pair:
-    return Pair(Const(value & MASK), Const(value >> WORD & MASK))
+    return Pair(Const(value & WORD_MASK), Const(value >> WORD_BITS & WORD_MASK))
 
 
 def _by_power(w: Words, op: Instr, magnitude: int, *, negative: bool) -> Pair:
@@ -121,7 +122,7 @@ def _by_power(w: Words, op: Instr, magnitude: int, *, negative: bool) -> Pair:
         return w.sub(value, kept)
     shift = ashr if op.op in _SIGNED else lshr
     quotient = shift(w, biased, power, (power, power))
-    return _signed(w, quotient, Const(MASK) if negative else ZERO)
+    return _signed(w, quotient, Const(WORD_MASK) if negative else ZERO)
 
 
 def by_constant(w: Words, dividend: Pair, d: Pair) -> _Division:
@@ -130,11 +131,11 @@ def by_constant(w: Words, dividend: Pair, d: Pair) -> _Division:
     """
     assert isinstance(d.low, Const)
     assert isinstance(d.high, Const)
-    divisor = d.low.word | d.high.word << WORD
-    carries = (2 + _DROPPED_CARRIES) * divisor >= 1 << WORD
+    divisor = d.low.word | d.high.word << WORD_BITS
+    carries = (2 + _DROPPED_CARRIES) * divisor >= 1 << WORD_BITS
     quotient = _high_product(w, dividend, _constant(_LIMIT // divisor), carries=carries)
     remainder = w.sub(dividend, w.mul(quotient, d))
-    if not carries or 2 * divisor < 1 << WORD:
+    if not carries or 2 * divisor < 1 << WORD_BITS:
         remainder = Pair(remainder.low, ZERO)
     result = _Division(quotient, remainder)
     if not carries:
@@ -189,7 +190,7 @@ def _estimate(w: Words, d: Pair) -> Pair:
         y = w.op(Opcode.FMA, y, w.op(Opcode.FMA, minus_d, y, _ONE), y)
     scaled = w.op(Opcode.FMUL, y, _SCALE)
     # Its mantissa, at the top of two words, is shifted down to where its exponent says.
-    mantissa = w.op(Opcode.OR, w.op(Opcode.SHL, scaled, 8), 1 << WORD - 1)
+    mantissa = w.op(Opcode.OR, w.op(Opcode.SHL, scaled, 8), 1 << WORD_BITS - 1)
     by = w.op(Opcode.SUB, _TOP_EXPONENT, w.op(Opcode.LSHR, scaled, 23))
     by = w.op(Opcode.SMIN, by, _BITS - 1)
     return lshr(w, Pair(ZERO, mantissa), by, (0, _BITS - 1))

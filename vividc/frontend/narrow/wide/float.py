@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
+from vividc.frontend.narrow.wide.words import ZERO, Pair, Words
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.ir import Instr, Value
 
 _SIGN = 0x80000000
@@ -32,7 +33,7 @@ def to_float(w: Words, op: Instr) -> Value:
 
 def _of_48_bits(w: Words, value: Pair) -> Value:
     """Two exact floats, and one FMA that rounds their sum."""
-    top = w.op(Opcode.SHL, value.high, WORD - _EXACT)
+    top = w.op(Opcode.SHL, value.high, WORD_BITS - _EXACT)
     top = w.op(Opcode.OR, top, w.op(Opcode.LSHR, value.low, _EXACT))
     rest = w.op(Opcode.AND, value.low, (1 << _EXACT) - 1)
     upper, lower = w.op(Opcode.SITOFP, top), w.op(Opcode.SITOFP, rest)
@@ -46,15 +47,15 @@ def _of_magnitude(w: Words, value: Pair) -> Value:
     """
     low, high = value
     # Without the bit below its first 1 no word rounds up to the next power of two.
-    first = w.op(Opcode.AND, high, w.op(Opcode.XOR, w.op(Opcode.LSHR, high, 1), MASK))
+    first = w.op(Opcode.AND, high, w.op(Opcode.XOR, w.op(Opcode.LSHR, high, 1), WORD_MASK))
     exponent = w.op(Opcode.LSHR, w.op(Opcode.UITOFP, first), _EXPONENT_SHIFT)
-    zeros = w.op(Opcode.SUB, _BIAS + WORD - 1, exponent)
-    rest = w.op(Opcode.XOR, zeros, WORD - 1)
+    zeros = w.op(Opcode.SUB, _BIAS + WORD_BITS - 1, exponent)
+    rest = w.op(Opcode.XOR, zeros, WORD_BITS - 1)
     carried = w.op(Opcode.LSHR, w.op(Opcode.LSHR, low, 1), rest)
     top = w.op(Opcode.OR, w.op(Opcode.SHL, high, zeros), carried)
     lost = w.op(Opcode.ICMP_NE, w.op(Opcode.SHL, low, zeros), ZERO)
     word = w.op(Opcode.UITOFP, w.op(Opcode.OR, top, lost))
-    scale = w.op(Opcode.SUB, _BIAS + WORD, zeros)
+    scale = w.op(Opcode.SUB, _BIAS + WORD_BITS, zeros)
     scaled = w.op(Opcode.FMUL, word, w.op(Opcode.SHL, scale, _EXPONENT_SHIFT))
     small = w.op(Opcode.ICMP_EQ, high, ZERO)
     return w.choose(small, w.op(Opcode.UITOFP, low), scaled)

@@ -14,9 +14,10 @@ from vividc.frontend.narrow.emit import Emitter
 from vividc.frontend.narrow.wide.divide import divide, divide_down
 from vividc.frontend.narrow.wide.float import to_float
 from vividc.frontend.narrow.wide.shifts import ashr, funnel_left, funnel_right, lshr, shl
-from vividc.frontend.narrow.wide.words import MASK, WORD, ZERO, Pair, Words
+from vividc.frontend.narrow.wide.words import ZERO, Pair, Words
 from vividc.frontend.ranges.interval import S32, contains
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.ir import Const, Instr, Int, Value
 
 Rule = Callable[[Words, Instr], Pair | Value]
@@ -95,7 +96,7 @@ def _logic(opcode: Opcode) -> Rule:
 
 
 def _high_or_hidden(w: Words, op: Instr, operand: Value) -> Value:
-    hides = any(isinstance(arg, Int) and 0 <= arg.value <= MASK for arg in op.operands)
+    hides = any(isinstance(arg, Int) and 0 <= arg.value <= WORD_MASK for arg in op.operands)
     return ZERO if op.op == "and" and hides else w.high(operand)
 
 
@@ -140,7 +141,7 @@ def _three_way(*, signed: bool) -> Rule:
         below = w.less(a, b, signed=signed)
         above = w.less(b, a, signed=signed)
         word = w.op(Opcode.SUB, above, below)
-        return Pair(word, w.op(Opcode.ASHR, word, WORD - 1))
+        return Pair(word, w.op(Opcode.ASHR, word, WORD_BITS - 1))
 
     return rule
 
@@ -150,7 +151,7 @@ def _saturating_unsigned(w: Words, op: Instr) -> Pair:
     if stem(op.pred) == "usub.sat":
         return w.select(w.less(a, b, signed=False), Pair(ZERO, ZERO), w.sub(a, b))
     total = w.add(a, b)
-    return w.select(w.less(total, a, signed=False), Pair(Const(MASK), Const(MASK)), total)
+    return w.select(w.less(total, a, signed=False), Pair(Const(WORD_MASK), Const(WORD_MASK)), total)
 
 
 def _saturating_signed(w: Words, op: Instr) -> Pair:
@@ -164,7 +165,7 @@ def _saturating_signed(w: Words, op: Instr) -> Pair:
     other = w.op(Opcode.XOR, total.high if adds else a.high, b.high)
     overflowed = w.op(Opcode.ICMP_SLT, w.op(Opcode.AND, changed, other), ZERO)
     sign = w.sign(a)
-    limit = Pair(w.op(Opcode.XOR, sign, MASK), w.op(Opcode.XOR, sign, _MIN - 1))
+    limit = Pair(w.op(Opcode.XOR, sign, WORD_MASK), w.op(Opcode.XOR, sign, _MIN - 1))
     return w.select(overflowed, limit, total)
 
 
@@ -189,7 +190,7 @@ def _zeros(opcode: Opcode) -> Rule:
     def rule(w: Words, op: Instr) -> Pair:
         low, high = w.pair(op.operands[0])
         first, second = (high, low) if opcode is Opcode.CTLZ else (low, high)
-        beyond = w.op(Opcode.ADD, w.op(opcode, second), WORD)
+        beyond = w.op(Opcode.ADD, w.op(opcode, second), WORD_BITS)
         is_zero = w.op(Opcode.ICMP_EQ, first, ZERO)
         return Pair(w.choose(is_zero, beyond, w.op(opcode, first)), ZERO)
 
@@ -211,7 +212,7 @@ def _shift(shift: Callable[..., Pair]) -> Rule:
         if isinstance(amount, Int):
             by = amount.value % 64
             # All that is shifted beyond the high word leaves it unread.
-            unread = op.op == "shl" and by >= WORD
+            unread = op.op == "shl" and by >= WORD_BITS
             pair = Pair(w.emitter.value(value), ZERO) if unread else w.pair(value)
             return shift(w, pair, by, (by, by))
         return shift(w, w.pair(value), w.emitter.value(amount), w.range(amount))

@@ -6,12 +6,13 @@ and gives 0 for n = 0 where the shift by 32 would give x.
 
 from __future__ import annotations
 
-from vividc.frontend.narrow.wide.words import WORD, ZERO, Pair, Words
+from vividc.frontend.narrow.wide.words import ZERO, Pair, Words
 from vividc.frontend.ranges.interval import Interval
 from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_BITS
 from vividc.ssa.ir import Const, Value
 
-_LAST = WORD - 1
+_LAST = WORD_BITS - 1
 _BITS = 64
 
 
@@ -47,9 +48,9 @@ def _right(w: Words, a: Pair, by: Value | int, bounds: Interval, opcode: Opcode)
 def _shl_constant(w: Words, a: Pair, by: int) -> Pair:
     if by == 0:
         return a
-    if by >= WORD:
-        return Pair(ZERO, w.op(Opcode.SHL, a.low, by - WORD))
-    carried = w.op(Opcode.LSHR, a.low, WORD - by)
+    if by >= WORD_BITS:
+        return Pair(ZERO, w.op(Opcode.SHL, a.low, by - WORD_BITS))
+    carried = w.op(Opcode.LSHR, a.low, WORD_BITS - by)
     high = w.op(Opcode.OR, w.op(Opcode.SHL, a.high, by), carried)
     return Pair(w.op(Opcode.SHL, a.low, by), high)
 
@@ -57,9 +58,9 @@ def _shl_constant(w: Words, a: Pair, by: int) -> Pair:
 def _right_constant(w: Words, a: Pair, by: int, opcode: Opcode, fill: Value) -> Pair:
     if by == 0:
         return a
-    if by >= WORD:
-        return Pair(w.op(opcode, a.high, by - WORD), fill)
-    carried = w.op(Opcode.SHL, a.high, WORD - by)
+    if by >= WORD_BITS:
+        return Pair(w.op(opcode, a.high, by - WORD_BITS), fill)
+    carried = w.op(Opcode.SHL, a.high, WORD_BITS - by)
     low = w.op(Opcode.OR, w.op(Opcode.LSHR, a.low, by), carried)
     return Pair(low, w.op(opcode, a.high, by))
 
@@ -67,12 +68,12 @@ def _right_constant(w: Words, a: Pair, by: int, opcode: Opcode, fill: Value) -> 
 def _near_or_far(w: Words, by: Value, bounds: Interval, near: Pair, far: Pair) -> Pair:
     """`near` for amounts below 32, `far` from 32 on."""
     low, high = bounds
-    if low >= 0 and high < WORD:
+    if low >= 0 and high < WORD_BITS:
         return near
-    if low >= WORD and high < _BITS:
+    if low >= WORD_BITS and high < _BITS:
         return far
     if low >= 0 and high < _BITS:
-        return w.select(w.op(Opcode.ICMP_ULT, by, WORD), near, far)
+        return w.select(w.op(Opcode.ICMP_ULT, by, WORD_BITS), near, far)
     return w.select(_is_far(w, by), far, near)
 
 
@@ -97,19 +98,19 @@ def _joined_down(w: Words, high: Value, low: Value, by: Value) -> Value:
 
 def funnel_left(w: Words, high: Pair, low: Pair, by: Value | int) -> Pair:
     """The upper 64 bits of (high:low) << by, amounts modulo 64; a rotation where both are equal."""
-    far = Const(int(by >= WORD)) if isinstance(by, int) else _is_far(w, by)
+    far = Const(int(by >= WORD_BITS)) if isinstance(by, int) else _is_far(w, by)
     top = w.choose(far, high.low, high.high)
     middle = w.choose(far, low.high, high.low)
     bottom = w.choose(far, low.low, low.high)
-    amount = Const(by % WORD) if isinstance(by, int) else by
+    amount = Const(by % WORD_BITS) if isinstance(by, int) else by
     return Pair(_joined_up(w, middle, bottom, amount), _joined_up(w, top, middle, amount))
 
 
 def funnel_right(w: Words, high: Pair, low: Pair, by: Value | int) -> Pair:
     """The lower 64 bits of (high:low) >> by, amounts modulo 64."""
-    far = Const(int(by >= WORD)) if isinstance(by, int) else _is_far(w, by)
+    far = Const(int(by >= WORD_BITS)) if isinstance(by, int) else _is_far(w, by)
     bottom = w.choose(far, low.high, low.low)
     middle = w.choose(far, high.low, low.high)
     top = w.choose(far, high.high, high.low)
-    amount = Const(by % WORD) if isinstance(by, int) else by
+    amount = Const(by % WORD_BITS) if isinstance(by, int) else by
     return Pair(_joined_down(w, middle, bottom, amount), _joined_down(w, top, middle, amount))

@@ -14,10 +14,9 @@ from vividc.frontend.narrow.emit import Emitter, word_type
 from vividc.frontend.ranges.interval import Interval
 from vividc.machine.opcodes import OPCODES, Opcode, Type
 from vividc.machine.semantics import evaluate
+from vividc.machine.words import WORD_MASK
 from vividc.ssa.ir import Const, Instr, Ref, Value
 
-WORD = 32
-MASK = 0xFFFFFFFF
 ZERO = Const(0)
 _SIGN_SHIFT = 31
 _RIGHT_ZERO = frozenset(
@@ -25,7 +24,7 @@ _RIGHT_ZERO = frozenset(
 )
 _COMMUTING = frozenset({Opcode.ADD, Opcode.OR, Opcode.XOR, Opcode.AND, Opcode.MUL, Opcode.MULHU})
 _ABSORBED = frozenset({Opcode.AND, Opcode.MUL, Opcode.MULHU, Opcode.MULHS})
-_ONES = Const(MASK)
+_ONES = Const(WORD_MASK)
 _NEUTRAL = frozenset({(Opcode.MUL, Const(1)), (Opcode.AND, _ONES)})
 _BINARY = 2
 _SHIFTS = frozenset({Opcode.SHL, Opcode.LSHR, Opcode.ASHR})
@@ -63,7 +62,7 @@ class Words:
 
     def op(self, opcode: Opcode, *operands: Value | int) -> Value:
         """One operation; an int operand is a constant's word."""
-        values = tuple(Const(v & MASK) if isinstance(v, int) else v for v in operands)
+        values = tuple(Const(v & WORD_MASK) if isinstance(v, int) else v for v in operands)
         known = _folded(opcode, values)
         if known is not None:
             return known

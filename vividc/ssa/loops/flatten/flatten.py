@@ -223,8 +223,8 @@ def _on_the_way(function: Function, nest: Nest) -> tuple[str, ...]:
         if block.name in nest.outer.blocks:
             targets = (t for t in block.branch.successors if t in nest.outer.blocks)
             graph.add_edges_from((block.name, t) for t in targets if t != nest.outer.header)
-    found = nx.ancestors(graph, nest.inner.header)
-    return tuple(block.name for block in function.blocks if block.name in found)
+    before = nx.ancestors(graph, nest.inner.header)
+    return tuple(block.name for block in function.blocks if block.name in before)
 
 
 def _runs_once(instr: Instr, stored: set[str]) -> bool:

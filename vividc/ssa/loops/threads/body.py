@@ -192,15 +192,15 @@ class Body:
         """
         if not self.group.is_spread:
             return None
-        found: list[Value | None] = []
+        predicates: list[Value | None] = []
         for thread in threads:
             with self.chain.thread(thread, self._decision(block)):
                 path = self.paths[thread].of(self.level.node(block))
                 before = [edge for edge in self.level.exits_before(block) if edge in self.exits]
                 for edge in before:
                     path = self.chain.unless(self.paths[thread].leaving(edge), path)
-                found.append(self.chain.both(self.entered[thread], path))
-        return reduce(self.chain.either, found)
+                predicates.append(self.chain.both(self.entered[thread], path))
+        return reduce(self.chain.either, predicates)
 
     def _anyone(self, block: str) -> Value | None:
         """Whether some thread runs a block, given that one is in the loop; None: it does."""

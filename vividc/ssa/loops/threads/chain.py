@@ -119,11 +119,11 @@ class Chain:
         if isinstance(value, Const):
             return Const(1 - value.word)
         made = self._made.get(value.id) if isinstance(value, Ref) else None
-        found = INVERSES.get(made.opcode) if made is not None else None
-        if made is None or found is None:
+        inverse = INVERSES.get(made.opcode) if made is not None else None
+        if made is None or inverse is None:
             return self.emit(Opcode.XOR, Type.PRED, value, Const(1))
         left, right = made.operands
-        return self.emit(found[0], Type.PRED, *((right, left) if found[1] else (left, right)))
+        return self.emit(inverse[0], Type.PRED, *((right, left) if inverse[1] else (left, right)))
 
     def both(self, left: Value | None, right: Value | None) -> Value | None:
         """Conjunction of predicates; None stands for 1."""

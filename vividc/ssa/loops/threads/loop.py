@@ -226,16 +226,16 @@ class ThreadLoop:
         if self.form is not Form.FREE:
             return []
         header = {phi.id for phi in self.level.header.phis}
-        found: list[_Next] = []
+        phis: list[_Next] = []
         for thread in self.group.threads:
             for ident in self.level.leaving:
                 if not (ident in header and self._is_frozen(ident)):
                     phi = self.chain.phi(self.level.types[ident], (before, Undefined()))
-                    found.append((phi, self._keep(body, thread, ident, phi)))
+                    phis.append((phi, self._keep(body, thread, ident, phi)))
             for edge in needed_edges(self.level):
                 phi = self.chain.phi(Type.PRED, (before, Undefined()))
-                found.append((phi, self._keep_edge(body, thread, edge, phi)))
-        return found
+                phis.append((phi, self._keep_edge(body, thread, edge, phi)))
+        return phis
 
     def _keep(self, body: Body, thread: int, ident: int, phi: Phi) -> Callable[[], Value]:
         def following() -> Value:
@@ -321,14 +321,14 @@ def _deciding(level: Level) -> frozenset[int]:
     deciding |= {node for exit_ in set(deciding) for node in nx.ancestors(level.flow.graph, exit_)}
     items = _items(level)
     work = [cond for name in deciding if (cond := level.blocks[name].branch.cond) is not None]
-    found: set[int] = set()
+    deciders: set[int] = set()
     while work:
         value = work.pop()
-        if isinstance(value, Ref) and value.id in items and value.id not in found:
-            found.add(value.id)
+        if isinstance(value, Ref) and value.id in items and value.id not in deciders:
+            deciders.add(value.id)
             item = items[value.id]
             work += [v for _, v in item.incoming] if isinstance(item, Phi) else item.operands
-    return frozenset(found)
+    return frozenset(deciders)
 
 
 def _items(level: Level) -> dict[int, Phi | Instr]:

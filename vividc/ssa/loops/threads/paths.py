@@ -57,8 +57,8 @@ class Paths(PathPredicates[Value]):
     def leaving(self, edge: Edge) -> Value:
         """When control leaves the loop along an edge, if it has not done so before."""
         taken = self._taken(edge)
-        found = self.chain.both(self.of(self.level.node(edge[0])), taken)
-        return Const(1) if found is None else found
+        leaves = self.chain.both(self.of(self.level.node(edge[0])), taken)
+        return Const(1) if leaves is None else leaves
 
     def merged(
         self, block: str, phi: Phi, values: dict[str, Value], carried: frozenset[Value]
