@@ -4,13 +4,14 @@ bounds.
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 import pytest
 
 import vividc
 from benchmarks.workloads import WORKLOADS, Workload
 from tests.sim.native.agreement import agreed_run
-from vividc import arch
+from vividc import arch, lang
 from vividc.compiler.driver import CompileOptions, lower, map_kernel
 from vividc.dfg.interpret.interpreter import interpret
 from vividc.program import Program, encode
@@ -89,6 +90,41 @@ def test_without_contraction_floats_equal_numba_bit_for_bit() -> None:
     vividc.simulate(program, *by_array)
     workload.kernel()(*by_numba)
     np.testing.assert_array_equal(np.asarray(by_array[2]), np.asarray(by_numba[2]))
+
+
+@vividc.kernel("void(float32[:,::1], float32[:,::1])")
+def differences(x, y):
+    total = np.float32(0.0)
+    for i in range(x.shape[1]):
+        y[0, i] = x[2, i] - x[0, i] * x[1, i]
+        y[1, i] = x[1, i] * x[2, i] - x[0, i]
+        if x[0, i] < x[1, i]:
+            total -= x[0, i] * x[2, i]
+        y[2, i] = total
+
+
+@numba.njit
+def fused_differences(x, y):
+    total = np.float32(0.0)
+    for i in range(x.shape[1]):
+        y[0, i] = lang.fma(-x[0, i], x[1, i], x[2, i])
+        y[1, i] = lang.fma(x[1, i], x[2, i], -x[0, i])
+        if x[0, i] < x[1, i]:
+            total = lang.fma(-x[0, i], x[2, i], total)
+        y[2, i] = total
+
+
+@pytest.mark.parametrize("engine", ["native", "reference"])
+def test_a_product_taken_from_something_is_llvms_fma_of_its_negative(engine: str) -> None:
+    x = np.random.default_rng(3).standard_normal((3, 40)).astype(np.float32)
+    x[2, ::3] = x[0, ::3] * x[1, ::3]  # what is left is the product's rounding error
+    x[:, -6:] = [[0, -0.0, 0, np.inf, 1, 1], [1, 1, -1, 0, 2, 2], [0, 0, -0.0, 1, np.nan, np.inf]]
+    ours, theirs = np.zeros((2, *x.shape), np.float32)
+    vividc.simulate(vividc.compile(differences), x, ours, engine=engine)
+    fused_differences(x, theirs)
+    assert np.array_equal(np.isnan(ours), np.isnan(theirs))
+    known = ~np.isnan(ours)
+    assert np.array_equal(ours.view(np.uint32)[known], theirs.view(np.uint32)[known])
 
 
 def test_returned_words_have_the_declared_type() -> None:

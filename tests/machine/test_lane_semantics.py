@@ -120,6 +120,9 @@ def fma(x: Fraction, y: Fraction, z: Fraction) -> Fraction:
     return x * y + z
 
 
+FUSED = {"fma": fma, "fms": lambda x, y, z: x * y - z, "fnma": lambda x, y, z: z - x * y}
+
+
 def hard_triples(fmt: Format, count: int) -> Iterator[tuple[int, int, int]]:
     """Addends next to the product or to its negative, tiny addends beside ties, any codes."""
     rng = random.Random(3)
@@ -132,13 +135,14 @@ def hard_triples(fmt: Format, count: int) -> Iterator[tuple[int, int, int]]:
 
 
 @ALL
-def test_fma_rounds_once(fmt: Format) -> None:
+@pytest.mark.parametrize("name", FUSED)
+def test_fused_products_round_once(fmt: Format, name: str) -> None:
     triples = list(hard_triples(fmt, 12_000))
     for first in range(0, len(triples), fmt.lanes):
         group = triples[first : first + fmt.lanes]
         words = [join(fmt, column) for column in zip(*group, strict=True)]
-        for codes, got in zip(group, split(fmt, evaluate(op("fma", fmt), words)), strict=True):
-            assert got == expected(fmt, fma, *codes), [hex(code) for code in codes]
+        for codes, got in zip(group, split(fmt, evaluate(op(name, fmt), words)), strict=True):
+            assert got == expected(fmt, FUSED[name], *codes), [hex(code) for code in codes]
 
 
 @ALL
@@ -291,10 +295,10 @@ def test_a_predicated_operation_passes_its_last_operand() -> None:
 def test_the_three_formats_have_the_same_operations(fmt: Format) -> None:
     packed = f".{fmt.name}x{fmt.lanes}"
     names = {o.value.removesuffix(packed) for o in Opcode if o.value.endswith(packed)}
-    wanted = {"fadd", "fsub", "fmul", "fma", "fmin", "fmax", "dot", "pack", "unpack"}
+    wanted = {"fadd", "fsub", "fmul", *FUSED, "fmin", "fmax", "dot", "pack", "unpack"}
     wanted |= {f"fcmp.{name}" for name in ("oeq", "une", "olt", "ole", "ult", "ule")}
     assert names == wanted | ({"pack_high"} if fmt.lanes == 4 else set())
-    for name in ("fadd", "fsub", "fmul", "fma"):
+    for name in ("fadd", "fsub", "fmul", *FUSED):
         row, plain = OPCODES[op(name, fmt)], OPCODES[Opcode(name)]
         assert (row.latency_class, row.commutes) == (plain.latency_class, plain.commutes)
         assert row.sliced

@@ -141,14 +141,22 @@ def hard_fma_cases(count: int) -> list[tuple[int, int, int]]:
     return cases
 
 
-def test_fma_rounds_once() -> None:
+FUSED = {
+    Opcode.FMA: lambda a, b, c: a * b + c,
+    Opcode.FMS: lambda a, b, c: a * b - c,
+    Opcode.FNMA: lambda a, b, c: c - a * b,
+}
+
+
+@pytest.mark.parametrize("op", FUSED)
+def test_fused_products_round_once(op: Opcode) -> None:
     checked = 0
-    for a, b, c in hard_fma_cases(2500):
-        if not (is_finite(a) and is_finite(b) and is_finite(c)):
+    for words in hard_fma_cases(2500):
+        if not all(map(is_finite, words)):
             continue
-        value = exact(a) * exact(b) + exact(c)
+        value = FUSED[op](*map(exact, words))
         if value:
-            assert evaluate(Opcode.FMA, (a, b, c)) == rounded(value), (hex(a), hex(b), hex(c))
+            assert evaluate(op, words) == rounded(value), [hex(word) for word in words]
             checked += 1
     assert checked > 5000
 
@@ -183,7 +191,11 @@ INF, NINF, NAN, ZERO, NZERO, ONE = 0x7F800000, 0xFF800000, CANONICAL_NAN, 0, 0x8
     ],
 )
 def test_fma_of_special_values(operands: tuple[int, int, int], expected: int) -> None:
+    a, b, c = operands
     assert evaluate(Opcode.FMA, operands) == expected
+    assert evaluate(Opcode.FMS, (a, b, c ^ NZERO)) == expected
+    assert evaluate(Opcode.FNMA, (a ^ NZERO, b, c)) == expected
+    assert evaluate(Opcode.FNMA, (a, b ^ NZERO, c)) == expected
 
 
 @pytest.mark.parametrize(
@@ -257,6 +269,8 @@ def test_exp_of_the_whole_range() -> None:
 def test_a_predicated_operation_passes_its_last_operand() -> None:
     assert evaluate_predicated(Opcode.FMA, 0, (ONE, ONE, 7)) == 7
     assert evaluate_predicated(Opcode.FMA, 1, (ONE, ONE, ONE)) == 0x40000000
+    assert evaluate_predicated(Opcode.FMS, 0, (ONE, ONE, 7)) == 7
+    assert evaluate_predicated(Opcode.FNMA, 0, (ONE, ONE, 7)) == 7
 
 
 def test_the_table_has_every_operation_that_computes() -> None:

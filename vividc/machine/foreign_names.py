@@ -68,7 +68,7 @@ NAME_ROWS: Final[tuple[NameRow, ...]] = (
     _generic("select sel mux merge cmerge phi", LatencyClass.SELECT),
     _generic("fadd fsub", LatencyClass.FADD),
     _generic("fmul", LatencyClass.FMUL),
-    _generic("fma fmac fmadd fmuladd", LatencyClass.FMA),
+    _generic("fma fmac fmadd fmuladd fms fmsub fnma fnmadd fnmsub", LatencyClass.FMA),
     _generic("sitofp uitofp fptosi fptoui fpext fptrunc", LatencyClass.CONVERT),
     _generic(
         "input in output out div idiv sdiv udiv rem srem urem mod fdiv frem sqrt exp nop br jump"

@@ -2,9 +2,9 @@
 
 What a format's numbers are and how they round is in `vividc.formats`. Arithmetic works on all
 lanes, each rounded once from the exact result: it is computed in binary64, where sums and products
-of two numbers of these formats are exact. So are the sums of `fma`, but for those that overflow,
-and for those of a large addend and a product that is smaller than a quarter of its last place:
-there, too, the sum rounds to what the exact one rounds to.
+of two numbers of these formats are exact. So are the sums of `fma`, `fms` and `fnma`, but for those
+that overflow, and for those of a large addend and a product that is smaller than a quarter of its
+last place: there, too, the sum rounds to what the exact one rounds to.
 
 - `fmin` and `fmax` are minimumNumber and maximumNumber of IEEE 754-2019, as on binary32.
 - `fcmp` gives 1 in the lowest bit of each lane in which it holds; `select.x2` and `select.x4`
@@ -159,6 +159,8 @@ def _of_format(fmt: Format) -> dict[str, Semantics]:
         "fsub": lambda x, y: x - y,
         "fmul": lambda x, y: x * y,
         "fma": lambda x, y, z: x * y + z,
+        "fms": lambda x, y, z: x * y - z,
+        "fnma": lambda x, y, z: z - x * y,
     }
     semantics = {f"{name}.{packed}": _arithmetic(fmt, of) for name, of in arithmetic.items()}
     semantics |= {f"fcmp.{name}.{packed}": _compared(fmt, of) for name, of in _COMPARISONS.items()}

@@ -87,7 +87,9 @@ class Opcode(Named):
     FADD = "fadd"
     FSUB = "fsub"
     FMUL = "fmul"
-    FMA = "fma"
+    FMA = "fma"  # a * b + c
+    FMS = "fms"  # a * b - c
+    FNMA = "fnma"  # c - a * b
     FNEG = "fneg"
     FABS = "fabs"
     FMIN = "fmin"
@@ -116,6 +118,8 @@ class Opcode(Named):
     FSUB_F16X2 = "fsub.f16x2"
     FMUL_F16X2 = "fmul.f16x2"
     FMA_F16X2 = "fma.f16x2"
+    FMS_F16X2 = "fms.f16x2"
+    FNMA_F16X2 = "fnma.f16x2"
     FMIN_F16X2 = "fmin.f16x2"
     FMAX_F16X2 = "fmax.f16x2"
     FCMP_OEQ_F16X2 = "fcmp.oeq.f16x2"
@@ -133,6 +137,8 @@ class Opcode(Named):
     FSUB_E4M3X4 = "fsub.e4m3x4"
     FMUL_E4M3X4 = "fmul.e4m3x4"
     FMA_E4M3X4 = "fma.e4m3x4"
+    FMS_E4M3X4 = "fms.e4m3x4"
+    FNMA_E4M3X4 = "fnma.e4m3x4"
     FMIN_E4M3X4 = "fmin.e4m3x4"
     FMAX_E4M3X4 = "fmax.e4m3x4"
     FCMP_OEQ_E4M3X4 = "fcmp.oeq.e4m3x4"
@@ -151,6 +157,8 @@ class Opcode(Named):
     FSUB_E5M2X4 = "fsub.e5m2x4"
     FMUL_E5M2X4 = "fmul.e5m2x4"
     FMA_E5M2X4 = "fma.e5m2x4"
+    FMS_E5M2X4 = "fms.e5m2x4"
+    FNMA_E5M2X4 = "fnma.e5m2x4"
     FMIN_E5M2X4 = "fmin.e5m2x4"
     FMAX_E5M2X4 = "fmax.e5m2x4"
     FCMP_OEQ_E5M2X4 = "fcmp.oeq.e5m2x4"
@@ -271,6 +279,10 @@ _LANES: Final = {
 """Type of the numbers of an operation by the last part of its name."""
 
 
+_FUSED: Final = ("fma", "fms", "fnma")
+_COMMUTING: Final = ("fadd", "fmul", *_FUSED, "dot")
+
+
 def _lane_row(op: Opcode, name: str, n: Type) -> OpInfo:
     i, f, lat = Type.I32, Type.F32, LatencyClass
     if name.startswith("fcmp"):
@@ -279,7 +291,7 @@ def _lane_row(op: Opcode, name: str, n: Type) -> OpInfo:
         "fadd": ((n, n), n, lat.FADD),
         "fsub": ((n, n), n, lat.FADD),
         "fmul": ((n, n), n, lat.FMUL),
-        "fma": ((n, n, n), n, lat.FMA),
+        **dict.fromkeys(_FUSED, ((n, n, n), n, lat.FMA)),
         "fmin": ((n, n), n, lat.COMPARE),
         "fmax": ((n, n), n, lat.COMPARE),
         "fptrunc": ((f,), n, lat.CONVERT),
@@ -290,7 +302,7 @@ def _lane_row(op: Opcode, name: str, n: Type) -> OpInfo:
         "dot": ((n, n, f), f, lat.DOT),
     }
     operands, result, latency_class = shapes[name]
-    return OpInfo(op, operands, result, latency_class, name in ("fadd", "fmul", "fma", "dot"))
+    return OpInfo(op, operands, result, latency_class, name in _COMMUTING)
 
 
 def _table() -> dict[Opcode, OpInfo]:
@@ -323,7 +335,7 @@ def _table() -> dict[Opcode, OpInfo]:
     row((o.FADD,), (f, f), f, lat.FADD, commutes=True)
     row((o.FSUB,), (f, f), f, lat.FADD)
     row((o.FMUL,), (f, f), f, lat.FMUL, commutes=True)
-    row((o.FMA,), (f, f, f), f, lat.FMA, commutes=True)
+    row((o.FMA, o.FMS, o.FNMA), (f, f, f), f, lat.FMA, commutes=True)
     row((o.FNEG, o.FABS), (f,), f, lat.INT)
     row((o.FMIN, o.FMAX), (f, f), f, lat.COMPARE)
     symmetric = (o.FCMP_OEQ, o.FCMP_UNE, o.FCMP_ONE, o.FCMP_UEQ, o.FCMP_ORD, o.FCMP_UNO)
@@ -365,3 +377,13 @@ ELEMENTARY: Final = frozenset(
 )
 """Operations that `expand_math` replaces."""
 SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.IV})
+FUSED: Final = {
+    (Opcode.FADD, 0): Opcode.FMA,
+    (Opcode.FADD, 1): Opcode.FMA,
+    (Opcode.FSUB, 0): Opcode.FMS,
+    (Opcode.FSUB, 1): Opcode.FNMA,
+}
+"""The one operation that is a sum or difference with a product as operand 0 or 1."""
+NEGATED_FACTOR: Final = {Opcode.FMA: Opcode.FNMA, Opcode.FNMA: Opcode.FMA}
+NEGATED_ADDEND: Final = {Opcode.FMA: Opcode.FMS, Opcode.FMS: Opcode.FMA}
+"""The fused operation that another one is with one operand negated."""

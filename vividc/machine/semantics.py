@@ -11,9 +11,9 @@ number, and -0 is smaller than +0. `fptosi` truncates, saturates, and turns NaN 
 
 Results are computed in binary64 and rounded once: sums and differences of binary32 numbers survive
 the double rounding (Figueroa, "When is double rounding innocuous?", 1995), products are exact in
-binary64, and `fma` rounds its binary64 sum to odd first (Boldo and Melquiond, "Emulation of FMA and
-correctly rounded sums: proved algorithms using rounding to odd", 2008). Operations on numbers of 16
-and 8 bits are in `machine.lane_semantics`.
+binary64, and `fma`, `fms` and `fnma` round their binary64 sum to odd first (Boldo and Melquiond,
+"Emulation of FMA and correctly rounded sums: proved algorithms using rounding to odd", 2008).
+Operations on numbers of 16 and 8 bits are in `machine.lane_semantics`.
 """
 
 from __future__ import annotations
@@ -189,6 +189,14 @@ def _fma(a: int, b: int, c: int) -> int:
     return word_of(total)
 
 
+def _fms(a: int, b: int, c: int) -> int:
+    return _fma(a, b, c ^ SIGN_BIT)
+
+
+def _fnma(a: int, b: int, c: int) -> int:
+    return _fma(a ^ SIGN_BIT, b, c)
+
+
 def _rounded_to_odd(total: float, error: float) -> float:
     bits: int = _unpack_bits(_pack_double(total))[0]
     if bits & 1:
@@ -323,6 +331,8 @@ SEMANTICS: Final[dict[Opcode, Callable[..., int]]] = {
     Opcode.FSUB: _fsub,
     Opcode.FMUL: _fmul,
     Opcode.FMA: _fma,
+    Opcode.FMS: _fms,
+    Opcode.FNMA: _fnma,
     Opcode.FNEG: _fneg,
     Opcode.FABS: _fabs,
     Opcode.FMIN: _fmin,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from itertools import pairwise, product
 
 import numpy as np
@@ -116,16 +117,24 @@ def test_dot_products(fmt: Format) -> None:
     assert_agree([Opcode(f"dot.{fmt.name}x{fmt.lanes}")], operands, f"dot of {fmt.name}")
 
 
+FUSED: dict[str, Callable[..., np.ndarray]] = {
+    "fma": lambda a, b, c: a * b + c,
+    "fms": lambda a, b, c: a * b - c,
+    "fnma": lambda a, b, c: c - a * b,
+}
+
+
 @FP8
-def test_every_triple_of_fp8_codes(fmt: Format) -> None:
+@pytest.mark.parametrize("name", FUSED)
+def test_every_triple_of_fp8_codes(fmt: Format, name: str) -> None:
     """Sums of three numbers are exact in binary64 where they are not too large (16,777,216)."""
-    run = compiled([Opcode(f"fma.{fmt.name}x{fmt.lanes}")], f"triples of {fmt.name}")
+    run = compiled([Opcode(f"{name}.{fmt.name}x{fmt.lanes}")], f"triples of {name} {fmt.name}")
     b, c = np.divmod(np.arange(1 << 16), 256)
     value = to_floats(fmt, np.arange(256)).astype(np.float64)
     for a in range(256):
         words = [joined(fmt, codes) for codes in (np.full(1 << 16, a), b, c)]
         with np.errstate(invalid="ignore"):
-            wanted = round_array(fmt, value[a] * value[b] + value[c])
+            wanted = round_array(fmt, FUSED[name](value[a], value[b], value[c]))
         got = run(np.stack(words, axis=1))[:, 0].view(fmt.dtype)
         np.testing.assert_array_equal(got, wanted)
 

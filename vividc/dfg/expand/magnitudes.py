@@ -119,6 +119,8 @@ _RULES: Final[dict[Opcode, Callable[..., Interval]]] = {
     _O.FSUB: _sum,
     _O.FMUL: _product,
     _O.FMA: _fma,
+    _O.FMS: _fma,
+    _O.FNMA: _fma,
     _O.FREM: _remainder,
     _O.SITOFP: _within(_LARGEST_INT),
     _O.UITOFP: _within(2 * _LARGEST_INT),

@@ -11,7 +11,7 @@ from typing import Final
 from vividc.dfg.ir import Node
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation
 from vividc.machine.compare import INVERSES, is_comparison
-from vividc.machine.opcodes import OPCODES, Opcode, Type
+from vividc.machine.opcodes import NEGATED_ADDEND, NEGATED_FACTOR, OPCODES, Opcode, Type
 from vividc.machine.semantics import SEMANTICS
 from vividc.machine.words import INFINITY, INT_MAX, SIGN_BIT, WORD_MASK
 
@@ -236,6 +236,19 @@ def _double_sign(rewrite: Rewrite, node: Node) -> bool:
     return inner.op is Opcode.FNEG and rewrite.forward(node.id, rewrite.operand(inner.id, 0))
 
 
+def _fused_sign(rewrite: Rewrite, node: Node) -> bool:
+    """A negated factor or addend of a fused operation is another one's that is not."""
+    for port, others in ((0, NEGATED_FACTOR), (1, NEGATED_FACTOR), (2, NEGATED_ADDEND)):
+        inner, other = _inner(rewrite, node, port), others.get(node.op)
+        if inner is None or inner.op is not Opcode.FNEG or other is None:
+            continue
+        operands = rewrite.operands(node)
+        operands[port] = rewrite.operand(inner.id, 0)
+        change_operation(rewrite, node, other, operands)
+        return True
+    return False
+
+
 def _copy(rewrite: Rewrite, node: Node) -> bool:
     return rewrite.forward(node.id, rewrite.operand(node.id, 0))
 
@@ -293,6 +306,7 @@ def _table() -> dict[Opcode, tuple[Identity, ...]]:
     rows((Opcode.MULHS, Opcode.MULHU), _high_product_by_power_of_two)
     rows((Opcode.SHL, Opcode.LSHR, Opcode.ASHR), _shift_by_zero)
     rows((Opcode.FNEG, Opcode.FABS), _double_sign)
+    rows((Opcode.FMA, Opcode.FMS, Opcode.FNMA), _fused_sign)
     rows((Opcode.MOV,), _copy)
     rows((Opcode.SELECT,), _select_arm, _select_by_inverse)
     return {op: tuple(identities) for op, identities in table.items() if identities}

@@ -25,6 +25,8 @@ _STEMS: Final = {
     Opcode.FSUB: "fsub",
     Opcode.FMUL: "fmul",
     Opcode.FMA: "fma",
+    Opcode.FMS: "fms",
+    Opcode.FNMA: "fnma",
 }
 
 _Condition = Callable[[int, set[int]], bool]

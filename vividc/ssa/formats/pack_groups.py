@@ -28,7 +28,8 @@ FORMAT_OF: Final = {
 _ARITHMETIC: Final = frozenset(
     opcode
     for opcode in FORMAT_OF
-    if opcode.value.startswith(("fadd.", "fsub.", "fmul.", "fma.", "fmin.", "fmax."))
+    if opcode.value.partition(".")[0]
+    in ("fadd", "fsub", "fmul", "fma", "fms", "fnma", "fmin", "fmax")
 )
 _BITWISE: Final = frozenset({Opcode.XOR, Opcode.AND})
 """With a constant: negation and absolute value, lane by lane."""

@@ -14,7 +14,10 @@ FUNCTIONS: Final = {"exp": Opcode.EXP, "exp2": Opcode.EXP2}
 """Functions that a policy may name."""
 ARITHMETIC: Final = "fma"
 """Names sums, differences, products and fused products of float32."""
-_ARITHMETIC: Final = {Opcode.FADD, Opcode.FSUB, Opcode.FMUL, Opcode.FMA}
+_ARITHMETIC: Final = {
+    *(Opcode.FADD, Opcode.FSUB, Opcode.FMUL),
+    *(Opcode.FMA, Opcode.FMS, Opcode.FNMA),
+}
 NAMES: Final = (*FUNCTIONS, ARITHMETIC)
 ALL: Final = "all"
 """Each of `NAMES` that is not named."""

@@ -26,7 +26,14 @@ _IDENTITIES: Final[dict[Opcode, int | None]] = {
     Opcode.FMAX: None,
 }
 """What changes nothing; None: two results that start alike can be combined as they are."""
-_SAME: Final = {Opcode.SUB: Opcode.ADD, Opcode.FSUB: Opcode.FADD, Opcode.FMA: Opcode.FADD}
+_SAME: Final = {
+    Opcode.SUB: Opcode.ADD,
+    Opcode.FSUB: Opcode.FADD,
+    Opcode.FMA: Opcode.FADD,
+    Opcode.FNMA: Opcode.FADD,
+}
+_TOTAL_AT: Final = {Opcode.SUB: 0, Opcode.FSUB: 0, Opcode.FMA: 2, Opcode.FNMA: 2}
+"""The operand that is added to."""
 _COMPARISONS: Final = frozenset(
     {
         Opcode.ICMP_SLT,
@@ -130,7 +137,7 @@ def _way(item: Phi | Instr, ids: frozenset[int], tests: dict[int, Instr]) -> set
     if item.op is Opcode.SELECT:
         own = [_among(operand, ids) for operand in item.operands]
         return set() if own == [False, True, True] else None
-    position = {Opcode.SUB: 0, Opcode.FSUB: 0, Opcode.FMA: 2}.get(item.opcode)
+    position = _TOTAL_AT.get(item.opcode)
     own_at = [port for port, value in enumerate(item.operands) if _among(value, ids)]
     if len(own_at) != 1 or position not in (None, own_at[0]):
         return None

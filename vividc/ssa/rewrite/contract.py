@@ -10,19 +10,17 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
-from vividc.machine.opcodes import Opcode
-from vividc.machine.words import SIGN_BIT
+from vividc.machine.opcodes import FUSED, Opcode
 from vividc.ssa.edit import uses
 from vividc.ssa.flow import pipelined_loops
-from vividc.ssa.ir import Const, Function, Instr, Ref, Value
+from vividc.ssa.ir import Function, Instr, Ref, Value
 
 
 def contract(function: Function) -> Function:
-    """Turn `a*b + c`, `a*b - c` and `c - a*b` into one `fma`, as `passes.contract_fma` would in the
-    function as it is.
+    """Turn `a*b + c`, `a*b - c` and `c - a*b` into one operation, as `passes.contract_fma` would in
+    the function as it is.
 
-    The product has no other reader, and is in the same block, or in the same innermost loop. A
-    subtraction needs an operand whose negation is free.
+    The product has no other reader, and is in the same block, or in the same innermost loop.
     """
     return _Contraction(function).run()
 
@@ -62,10 +60,10 @@ class _Contraction:
             return instr
         for port in (0, 1):
             product = self._product(instr, instr.operands[port])
-            operands = None if product is None else self._operands(instr, product, port)
-            if product is not None and operands is not None:
+            if product is not None:
                 self.gone.add(product.id)
-                return replace(instr, op=Opcode.FMA, operands=operands)
+                operands = (*product.operands, instr.operands[1 - port])
+                return replace(instr, op=FUSED[instr.opcode, port], operands=operands)
         return instr
 
     def _product(self, reader: Instr, value: Value) -> Instr | None:
@@ -73,24 +71,3 @@ class _Contraction:
         if product is None or product.op is not Opcode.FMUL or self.readers[product.id] != 1:
             return None
         return product if self.region[product.id] == self.region[reader.id] else None
-
-    def _operands(self, instr: Instr, product: Instr, port: int) -> tuple[Value, ...] | None:
-        first, second = product.operands
-        addend = instr.operands[1 - port]
-        if instr.op is Opcode.FADD:
-            return first, second, addend
-        if port == 0:
-            negated = self._negated(addend)
-            return None if negated is None else (first, second, negated)
-        for factor, other in ((second, first), (first, second)):
-            negated = self._negated(factor)
-            if negated is not None:
-                return other, negated, addend
-        return None
-
-    def _negated(self, value: Value) -> Value | None:
-        """A value that is `-value` at no cost."""
-        if isinstance(value, Const):
-            return Const(value.word ^ SIGN_BIT)
-        negation = self.instrs.get(value.id) if isinstance(value, Ref) else None
-        return negation.operands[0] if negation is not None and negation.op is Opcode.FNEG else None

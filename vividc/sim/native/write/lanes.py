@@ -144,14 +144,18 @@ def _binary(fmt: Format, name: str, code: Code, words: Sequence[str]) -> str:
     return lanes.join(fmt, lanes.encode(fmt, lanes.do(name, x, y, "float")))
 
 
-def _fma(fmt: Format, code: Code, words: Sequence[str]) -> str:
+def _fused(fmt: Format, name: str, code: Code, words: Sequence[str]) -> str:
     lanes = _Lanes(code, fmt.lanes)
     numbers = [lanes.numbers(fmt, word) for word in words]
     kind = "float" if fmt is E4M3 else "double"
     if kind == "double":
         numbers = [lanes.cast("fpext", number, "float", kind) for number in numbers]
     x, y, z = numbers
-    total = lanes.do("fadd", lanes.do("fmul", x, y, kind), z, kind)
+    product = lanes.do("fmul", x, y, kind)
+    if name == "fma":
+        total = lanes.do("fadd", product, z, kind)
+    else:
+        total = lanes.do("fsub", *((product, z) if name == "fms" else (z, product)), kind)
     if kind == "double":
         total = _rounded_to_odd(lanes, total)
     return lanes.join(fmt, lanes.encode(fmt, total))
@@ -268,9 +272,9 @@ def _of_format(fmt: Format) -> dict[str, Lowering]:
         f"{name}.{packed}": partial(_binary, fmt, name) for name in ("fadd", "fsub", "fmul")
     }
     comparisons = ("oeq", "une", "olt", "ole", "ult", "ule")
+    lowerings |= {f"{name}.{packed}": partial(_fused, fmt, name) for name in ("fma", "fms", "fnma")}
     lowerings |= {f"fcmp.{name}.{packed}": partial(_compared, fmt, name) for name in comparisons}
     lowerings |= {
-        f"fma.{packed}": partial(_fma, fmt),
         f"fmin.{packed}": partial(_extremum, fmt, "olt", "or"),
         f"fmax.{packed}": partial(_extremum, fmt, "ogt", "and"),
         f"fptrunc.{fmt.name}": partial(_truncated, fmt),

@@ -130,9 +130,17 @@ def _select(code: Code, words: Sequence[str]) -> str:
     return code.choose(holds, "i32", words[1], words[2])
 
 
-def _fma(code: Code, words: Sequence[str]) -> str:
-    x, y, z = _floats(code, words)
-    return _word(code, code.value(f"call float @llvm.fma.f32(float {x}, float {y}, float {z})"))
+def _fused(negated: int | None = None) -> Lowering:
+    """A product and an addend, of which one operand may be negated."""
+
+    def lowering(code: Code, words: Sequence[str]) -> str:
+        numbers = _floats(code, words)
+        if negated is not None:
+            numbers[negated] = code.value(f"fneg float {numbers[negated]}")
+        arguments = ", ".join(f"float {number}" for number in numbers)
+        return _word(code, code.value(f"call float @llvm.fma.f32({arguments})"))
+
+    return lowering
 
 
 def _fptosi(code: Code, words: Sequence[str]) -> str:
@@ -164,7 +172,9 @@ _LOWERINGS: Final[dict[Opcode, Lowering]] = {
     Opcode.FADD: _arithmetic("fadd"),
     Opcode.FSUB: _arithmetic("fsub"),
     Opcode.FMUL: _arithmetic("fmul"),
-    Opcode.FMA: _fma,
+    Opcode.FMA: _fused(),
+    Opcode.FMS: _fused(negated=2),
+    Opcode.FNMA: _fused(negated=0),
     Opcode.FNEG: _with_bits("xor", SIGN_BIT),
     Opcode.FABS: _with_bits("and", INT_MAX),
     Opcode.FMIN: _extremum("olt", "or"),
