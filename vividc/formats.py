@@ -1,4 +1,4 @@
-"""Number formats of less than 32 bits: the one home of what their codes mean and how they round.
+"""Number formats of less than 32 bits: what their codes mean and how they round, defined once.
 
 `F16` is IEEE 754 binary16. `E4M3` and `E5M2` are the 8-bit formats of the OCP 8-bit Floating Point
 Specification, revision 1.0 (2023): E4M3 has no infinity and one NaN of each sign, E5M2 is laid out

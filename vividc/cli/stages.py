@@ -1,4 +1,4 @@
-"""Options that look between the stages of a compilation, and what they print."""
+"""Options to look between the stages of a compilation, and what they print."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to write instead, in the words of the language that a kernel is written in."""
+"""Hints on what to write instead, in the language that the kernel is written in."""
 
 from __future__ import annotations
 

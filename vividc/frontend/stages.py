@@ -1,4 +1,5 @@
-"""The stages on what was read from LLVM, in processing order: to accesses of arrays, to words.
+"""The stages on what was read from LLVM, in processing order: first to array accesses, then to
+words.
 
 `compiler.passes` lists them with those behind.
 """

@@ -1,5 +1,5 @@
-"""Several layers as one program: each layer is a loop, and what one writes the next one reads where
-it lies in the scratchpad.
+"""Several layers as one program: each layer is a loop that reads the previous one's results in
+place in the scratchpad.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 """An MLP on an accelerator in a TPU-like mode: which layers run together, on how many rows at once,
-and what that costs.
+and the cost.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Which files this user compiled on this machine, and so has run already: `simulate --check` runs
-those without being told to.
+"""Which files this user compiled on this machine, and has therefore run already: `simulate --check`
+runs those without asking.
 
 A record is an entry of a store in `$XDG_STATE_HOME/vividc`, `~/.local/state/vividc`, or where none
 can be written `vividc-<user id>` in the folder of temporary files. It is no cache: it is there with

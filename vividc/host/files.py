@@ -1,4 +1,6 @@
-"""How vividc writes a file for a user: whole or not at all, and through whatever is no file."""
+"""Writes files for a user: completely or not at all, and through anything that is not a regular
+file.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""How a user's file is read: its size before its data, and no more of it than its kind may have.
+"""Reads users' files: checks the size before the data, and reads no more than the kind of file may
+have.
 
 Every limit is one of those below; `VIVIDC_INPUT_LIMIT` raises them all (docs/security.md).
 """

@@ -1,4 +1,4 @@
-"""Ends this process with the one that started it, however that ends; then runs a module.
+"""Runs a module in a process that ends when the process that started it ends, however that happens.
 
 `python -m vividc.host.lifeline FD MODULE ARGS...`: FD is the reading end of a pipe of which the
 other process holds the writing end, and never writes: its end, even by SIGKILL, closes it.

@@ -1,4 +1,4 @@
-"""What follows from one object that never changes is computed once for it."""
+"""Computes what follows from an immutable object only once for it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Passes as lists of functions, and someone who looks at what each leaves.
+"""Passes as lists of functions, and an observer of what each one leaves.
 
 Nobody looks unless asked (`vividc compile --print-after`): what is only tried, such as the
 estimates behind a choice, is `aside`.

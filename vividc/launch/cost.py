@@ -1,4 +1,6 @@
-"""What a job cost its accelerator: the work that its energy is computed from, and its roofline."""
+"""What a job costs its accelerator: the work from which its energy is computed, and its
+roofline.
+"""
 
 from __future__ import annotations
 

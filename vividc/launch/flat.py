@@ -1,4 +1,4 @@
-"""Lists of lists as two arrays, which is what compiled functions read."""
+"""Lists of lists as two arrays, the form that compiled functions read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the arrays that programs make lie when a job is written by hand, and what they overwrite.
+"""Where arrays that programs make are placed in a job written by hand, and what they overwrite.
 
 They lie behind a run's arguments, where something else may lie, which nobody who writes the job can
 see: then behind all that earlier steps put into the tile. Where that has no room, what they

@@ -1,4 +1,4 @@
-"""Carries a launch graph out: checks, computes, times and counts it."""
+"""Runs a launch graph: checks, computes, times and accounts for it."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""How work is dealt out to tiles, and to places in a scratchpad: one is filled or emptied while the
-tile works on another.
+"""Deals work out to tiles and to places in a scratchpad, so that one place is filled or emptied
+while the tile works on another.
 """
 
 from __future__ import annotations

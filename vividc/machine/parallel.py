@@ -1,4 +1,4 @@
-"""A kernel whose data-parallel loop can be cut into chunks: what a launch has to know of it.
+"""A kernel whose data-parallel loop can be cut into chunks: what a launch must know about it.
 
 Pure data, which travels in the bundle. The loop runs from the input `FIRST` to the input `LAST`;
 `terms` say how the host computes the loop's own bounds, and which bytes of each array a chunk of

@@ -1,4 +1,4 @@
-"""What every operation computes on 32-bit words: the one home of operation semantics.
+"""What every operation computes on 32-bit words: the single definition of operation semantics.
 
 The interpreter and the cycle simulator both read this table; numba and numpy are the independent
 oracle.

@@ -1,4 +1,4 @@
-"""Pinhole cameras, and the files of reference views (`ref_*.npz`) they are read from."""
+"""Pinhole cameras, and the files of reference views (`ref_*.npz`) from which they are read."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A camera around a scene, for scenes that come without one."""
+"""A camera that orbits a scene, for scenes that come without one."""
 
 from __future__ import annotations
 

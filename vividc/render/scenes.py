@@ -1,4 +1,4 @@
-"""Opens a scene file of any of the four methods, and tells which it is."""
+"""Opens a scene file of any of the four methods, and says which it is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a merged YAML tree to a `Fabric`, after the checks that no schema can express."""
+"""Build a `Fabric` from a merged YAML tree, after the checks that no schema can express."""
 
 from __future__ import annotations
 

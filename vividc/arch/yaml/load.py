@@ -1,4 +1,4 @@
-"""`load` and `load_text`: the way from a name, a file or a text to a `Fabric`."""
+"""`load` and `load_text`: a `Fabric` from a name, a file or a text."""
 
 from __future__ import annotations
 

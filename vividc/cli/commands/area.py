@@ -1,4 +1,4 @@
-"""`vividc area`: what a fabric takes in silicon."""
+"""`vividc area`: the silicon area of a fabric."""
 
 from __future__ import annotations
 

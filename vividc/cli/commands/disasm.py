@@ -1,4 +1,4 @@
-"""`vividc disasm`: the configuration words of a program, for people."""
+"""`vividc disasm`: the configuration words of a program, in readable form."""
 
 from __future__ import annotations
 

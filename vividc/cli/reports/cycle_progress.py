@@ -1,4 +1,4 @@
-"""The state of a long simulation on a terminal: cycles so far, and how many a second."""
+"""The progress of a long simulation on a terminal: cycles so far, and cycles per second."""
 
 from __future__ import annotations
 

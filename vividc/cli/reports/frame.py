@@ -1,4 +1,4 @@
-"""What `vividc render --engine array` prints: stages, frames a second, energy, avoided work."""
+"""What `vividc render --engine array` prints: stages, frames per second, energy, work avoided."""
 
 from __future__ import annotations
 

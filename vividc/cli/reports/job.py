@@ -1,4 +1,4 @@
-"""What `vividc simulate --fabric` prints of a job on an accelerator."""
+"""What `vividc simulate --fabric` prints about a job on an accelerator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What became of each loop of the source, as a table."""
+"""What was done to each source loop, as a table."""
 
 from __future__ import annotations
 

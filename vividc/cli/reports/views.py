@@ -1,4 +1,4 @@
-"""What `vividc simulate` shows beside results: energy, traces, value changes, pictures."""
+"""What `vividc simulate` shows besides results: energy, traces, value changes, pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the time for mapping is shared out between the stages of a plan."""
+"""How mapping time is divided among the stages of a plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The transformations that can be tried on a function, and what each makes of it."""
+"""The transformations that can be tried on a function, and the result of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chooses the loop transformations that pay, by estimates from bounds, from the inside out."""
+"""Chooses the loop transformations that pay off, from the inside out, by estimates from bounds."""
 
 from __future__ import annotations
 

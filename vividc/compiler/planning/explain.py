@@ -1,4 +1,4 @@
-"""What became of each loop of the source, for `vividc compile --explain`."""
+"""What was done to each source loop, for `vividc compile --explain`."""
 
 from __future__ import annotations
 

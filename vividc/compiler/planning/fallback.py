@@ -1,4 +1,4 @@
-"""From a plan to the stage that is kept: the most transformed one that maps, unless an earlier one
+"""Chooses the stage of a plan to keep: the most transformed one that maps, unless an earlier one
 turns out faster.
 """
 

@@ -1,4 +1,4 @@
-"""What the user says about loop transformations."""
+"""The user's options for loop transformations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cycles of a recognised matrix product on one tile, by estimate."""
+"""Estimated cycles of a recognised matrix product on one tile."""
 
 from __future__ import annotations
 

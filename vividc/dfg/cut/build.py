@@ -1,5 +1,4 @@
-"""From a kernel in SSA form to its regions: one DFG for each innermost loop and for each other
-block.
+"""Cuts a kernel in SSA form into regions: one DFG for each innermost loop and for each other block.
 
 A value that one region computes and another reads becomes the variable "%<id>"; a phi of a block
 outside loops is a variable that its predecessors write.

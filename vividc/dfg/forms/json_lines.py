@@ -1,4 +1,4 @@
-"""On which line of a JSON text each node and edge stands, for messages."""
+"""The line of a JSON text on which each node and edge starts, for messages."""
 
 from __future__ import annotations
 

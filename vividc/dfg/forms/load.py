@@ -1,4 +1,4 @@
-"""Reading a DFG file, in the form that its content shows."""
+"""Reads a DFG file in the form that its content indicates."""
 
 from __future__ import annotations
 

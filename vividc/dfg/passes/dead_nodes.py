@@ -1,4 +1,4 @@
-"""Removal of nodes that neither memory, a variable nor the controller can notice."""
+"""Removal of nodes without effect on memory, a variable or the controller."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a function in a `.ll` file may not hold, found in its text before anything is optimised: one
-message each, with its line.
+"""What a function in a `.ll` file may not contain, found in its text before anything is optimised:
+one message each, with its line.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""C's library in LLVM IR: block operations as loops over words or bytes (what clang makes of a loop
-that clears or copies an array), and `math.h`.
+"""The C library in LLVM IR: block operations as loops over words or bytes (what clang makes of a
+loop that clears or copies an array), and `math.h`.
 """
 
 from __future__ import annotations

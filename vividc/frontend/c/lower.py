@@ -1,4 +1,4 @@
-"""From a `.ll` file's text to `ssa.ir.Function`: the stages before those that Python's share."""
+"""From a `.ll` file's text to `ssa.ir.Function`: the stages before those shared with Python."""
 
 from __future__ import annotations
 

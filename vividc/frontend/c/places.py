@@ -1,4 +1,4 @@
-"""Lines of a `.ll` file's instructions, however the file breaks its lines.
+"""The lines on which a `.ll` file's instructions start, however the file breaks them.
 
 LLVM's language knows no lines. Where an instruction starts is seen from its tokens: `%name =`, or
 the word of one that has no result.

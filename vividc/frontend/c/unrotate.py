@@ -1,4 +1,4 @@
-"""Give loops that clang rotated their `while` form back: `if (a < b) do ... while (++i != b)`
+"""Turns loops that clang rotated back into `while` loops: `if (a < b) do ... while (++i != b)`
 becomes `while (i < b) ...`, which the tile controller can count.
 
 A rotated loop tests for its next iteration at its end. The test may be moved to the start if it is

@@ -1,4 +1,4 @@
-"""Tuples in SSA: a phi or a choice of an array or a structure becomes one of each of its elements.
+"""Tuples in SSA: a phi or a select of an array or a structure becomes one for each of its elements.
 
 Numba's tuples are LLVM's aggregates. Where they are made and read in one place LLVM takes them
 apart; where paths join it leaves phis of whole aggregates.

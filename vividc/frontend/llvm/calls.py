@@ -1,4 +1,4 @@
-"""Names of calls that pass LLVM: what is meant by them is written out behind it."""
+"""Names of calls that pass through LLVM: what they mean is expanded afterwards."""
 
 from __future__ import annotations
 

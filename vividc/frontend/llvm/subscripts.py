@@ -1,4 +1,4 @@
-"""Subscripts of accesses, as they pass LLVM in a type's metadata."""
+"""Subscripts of accesses, which pass through LLVM as metadata."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How many low bits of each 64-bit integer anything reads: where they lie within a word, the word
+"""How many low bits of each 64-bit integer are read: if they lie within a word, the word
 suffices.
 """
 

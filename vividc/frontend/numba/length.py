@@ -1,4 +1,4 @@
-"""How long a kernel may be: what no array holds is refused before time is spent on it."""
+"""The length of a kernel: what no array can hold is refused before time is spent on it."""
 
 from __future__ import annotations
 

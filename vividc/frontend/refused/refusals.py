@@ -1,4 +1,4 @@
-"""What numba says when it refuses, told in the words of whoever wrote the kernel."""
+"""Numba's refusals, in the words of the kernel's author."""
 
 from __future__ import annotations
 

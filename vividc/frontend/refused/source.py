@@ -1,4 +1,4 @@
-"""The source of a kernel as a tree: its functions, and what stands on a line.
+"""The source of a kernel as a tree: its functions, and what is on a line.
 
 Asked for messages only: a file that is missing, or no longer what was compiled, gives none.
 """

@@ -1,4 +1,4 @@
-"""When a systolic array does what: a modulo schedule in closed form.
+"""When each part of a systolic array works: a modulo schedule in closed form.
 
 One iteration of the loop is one block of C. Each PE accumulates its element in a chain of FMAs,
 each as long after the one before as an FMA takes; the chains of several blocks interleave, so that

@@ -1,4 +1,4 @@
-"""Which file formats there are, by the ending of a path."""
+"""The picture formats, by file extension."""
 
 from __future__ import annotations
 

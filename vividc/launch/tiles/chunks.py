@@ -1,4 +1,6 @@
-"""How a parallel loop is cut into chunks: their length, what each touches, where it lies."""
+"""How a parallel loop is cut into chunks: their length, the bytes each touches, and where those are
+placed.
+"""
 
 from __future__ import annotations
 

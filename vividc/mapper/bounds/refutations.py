@@ -1,4 +1,4 @@
-"""What refutes an II, in the words that results and files use, for writers and readers alike."""
+"""What refutes an II, in the words that results and files use, shared by writers and readers."""
 
 from __future__ import annotations
 

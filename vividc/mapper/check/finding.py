@@ -1,4 +1,4 @@
-"""What became of checking one statement of a result."""
+"""The outcome of checking one statement of a result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""One II by the kernel mobility schedule: Booleans of time and place, then routes and registers."""
+"""One II by the kernel mobility schedule: Booleans for time and place, then routes and
+registers.
+"""
 
 from __future__ import annotations
 

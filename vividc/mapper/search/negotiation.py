@@ -1,4 +1,4 @@
-"""Smaller and smaller IIs by negotiation, and proofs for what is left.
+"""Ever smaller IIs by negotiation, then proofs for what is left.
 
 Each step has a fixed effort and a fixed seed, and a deadline only cuts the sequence off: a longer
 time limit goes the same way farther. The limit does not count the one compilation of the annealer.

@@ -1,4 +1,4 @@
-"""The mappers of ours as rows: how they try one II, and how they walk over IIs."""
+"""Our own mappers as rows: how they try one II, and how they walk over IIs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a mapper's search is made of, as rows of data, and the walk over IIs that reads them."""
+"""What a mapper's search consists of, as rows of data, and the walk over IIs that reads them."""
 
 from __future__ import annotations
 

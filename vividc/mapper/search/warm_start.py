@@ -1,4 +1,4 @@
-"""A first mapping of a small graph, where constraints may take long to find any.
+"""A first mapping of a small graph, found quickly where the constraints take long.
 
 A warm start gives only an incumbent: the IIs below it are tried and refuted as ever.
 """

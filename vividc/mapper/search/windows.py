@@ -1,4 +1,4 @@
-"""A graph that is small for its array is mapped to rectangles of it, too.
+"""Maps a graph that is small for its array to rectangles of the array as well.
 
 A mapping to a rectangle of PEs, with the links between them, is a mapping to the whole array: an
 array does no worse than a smaller one that it contains.

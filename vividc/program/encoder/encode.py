@@ -1,4 +1,4 @@
-"""A kernel and the mappings of its regions to a `Program`."""
+"""Encodes a kernel and the mappings of its regions as a `Program`."""
 
 from __future__ import annotations
 

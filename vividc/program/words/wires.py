@@ -1,4 +1,4 @@
-"""Words that pass several links in one cycle: what drives a link in the end."""
+"""Words that pass several links in one cycle: which source finally drives each link."""
 
 from __future__ import annotations
 

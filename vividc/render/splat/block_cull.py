@@ -1,4 +1,4 @@
-"""Lists of small blocks: the splats of a tile that can be seen in a block of its pixels.
+"""Lists of small blocks: the splats of a tile that are visible in a block of its pixels.
 
 A tile's list holds every splat whose square footprint of three standard deviations meets the tile.
 Many of them are nowhere in it opaque enough to count; without those the lists are short enough for

@@ -1,4 +1,4 @@
-"""Cuts a crop into launches of the blending kernel and puts their outputs together again."""
+"""Cuts a crop into launches of the blending kernel and reassembles their outputs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The area of so many tiles of a fabric."""
+"""The area of a number of tiles of a fabric."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a fabric consists of, as a cost table counts it."""
+"""The components of a fabric, as a cost table counts them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Items of a report: so many of something, each at a cost, with the source of the figure."""
+"""Items of a report: a count, a cost each, and the source of the figure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Which bytes a chunk writes for certain: a slice that is written as a whole is not moved in."""
+"""Which bytes a chunk is certain to write: a slice that is completely written need not be moved
+in.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tells an observer of each run of a region: native code is stopped after every one."""
+"""Reports each run of a region to an observer: native code pauses after every one."""
 
 from __future__ import annotations
 

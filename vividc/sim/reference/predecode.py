@@ -1,4 +1,4 @@
-"""Decoded entries to short lists of what is active in each slot.
+"""Turns decoded entries into short lists of what is active in each slot.
 
 A run of the machine keeps every word a PE can read in one list, `state`; None is "nothing".
 Multiplexer settings become indices into it once, here, so that a cycle is a walk over short lists.

@@ -1,4 +1,4 @@
-"""Two loops, one in the other, as unroll-and-jam sees them, and whether their order may change."""
+"""Two nested loops as unroll-and-jam sees them, and whether their order may change."""
 
 from __future__ import annotations
 

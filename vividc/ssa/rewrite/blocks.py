@@ -1,6 +1,4 @@
-"""Blocks and phis that control flow can do without: unreachable blocks, straight chains, phis with
-one value.
-"""
+"""Removes superfluous blocks and phis: unreachable blocks, straight chains, phis with one value."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Additions of constants in a row become one: counters of unrolled iterations stay one addition
+"""Combines consecutive additions of constants: counters of unrolled iterations stay one addition
 from the loop's phi.
 """
 

@@ -1,4 +1,4 @@
-"""Removal of operations that nothing reads, from functions."""
+"""Removes operations that nothing reads from functions."""
 
 from __future__ import annotations
 

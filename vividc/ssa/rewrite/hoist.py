@@ -1,4 +1,4 @@
-"""Move what does not change in a loop to before the loop."""
+"""Moves loop-invariant operations in front of the loop."""
 
 from __future__ import annotations
 

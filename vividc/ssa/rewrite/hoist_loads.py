@@ -1,4 +1,4 @@
-"""Loads that read the same word in every iteration move to before the loop.
+"""Moves loads that read the same word in every iteration in front of the loop.
 
 Such a load takes a load/store unit once an iteration, and there are few of those. It moves under a
 predicate, that the loop runs at all: what it would read otherwise may lie outside its array.

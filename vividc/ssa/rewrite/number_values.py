@@ -1,5 +1,5 @@
-"""Common subexpressions of a function: one instruction for each value, in its block or for all
-blocks that it dominates.
+"""Common subexpressions of a function: one instruction per value, in its block or in all blocks
+that it dominates.
 """
 
 from __future__ import annotations

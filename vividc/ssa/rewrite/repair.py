@@ -1,4 +1,4 @@
-"""Reconstruction of SSA form for a value that has got several definitions."""
+"""Restores SSA form for a value that has several definitions."""
 
 from __future__ import annotations
 

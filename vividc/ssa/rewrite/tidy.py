@@ -1,4 +1,4 @@
-"""What every loop transformation ends with: the function it leaves has no redundant work."""
+"""The clean-up after every loop transformation: the resulting function has no redundant work."""
 
 from __future__ import annotations
 

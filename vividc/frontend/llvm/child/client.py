@@ -1,4 +1,4 @@
-"""The client: starts the server when it is first needed, and again if it was lost."""
+"""The client: starts the server when it is first needed, and restarts it if it is lost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A mapping problem at one II as flat arrays, which is what compiled functions read."""
+"""A mapping problem at one II as flat arrays, the form that compiled functions read."""
 
 from __future__ import annotations
 

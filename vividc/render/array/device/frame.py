@@ -1,4 +1,4 @@
-"""What rendering on the array gives: the picture, and what each stage of it cost."""
+"""The result of rendering on the array: the picture, and the cost of each stage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of arrays chosen by indices: indexed DMA into scratchpads, and out again side by side."""
+"""Rows of arrays chosen by indices: indexed DMA into scratchpads, and out again contiguously."""
 
 from __future__ import annotations
 

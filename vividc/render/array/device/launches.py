@@ -1,4 +1,4 @@
-"""Launches of one kernel on the tiles: what each needs is moved in while the one before runs."""
+"""Launches of one kernel on the tiles: the data of each is moved in while the previous one runs."""
 
 from __future__ import annotations
 

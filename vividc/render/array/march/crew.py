@@ -1,4 +1,4 @@
-"""Batches of a frame, shared out among this process and helpers, each with a device of its own.
+"""Shares the batches of a frame among this process and helpers, each with its own device.
 
 What the simulator does between two runs of machine code is Python, one thread at a time: a second
 core takes a second process. Helpers are started by command line, so that a script that renders

@@ -1,4 +1,4 @@
-"""What the marching pipeline asks of a model: density and colour of points, computed by jobs."""
+"""What the marching pipeline needs from a model: density and colour of points, computed by jobs."""
 
 from __future__ import annotations
 

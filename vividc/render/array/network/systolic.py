@@ -1,4 +1,4 @@
-"""Networks in a TPU-like mode, where that takes fewer cycles than kernels on the tiles."""
+"""Networks in a TPU-like mode, where that takes fewer cycles than kernels on the tiles would."""
 
 from __future__ import annotations
 

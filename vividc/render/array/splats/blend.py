@@ -1,4 +1,4 @@
-"""Blending of 3DGS on the array: a screen tile at a time, its list part by part."""
+"""Blending of 3DGS on the array: one screen tile at a time, its list part by part."""
 
 from __future__ import annotations
 

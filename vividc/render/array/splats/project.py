@@ -1,4 +1,6 @@
-"""The first stages of 3DGS on the array: projection and footprints, then colour of what is seen."""
+"""The first stages of 3DGS on the array: projection and footprints, then the colour of visible
+splats.
+"""
 
 from __future__ import annotations
 
