@@ -146,7 +146,7 @@ def test_a_folder_or_a_file_without_ending_is_told(tmp_path, monkeypatch):
     (tmp_path / "mine").mkdir()
     (tmp_path / "plain").write_text("extends: mesh-2x2")
     for name in ("mine", "./mine", tmp_path / "mine"):
-        with pytest.raises(ArchError, match=r"mine: a folder is no fabric\nhint: name a YAML file"):
+        with pytest.raises(ArchError, match=r"a folder is not a fabric\nhint: name a YAML file"):
             load(name)
     with pytest.raises(ArchError, match=r"unknown fabric `plain`\nhint: .* write \./plain"):
         load("plain")

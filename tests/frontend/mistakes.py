@@ -171,7 +171,7 @@ def global_dict(x, n):
     x[0] = SETTINGS["scale"]  # here: any
 
 
-@mistake("`NAMES` is no number, tuple or array", "tuple")
+@mistake("`NAMES` is not a number, tuple or array", "tuple")
 def global_list(x, n):
     x[0] = len(NAMES[n])  # here: any
 
@@ -245,7 +245,7 @@ def array_chosen(x, n):
     x[0] = a[0] + b[0]
 
 
-@mistake("holds 0.333.*, which is no float32", r"astype\(np.float32\)")
+@mistake("holds 0.333.*, which is not a float32", r"astype\(np.float32\)")
 def doubles_in_table(x, n):
     for i in range(n):
         x[i] = THIRDS[i & 1]  # here

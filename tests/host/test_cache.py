@@ -75,7 +75,7 @@ def test_it_is_kept_below_a_size(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 @pytest.mark.parametrize("text", ["much", "-1", "1.5", "1 GB", "\u0665"])
 def test_a_size_that_is_none_is_said(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
     monkeypatch.setenv(cache.SIZE_VARIABLE, text)
-    with pytest.warns(VividcWarning, match="which is no number of MiB: 256 is taken"):
+    with pytest.warns(VividcWarning, match="which is not a number of MiB: using 256"):
         assert cache.write("a", "key", b"content")
 
 

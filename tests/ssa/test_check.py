@@ -63,7 +63,7 @@ LOAD = Instr(2, Opcode.LOAD, Type.I32, (Input("&x"), Ref(0)), array="x")
         (edited("body", instrs=(replace(LOAD, width=3),)), "has a width of 3 bytes"),
         (edited("body", instrs=(replace(ADD, width=1),)), "has a width of 1 bytes"),
         (edited("body", instrs=(replace(LOAD, signed=True),)), "is signed and no load"),
-        (edited("body", instrs=(replace(ADD, operands=(Ref(0), Const(-1))),)), "is no word: -1"),
+        (edited("body", instrs=(replace(ADD, operands=(Ref(0), Const(-1))),)), "is not a word: -1"),
         (edited("head", phis=(replace(PHI, incoming=PHI.incoming[:1]),)), "does not list"),
         (edited("head", branch=Branch("exit")), "body cannot be reached"),
         (edited("body", branch=Branch("entry")), "the entry entry has predecessors"),

@@ -135,7 +135,7 @@ def _limit_bytes() -> int:
     if text.isascii() and text.isdigit():
         return int(text[:12]) << 20
     if text:
-        complain(f"{SIZE_VARIABLE} is {text!r}, which is no number of MiB: {DEFAULT_MB} is taken")
+        complain(f"{SIZE_VARIABLE} is {text!r}, which is not a number of MiB: using {DEFAULT_MB}")
     return DEFAULT_MB << 20
 
 

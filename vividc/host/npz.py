@@ -226,7 +226,7 @@ def _members(archive: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
     for info in archive.infolist():
         name = info.filename.removesuffix(_SUFFIX)
         if name == info.filename:
-            raise ValueError(f"its member `{name}` is no array (.npy)")
+            raise ValueError(f"its member `{name}` is not an array (.npy)")
         if name in members:
             raise ValueError(f"the array `{name}` is there twice")
         if info.compress_type not in _METHODS or info.flag_bits & _ENCRYPTED:
@@ -239,7 +239,7 @@ def _read_header(member: IO[bytes]) -> Header:
     begin = _exactly(member, len(_NPY_MAGIC) + 2)
     form = _LENGTHS.get(begin[-2])
     if not begin.startswith(_NPY_MAGIC) or form is None:
-        raise ValueError("a member is no array: it does not begin as an npy file")
+        raise ValueError("a member is not an array: it does not begin as an npy file")
     length: int = struct.unpack(form, _exactly(member, struct.calcsize(form)))[0]
     if length > _HEADER_BYTES:
         raise ValueError(f"the header of an array takes {length} bytes")

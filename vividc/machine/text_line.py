@@ -92,7 +92,7 @@ class TextLine:
         try:
             value = json.loads(quoted)
         except json.JSONDecodeError:
-            self.fail(f"{quoted} is no string")
+            self.fail(f"{quoted} is not a string")
         return str(value)
 
     def location(self) -> SourceLoc | None:
@@ -102,7 +102,7 @@ class TextLine:
             return None
         match = _LOC.fullmatch(text)
         if match is None:
-            self.fail(f"{text} is no source line: write !file:line")
+            self.fail(f"{text} is not a source line: write !file:line")
         file = match["file"]
         return SourceLoc(
             self.string(file) if file.startswith('"') else file, self.whole(match["line"])

@@ -329,7 +329,7 @@ def _product_faults(program: Program) -> Iterator[str]:
     if any(ndims.get(factor.array) != 2 for factor in factors):  # noqa: PLR2004 - matrices
         yield "its matrix product is not one of matrices that it has"
     if product.bias and ndims.get(product.bias) != 1:
-        yield "the bias of its matrix product is no array that it has"
+        yield "the bias of its matrix product is not one of its arrays"
 
 
 def _store_faults(program: Program) -> Iterator[str]:

@@ -52,7 +52,7 @@ def orbit_camera(
         demand_type(angle, (int, float), "an angle", "give degrees as a number")
     demand_type(up, str, "the axis that points up", ", ".join(_AXES))
     if up not in _AXES:
-        raise SceneError(f"{quoted(up)} is no axis", hint=", ".join(_AXES))
+        raise SceneError(f"{quoted(up)} is not an axis", hint=", ".join(_AXES))
     for side in (width, height):
         demand_type(side, int, "a picture's side", "give pixels as an integer")
     if not math.isfinite(azimuth) or not abs(elevation) <= _STEEPEST:

@@ -93,8 +93,8 @@ def _operands(fn: Function) -> Iterator[str]:
 
 def _word_value(value: Value) -> str:
     if isinstance(value, Const):
-        return "" if 0 <= value.word <= WORD_MASK else f"is no word: {value.word}"
-    return "" if isinstance(value, Named) else f"is no word but LLVM's: {value}"
+        return "" if 0 <= value.word <= WORD_MASK else f"is not a word: {value.word}"
+    return "" if isinstance(value, Named) else f"is not a word but a value of LLVM's: {value}"
 
 
 def _llvm_value(fn: Function) -> Callable[[Value], str]:

@@ -153,7 +153,7 @@ class _Words(_Machine[int]):
 
     def constant(self, value: Value) -> int:
         if not isinstance(value, Const):
-            raise SSAError(f"{value} is no word")
+            raise SSAError(f"{value} is not a word")
         return value.word
 
     def step(self, instr: Instr, operands: list[int]) -> int:
@@ -191,7 +191,7 @@ class _LLVM(_Machine[Number]):
 
     def constant(self, value: Value) -> Number:
         if not isinstance(value, Int | Float):
-            raise SSAError(f"{value} is no number")
+            raise SSAError(f"{value} is not a number")
         return value.value
 
     def step(self, instr: Instr, operands: list[Number]) -> Number:

@@ -115,7 +115,7 @@ class _Line(TextLine):
         """A constant of 32 bits."""
         word = self.integer()
         if not 0 <= word <= WORD_MASK:
-            self.fail(f"{word} is no word of 32 bits")
+            self.fail(f"{word} is not a 32-bit word")
         return Const(word)
 
     def constant(self) -> Value:
@@ -129,7 +129,7 @@ class _Line(TextLine):
             return Int(self.integer())
         bits = self.integer()
         if not 0 <= bits < 1 << 64:
-            self.fail(f"{bits} are no bits of a double")
+            self.fail(f"{bits} are not the bits of a double")
         return Float(struct.unpack("<d", bits.to_bytes(8, "little"))[0])
 
     def kind(self) -> Kind:
@@ -295,7 +295,7 @@ def _instr(line: _Line, id_: int, kind: Kind) -> Instr:
     while not line.ended:
         clause = line.expect("word")
         if clause not in _CLAUSES or clause in fields:
-            line.fail(f"{quoted(clause, 30)} is no clause that can stand here")
+            line.fail(f"{quoted(clause, 30)} is not a clause allowed here")
         fields[clause] = _CLAUSES[clause](line)
     return Instr(id_, op, kind, loc=line.location(), **fields)
 

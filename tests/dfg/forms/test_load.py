@@ -132,9 +132,9 @@ OWN = {"schema": "vividc.dfg/1"}
     [
         ([], "expected an object"),
         ({"name": "d", "edges": []}, "nodes is missing"),
-        (one(edges={}), "edges is no array"),
-        (one(name=3), "name 3 is no string"),
-        (one(nodes=[3]), "nodes[0]: 3 is no object"),
+        (one(edges={}), "edges is not an array"),
+        (one(name=3), "name 3 is not a string"),
+        (one(nodes=[3]), "nodes[0]: 3 is not an object"),
         (one(nodes=[{"id": 0}]), "nodes[0]: op is missing"),
         (one(nodes=[{"op": "ADD"}]), "nodes[0]: id is missing"),
         (one(nodes=[{"id": True, "op": "ADD"}]), "nodes[0]: id True"),

@@ -80,7 +80,10 @@ CASES = {
     ),
     "array": ("[1, 2]", ["g.json: expected an object with nodes and edges"]),
     "no nodes": ('{"name": "g", "edges": []}', ["nodes is missing"]),
-    "nodes no array": ('{"name": "g", "nodes": 3, "edges": {}}', ["nodes is no array", "edges"]),
+    "nodes no array": (
+        '{"name": "g", "nodes": 3, "edges": {}}',
+        ["nodes is not an array", "edges"],
+    ),
     "truncated": (edges('{"src": 0, "dst": 1}')[:-2], ["g.json:5: not JSON"]),
     "number without end": (
         '{"name": "g", "nodes": [{"id": ' + "9" * 5000 + "}]}",

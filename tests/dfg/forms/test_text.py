@@ -116,14 +116,14 @@ def test_comments_and_blank_lines_are_skipped() -> None:
         ('dfg "d"\n%0 = const', 2, "expected a number"),
         ('dfg "d"\n%0 = mov %1 sideways', 2, "there is no clause sideways"),
         ('dfg "d"\n%0 = mov %1 exit branch', 2, "already marked exit"),
-        ('dfg "d"\n%0 = mov %1 !nowhere', 2, "no source line"),
+        ('dfg "d"\n%0 = mov %1 !nowhere', 2, "not a source line"),
         ('dfg "d"\n%0 = mov %1@1(init=2)', 2, "expected a reference"),
         ('dfg "d"\n%0 = mov ; %1', 2, "cannot read"),
         ('dfg "d"\n%0 = iv %', 2, "cannot read"),
         ('dfg "d"\n%0 = iv 7 7', 2, "expected :"),
         ('dfg "d"\n%0 = mov %0@1\nedges 1', 3, "must list each"),
         ('dfg "d"\nedges\n%0 = iv', 3, "nothing may follow"),
-        ('dfg "d\\x"', 1, "is no string"),
+        ('dfg "d\\x"', 1, "is not a string"),
     ],
 )
 def test_errors_name_file_and_line(text: str, line: int, reason: str) -> None:

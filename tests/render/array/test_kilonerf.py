@@ -107,7 +107,7 @@ def test_a_hidden_width_that_is_no_multiple_of_8_is_refused(model: KiloNeRF) -> 
         model.transmittance_min,
     )
     camera = scaled_camera(read_views(MIC / "ref_kilo.npz")[0].camera, 8, 8)
-    with pytest.raises(SceneError, match="30 wide, which is no multiple of 8"):
+    with pytest.raises(SceneError, match="30 wide, not a multiple of 8"):
         render_array(odd, camera)
 
 

@@ -29,8 +29,8 @@ def test_functions_have_formats_of_their_own_or_of_all() -> None:
     ("wanted", "message"),
     [
         ({"sin": "fp8"}, "no precision can be set for 'sin'.*exp, exp2, fma; `all` is each"),
-        ({"exp": "fp9"}, "'fp9' of exp is no format.*fp32, fp16, fp8, e5m2"),
-        ({"exp": 8}, "8 of exp is no format"),
+        ({"exp": "fp9"}, "'fp9' of exp is not a format.*fp32, fp16, fp8, e5m2"),
+        ({"exp": 8}, "8 of exp is not a format"),
         ("fp8", "a precision policy cannot be 'fp8'.*write precision="),
     ],
 )

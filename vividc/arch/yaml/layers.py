@@ -143,7 +143,7 @@ def _text_of(path: Path) -> str:
 
 def a_folder(name: str) -> ArchError:
     """Return the error for the path of a folder."""
-    return ArchError("a folder is no fabric", loc=name, hint="name a YAML file in it")
+    return ArchError("a folder is not a fabric", loc=name, hint="name a YAML file in it")
 
 
 def _merged(base: Tree, layer: Tree, path: TreePath, places: dict[TreePath, str]) -> Plain:

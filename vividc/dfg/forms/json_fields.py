@@ -52,7 +52,7 @@ class Fields:
         if isinstance(value, str):
             return value
         self.problem(
-            f"{key} is missing" if value is None else f"{key} {quoted(value)} is no string"
+            f"{key} is missing" if value is None else f"{key} {quoted(value)} is not a string"
         )
         return ""
 
@@ -128,7 +128,7 @@ def fields_of(data: Mapping[str, object], key: str, problems: list[str]) -> list
     """The objects of the array `key`."""
     entries = data.get(key)
     if not isinstance(entries, list):
-        problems.append(f"{key} is missing" if entries is None else f"{key} is no array")
+        problems.append(f"{key} is missing" if entries is None else f"{key} is not an array")
         return []
     objects: list[Fields] = []
     for index, entry in enumerate(entries):
@@ -136,7 +136,7 @@ def fields_of(data: Mapping[str, object], key: str, problems: list[str]) -> list
         if isinstance(entry, dict):
             objects.append(Fields(entry, place, problems))
         else:
-            problems.append(f"{place}: {quoted(entry)} is no object")
+            problems.append(f"{place}: {quoted(entry)} is not an object")
     return objects
 
 

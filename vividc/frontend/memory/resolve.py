@@ -232,7 +232,7 @@ class _Resolver:
             or definition.op != "getelementptr"
             or not definition.strides
         ):
-            raise KernelError("a pointer that is no array parameter", loc=loc, hint=_LOCAL_HINT)
+            raise KernelError("a pointer that is not an array parameter", loc=loc, hint=_LOCAL_HINT)
         return _extend(self._address(definition.operands[0], loc), definition)
 
 

@@ -88,7 +88,7 @@ def _float_word(value: float, table: Table, loc: SourceLoc | None) -> int:
         narrow = np.float32(value)
     if table.element == "double" and float(narrow) != value and value == value:  # noqa: PLR0124
         raise KernelError(
-            f"a constant array of float64 holds {value!r}, which is no float32",
+            f"a constant array of float64 holds {value!r}, which is not a float32",
             loc=loc,
             hint=Advice(
                 "make it of float32: np.array([...], np.float32), or table.astype(np.float32)",

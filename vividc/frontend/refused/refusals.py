@@ -235,7 +235,7 @@ def _of_conversion(_: Refusal, match: re.Match[str]) -> Told:
 
 def _of_frozen(_: Refusal, match: re.Match[str]) -> Told:
     name = "a global" if match["name"] is None else f"`{match['name']}`"
-    what = f"{name} is no number, tuple or array, which a kernel could read"
+    what = f"{name} is not a number, tuple or array, which a kernel could read"
     return what, "make it a tuple of numbers, or an array"
 
 

@@ -31,7 +31,7 @@ def reflected_program(program: Program, fabric: Fabric, places: tuple[int, ...])
         `places` is no isomorphism of the fabrics, or a PE cannot do what its words ask for.
     """
     if not is_isomorphism(program.fabric, fabric, places):
-        raise InternalError(f"{fabric.name} is no image of {program.fabric.name}")
+        raise InternalError(f"{fabric.name} is not a mirror image of {program.fabric.name}")
     layout = word_layout(fabric)
     words = np.zeros_like(program.words)
     for context, row in enumerate(program.entries):

@@ -60,7 +60,7 @@ def parse_precision(wanted: FormatChoices | None) -> Precision:
             raise ArgumentError(f"no precision can be set for {quoted(name, 40)}", hint=hint)
         if not isinstance(fmt, str) or fmt not in FORMAT_NAMES:
             hint = f"formats are {', '.join(FORMAT_NAMES)}"
-            raise ArgumentError(f"{quoted(fmt, 40)} of {name} is no format", hint=hint)
+            raise ArgumentError(f"{quoted(fmt, 40)} of {name} is not a format", hint=hint)
     named = {name: wanted.get(name, wanted.get(ALL)) for name in NAMES}
     return tuple((name, fmt) for name, fmt in named.items() if fmt not in (None, "fp32"))
 

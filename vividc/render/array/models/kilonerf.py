@@ -94,7 +94,7 @@ class KiloNeRFOnArray(ModelField):
         hidden = model.weights[1].shape[2]
         if hidden % _OCTET:
             raise SceneError(
-                f"the networks' hidden layers are {hidden} wide, which is no multiple of {_OCTET}",
+                f"the networks' hidden layers are {hidden} wide, not a multiple of {_OCTET}",
                 hint="train with hidden layers of 32",
             )
         self._hidden = hidden
