@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.ssa.analysis.affine import Affine, AffineAnalysis
+from vividc.ssa.analysis.induction import is_invariant
+from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, Polynomial
 from vividc.ssa.edit import block_of, next_id, with_blocks
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Const, Function, Instr, Ref, Value
@@ -38,15 +39,15 @@ def fold_addresses(
     """Addresses of the loop's affine accesses by instruction id, and the function with their bases
     in `preheader`.
     """
-    analysis = AffineAnalysis(function, loop)
+    forms = LoopPolynomials(function, loop)
     emitter = _BaseEmitter(next_id(function))
     addresses: dict[int, Address] = {}
     for block in function.blocks:
         if block.name not in loop.blocks:
             continue
         for instr in block.instrs:
-            if instr.op in MEMORY and analysis.is_invariant(instr.operands[0]):
-                address = _address(instr, analysis.of(instr.operands[1]), emitter)
+            if instr.op in MEMORY and is_invariant(function, loop.blocks, instr.operands[0]):
+                address = _address(instr, forms.of(instr.operands[1]), emitter)
                 if address is not None:
                     addresses[instr.id] = address
     block = block_of(function, preheader)
@@ -54,18 +55,20 @@ def fold_addresses(
     return with_blocks(function, (block,)), addresses
 
 
-def _address(instr: Instr, index: Affine | None, emitter: _BaseEmitter) -> Address | None:
-    if index is None or index.stride < 0 or index.stride & (index.stride - 1):
+def _address(instr: Instr, index: Polynomial | None, emitter: _BaseEmitter) -> Address | None:
+    stride = -1 if index is None else index.coefficient(ITERATION)
+    if index is None or stride < 0 or stride & (stride - 1):
         return None  # the unit can only shift the index: other strides stay a recurrence
-    shift = instr.shift + max(index.stride.bit_length() - 1, 0)
+    shift = instr.shift + max(stride.bit_length() - 1, 0)
     if shift >= 32:  # noqa: PLR2004 - a word's bits
         return None
-    offset = instr.offset + (index.constant << instr.shift)
-    terms = tuple((value, factor << instr.shift) for value, factor in index.terms)
+    offset = instr.offset + (index.coefficient() << instr.shift)
+    fixed = index.without(ITERATION).linear()
+    terms = tuple((value, factor << instr.shift) for value, factor in fixed.items())
     if not -_OFFSET_LIMIT <= offset < _OFFSET_LIMIT:
         terms, offset = (*terms, (Const(1), offset)), 0
     base = emitter.base(instr, terms)
-    return Address(base, shift, offset, uses_iv=index.stride > 0)
+    return Address(base, shift, offset, uses_iv=stride > 0)
 
 
 class _BaseEmitter:

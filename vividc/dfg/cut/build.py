@@ -18,7 +18,7 @@ from vividc.errors import SourceLoc
 from vividc.host.watch import run_passes
 from vividc.ssa.analysis.counted import Trip, count_loop
 from vividc.ssa.edit import defined_types, incoming, uses
-from vividc.ssa.flow import Loop, pipelined_loops
+from vividc.ssa.flow import Loop, pipelined_loops, preheader_of
 from vividc.ssa.ir import Block, Function, Ref, Value
 from vividc.ssa.rewrite.diamonds import merge_diamonds
 from vividc.ssa.rewrite.hoist_loads import hoist_loads
@@ -33,10 +33,6 @@ class _Plan:
     loops: dict[str, Loop]
     trips: dict[str, Trip | None]
     addresses: dict[str, dict[int, Address]]
-
-    def preheader(self, header: str) -> str:
-        """The block that enters the loop."""
-        return _preheader(self.function, self.loops[header])
 
 
 SHAPING = (normalize, hoist_loads, merge_diamonds, copy_exit_values)
@@ -69,18 +65,10 @@ def _plan(function: Function) -> _Plan:
     trips: dict[str, Trip | None] = {}
     addresses: dict[str, dict[int, Address]] = {}
     for header, loop in loops.items():
-        preheader = _preheader(function, loop)
+        preheader = preheader_of(function, loop)
         function, trips[header] = count_loop(function, loop, preheader)
         function, addresses[header] = fold_addresses(function, loop, preheader)
     return _Plan(function, loops, trips, addresses)
-
-
-def _preheader(function: Function, loop: Loop) -> str:
-    return next(
-        block.name
-        for block in function.blocks
-        if loop.header in block.branch.successors and block.name not in loop.blocks
-    )
 
 
 class _Cutter:

@@ -14,8 +14,9 @@ from vividc.dfg.cut.if_convert import Body, Predicates, merge_phi
 from vividc.dfg.cut.memory_order import Access, order_accesses
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.ssa.analysis.affine import AffineAnalysis
 from vividc.ssa.analysis.counted import Trip
+from vividc.ssa.analysis.induction import initial, is_invariant
+from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, symbol
 from vividc.ssa.edit import incoming
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Named, Phi, Ref, Value
@@ -34,11 +35,6 @@ class LoopParts:
     def header(self) -> Block:
         """The header block."""
         return next(b for b in self.function.blocks if b.name == self.loop.header)
-
-    @cached_property
-    def affine(self) -> AffineAnalysis:
-        """Affine forms of the loop's values."""
-        return AffineAnalysis(self.function, self.loop)
 
     @property
     def exits(self) -> tuple[tuple[str, str], ...]:
@@ -62,15 +58,15 @@ class LoopParts:
         """
         final = self.final_phi(phi)
         if final is not None:
-            return self.affine.initial(final)
+            return initial(final, self.loop.blocks)
         if self.trip is None:
             return None
         value = incoming(phi, self.loop.header)
         carried = self._header_phi(value)
         if carried is not None:
-            return self.affine.initial(carried)
+            return initial(carried, self.loop.blocks)
         # A value of the body does not exist when the count ends the loop, and nobody asks for it.
-        return value if self.affine.is_invariant(value) else Const(0)
+        return value if is_invariant(self.function, self.loop.blocks, value) else Const(0)
 
     def counted_exit_value(self, phi: Phi) -> Value:
         """What `phi` holds if the loop ended by its count after this iteration."""
@@ -180,9 +176,9 @@ class _LoopEmitter:
         for phi in self.parts.header.phis:
             operand = self.values[Ref(phi.id)]
             if operand.is_phi:
-                initial = self.value(self.parts.affine.initial(phi))
+                first = self.value(initial(phi, self.parts.loop.blocks))
                 carried = self.value(incoming(phi, self.parts.loop.latches[0]))
-                self.builder.close_phi(operand, initial, carried)
+                self.builder.close_phi(operand, first, carried)
         if exit_node is not None:
             for effect, unless_exit in self.effects:
                 self.builder.control(exit_node, effect, 0 if unless_exit else 1)
@@ -193,10 +189,8 @@ class _LoopEmitter:
         return sorted(self.parts.exits, key=lambda edge: position[edge[0]])
 
     def _phi(self, phi: Phi) -> Operand:
-        affine = self.parts.affine.of(Ref(phi.id))
-        if affine is not None and (affine.stride, affine.constant, affine.terms) == (1, 0, ()):
-            return self.builder.iv()
-        return self.builder.open_phi()
+        form = LoopPolynomials(self.parts.function, self.parts.loop).of(Ref(phi.id))
+        return self.builder.iv() if form == symbol(ITERATION) else self.builder.open_phi()
 
     def _live_out(self, phi: Phi, operand: Operand, *, unless_exit: bool) -> None:
         node = self.builder.add_node(

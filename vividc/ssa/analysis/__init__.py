@@ -1,6 +1,7 @@
 """What is known of values and loops, without changing a function.
 
-In order: `constants`, `alias`; values as `affine` and `polynomial` forms; loops: `counters`,
-`counted`, `constant_trips`, `frequency`; `acyclic` control flow and `levels` of
-it; nests and threads: `distinct`, `uniform`.
+In order: `constants`, `alias`; loops: their `induction` variables, the `counters` that their
+headers test; values as `polynomial` forms; trip counts: `counted` (a value of the program),
+`constant_trips` (a number), `frequency` (an estimate); `acyclic` control flow and `levels` of it;
+nests and threads: `distinct`, `uniform`.
 """

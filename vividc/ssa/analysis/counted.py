@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import Opcode, Type
-from vividc.ssa.analysis.affine import Affine, AffineAnalysis
+from vividc.ssa.analysis.counters import header_test
+from vividc.ssa.analysis.induction import never_wraps
+from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, Polynomial
 from vividc.ssa.edit import block_of, incoming, next_id, with_blocks
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
@@ -33,15 +35,16 @@ def count_loop(function: Function, loop: Loop, preheader: str) -> tuple[Function
         return function, None
     if not _header_values_stay_inside(function, header, target):
         return function, None
-    limits = _limits(function, loop, header)
+    limits = _limits(function, loop)
     if limits is None:
         return function, None
     low, high = limits
-    step = low.stride - high.stride
+    step = low.coefficient(ITERATION) - high.coefficient(ITERATION)
     if step <= 0 or step & (step - 1):
         return function, None
     emitter = _Emitter(next_id(function), header)
-    total = emitter.difference(replace(low, stride=0), replace(high, stride=0), clamp=step > 1)
+    ends = low.without(ITERATION), high.without(ITERATION)
+    total = emitter.difference(*ends, clamp=step > 1)
     if step > 1:
         total = emitter.emit(Opcode.ADD, total, Const(step - 1))
         total = emitter.emit(Opcode.LSHR, total, Const(step.bit_length() - 1))
@@ -64,26 +67,21 @@ def _header_values_stay_inside(function: Function, header: Block, target: str) -
     return not any(isinstance(value, Ref) and value.id in own for value in closing)
 
 
-def _limits(function: Function, loop: Loop, header: Block) -> tuple[Affine, Affine] | None:
+def _limits(function: Function, loop: Loop) -> tuple[Polynomial, Polynomial] | None:
     """(low, high): the loop goes on while low < high, signed, each a function of the iteration."""
-    branch = header.branch
-    test = next((i for i in header.instrs if Ref(i.id) == branch.cond), None)
+    test = header_test(function, loop)
     if test is None:
         return None
-    stays = branch.target in loop.blocks
-    first, second = test.operands[0], test.operands[-1]
-    if test.op is Opcode.ICMP_SLE and not stays:
-        first, second = second, first  # leaves if a <= b: stays while b < a
-    elif test.op is not Opcode.ICMP_SLT or not stays:
+    forms = LoopPolynomials(function, loop)
+    low, high = map(forms.of, test)
+    if low is None or high is None:
         return None
-    analysis = AffineAnalysis(function, loop)
-    low, high = analysis.of(first), analysis.of(second)
-    if low is None or high is None or (low.stride and high.stride):
+    strides = [form.coefficient(ITERATION) for form in (low, high)]
+    if all(strides):
         return None
-    moving, stride = (first, low.stride) if low.stride else (second, high.stride)
-    if not analysis.never_wraps(moving, by_one=abs(stride) == 1):
-        return None
-    return low, high
+    moving, stride = (test[0], strides[0]) if strides[0] else (test[1], strides[1])
+    exact = never_wraps(function, loop.blocks, moving, by_one=abs(stride) == 1)
+    return (low, high) if exact else None
 
 
 class _Emitter:
@@ -100,20 +98,20 @@ class _Emitter:
         self.instrs.append(instr)
         return Ref(instr.id)
 
-    def difference(self, low: Affine, high: Affine, *, clamp: bool) -> Value:
+    def difference(self, low: Polynomial, high: Polynomial, *, clamp: bool) -> Value:
         """high - low as a trip count: at most 2**31 - 1, and not above 0 if high <= low.
 
         A plain difference of two words may overflow; one from zero, or of constants, does not.
         With `clamp` the count is not negative.
         """
-        if not low.terms and not high.terms:
+        if low.constant is not None and high.constant is not None:
             return Const(max(high.constant - low.constant, 0) & 0x7FFFFFFF)
-        if low == Affine(0, 0) and not clamp:
+        if low.constant == 0 and not clamp:
             return self.sum(high)
         least = self.sum(low)
         most = self.emit(Opcode.SMAX, self.sum(high), least)
         count = self.emit(Opcode.SUB, most, least)
-        if not low.terms and low.constant >= 0:
+        if low.constant is not None and low.constant >= 0:
             return count
         overflows = self.emit(Opcode.ICMP_SLT, count, Const(0))
         operands = (overflows, Const(0x7FFFFFFF), count)
@@ -121,10 +119,10 @@ class _Emitter:
         self._next += 1
         return Ref(self._next - 1)
 
-    def sum(self, total: Affine) -> Value:
+    def sum(self, total: Polynomial) -> Value:
         """The value of an invariant affine form."""
         value: Value | None = None
-        for term, factor in total.terms:
+        for term, factor in total.linear().items():
             scaled = (
                 term
                 if abs(factor) == 1
@@ -135,7 +133,7 @@ class _Emitter:
             else:
                 op = Opcode.ADD if factor > 0 else Opcode.SUB
                 value = self.emit(op, Const(0) if value is None else value, scaled)
-        constant = Const(total.constant & 0xFFFFFFFF)
+        constant = Const(total.coefficient() & 0xFFFFFFFF)
         if value is None:
             return constant
-        return value if total.constant == 0 else self.emit(Opcode.ADD, value, constant)
+        return value if constant == Const(0) else self.emit(Opcode.ADD, value, constant)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.analysis.affine import AffineAnalysis
+from vividc.ssa.analysis.induction import Induction, induction_of, is_invariant, never_wraps
 from vividc.ssa.edit import block_of, defined_types
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Input, Phi, Ref, Value
+from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value, definition_of
 
 _INT_MAX = (1 << 31) - 1
 _INT_MIN = -(1 << 31)
@@ -42,25 +43,45 @@ def counter_of(function: Function, loop: Loop) -> Counter | None:
     The loop may have other exits. Refused: a test of another word than the phi itself, a limit that
     changes in the loop, and a counter that may wrap before it meets the limit.
     """
-    header = block_of(function, loop.header)
-    test = next((i for i in header.instrs if Ref(i.id) == header.branch.cond), None)
+    test = header_test(function, loop)
     if test is None or len(loop.latches) != 1:
         return None
-    stays = header.branch.target in loop.blocks
-    less, more = test.operands[0], test.operands[-1]
-    if test.op is Opcode.ICMP_SLE and not stays:
-        less, more = more, less  # leaves if a <= b: stays while b < a
-    elif test.op is not Opcode.ICMP_SLT or not stays:
-        return None
-    analysis = AffineAnalysis(function, loop)
-    for phi in header.phis:
-        moving, limit = (less, more) if less == Ref(phi.id) else (more, less)
-        step = analysis.step(phi) if moving == Ref(phi.id) else None
-        if not step or (step > 0) != (moving == less) or not analysis.is_invariant(limit):
-            continue
-        if analysis.never_wraps(moving, by_one=abs(step) == 1):
-            return Counter(phi, analysis.initial(phi), step, limit)
+    for found, step, limit in bounded(function, loop, *test):
+        moving = Ref(found.phi.id)
+        exact = never_wraps(function, loop.blocks, moving, by_one=abs(step) == 1)
+        if exact and found.start is not None:
+            return Counter(found.phi, found.start, step, limit)
     return None
+
+
+def header_test(function: Function, loop: Loop) -> tuple[Value, Value] | None:
+    """(less, more): the header lets the loop go on while less < more, as signed words."""
+    branch = block_of(function, loop.header).branch
+    test = definition_of(function, branch.cond)
+    if not isinstance(test, Instr) or function.block_of[test.id] != loop.header:
+        return None
+    stays = (branch.target in loop.blocks, branch.otherwise in loop.blocks)
+    if test.op is Opcode.ICMP_SLT and stays == (True, False):
+        return test.operands[0], test.operands[1]
+    if test.op is Opcode.ICMP_SLE and stays == (False, True):
+        return test.operands[1], test.operands[0]  # leaves if a <= b: stays while b < a
+    return None
+
+
+def bounded(
+    function: Function, loop: Loop, less: Value, more: Value
+) -> Iterator[tuple[Induction, int, Value]]:
+    """Induction variables that meet a fixed limit, so that less < more no longer holds: with their
+    steps and limits.
+    """
+    for phi in block_of(function, loop.header).phis:
+        found = induction_of(function, loop.blocks, phi)
+        step = None if found is None else found.step
+        if found is None or not step:
+            continue
+        moving, limit = (less, more) if step > 0 else (more, less)
+        if moving == Ref(phi.id) and is_invariant(function, loop.blocks, limit):
+            yield found, step, limit
 
 
 def defined_in(function: Function, loop: Loop) -> set[int]:

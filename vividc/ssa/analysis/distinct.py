@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import MEMORY
-from vividc.ssa.analysis.affine import AffineAnalysis
 from vividc.ssa.analysis.counters import Counter, counter_of, defined_in
+from vividc.ssa.analysis.induction import constant_step, never_wraps
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.edit import block_of, with_blocks
 from vividc.ssa.flow import Loop
@@ -91,15 +91,14 @@ class _Proof:
 
     def _monotone(self) -> list[Ref]:
         """Phis of the outer loop that each outer iteration moves one way, and that never wrap."""
-        analysis = AffineAnalysis(self.function, self.outer)
         counters = []
         if self.rows is not None and abs(self.rows.step) <= _STEP_LIMIT:
             counters.append(Ref(self.rows.phi.id))
         for phi in block_of(self.function, self.outer.header).phis:
-            step = analysis.step(phi)
+            step = constant_step(self.function, self.outer, phi)
             if not step or abs(step) > _STEP_LIMIT or Ref(phi.id) in counters:
                 continue
-            if analysis.never_wraps(Ref(phi.id), by_one=False):
+            if never_wraps(self.function, self.outer.blocks, Ref(phi.id), by_one=False):
                 counters.append(Ref(phi.id))
         return counters
 

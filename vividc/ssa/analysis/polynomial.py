@@ -1,17 +1,25 @@
 """Words as polynomials in values that are not taken apart, modulo 2**32: equal polynomials, equal
 words.
+
+`Polynomials` takes a function's values apart down to phis, loads and inputs. `LoopPolynomials`
+gives the values of one loop as affine functions of the number of its iteration.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Final
 
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
-from vividc.ssa.ir import Const, Function, Instr, Ref, Value
+from vividc.ssa.analysis.induction import induction_of, is_invariant
+from vividc.ssa.flow import Loop
+from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of
 
 Monomial = tuple[Value, ...]
+ITERATION: Final = Input("iteration")
+"""Symbol of `LoopPolynomials` for the number of the loop's iteration, from 0."""
 _MAX_TERMS = 12
 _MAX_DEGREE = 4
 
@@ -52,6 +60,18 @@ class Polynomial:
                 rest[monomial] = coefficient
         return Polynomial(slope), Polynomial(rest)
 
+    def coefficient(self, *monomial: Value) -> int:
+        """That of a product of values; of no values, the constant."""
+        return self.terms.get(monomial, 0)
+
+    def without(self, value: Value) -> Polynomial:
+        """Its terms without `value`."""
+        return Polynomial({m: c for m, c in self.terms.items() if value not in m})
+
+    def linear(self) -> dict[Value, int]:
+        """Coefficient of each value in an affine form."""
+        return {value: c for (value,), c in ((m, c) for m, c in self.terms.items() if m)}
+
     @property
     def constant(self) -> int | None:
         """The word (signed) of a polynomial without values, else None."""
@@ -76,12 +96,7 @@ class Polynomials:
     """Polynomials of a function's values, through additions, products and shifts by constants."""
 
     function: Function
-    _instrs: dict[int, Instr] = field(init=False)
     _memo: dict[Value, Polynomial] = field(init=False, default_factory=dict)
-
-    def __post_init__(self) -> None:
-        """Indexes the definitions."""
-        self._instrs = {i.id: i for block in self.function.blocks for i in block.instrs}
 
     def of(self, value: Value) -> Polynomial:
         """The polynomial of `value`; a symbol where it would get long."""
@@ -92,15 +107,54 @@ class Polynomials:
     def _compute(self, value: Value) -> Polynomial:
         if isinstance(value, Const):
             return constant(value.word)
-        if not isinstance(value, Ref) or value.id not in self._instrs:
+        item = definition_of(self.function, value)
+        rule = None if item is None or isinstance(item, Phi) else _RULES.get(item.opcode)
+        if item is None or isinstance(item, Phi) or rule is None:
             return symbol(value)
-        instr = self._instrs[value.id]
-        rule = _RULES.get(instr.opcode)
-        made = None if rule is None else rule([self.of(operand) for operand in instr.operands])
+        made = rule([self.of(operand) for operand in item.operands])
         if made is None or len(made.terms) > _MAX_TERMS:
             return symbol(value)
         short = all(len(monomial) <= _MAX_DEGREE for monomial in made.terms)
         return made if short else symbol(value)
+
+
+@dataclass
+class LoopPolynomials:
+    """Affine forms of a loop's values: in `ITERATION`, and in values from outside the loop, which
+    are not taken apart.
+    """
+
+    function: Function
+    loop: Loop
+    _memo: dict[Value, Polynomial | None] = field(init=False, default_factory=dict)
+
+    def of(self, value: Value) -> Polynomial | None:
+        """The affine form of `value`; None if it has none."""
+        if value not in self._memo:
+            self._memo[value] = self._compute(value)
+        return self._memo[value]
+
+    def _compute(self, value: Value) -> Polynomial | None:
+        if isinstance(value, Const):
+            return constant(value.word)
+        if is_invariant(self.function, self.loop.blocks, value):
+            return symbol(value)
+        item = definition_of(self.function, value)
+        if item is None or isinstance(item, Phi):
+            return None if item is None else self._of_phi(item)
+        rule = _RULES.get(item.opcode)
+        operands = [] if rule is None else [self.of(operand) for operand in item.operands]
+        known = [operand for operand in operands if operand is not None]
+        made = None if rule is None or len(known) < len(operands) else rule(known)
+        is_affine = made is not None and all(len(monomial) <= 1 for monomial in made.terms)
+        return made if is_affine else None
+
+    def _of_phi(self, phi: Phi) -> Polynomial | None:
+        found = induction_of(self.function, self.loop.blocks, phi)
+        if found is None or found.step is None or found.start is None:
+            return None
+        start = self.of(found.start)
+        return None if start is None else symbol(ITERATION).times(constant(found.step)).plus(start)
 
 
 def _shift(operands: list[Polynomial]) -> Polynomial | None:

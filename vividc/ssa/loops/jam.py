@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.analysis.affine import AffineAnalysis
+from vividc.ssa.analysis.induction import constant_step, is_invariant, never_wraps
 from vividc.ssa.edit import (
     block_of,
     defined_types,
@@ -78,7 +78,7 @@ def _entering(nest: Nest, made: MainLoop, factor: int) -> _Steps | Refusal:
     """Header phis that move by a constant are computed in the main header for every copy; others
     must get their next value before the inner loop, or be read after the nest only.
     """
-    analysis = AffineAnalysis(nest.function, nest.outer)
+    body = nest.outer.blocks
     header = block_of(nest.function, nest.outer.header)
     early = {
         ident for name in nest.before for ident in defined_types(block_of(nest.function, name))
@@ -89,9 +89,9 @@ def _entering(nest: Nest, made: MainLoop, factor: int) -> _Steps | Refusal:
     values: dict[tuple[int, int], Value] = {}
     for phi in header.phis:
         carried = incoming(phi, nest.outer.latches[0])
-        step = analysis.step(phi)
+        step = constant_step(nest.function, nest.outer, phi)
         if step is None:
-            known = analysis.is_invariant(carried) or phi.id not in read
+            known = is_invariant(nest.function, body, carried) or phi.id not in read
             if not known and not (isinstance(carried, Ref) and carried.id in early):
                 return Refusal("an outer iteration needs the one before to be complete")
             continue
@@ -99,7 +99,8 @@ def _entering(nest: Nest, made: MainLoop, factor: int) -> _Steps | Refusal:
             word = Const((step * copy) & 0xFFFFFFFF)
             operands = (made.values[phi.id], word)
             instr = Instr(free, Opcode.ADD, phi.type, operands, loc=phi.loc)
-            instr = replace(instr, exact=analysis.never_wraps(Ref(phi.id), by_one=False))
+            exact = never_wraps(nest.function, body, Ref(phi.id), by_one=False)
+            instr = replace(instr, exact=exact)
             free += 1
             instrs.append(instr)
             values[phi.id, copy] = Ref(instr.id)

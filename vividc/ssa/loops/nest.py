@@ -9,9 +9,16 @@ from functools import cached_property
 
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.words import WORD_BYTES
-from vividc.ssa.analysis.affine import Affine, AffineAnalysis
 from vividc.ssa.analysis.alias import different_elements
 from vividc.ssa.analysis.counted import count_loop
+from vividc.ssa.analysis.induction import is_invariant
+from vividc.ssa.analysis.polynomial import (
+    ITERATION,
+    LoopPolynomials,
+    Polynomial,
+    constant,
+    symbol,
+)
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops, preheader_of
 from vividc.ssa.ir import Function, Instr, Ref, Value
@@ -54,8 +61,8 @@ class Nest:
     @cached_property
     def accesses(self) -> tuple[Access, ...]:
         """Loads and stores of the nest."""
-        outer = AffineAnalysis(self.function, self.outer)
-        inner = AffineAnalysis(self.function, self.inner)
+        outer = LoopPolynomials(self.function, self.outer)
+        inner = LoopPolynomials(self.function, self.inner)
         return tuple(
             _access(instr, self.part(block.name), outer, inner)
             for block in self.function.blocks
@@ -71,7 +78,7 @@ class Access:
 
     instr: Instr
     part: Part
-    outer: Affine | None
+    outer: Polynomial | None
     inner: int
 
     @property
@@ -151,10 +158,8 @@ def _gap(first: Access, second: Access, distance: int) -> int | None:
     """Address of `first` minus that of `second` `distance` iterations later, inner counters 0."""
     if first.outer is None or second.outer is None:
         return None
-    apart = first.outer.plus(second.outer, -1)
-    if apart.stride or apart.terms:
-        return None
-    return apart.constant - second.outer.stride * distance
+    apart = first.outer.plus(second.outer, -1).constant
+    return None if apart is None else apart - second.outer.coefficient(ITERATION) * distance
 
 
 def _solutions(stride: int, gap: int) -> Iterator[int]:
@@ -170,18 +175,18 @@ def _solutions(stride: int, gap: int) -> Iterator[int]:
             yield candidate
 
 
-def _access(instr: Instr, part: Part, outer: AffineAnalysis, inner: AffineAnalysis) -> Access:
+def _access(instr: Instr, part: Part, outer: LoopPolynomials, inner: LoopPolynomials) -> Access:
     base, index = instr.operands[0], instr.operands[1]
-    form = inner.of(index) if part is Part.INNER else Affine(0, 0, ((index, 1),))
-    if form is None or not outer.is_invariant(base):
+    form = inner.of(index) if part is Part.INNER else symbol(index)
+    if form is None or not is_invariant(outer.function, outer.loop.blocks, base):
         return Access(instr, part, None, 0)
-    total = Affine(0, instr.offset + (form.constant << instr.shift), ((base, 1),))
-    for value, factor in form.terms:
+    total = constant(instr.offset + (form.coefficient() << instr.shift)).plus(symbol(base))
+    for value, factor in form.without(ITERATION).linear().items():
         term = outer.of(value)
         if term is None:
             return Access(instr, part, None, 0)
-        total = total.plus(term.times(factor << instr.shift))
-    return Access(instr, part, total, form.stride << instr.shift)
+        total = total.plus(term, factor << instr.shift)
+    return Access(instr, part, total, form.coefficient(ITERATION) << instr.shift)
 
 
 def _chain(function: Function, outer: Loop, inner: Loop) -> tuple[str, ...] | None:

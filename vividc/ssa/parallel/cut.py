@@ -4,7 +4,7 @@ to the input `LAST`, and a launch can give each tile its own.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from vividc.errors import KernelError, SourceLoc
@@ -21,13 +21,14 @@ from vividc.machine.parallel import (
     Reduction,
     Term,
 )
+from vividc.ssa.analysis.counters import bounded
+from vividc.ssa.analysis.induction import constant_step, initial
 from vividc.ssa.edit import with_blocks
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value, definition_of
 from vividc.ssa.parallel.reductions import FoundReduction, reduction_of
 from vividc.ssa.parallel.spread_proof import (
     demand_own_arrays_apart,
-    inside,
     is_exact,
     returned_reduction,
     runs_for_certain,
@@ -115,44 +116,27 @@ def _marked_loop(function: Function, lines: Collection[int]) -> tuple[Loop, Bloc
 def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, Value]:
     """The loop's variable, its first value, and the limit."""
     loc = header.branch.loc
-    own = inside(function, loop)
-    instrs = {i.id: i for b in function.blocks for i in b.instrs}
-    cond = header.branch.cond
-    test = instrs.get(cond.id) if isinstance(cond, Ref) else None
+    test = definition_of(function, header.branch.cond)
     if len(loop.exits) != 1 or loop.exits[0][0] != header.name:
         raise KernelError("a loop over prange cannot be left early", loc=loc, hint=_HINT)
     tests = (Opcode.ICMP_SLT, Opcode.ICMP_ULT)
-    steps = {step for phi in header.phis for step in _steps(phi, loop, instrs)}
-    if steps and Const(1) not in steps:
+    steps = {constant_step(function, loop, phi) for phi in header.phis} - {None}
+    if steps and 1 not in steps:
         raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
-    if test is None or test.op not in tests or header.branch.target not in loop.blocks:
+    if (
+        not isinstance(test, Instr)
+        or test.op not in tests
+        or header.branch.target not in loop.blocks
+    ):
         raise KernelError(
             "the loop over prange does not count up to a limit of one word",
             loc=loc,
             hint="give it bounds of 32 bits, as in prange(np.int32(n))",
         )
-    counter, limit = test.operands
-    for phi in header.phis:
-        starts = {value for source, value in phi.incoming if source not in loop.blocks}
-        again = {value for source, value in phi.incoming if source in loop.blocks}
-        if Ref(phi.id) != counter or len(starts) != 1 or len(again) != 1:
-            continue
-        (start,), (next_,) = starts, again
-        step = instrs.get(next_.id) if isinstance(next_, Ref) else None
-        if step is None or step.op is not Opcode.ADD:
-            continue
-        is_fixed = not (isinstance(limit, Ref) and limit.id in own)
-        if set(step.operands) == {Ref(phi.id), Const(1)} and is_fixed:
-            return phi, start, limit
+    for found, step, limit in bounded(function, loop, *test.operands):
+        if found.start is not None and step == 1:
+            return found.phi, found.start, limit
     raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
-
-
-def _steps(phi: Phi, loop: Loop, instrs: Mapping[int, Instr]) -> Iterator[Const]:
-    """Constants that an iteration adds to a value."""
-    for source, value in phi.incoming:
-        step = instrs.get(value.id) if source in loop.blocks and isinstance(value, Ref) else None
-        if step is not None and step.op is Opcode.ADD and Ref(phi.id) in step.operands:
-            yield from (operand for operand in step.operands if isinstance(operand, Const))
 
 
 def _reductions(
@@ -182,14 +166,10 @@ def _wide_sum(
         for low, high in ((phi, other), (other, phi)):
             if low is not high and is_wide_sum(function, loop, low, high):
                 return (
-                    FoundReduction(low.id, _start(loop, low), Reduction(WIDE_LOW, 0, 0)),
-                    FoundReduction(high.id, _start(loop, high), Reduction(WIDE_HIGH, 0, 0)),
+                    FoundReduction(low.id, initial(low, loop.blocks), Reduction(WIDE_LOW, 0, 0)),
+                    FoundReduction(high.id, initial(high, loop.blocks), Reduction(WIDE_HIGH, 0, 0)),
                 )
     return ()
-
-
-def _start(loop: Loop, phi: Phi) -> Value:
-    return next(value for source, value in phi.incoming if source not in loop.blocks)
 
 
 def _with_inputs(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from vividc.machine.opcodes import MEMORY, Opcode
-from vividc.ssa.analysis.affine import AffineAnalysis
 from vividc.ssa.analysis.counters import defined_in
+from vividc.ssa.analysis.induction import constant_step
 from vividc.ssa.analysis.levels import Level
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.ir import Function, Input, Instr, Ref, Value
@@ -21,8 +21,7 @@ def meeting_array(function: Function, level: Level) -> str | None:
     own = set(private_arrays(function, level))
     accesses = [i for block in level.blocks.values() for i in block.instrs if i.op in MEMORY]
     written = {i.array: None for i in accesses if i.op is Opcode.STORE}
-    analysis = AffineAnalysis(function, level.loop)
-    steps = {phi.id: analysis.step(phi) for phi in level.header.phis}
+    steps = {phi.id: constant_step(function, level.loop, phi) for phi in level.header.phis}
     proof = _Proof(function, level)
     for array in written:
         group = [instr for instr in accesses if instr.array == array]
@@ -55,7 +54,7 @@ class _Proof:
             if any(value in self.varying for monomial, _ in fixed for value in monomial):
                 return False
             forms.add((slope.constant, fixed, instr.shift, instr.width == 1 << instr.shift))
-            places.append(rest.terms.get((), 0) + instr.offset // (1 << instr.shift))
+            places.append(rest.coefficient() + instr.offset // (1 << instr.shift))
         if len(forms) != 1:
             return False
         [(factor, _, _, whole)] = forms

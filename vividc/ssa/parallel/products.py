@@ -19,6 +19,8 @@ from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.params import TRAP
 from vividc.machine.product import Factor, Product, Size
 from vividc.machine.semantics import evaluate
+from vividc.ssa.analysis.counters import counter_of
+from vividc.ssa.analysis.induction import initial
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value
@@ -129,25 +131,13 @@ class _Matcher:
     # Loops
 
     def _counter(self, loop: Loop) -> _Counter:
-        block = block_of(self._function, loop.header)
-        condition = block.branch.cond
-        test = None if condition is None else self._instr(condition, Opcode.ICMP_SLT)
+        found = counter_of(self._function, loop)
         reason = "a loop does not count from 0 in steps of 1 to a bound known before"
-        _demand(test is not None and len(loop.exits) == 1, reason)
-        assert test is not None
-        _demand(block.branch.target in loop.blocks and loop.exits[0][0] == loop.header, reason)
-        counted, limit = test.operands
-        phi = self._made[counted.id] if isinstance(counted, Ref) else None
-        _demand(isinstance(phi, Phi) and self._where[phi.id] == loop.header, reason)
-        assert isinstance(phi, Phi)
-        for source, value in phi.incoming:
-            if source in loop.blocks:
-                step = self._instr(value, Opcode.ADD)
-                _demand(step is not None and set(step.operands) == {counted, Const(1)}, reason)
-            else:
-                _demand(value == Const(0), reason)
-        _demand(isinstance(limit, Input | Const), reason)
-        return _Counter(loop, phi.id, _size(limit))
+        _demand(found is not None and [source for source, _ in loop.exits] == [loop.header], reason)
+        assert found is not None
+        _demand((found.initial, found.step) == (Const(0), 1), reason)
+        _demand(isinstance(found.limit, Input | Const), reason)
+        return _Counter(loop, found.phi.id, _size(found.limit))
 
     def _store(self, middle: Loop, inner: Loop) -> Instr:
         stores = [
@@ -239,7 +229,7 @@ class _Matcher:
     ) -> tuple[str, bool, bool]:
         """Bias, whether the sum starts from it, and whether negative results become 0."""
         phi = total[0]
-        start = next(value for source, value in phi.incoming if source not in self._loop_of(phi))
+        start = initial(phi, self._loop_of(phi))
         relu, stored = self._relu(stored)
         begins = "" if start == Const(0) else self._bias(start, col)
         _demand(begins is not None, "its sum starts neither from 0 nor from bias[j]")

@@ -21,16 +21,11 @@ from vividc.errors import KernelError, SourceLoc
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.parallel import ANY, COUNTER, INDEX, STEPS, UNION, WIDE_HIGH, WIDE_LOW
 from vividc.machine.params import TRAP, LocalArray
+from vividc.ssa.analysis.counters import defined_in
 from vividc.ssa.flow import Loop, block_graph, dominators
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
 from vividc.ssa.parallel.reductions import FoundReduction
 from vividc.ssa.parallel.terms import TermTable
-
-
-def inside(function: Function, loop: Loop) -> frozenset[int]:
-    """Ids of all values that a loop's blocks define."""
-    blocks = (block for block in function.blocks if block.name in loop.blocks)
-    return frozenset(item.id for block in blocks for item in block.items)
 
 
 def runs_for_certain(function: Function, loop: Loop) -> bool:
@@ -60,7 +55,7 @@ class _Leaving:
     def __init__(self, function: Function, loop: Loop, carried: Sequence[FoundReduction]) -> None:
         self._reductions = carried
         self._own = {item.phi: number for number, item in enumerate(carried)}
-        self._inside = inside(function, loop)
+        self._inside = defined_in(function, loop)
         self._after = [block for block in function.blocks if block.name not in loop.blocks]
         self._loc = _start(function, loop)
         self._same = self._copies()

@@ -20,6 +20,8 @@ from vividc.machine.parallel import (
     Term,
 )
 from vividc.machine.words import WORD_BITS, WORD_BYTES, signed
+from vividc.ssa.analysis.counters import bounded, header_test
+from vividc.ssa.analysis.induction import Induction, induction_of
 from vividc.ssa.flow import Loop, block_graph, dominators, find_loops
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
 
@@ -62,6 +64,7 @@ class TermTable:
 
     def __init__(self, function: Function, index: int) -> None:
         self.terms: list[Term] = []
+        self._function = function
         self._index = index
         self._numbers: dict[Term, int] = {}
         self._known: dict[tuple[Value, frozenset[Fact]], int] = {}
@@ -112,15 +115,12 @@ class TermTable:
             inside = loop.header
             if loop is outermost:
                 break
-            counter = self._counter(self._blocks[loop.header], loop)
-            if counter is None or loop.exits != ((loop.header, self._left(loop)),):
+            counter = self._counter(loop)
+            if counter is None or [source for source, _ in loop.exits] != [loop.header]:
                 return None
             facts = self.facts(loop.header)
-            counters.append(self._unclamped(self.of(Ref(counter[0].id), facts)))
+            counters.append(self._unclamped(self.of(Ref(counter[0].phi.id), facts)))
         return tuple(counters)
-
-    def _left(self, loop: Loop) -> str:
-        return self._blocks[loop.header].branch.otherwise or ""
 
     def _unclamped(self, number: int) -> int:
         while self.terms[number].op in CLAMPS:
@@ -171,29 +171,35 @@ class TermTable:
         block = self._home[phi.id]
         loop = self._loops.get(block.name)
         if loop is not None:
-            return self._induction(phi, block, loop, facts)
+            return self._induction(phi, loop, facts)
         parts = tuple(
             self.of(value, facts | self.facts(source) | _edge(self._blocks[source], block.name))
             for source, value in phi.incoming
         )
         return self._add(Term(UNION, parts))
 
-    def _induction(self, phi: Phi, header: Block, loop: Loop, facts: frozenset[Fact]) -> int:
-        moves = self._moves(phi, loop)
-        counter = self._counter(header, loop)
-        if moves is None or counter is None:
+    def _induction(self, phi: Phi, loop: Loop, facts: frozenset[Fact]) -> int:
+        moves = induction_of(self._function, loop.blocks, phi)
+        counter = self._counter(loop)
+        if moves is None or moves.start is None or moves.update.op is not Opcode.ADD:
             return self._add(Term(ANY, word=WORD_BITS))
-        start, step = moves
-        base, limit, stride, cond = counter
-        around = self.facts(header.name)
-        if phi.id == base.id:
-            bounds = (self.of(start, around), self.of(limit, around), self.of(step))
+        if counter is None or counter[0].start is None:
+            return self._add(Term(ANY, word=WORD_BITS))
+        base, stride, limit = counter
+        around = self.facts(loop.header)
+        if phi.id == base.phi.id:
+            bounds = (self.of(moves.start, around), self.of(limit, around), self.of(moves.by))
             return self._add(Term(COUNTER, bounds))
-        first = self._moves(base, loop)
-        assert first is not None
-        distance = self._distance(first[0], limit, around)
-        count = self._count(distance, stride, (cond, True) in facts)
-        return self._add(Term(STEPS, (self.of(start, around), self.of(step, around), count)))
+        distance = self._distance(counter[0].start, limit, around)
+        count = self._count(distance, stride, self._goes_on(loop) in facts)
+        return self._add(
+            Term(STEPS, (self.of(moves.start, around), self.of(moves.by, around), count))
+        )
+
+    def _goes_on(self, loop: Loop) -> Fact:
+        branch = self._blocks[loop.header].branch
+        assert isinstance(branch.cond, Ref)
+        return branch.cond.id, branch.target in loop.blocks
 
     def _count(self, distance: int, stride: int, in_body: bool) -> int:
         """Iterations of a loop; one more where its variable is seen after the last."""
@@ -215,46 +221,14 @@ class TermTable:
         ends = (self.of(limit, around), self.of(start, around))
         return self._add(Term(Opcode.SUB.value, ends))
 
-    def _moves(self, phi: Phi, loop: Loop) -> tuple[Value, Value] | None:
-        """Start and step of a variable that moves by the same in each iteration."""
-        starts = {value for source, value in phi.incoming if source not in loop.blocks}
-        again = {value for source, value in phi.incoming if source in loop.blocks}
-        if len(starts) != 1 or len(again) != 1:
-            return None
-        (start,), (next_,) = starts, again
-        definition = self._values.get(next_.id) if isinstance(next_, Ref) else None
-        if not isinstance(definition, Instr) or definition.op is not Opcode.ADD:
-            return None
-        left, right = definition.operands
-        if left != Ref(phi.id):
-            left, right = right, left
-        if left != Ref(phi.id) or not self._is_fixed(right, loop):
-            return None
-        return start, right
-
-    def _is_fixed(self, value: Value, loop: Loop) -> bool:
-        return not isinstance(value, Ref) or self._home[value.id].name not in loop.blocks
-
-    def _counter(self, header: Block, loop: Loop) -> tuple[Phi, Value, int, int] | None:
-        """The variable that ends the loop, its limit, its constant step, and the header's test."""
-        cond = header.branch.cond
-        if not isinstance(cond, Ref) or header.branch.target not in loop.blocks:
-            return None
-        if header.branch.otherwise in loop.blocks:
-            return None
-        less = self._less(self._values[cond.id])
-        if less is None:
-            return None
-        small, large = less
-        for phi in header.phis:
-            moves = self._moves(phi, loop)
-            if moves is None or not isinstance(moves[1], Const):
-                continue
-            step = signed(moves[1].word)
-            limit, moving = (large, small) if step > 0 else (small, large)
-            if moving == Ref(phi.id) and step and self._is_fixed(limit, loop):
-                return phi, limit, step, cond.id
-        return None
+    def _counter(self, loop: Loop) -> tuple[Induction, int, Value] | None:
+        """The variable that ends the loop, its constant step, and its limit."""
+        branch = self._blocks[loop.header].branch
+        test = header_test(self._function, loop)
+        if test is None and branch.target in loop.blocks and branch.otherwise not in loop.blocks:
+            made = None if branch.cond is None else self._instruction(branch.cond)
+            test = None if made is None else self._wide_less(made)
+        return None if test is None else next(bounded(self._function, loop, *test), None)
 
     def _less(self, test: Phi | Instr | None) -> tuple[Value, Value] | None:
         """(small, large) of a signed comparison of words, also where it is made in 64 bits."""

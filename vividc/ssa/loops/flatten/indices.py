@@ -110,7 +110,7 @@ class _Edit:
         """What changes in the loop, what does not, and the offset in bytes."""
         moving = {m: c for m, c in index.terms.items() if self.varying.intersection(m)}
         fixed = {m: c for m, c in index.terms.items() if m not in moving}
-        offset = instr.offset + (fixed.get((), 0) << instr.shift)
+        offset = instr.offset + (index.coefficient() << instr.shift)
         if -_OFFSET_LIMIT <= offset < _OFFSET_LIMIT:
             fixed.pop((), None)
         else:

@@ -20,8 +20,8 @@ from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.parallel import FIRST, LAST
 from vividc.machine.params import TRAP, LocalArray
 from vividc.machine.words import signed
-from vividc.ssa.analysis.affine import AffineAnalysis
 from vividc.ssa.analysis.counted import count_loop
+from vividc.ssa.analysis.induction import constant_step
 from vividc.ssa.analysis.levels import Level, level_of, with_own_latches
 from vividc.ssa.analysis.uniform import uniform_values
 from vividc.ssa.edit import (
@@ -115,11 +115,10 @@ class _HandedOn:
 
 
 def _handed_on(level: Level) -> _HandedOn | Refusal:
-    analysis = AffineAnalysis(level.function, level.loop)
     steps: dict[int, int] = {}
     variables = []
     for phi in level.header.phis:
-        step = analysis.step(phi)
+        step = constant_step(level.function, level.loop, phi)
         if step is not None and phi.id not in level.leaving:
             steps[phi.id] = step
         else:
