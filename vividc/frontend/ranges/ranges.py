@@ -7,6 +7,7 @@ Widening and narrowing as by Cousot and Cousot (1977). Values of type iN are sig
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -85,7 +86,14 @@ class Ranges:
             for item in block.items
             if is_integer(result_type(item)) and (isinstance(item, Phi) or item.has_result)
         }
+        self._cheap: dict[Key, Instr] = {
+            op.id: op for block in function.blocks for op in block.instrs if _is_cheap(op)
+        }
         self._known: dict[Key, Interval] = {}
+        self._given: dict[int, Interval] = {}
+        self._stale: set[int] = set()
+        self._readers: defaultdict[Key, set[int]] = defaultdict(set)
+        self._reader = -1
         self._limits: dict[int, Interval] = {}
         self._facts: dict[str, tuple[Fact, ...]] = {}
         self._about: dict[str, _About] = {}
@@ -94,7 +102,6 @@ class Ranges:
         self._solve()
         self._limits = counter_bounds(function, self._flow, self.at)
         if any(self._known[name] != limit for name, limit in self._limits.items()):
-            self._known = {}
             self._solve()
 
     def at(self, operand: Value, block: str) -> Interval:
@@ -138,6 +145,8 @@ class Ranges:
 
     def _solve(self) -> None:
         blocks = [self._function.by_name[name] for name in self._flow.order]
+        self._known = {}
+        self._stale = set(self._integers)
         rounds = 0
         changed = True
         while changed:
@@ -157,21 +166,37 @@ class Ranges:
             new = union(old, self._transfer(item, block.name))
             if widening and isinstance(item, Phi):
                 new = widen(old, new, item.type)
-            changed |= new != old
-            self._known[item.id] = new
+            changed |= self._learn(item.id, new)
         return changed
 
     def _descend(self, block: Block) -> bool:
         changed = False
         for item in block.items:
             if item.id in self._known:
-                old = self._known[item.id]
-                tighter = intersect(old, self._transfer(item, block.name))
-                changed |= tighter != old
-                self._known[item.id] = tighter
+                tighter = intersect(self._known[item.id], self._transfer(item, block.name))
+                changed |= self._learn(item.id, tighter)
+        return changed
+
+    def _learn(self, ident: int, interval: Interval) -> bool:
+        """Whether a value's interval changes; what was computed from it is then stale."""
+        changed = self._known.get(ident, BOTTOM) != interval
+        if changed:
+            self._stale |= self._readers[ident]
+        self._known[ident] = interval
         return changed
 
     def _transfer(self, item: Instr | Phi, block: str) -> Interval:
+        """What an item gives, computed anew if an interval that it was computed from changed."""
+        if item.id in self._stale:
+            self._stale.remove(item.id)
+            self._reader = item.id
+            given = self._computed(item, block)
+            if self._given.get(item.id) != given:
+                self._stale |= self._readers[item.id]
+            self._given[item.id] = given
+        return self._given[item.id]
+
+    def _computed(self, item: Instr | Phi, block: str) -> Interval:
         if isinstance(item, Phi):
             total = BOTTOM
             for pred, value in item.incoming:
@@ -233,17 +258,19 @@ class Ranges:
         if not isinstance(operand, Named):
             return full("i64")
         interval = self._base(operand)
-        definition = definition_of(self._function, operand)
-        if (
-            depth > 0
-            and isinstance(definition, Instr)
-            and interval != BOTTOM
-            and _is_cheap(definition)
-        ):
-            interval = intersect(interval, self._evaluate(definition, block, depth - 1))
-        for pred, other in self._about[block].get(operand.key, ()):
+        key, about = operand.key, self._about[block]
+        made = self._cheap.get(key) if depth > 0 and interval != BOTTOM else None
+        if made is not None and not self._is_settled(made, about, interval):
+            interval = intersect(interval, self._evaluate(made, block, depth - 1))
+        for pred, other in about.get(key, ()):
             interval = refine(interval, pred, self._base(other))
         return interval
+
+    def _is_settled(self, made: Instr, about: _About, interval: Interval) -> bool:
+        """Whether what `made` gives, with all that is known here, is the interval that it has."""
+        if self._given.get(made.id) != interval or made.id in self._stale:
+            return False
+        return self._about[self._function.block_of[made.id]] is about
 
     def _base(self, operand: Value) -> Interval:
         if isinstance(operand, Int):
@@ -253,6 +280,7 @@ class Ranges:
         if operand.key in self._types:
             type_ = self._types[operand.key]
             return self._bounds.get(operand.key, full(type_ if is_integer(type_) else "i64"))
+        self._readers[operand.key].add(self._reader)
         return self._known.get(operand.key, BOTTOM)
 
     def _apply(self, facts: tuple[Fact, ...], operand: Value, interval: Interval) -> Interval:
