@@ -13,4 +13,13 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
         "rewrite/dead",
         "has_effect: ('store', Opcode.STORE) -> (Opcode.STORE, 'store')",
     ): "membership does not depend on the order",
+    (
+        "rewrite/combine_additions",
+        "_sum: (Opcode.ADD, Opcode.SUB) -> (Opcode.SUB, Opcode.ADD)",
+    ): "membership does not depend on the order",
+    (
+        "loops/flatten/rectangle",
+        "count_flattened: (Ref(ident), Const(stride & 4294967295))"
+        " -> (Const(stride & 4294967295), Ref(ident))",
+    ): "a product does not depend on the order of its operands",
 }

@@ -220,6 +220,16 @@ def returns_something(a, b, c):
     return total
 
 
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[:, :, ::1])")
+def one_of_many(a, b, c):
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            total = np.float32(0)
+            for k in range(a.shape[1]):
+                total += a[i, k] * b[k, j]
+            c[0, i, j] = total
+
+
 @vividc.kernel("void(int32[:, ::1], int32[:, ::1], int32[:, ::1])")
 def integers(a, b, c):
     for i in range(a.shape[0]):
@@ -244,6 +254,7 @@ def integers(a, b, c):
         (only_large_ones, "condition around"),
         (some_rows, "condition inside"),
         (returns_something, "returns a value"),
+        (one_of_many, "c[i, j]"),
         (integers, "c[i, j]"),
     ],
 )

@@ -230,7 +230,8 @@ class _Matcher:
         """Bias, whether the sum starts from it, and whether negative results become 0."""
         phi = total[0]
         start = initial(phi, self._loop_of(phi))
-        relu, stored = self._relu(stored)
+        positive = self._positive_part(stored)
+        relu, stored = positive is not None, positive or stored
         begins = "" if start == Const(0) else self._bias(start, col)
         _demand(begins is not None, "its sum starts neither from 0 nor from bias[j]")
         if self._is(stored, phi.id):
@@ -254,28 +255,28 @@ class _Matcher:
             return None
         return load.array
 
-    def _relu(self, value: Value) -> tuple[bool, Value]:
-        """Whether a value is max(x, 0), as a number; and x, or the value."""
+    def _positive_part(self, value: Value) -> Value | None:
+        """x, if a value is max(x, 0) as a number."""
         select = self._instr(value, Opcode.SELECT)
         if select is None:
-            return False, value
+            return None
         inside = [self._plain(arm) for arm in select.operands[1:] if arm != Const(0)]
         condition = select.operands[0]
         test = self._made[condition.id] if isinstance(condition, Ref) else None
         if len(inside) != 1 or not isinstance(test, Instr):
-            return False, value
+            return None
         if not test.mnemonic.startswith("fcmp"):
-            return False, value
+            return None
         (x,) = inside
         if any(self._plain(operand) not in (x, Const(0)) for operand in test.operands):
-            return False, value
+            return None
         expected = {_ONE: _ONE, _MINUS_ONE: 0, 0: 0}
         for word, wanted in expected.items():
             words = [word if self._plain(o) == x else 0 for o in test.operands]
             arms = [word if self._plain(o) == x else 0 for o in select.operands[1:]]
             if arms[1 - evaluate(test.opcode, words)] != wanted:
-                return False, value
-        return True, x
+                return None
+        return x
 
     # What else there is
 

@@ -69,9 +69,9 @@ class _Check:
             return True
         if not isinstance(low, Ref) or not isinstance(high, Ref):
             return False
-        one, other = self._values.get(low.id), self._values.get(high.id)
-        if one is None or other is None or not {low.id, high.id} <= self._users:
+        if not {low.id, high.id} <= self._users:
             return False
+        one, other = self._values[low.id], self._values[high.id]
         self._known.add((low, high))
         self._told |= {low.id, high.id}
         if isinstance(one, Phi) or isinstance(other, Phi):

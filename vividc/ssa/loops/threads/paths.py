@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from vividc.ssa.analysis.acyclic import Acyclic, Edge, PathPredicates
 from vividc.ssa.analysis.levels import Level
-from vividc.ssa.ir import Const, Phi, Undefined, Value
+from vividc.ssa.ir import Phi, Undefined, Value
 from vividc.ssa.loops.threads.chain import Chain
 
 
@@ -58,7 +58,8 @@ class Paths(PathPredicates[Value]):
         """When control leaves the loop along an edge, if it has not done so before."""
         taken = self._taken(edge)
         leaves = self.chain.both(self.of(self.level.node(edge[0])), taken)
-        return Const(1) if leaves is None else leaves
+        assert leaves is not None  # a node of a loop also leads back to its header
+        return leaves
 
     def merged(
         self, block: str, phi: Phi, values: dict[str, Value], carried: frozenset[Value]
