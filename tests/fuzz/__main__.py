@@ -18,6 +18,7 @@ from rich.progress import Progress
 
 from tests.fuzz.features import features
 from tests.fuzz.generator import random_source
+from tests.fuzz.nests import random_nest_source
 from tests.fuzz.shrink import shrink
 from tests.fuzz.spreads import judge_spread, random_spread_source
 from tests.fuzz.tally import Tally
@@ -25,6 +26,8 @@ from tests.fuzz.witnesses import Simulated, Verdict, judge, stays_inside
 
 console = Console()
 
+_NESTS = 0.2
+"""Share of affine nests among the programs for one tile."""
 _COLLECT = 100
 """Programs from one collection and one count to the next."""
 
@@ -76,7 +79,8 @@ def _run_one(seed: int, shares: tuple[float, float, float], folder: Path, tally:
         source = random_spread_source(seed)
         verdict = judge_spread(source, seed, folder)
     else:
-        source = random_source(seed)
+        is_nest = Random(-seed - 1).random() < _NESTS
+        source = random_nest_source(seed) if is_nest else random_source(seed)
         verdict = judge(source, seed, folder, simulate=simulate)
     how = verdict.text if simulate == "tiles" and verdict.kind == "agrees" else simulate
     found = features(source) | set(verdict.tried)

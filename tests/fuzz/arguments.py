@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.fuzz.places import FIXED, MOST
+from tests.fuzz.places import FIXED, MOST, fixed_length
 from vividc.frontend import KernelFunction
 from vividc.machine.params import DType
 
@@ -24,10 +24,13 @@ class Difference(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Shapes:
-    """Dimensions of the arrays by name, and whether their lengths are `places.FIXED`."""
+    """Dimensions of the arrays by name, whether their lengths are `places.FIXED`, and the greatest
+    values of scalars that are natural numbers.
+    """
 
     dims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     is_fixed: bool = True
+    most: Mapping[str, int] = field(default_factory=dict)
 
     def lengths(self, rng: np.random.Generator, trial: int) -> dict[str, int]:
         """Lengths of a trial: middling ones, tiny ones with 0 and 1, any."""
@@ -48,8 +51,10 @@ def arguments(kernel: KernelFunction, shapes: Shapes, seed: int, trial: int) -> 
     found: list[object] = []
     for param in kernel.params:
         dims = shapes.dims.get(param.name, ())
-        size = tuple(lengths[d] for d in dims) or (LENGTH,) * param.ndim
-        if param.name[0] == "n" and param.name[1:] in lengths:
+        size = tuple(fixed_length(d) or lengths[d] for d in dims) or (LENGTH,) * param.ndim
+        if param.name in shapes.most:
+            found.append(np.int32(rng.integers(shapes.most[param.name] + 1)))
+        elif param.name[0] == "n" and param.name[1:] in lengths:
             found.append(np.int32(lengths[param.name[1:]]))
         elif param.ndim:
             found.append(_draw(rng, param.dtype, size, limit))

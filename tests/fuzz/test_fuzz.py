@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,14 +10,21 @@ import pytest
 from tests.fuzz import witnesses
 from tests.fuzz.arguments import Shapes, arguments
 from tests.fuzz.generator import random_source
+from tests.fuzz.nests import random_nest_source
 from tests.fuzz.places import FIXED, MOST
 from tests.fuzz.shrink import shrink
 from tests.fuzz.witnesses import Simulated, judge, load, shapes_of, stays_inside
 from tests.marks import with_slow
 
 
-def check(seed: int, folder: Path, *, simulate: Simulated = "") -> None:
-    verdict = judge(random_source(seed), seed, folder, simulate=simulate)
+def check(
+    seed: int,
+    folder: Path,
+    source: Callable[[int], str] = random_source,
+    *,
+    simulate: Simulated = "",
+) -> None:
+    verdict = judge(source(seed), seed, folder, simulate=simulate)
     assert not verdict.is_find, verdict.text
 
 
@@ -48,9 +56,23 @@ def test_words_of_scheduled_loops(seed: int, tmp_path: Path) -> None:
     check(seed, tmp_path, simulate="mapped")
 
 
+@pytest.mark.parametrize("seed", with_slow(range(1, 9), {1, 4, 6}))
+def test_affine_nests(seed: int, tmp_path: Path) -> None:
+    check(seed, tmp_path, random_nest_source)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 500))
+def test_many_affine_nests(seed: int, tmp_path: Path) -> None:
+    check(seed, tmp_path, random_nest_source, simulate="" if seed % 10 else "mapped")
+
+
 @pytest.mark.parametrize("seed", range(20, 25))
-def test_programs_stay_inside_their_arrays(seed: int, tmp_path: Path) -> None:
-    assert stays_inside(random_source(seed), seed, tmp_path)
+@pytest.mark.parametrize("source", [random_source, random_nest_source])
+def test_programs_stay_inside_their_arrays(
+    source: Callable[[int], str], seed: int, tmp_path: Path
+) -> None:
+    assert stays_inside(source(seed), seed, tmp_path)
 
 
 def test_a_wrong_word_is_a_difference(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

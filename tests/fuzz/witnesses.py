@@ -48,6 +48,7 @@ are spread over tiles (`spreads`).
 """
 
 _NUMBERS = count()
+_SHAPES = {"SHAPES": {}, "FIXED": True, "MOST": {}}
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,8 @@ def load(source: str, folder: Path) -> ModuleType:
 
 def shapes_of(module: ModuleType) -> Shapes:
     """What a module says of its arrays; without a word they are `LENGTH` long."""
-    return Shapes(getattr(module, "SHAPES", {}), getattr(module, "FIXED", True))
+    given = (getattr(module, name, other) for name, other in _SHAPES.items())
+    return Shapes(*given)
 
 
 def run_regions(lowered: Kernel, args: list[object]) -> object:
