@@ -34,7 +34,9 @@ from benchmarks import (
     splats,
 )
 from benchmarks.measured_frames import METHODS
-from benchmarks.workloads import WORKLOADS, Workload
+from benchmarks.polybench import table as polybench
+from benchmarks.polybench.suite import CASES, SIZES
+from benchmarks.workloads import WORKLOADS, Workload, transformations
 from vividc.host.files import write_whole
 
 HEADER = (
@@ -78,16 +80,6 @@ def row(workload: Workload, fabric: str, time_limit_s: float) -> str:
     )
 
 
-def transformations(program: vividc.Program) -> str:
-    """What was done to which source lines, in short."""
-    return ", ".join(
-        f"{item.kind}{f' by {item.factor}' if item.factor else ''} (line {loop.loc.line})"
-        for loop in program.loops
-        for item in loop.transforms
-        if item.chosen and loop.loc is not None
-    )
-
-
 def machine() -> Iterator[str]:
     """What the figures were measured on."""
     packages = ("numba", "llvmlite", "ortools", "numpy")
@@ -108,6 +100,7 @@ ENGINES = "engines"
 QUALITY = "quality"
 MAPPERS = "mappers"
 PAPER = "paper"
+POLYBENCH = "polybench"
 FRAMES = "frames"
 GEMM = "gemm"
 SIMD = "simd"
@@ -115,7 +108,7 @@ PRECISION = "precision"
 FORMATS = "formats"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, SPLATS, PAPER, MAPPERS)  # the last ones take hours: by name only
+CHOICES = (*DEFAULT, SPLATS, PAPER, MAPPERS, POLYBENCH)  # the last ones take hours: by name only
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
@@ -171,14 +164,31 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
     help=f"Sides of the paper's tables, the last for its figures; default: {paper.SIZES}.",
 )
 @click.option("--time-limit", default=60.0, show_default=True, help="Seconds of mapping a kernel.")
+@click.option("--only", default="", help="Kernels of polybench, as gemm,lu; default: all.")
+@click.option(
+    "--sizes",
+    "scales",
+    type=click.Choice(SIZES),
+    multiple=True,
+    default=SIZES,
+    help="Of polybench; default: all.",
+)
+@click.option("--jobs", default=1, show_default=True, help="Kernels of polybench at once.")
+@click.option(
+    "--step", default="", help="Name of a step of polybench's progress; default: the last."
+)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
-def main(
+def main(  # noqa: PLR0913, PLR0917 - an option each
     tables: tuple[str, ...],
     fabrics: tuple[str, ...],
     chosen: tuple[str, ...],
     methods: tuple[str, ...],
     sizes: tuple[int, ...],
     time_limit: float,
+    only: str,
+    scales: tuple[str, ...],
+    jobs: int,
+    step: str,
     output: Path | None,
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
@@ -198,6 +208,10 @@ def main(
                 continue
             if table == PAPER:
                 _print_paper(methods, sizes, output)
+                continue
+            if table == POLYBENCH:
+                names = tuple(name for name in only.split(",") if name)
+                _print_polybench(polybench.Wanted(names, scales, jobs, step), output)
                 continue
             _print_table(table, fabrics, time_limit, output)
 
@@ -247,6 +261,21 @@ def _print_paper(methods: tuple[str, ...], sizes: tuple[int, ...], output: Path 
             text = "\n".join([*head, *body, ""])
             write_whole(output / f"{PAPER}.md", text.encode())
     click.echo("\n".join([*head, *body]))
+
+
+def _print_polybench(wanted: polybench.Wanted, output: Path | None) -> None:
+    """PolyBench: it goes on where an earlier run stopped."""
+    unknown = set(wanted.only) - set(CASES)
+    if unknown:
+        raise click.BadParameter(f"{', '.join(sorted(unknown))}: not of {', '.join(CASES)}")
+    command = f"python -m benchmarks --table {POLYBENCH} -o benchmarks"
+    head = [f"# {polybench.TITLE}", "", f"Made by `{command}`.", "", *machine(), ""]
+    body: list[str] = []
+    for body in polybench.sections(wanted, output):
+        if output is not None:
+            text = "\n".join([*head, *polybench.NOTES, "", *body, ""])
+            write_whole(output / f"{POLYBENCH}.md", text.encode())
+    click.echo("\n".join([*head, *polybench.NOTES, "", *body]))
 
 
 def _print_mappers(

@@ -43,6 +43,16 @@ class Workload:
         return self.arguments(np.random.default_rng(7))
 
 
+def transformations(program: vividc.Program) -> str:
+    """What was done to which source lines, in short."""
+    return ", ".join(
+        f"{item.kind}{f' by {item.factor}' if item.factor else ''} (line {loop.loc.line})"
+        for loop in program.loops
+        for item in loop.transforms
+        if item.chosen and loop.loc is not None
+    )
+
+
 def _floats(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return rng.standard_normal(shape).astype(np.float32)
 

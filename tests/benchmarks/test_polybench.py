@@ -1,0 +1,94 @@
+"""The page of PolyBench: rows are kept, steps are told apart, results are compared with numba."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vividc
+from benchmarks.polybench import table
+from benchmarks.polybench.measure import RTOL, Row, largest_error, measured, predicted
+from benchmarks.polybench.suite import CASES, IMAGES, MEDIUM, MINI, POLYBENCH, SMALL
+from vividc import arch
+
+SCRATCHPAD = arch.load("vivid-tile").scratchpad.size_bytes
+
+
+def row(step: str, kernel: str, cycles: int) -> Row:
+    return Row(step, kernel, SMALL, operations=1600, floor=50, error=0.0, cycles=cycles)
+
+
+def test_the_suite_is_whole_and_fits_a_tile() -> None:
+    assert (len(POLYBENCH), len(IMAGES)) == (30, 4)
+    for case in CASES.values():
+        for size in (MINI, SMALL):
+            arrays = [a for a in case.fresh(size) if isinstance(a, np.ndarray)]
+            assert sum(array.nbytes for array in arrays) <= SCRATCHPAD
+
+
+def test_a_row_says_how_the_kernel_ran() -> None:
+    made = measured("baseline", "jacobi-1d", MINI)
+    assert made.is_right
+    assert made.operations == 4 * 2 * 14 * 3
+    assert made.cycles is not None
+    assert made.floor is not None
+    assert made.cycles > made.floor
+    assert made.stalls is not None
+    assert made.predicted == made.cycles - made.stalls
+
+
+def test_a_prediction_counts_runs_iterations_and_switches() -> None:
+    case = CASES["trisolv"]
+    program = vividc.compile(case.kernel)
+    result = vividc.simulate(program, *case.fresh(MINI))
+    stalls = result.stats["stalls"]["bank_conflict"]
+    assert predicted(program, result.stats) == pytest.approx(result.cycles - stalls, rel=0.05)
+
+
+def test_a_refusal_is_a_row() -> None:
+    made = measured("baseline", "gemm", MEDIUM)
+    assert made.cycles is None
+    assert "scratchpad" in made.refused
+    assert "refused" in table.line(made)
+
+
+def test_an_error_is_a_share_of_the_greatest_number() -> None:
+    one, other = np.array([100.0, 0.0], np.float32), np.array([100.0, 0.1], np.float32)
+    assert largest_error((1, one), (1, other)) == pytest.approx(1e-3)
+    assert largest_error((one,), (np.array([100.0, np.nan], np.float32),)) == np.inf
+    whole = np.array([1, 2], np.int32)
+    assert largest_error((whole,), (whole + 1,)) == np.inf
+    assert largest_error((whole,), (whole.copy(),)) == 0.0 <= RTOL
+
+
+def test_a_new_step_measures_anew_and_shows_the_progress(tmp_path: Path) -> None:
+    kept = table.Kept(tmp_path)
+    assert kept.begin("") == table.BASELINE
+    kept.add(row(table.BASELINE, "gemm", 1600))
+    kept.add(row(table.BASELINE, "lu", 400))
+    assert kept.begin("tiling") == "tiling"
+    kept.add(row("tiling", "gemm", 400))
+    again = table.Kept(tmp_path)
+    assert again.begin("") == "tiling"  # goes on
+    assert again.has("tiling", "gemm", SMALL)
+    assert not again.has("tiling", "lu", SMALL)
+    lines = list(table.page(again))
+    (tiling,) = (line for line in lines if line.startswith("| tiling |"))
+    (baseline,) = (line for line in lines if line.startswith("| baseline |"))
+    assert [cell.strip() for cell in baseline.split("|")][3:9] == [
+        "2", "2 of 2", "8.0", "16.0", "8.0", "16.0",
+    ]  # fmt: skip
+    assert [cell.strip() for cell in tiling.split("|")][3:7] == ["1", "2 of 2", "4.0", "4.0"]
+
+
+def test_rows_are_kept_when_they_are_made(tmp_path: Path) -> None:
+    wanted = table.Wanted(only=("trisolv",), sizes=(MINI,))
+    *_, page = table.sections(wanted, tmp_path)
+    lines = (tmp_path / table.ROWS).read_text().splitlines()
+    assert [json.loads(line).get("kernel") for line in lines] == [None, "trisolv"]
+    *_, again = table.sections(wanted, tmp_path)
+    assert page == again
+    assert (tmp_path / table.ROWS).read_text().splitlines() == lines
