@@ -31,6 +31,7 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 
+import numba  # noqa: F401  (here, so that no process that is split off has to)
 import pytest
 
 import vividc
@@ -242,8 +243,7 @@ _KINDS: dict[str, Callable[[ast.AST], Iterator[ast.AST]]] = {
 
 def drawn(count: int, seed: int) -> list[Mutant]:
     """As many from each pass as from the others, of as many kinds as there are."""
-    rng = random.Random(seed)
-    piles = [_pile(of, rng) for of in passes()]
+    piles = [_pile(of, random.Random(f"{seed} {of.name}")) for of in passes()]
     found: list[Mutant] = []
     missing = count
     while missing:

@@ -22,4 +22,16 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
         "count_flattened: (Ref(ident), Const(stride & 4294967295))"
         " -> (Const(stride & 4294967295), Ref(ident))",
     ): "a product does not depend on the order of its operands",
+    (
+        "loops/flatten/rectangle",
+        "_counters: (second.limit, second.initial) -> (second.initial, second.limit)",
+    ): "whether one of them varies does not depend on the order",
+    (
+        "parallel/products",
+        "_Matcher._result: ((outer, middle), (middle, outer)) -> ((middle, outer), (outer, middle))",
+    ): "the result is transposed in one of the two orders",
+    (
+        "rewrite/normalize",
+        "_add_one_preheader: not is_entry and len(outside) == 1 -> len(outside) == 1",
+    ): "nothing that is reached leads to a loop at the entry from outside",
 }
