@@ -65,13 +65,13 @@ def test_a_division_by_a_power_of_two_is_one_multiplication(constant: float) -> 
     assert len(graph(Opcode.FDIV, constant).operations) == NOT_OPERATIONS + 1
 
 
-@pytest.mark.parametrize(("constant", "count"), [(3.0, 13), (0.1, 16), (1e30, 47)])
+@pytest.mark.parametrize(("constant", "count"), [(3.0, 13), (0.1, 16), (1e30, 52)])
 def test_operations_of_a_division_by_a_constant(constant: float, count: int) -> None:
     assert len(graph(Opcode.FDIV, constant).operations) == NOT_OPERATIONS + count
 
 
 @pytest.mark.parametrize(
-    ("constant", "count"), [(1.0, 14), (-1024.0, 14), (6.2831855, 117), (360.0, 107)]
+    ("constant", "count"), [(1.0, 14), (-1024.0, 14), (6.2831855, 116), (360.0, 106)]
 )
 def test_remainders_are_exact(constant: float, count: int) -> None:
     words = sample()
@@ -104,6 +104,6 @@ def test_powers_are_near(constant: float) -> None:
     assert np.all(near | same | np.isnan(exact))
 
 
-@pytest.mark.parametrize(("constant", "count"), [(2.0, 1), (3.0, 2), (4.0, 2), (-2.0, 48)])
+@pytest.mark.parametrize(("constant", "count"), [(2.0, 1), (3.0, 2), (4.0, 2), (-2.0, 53)])
 def test_operations_of_constant_powers(constant: float, count: int) -> None:
     assert len(graph(Opcode.POW, constant).operations) == NOT_OPERATIONS + count

@@ -14,17 +14,19 @@ from tests.dfg.expand.vectorised import (
     fma,
     graph,
     interpreted,
+    latency,
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.expand.divide import NEWTON_STEPS, RECIPROCAL_MAGIC
+from vividc.dfg.expand.divide import RECIPROCAL_MAGIC
 from vividc.dfg.expand.expand import expand_math
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import float_of, word_of
 
 SMALLEST_NORMAL = 0x00800000
 MAX_SUBNORMAL_ULP = Fraction(3, 4)
-HARD_DIVISORS = 2
+BEYOND, NEAR = 55, 2.0**-10
+"""Divisors whose reciprocal is more than half a unit in the last place off, and how much more."""
 
 
 def is_subnormal(words: np.ndarray) -> np.ndarray:
@@ -48,10 +50,9 @@ def reciprocal(mantissas: np.ndarray) -> np.ndarray:
     d = mantissas.view(np.float32)
     one = np.ones(1, np.float32)
     y = (np.uint32(RECIPROCAL_MAGIC) - mantissas).view(np.float32)
-    for _ in range(NEWTON_STEPS):
-        y = fma(y, fma(-d, y, one), y)
     error = fma(-d, y, one)
-    return fma(y, fma(error, error, error), y)
+    y = fma(fma(y, error, y), error * error, fma(y, error, y))
+    return fma(y, fma(-d, y, one), y)
 
 
 def hardest(divisor: int) -> list[int]:
@@ -105,27 +106,29 @@ def test_the_hardest_quotients(divisor: int) -> None:
 def test_operations() -> None:
     after = expand_math(graph(Opcode.FDIV, 1))
     assert check(after) == []
-    assert len(after.operations) == 3 + 47
+    assert len(after.operations) == 3 + 52
+    assert latency(after, 3, 5) == 42  # from the divisor
+    assert latency(after, 2, 5) == 21  # from the dividend
 
 
 @pytest.mark.slow
 def test_every_divisor_is_correctly_rounded() -> None:
-    """The reciprocal's relative error times the last residual, half an ulp and 2**-20 of one at
-    most, must stay below 1/(2d) ulp; where it does not, the dividends of that distance are tried.
+    """Where |1 - d y| is at most 2**-24, a * y is less than one unit in the last place from a / d
+    before it is rounded, and one and a half after, so that one step brings it to the nearest
+    number. Of the other divisors all dividends are tried that are near enough to be more.
     """
     mantissas = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
     d = mantissas.view(np.float32).astype(np.float64)
-    reach = np.abs(1 - d * reciprocal(mantissas)) * d * 2**23  # in units of 1/(2d) ulp
-    hard = mantissas[reach >= 1 - 2.0**-19]
-    assert len(hard) == HARD_DIVISORS
-    assert reach.max() < 2  # only distance 1 is in reach: distances are integers
-    for word in hard.tolist():
-        dividends = hardest(word & 0x7FFFFF | 0x800000)
-        a = np.array([word_of(float(dividend)) for dividend in dividends], np.uint32)
-        divisors = np.full(len(a), word, np.uint32)
-        assert np.array_equal(
-            expanded(Opcode.FDIV, a, divisors), by_semantics(Opcode.FDIV, a, divisors)
-        )
+    reach = np.abs(1 - d * reciprocal(mantissas)) * 2**24
+    beyond = reach > 1
+    assert beyond.sum() == BEYOND
+    assert reach.max() < 1 + NEAR
+    for word in mantissas[beyond].tolist():
+        divisor = np.array([word], np.uint32)
+        nearest = word - np.arange(int(2**24 * 2 * NEAR), dtype=np.uint32)
+        a = np.concatenate([nearest, nearest + np.uint32(1 << 10)])
+        exact = (a.view(np.float32) / divisor.view(np.float32)).view(np.uint32)
+        assert np.array_equal(expanded(Opcode.FDIV, a, np.full(len(a), word, np.uint32)), exact)
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ from tests.dfg.expand.vectorised import (
     expanded,
     graph,
     interpreted,
+    latency,
     random_words,
 )
 from vividc.dfg.check import check
@@ -47,7 +48,8 @@ def test_the_hardest_roots() -> None:
 def test_operations() -> None:
     after = expand_math(graph(Opcode.SQRT))
     assert check(after) == []
-    assert len(after.operations) == 2 + 25
+    assert len(after.operations) == 2 + 29
+    assert latency(after, 2, 5) == 35
 
 
 @pytest.mark.slow

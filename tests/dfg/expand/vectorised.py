@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from vividc import arch
 from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
 from vividc.dfg.interpret.interpreter import interpret_region
@@ -85,6 +86,8 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.FSUB: _of_floats(np.subtract),
     _O.FMUL: _of_floats(np.multiply),
     _O.FMA: _of_floats(fma),
+    _O.FMS: _of_floats(lambda a, b, c: fma(a, b, -c)),
+    _O.FNMA: _of_floats(lambda a, b, c: fma(-a, b, c)),
     _O.FMIN: _of_floats(np.fmin),
     _O.FMAX: _of_floats(np.fmax),
     _O.FNEG: lambda a: a ^ np.uint32(0x80000000),
@@ -96,6 +99,7 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.FCMP_OLE: _test_floats(np.less_equal),
     _O.FCMP_OLT: _test_floats(np.less),
     _O.FCMP_ULE: _test_floats(lambda a, b: ~(a > b)),
+    _O.FCMP_ULT: _test_floats(lambda a, b: ~(a >= b)),
     _O.SITOFP: lambda a: _signed(a).astype(np.float32).view(np.uint32),
     _O.UITOFP: lambda a: a.astype(np.float32).view(np.uint32),
     _O.FPTOSI: _to_int,
@@ -167,6 +171,19 @@ def expanded(op: Opcode, *operands: np.ndarray) -> np.ndarray:
     dfg = expand_math(graph(op, len(operands[0])))
     [result] = [edge.src for edge in dfg.edges if edge.dst == 5 and edge.port == 1]
     return evaluate_many(dfg, result, dict(zip((2, 3), operands, strict=False)))
+
+
+def latency(dfg: DFG, first: int, last: int) -> int:
+    """Cycles from a node's result on the longest path to another one's start, on vivid-tile."""
+    fabric = arch.load("vivid-tile")
+    ready = {first: 0}
+    for node_id in evaluation_order(dfg):
+        reached = [ready[e.src] for e in dfg.in_edges[node_id] if e.is_data and e.src in ready]
+        if reached and node_id == last:
+            return max(reached)
+        if reached:
+            ready[node_id] = max(reached) + fabric.latencies[dfg.by_id[node_id].latency_class]
+    raise AssertionError(f"no path from {first} to {last}")
 
 
 def by_semantics(op: Opcode, *operands: np.ndarray) -> np.ndarray:

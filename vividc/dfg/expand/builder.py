@@ -60,6 +60,10 @@ class Builder:
         less = self.op(Opcode.SUB, magnitude, 1)
         return self.op(Opcode.ICMP_ULT, less, FINITE_NONZERO)
 
+    def stepped(self, bits: Value, above: Value, below: Value) -> Value:
+        """The number above one of these bits where `above` is 1, below it where `below` is."""
+        return self.op(Opcode.SUB, self.op(Opcode.ADD, bits, above), below)
+
     def clamped(self, magnitude: Value, limit: int) -> Value:
         """The smaller of a magnitude and a limit; a NaN stays, as it does not under `fmin`."""
         beyond = self.op(Opcode.FCMP_OLT, limit, magnitude)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Final
 
 from vividc.dfg.expand.builder import (
@@ -21,9 +22,9 @@ from vividc.machine.words import float_of, word_of
 # Subtracting a number's bits negates its exponent and makes a chord of 1/m of its mantissa; this
 # constant balances the chord's error to +-5.06 % on all of [1, 2).
 RECIPROCAL_MAGIC: Final = 0x7EF311C7
-NEWTON_STEPS: Final = 2  # 5.06e-2, 2.6e-3, 6.6e-6
-SUBNORMAL_BITS: Final = 24
-SUBNORMAL_SCALE: Final = 0x4B800000  # 2**24, which makes any subnormal normal
+SUBNORMAL_EXPONENT: Final = -149  # of a subnormal number whose bits count as an integer
+MANTISSA: Final = SMALLEST_NORMAL - 1
+HALF_ULP: Final = 24 << EXPONENT_SHIFT  # of a quotient in [1, 2): what to take from an exponent
 # Exponents beyond +-200 overflow or vanish all the same, and half of these is an exponent
 # of a normal number.
 EXPONENT_LIMIT: Final = 200
@@ -35,38 +36,39 @@ _MINUS_LIMIT: Final = -EXPONENT_LIMIT & 0xFFFFFFFF
 
 
 def divide(b: Builder, dividend: Value, divisor: Value) -> Value:
-    """dividend / divisor in 47 operations, fewer for most constant divisors
+    """dividend / divisor in 52 operations, fewer for most constant divisors
     (`quotient_by_constant`).
 
-    The mantissas are divided: an estimate of the reciprocal by an integer subtraction, Newton steps
-    in FMAs, and two corrections by exact residuals (Markstein, "Computation of elementary functions
-    on the IBM RISC System/6000 processor", 1990). The exponent comes by two multiplications, of
-    which only the last can round, overflow or underflow.
+    The mantissas are divided: an estimate of the reciprocal by an integer subtraction, a product of
+    a geometric series and a Newton step (`_reciprocal`), and a quotient that is less than one and a
+    half units in the last place off. Its exact residual, compared with half a unit times the
+    divisor, tells whether it is the nearest number or which neighbour is. Nothing of that waits for
+    exponents and signs, which are scales: one is added to the quotient's bits, and the last FMA
+    multiplies by the other. Only that can round, overflow or underflow.
 
     Correctly rounded (IEEE 754 round to nearest even) wherever the result is normal, infinite, zero
     or NaN; a subnormal result is rounded twice and has an error of at most 0.75 ulp. Nothing is
-    flushed: subnormal operands count. The proof is by
-    cases, in the test: a quotient is at least 1/(2d) ulp from the middle of two numbers, d being
-    the divisor's mantissa as an integer; for all but two of the 2**23 mantissas the error of the
-    reciprocal is too small to cross that, and the hardest dividend of those two is tried.
+    flushed: subnormal operands count. The proof is in the test, by cases of divisors.
     """
     word = b.word(divisor)
     by_constant = None if word is None else quotient_by_constant(b, dividend, word)
     if by_constant is not None:
         return by_constant
-    a, exponent_a, small_a, finite_a = _unpack(b, dividend)
-    d, exponent_d, small_d, finite_d = _unpack(b, divisor)
-    quotient = _mantissas(b, a, d)
-    # The fields differ by less than 2**31.
-    exponent = b.op(Opcode.ASHR, b.op(Opcode.SUB, exponent_a, exponent_d), EXPONENT_SHIFT)
-    exponent = b.op(Opcode.ADD, -SUBNORMAL_BITS & 0xFFFFFFFF, exponent, pred=small_a)
-    exponent = b.op(Opcode.ADD, SUBNORMAL_BITS, exponent, pred=small_d)
-    scaled = _scale(b, quotient, exponent)
+    a, d = _unpacked(b, dividend), _unpacked(b, divisor)
+    near = b.op(Opcode.FMUL, a.mantissa, _reciprocal(b, d.mantissa))
+    rest = b.op(Opcode.FNMA, d.mantissa, near, a.mantissa)
+    first, second = _scales(b, b.op(Opcode.SUB, a.exponent, d.exponent))
+    half = _half_ulp(b, a.mantissa, d.mantissa)
+    above = b.op(Opcode.FCMP_OLE, half, rest)
+    below = b.op(Opcode.FCMP_OLE, rest, b.op(Opcode.FNEG, half))
+    scaled = b.stepped(b.op(Opcode.ADD, near, first), above, below)
+    sign = b.op(Opcode.AND, b.op(Opcode.XOR, dividend, divisor), SIGN)
+    finite = b.op(Opcode.AND, a.finite, d.finite)
     # infinity - bits turns 0 into infinity, infinity into 0, NaN into NaN and any other number into
     # a finite one, all of the same sign: the product has what the quotient of specials is.
     special = b.op(Opcode.FMUL, dividend, b.op(Opcode.SUB, EXPONENT, divisor))
-    value = b.op(Opcode.SELECT, finite_a, scaled, special)
-    return b.op(Opcode.SELECT, finite_d, value, special)
+    special = b.op(Opcode.SELECT, finite, 0, special)
+    return b.op(Opcode.FMA, scaled, b.op(Opcode.OR, second, sign), special, pred=finite)
 
 
 def quotient_by_constant(b: Builder, dividend: Value, word: int) -> Value | None:
@@ -92,7 +94,7 @@ def quotient_by_constant(b: Builder, dividend: Value, word: int) -> Value | None
         near = b.op(Opcode.FMUL, factor, near, pred=beyond)
     value = b.op(Opcode.FMUL, near, inverse)
     for _ in range(2):
-        rest = b.op(Opcode.FMA, value, word ^ SIGN, near)
+        rest = b.op(Opcode.FNMA, value, word, near)
         value = b.op(Opcode.FMA, rest, inverse, value)
     for beyond, _, factor in scales:
         value = b.op(Opcode.FMUL, factor, value, pred=beyond)
@@ -101,56 +103,69 @@ def quotient_by_constant(b: Builder, dividend: Value, word: int) -> Value | None
 
 
 def quotient(b: Builder, dividend: Value, divisor: Value) -> Value:
-    """dividend / divisor in 9 operations, to 0.501 ulp, where the divisor and its reciprocal are
-    normal and no intermediate product overflows or underflows. The sequence is that of `divide`
-    with one correction less.
+    """dividend / divisor in 8 operations, to 0.501 ulp, where the divisor and its reciprocal are
+    normal and no intermediate product overflows or underflows.
     """
-    minus_d = b.op(Opcode.FNEG, divisor)
-    y = reciprocal_estimate(b, divisor, minus_d)
+    y = reciprocal_estimate(b, divisor)
     near = b.op(Opcode.FMUL, dividend, y)
-    return b.op(Opcode.FMA, b.op(Opcode.FMA, minus_d, near, dividend), y, near)
+    return b.op(Opcode.FMA, b.op(Opcode.FNMA, divisor, near, dividend), y, near)
 
 
-def reciprocal_estimate(b: Builder, divisor: Value, minus_d: Value) -> Value:
-    """1 / divisor to 6.6e-6, of the divisor and its negative."""
+def reciprocal_estimate(b: Builder, divisor: Value) -> Value:
+    """1 / divisor to 6.7e-6 in 13 cycles.
+
+    With y of an integer subtraction and e = 1 - divisor * y, it is y (1 + e) (1 + e**2), whose
+    relative error is e**4 (Goldschmidt, "Applications of division by convergence", 1964): the
+    square of e is there as soon as the first product is.
+    """
     y = b.op(Opcode.SUB, RECIPROCAL_MAGIC, divisor)
-    for _ in range(NEWTON_STEPS):
-        y = b.op(Opcode.FMA, y, b.op(Opcode.FMA, minus_d, y, ONE), y)
-    return y
+    error = b.op(Opcode.FNMA, divisor, y, ONE)
+    y = b.op(Opcode.FMA, y, error, y)
+    return b.op(Opcode.FMA, y, b.op(Opcode.FMUL, error, error), y)
 
 
-def _unpack(b: Builder, x: Value) -> tuple[Value, Value, Value, Value]:
-    """Signed mantissa in [1, 2), exponent field, and whether x was subnormal, and finite not 0."""
+@dataclass(frozen=True, slots=True)
+class _Unpacked:
+    """A magnitude's mantissa in [1, 2), its biased exponent, and whether it is finite and not 0."""
+
+    mantissa: Value
+    exponent: Value
+    finite: Value
+
+
+def _unpacked(b: Builder, x: Value) -> _Unpacked:
+    """A subnormal number is converted as the integer that its bits are."""
     magnitude = b.op(Opcode.FABS, x)
     small = b.op(Opcode.ICMP_ULT, magnitude, SMALLEST_NORMAL)
-    normal = b.op(Opcode.FMUL, SUBNORMAL_SCALE, x, pred=small)
-    exponent = b.op(Opcode.AND, normal, EXPONENT)
-    mantissa = b.op(Opcode.ADD, b.op(Opcode.SUB, normal, exponent), ONE)
-    return mantissa, exponent, small, b.is_finite_nonzero(magnitude)
+    normal = b.op(Opcode.SITOFP, magnitude, pred=small)
+    mantissa = b.op(Opcode.OR, b.op(Opcode.AND, normal, MANTISSA), ONE)
+    exponent = b.op(Opcode.LSHR, normal, EXPONENT_SHIFT)
+    exponent = b.op(Opcode.ADD, SUBNORMAL_EXPONENT & 0xFFFFFFFF, exponent, pred=small)
+    return _Unpacked(mantissa, exponent, b.is_finite_nonzero(magnitude))
 
 
-def _mantissas(b: Builder, a: Value, d: Value) -> Value:
-    """a / d for magnitudes in [1, 2), correctly rounded."""
-    minus_d = b.op(Opcode.FNEG, d)
-    y = reciprocal_estimate(b, d, minus_d)
-    # The last step is cubic, or y would be low by 4e-11, too much where 1/d is half-way between two
-    # numbers.
-    error = b.op(Opcode.FMA, minus_d, y, ONE)
-    y = b.op(Opcode.FMA, y, b.op(Opcode.FMA, error, error, error), y)
-    quotient = b.op(Opcode.FMUL, a, y)
-    for _ in range(2):  # to within half an ulp and a little, then to the nearest
-        quotient = b.op(Opcode.FMA, b.op(Opcode.FMA, minus_d, quotient, a), y, quotient)
-    return quotient
+def _reciprocal(b: Builder, d: Value) -> Value:
+    """1 / d for d in [1, 2), to half a unit in the last place and a thousandth."""
+    y = reciprocal_estimate(b, d)
+    return b.op(Opcode.FMA, y, b.op(Opcode.FNMA, d, y, ONE), y)
 
 
-def _scale(b: Builder, x: Value, exponent: Value) -> Value:
-    """x * 2**exponent for 1/2 < |x| < 2, rounded once."""
+def _half_ulp(b: Builder, a: Value, d: Value) -> Value:
+    """d times half a unit in the last place of a / d, which is below 1 where a is below d."""
+    half = b.op(Opcode.SUB, d, HALF_ULP)
+    less = b.op(Opcode.ICMP_ULT, a, d)
+    return b.op(Opcode.ADD, -SMALLEST_NORMAL & 0xFFFFFFFF, half, pred=less)
+
+
+def _scales(b: Builder, exponent: Value) -> tuple[Value, Value]:
+    """What to add to the bits of a number between 1/2 and 2, and what to multiply it by then, for
+    its product with 2**exponent.
+    """
     exponent = b.op(Opcode.SMIN, b.op(Opcode.SMAX, exponent, _MINUS_LIMIT), EXPONENT_LIMIT)
     half = b.op(Opcode.ASHR, exponent, 1)
     rest = b.op(Opcode.SUB, exponent, half)
-    near = b.op(Opcode.ADD, x, b.op(Opcode.SHL, half, EXPONENT_SHIFT))
     scale = b.op(Opcode.ADD, b.op(Opcode.SHL, rest, EXPONENT_SHIFT), ONE)
-    return b.op(Opcode.FMUL, near, scale)
+    return b.op(Opcode.SHL, half, EXPONENT_SHIFT), scale
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {

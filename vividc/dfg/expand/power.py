@@ -88,10 +88,9 @@ def _ratio(b: Builder, m: Value) -> tuple[Value, Value]:
     numerator = b.op(Opcode.FADD, m, MINUS_ONE)
     d = b.op(Opcode.FADD, m, ONE)
     minus_d_low = b.op(Opcode.FSUB, b.op(Opcode.FADD, d, MINUS_ONE), m)
-    minus_d = b.op(Opcode.FNEG, d)
-    inverse = reciprocal_estimate(b, d, minus_d)
+    inverse = reciprocal_estimate(b, d)
     s = b.op(Opcode.FMUL, numerator, inverse)
-    rest = b.op(Opcode.FMA, minus_d, s, numerator)
+    rest = b.op(Opcode.FNMA, d, s, numerator)
     rest = b.op(Opcode.FMA, minus_d_low, s, rest)
     rest = b.op(Opcode.FMUL, rest, inverse)
     near = b.op(Opcode.FADD, s, rest)
@@ -101,7 +100,7 @@ def _ratio(b: Builder, m: Value) -> tuple[Value, Value]:
 def _two_to_product(b: Builder, y: Value, high: Value, low: Value) -> Value:
     """2**(y (high + low)), rounded once more where it is subnormal."""
     product = b.op(Opcode.FMUL, y, high)
-    rest = b.op(Opcode.FMA, y, high, b.op(Opcode.FNEG, product))
+    rest = b.op(Opcode.FMS, y, high, product)
     rest = b.op(Opcode.FMA, y, low, rest)
     near = b.op(Opcode.FMIN, product, LARGEST_LOGARITHM)
     near = b.op(Opcode.FMAX, near, SMALLEST_LOGARITHM)

@@ -112,10 +112,9 @@ def _unpack(b: Builder, magnitude: Value) -> tuple[Value, Value]:
 def _modulus(b: Builder, m: Value) -> _Modulus:
     """The inverse from a reciprocal in two words, 1 to 3 too small, then exactly."""
     d = b.op(Opcode.ADD, m, ONE - SMALLEST_NORMAL)  # m / 2**23
-    minus_d = b.op(Opcode.FNEG, d)
-    y = reciprocal_estimate(b, d, minus_d)
-    y = b.op(Opcode.FMA, b.op(Opcode.FMA, minus_d, y, ONE), y, y)
-    y_low = b.op(Opcode.FMUL, b.op(Opcode.FMA, minus_d, y, ONE), y)
+    y = reciprocal_estimate(b, d)
+    y = b.op(Opcode.FMA, b.op(Opcode.FNMA, d, y, ONE), y, y)
+    y_low = b.op(Opcode.FMUL, b.op(Opcode.FNMA, d, y, ONE), y)
     high = b.op(Opcode.SHL, b.op(Opcode.FPTOSI, b.op(Opcode.FMUL, y, TWO_TO_30)), 2)
     low = b.op(Opcode.FPTOSI, b.op(Opcode.FMUL, y_low, TWO_TO_32))
     inverse = b.op(Opcode.ADD, b.op(Opcode.ADD, high, low), -2 & WORD_MASK)
