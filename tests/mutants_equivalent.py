@@ -28,7 +28,8 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
     ): "whether one of them varies does not depend on the order",
     (
         "parallel/products",
-        "_Matcher._result: ((outer, middle), (middle, outer)) -> ((middle, outer), (outer, middle))",
+        "_Matcher._result: ((outer, middle), (middle, outer))"
+        " -> ((middle, outer), (outer, middle))",
     ): "the result is transposed in one of the two orders",
     (
         "rewrite/normalize",
