@@ -11,7 +11,7 @@ from vividc import arch
 from vividc.formats import FORMATS, round_array, to_floats
 from vividc.gemm import FABRICS, Layer, LayerShape, Mode, mlp, mlp_job, predict
 from vividc.gemm.program import Shape
-from vividc.gemm.systolic import PRECISIONS, Precision, SystolicArray
+from vividc.gemm.systolic import PRECISIONS, Form, Precision, SystolicArray
 
 TITLE = "Matrix products on systolic arrays"
 NOTES = (
@@ -77,7 +77,7 @@ def _product(count: int, depth: int, cols: int, fabric: str, mode: Mode) -> str:
     arrays = FABRICS[mode][1]
     pieces = predict(count * arrays, [LayerShape(depth, cols)], mode).cycles
     folds = -(-count // array.rows) * -(-cols // array.cols)
-    whole = Shape.of(array, depth).cycles(folds)
+    whole = Shape.of(array, Form(depth)).cycles(folds)
     ideal = count * depth * cols / (array.rows * array.cols)
     public = folds * (2 * array.rows + depth - 2) - 1
     return (

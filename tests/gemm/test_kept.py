@@ -13,11 +13,11 @@ from vividc import arch
 from vividc.errors import VividcWarning
 from vividc.gemm import chain
 from vividc.gemm.kept import key_of, read_program, write_program
-from vividc.gemm.systolic import SystolicArray
+from vividc.gemm.systolic import Form, SystolicArray
 from vividc.host import cache, store
 
 ARRAY = SystolicArray.of(arch.load_tile("vivid-8x8"))
-ONE = chain.Chain(ARRAY, (chain.Link(3, 1, relu=True),), 2)
+ONE = chain.Chain(ARRAY, (chain.Link(Form(3, relu=True), 1),), 2)
 
 
 @pytest.fixture(autouse=True)

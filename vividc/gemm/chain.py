@@ -20,8 +20,8 @@ from vividc.gemm.systolic import (
     OFFSETS,
     TABLE_ROW,
     BlockLayout,
+    Form,
     GemmRegion,
-    Precision,
     Stream,
     SystolicArray,
     base_name,
@@ -32,24 +32,16 @@ from vividc.gemm.systolic import (
 from vividc.machine.params import DType, Param
 from vividc.program import WORD_BYTES, Program
 
-_Form = tuple[int, bool, Precision, Precision]
-"""What of a link makes its loop: depth, whether max(x, 0) follows, formats of operands, results."""
-
 START_CONTEXTS = 2
 """Contexts of the start of a loop."""
 
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A layer of a chain: its inner dimension in words, its blocks of columns, whether max(x, 0)
-    follows, the format of its operands, and that of its results.
-    """
+    """A layer of a chain: its product, and its blocks of columns."""
 
-    depth: int
+    form: Form
     bands: int
-    relu: bool = False
-    precision: Precision = "f32"
-    results: Precision = "f32"
 
 
 @dataclass(frozen=True)
@@ -84,17 +76,7 @@ class Chain:
         SystolicError
             One of them fits no array's memories.
         """
-        return tuple(
-            Shape.of(
-                self.array,
-                link.depth,
-                relu=link.relu,
-                words=self.words,
-                precision=link.precision,
-                results=link.results,
-            )
-            for link in self.links
-        )
+        return tuple(Shape.of(self.array, link.form, self.words) for link in self.links)
 
     @property
     def layouts(self) -> tuple[BlockLayout, ...]:
@@ -129,12 +111,12 @@ class Chain:
         output.
         """
         if layer == 0:
-            return self.links[0].depth
+            return self.links[0].form.depth
         return self.links[layer - 1].bands * self.band_width(layer - 1)
 
     def band_width(self, layer: int) -> int:
         """Columns of words that a block of columns of a layer's results makes."""
-        return self.array.cols // lanes(self.links[layer].results)
+        return self.array.cols // lanes(self.links[layer].form.results)
 
     def cycles(self, blocks: int) -> int:
         """Cycles of a launch over `blocks` blocks of rows: exact, as no two accesses meet."""
@@ -213,34 +195,26 @@ def chain_program(chain: Chain) -> Program:
     SystolicError
         A layer fits no array's memories.
     """
-    made = tuple((link.depth, link.relu, link.precision, link.results) for link in chain.links)
-    return kept_program(chain.array.fabric.name, made, chain.words)
+    forms = tuple(link.form for link in chain.links)
+    return kept_program(chain.array.fabric.name, forms, chain.words)
 
 
 @lru_cache(maxsize=16)
-def kept_program(fabric: str, links: tuple[_Form, ...], words: int) -> Program:
+def kept_program(fabric: str, forms: tuple[Form, ...], words: int) -> Program:
     array = SystolicArray.of(arch.load_tile(fabric))
-    key = key_of(array.fabric, links, words)
+    key = key_of(array.fabric, forms, words)
     program = read_program(key)
     if program is None:
-        program = built_program(array, links, words)
+        program = built_program(array, forms, words)
         write_program(key, program)
     return program
 
 
-def built_program(array: SystolicArray, links: tuple[_Form, ...], words: int) -> Program:
+def built_program(array: SystolicArray, forms: tuple[Form, ...], words: int) -> Program:
     loops: list[CountedLoop] = []
     names: dict[str, None] = {}
-    for layer, (depth, relu, precision, results) in enumerate(links):
-        region = gemm_region(
-            array,
-            depth,
-            relu=relu,
-            words=words,
-            names=_names(layer),
-            precision=precision,
-            results=results,
-        )
+    for layer, form in enumerate(forms):
+        region = gemm_region(array, form, words=words, names=_names(layer))
         number, report = str(layer), region_report(region)
         loops.append(CountedLoop(number, f"gemm{layer}", f"blocks{layer}", region.dfg, report))
         names |= dict.fromkeys(_live_ins(region, layer))

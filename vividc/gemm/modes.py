@@ -9,7 +9,7 @@ from typing import Final, Literal, get_args
 from vividc import arch
 from vividc.errors import demand_type, quoted
 from vividc.gemm.program import Shape
-from vividc.gemm.systolic import BlockLayout, Precision, SystolicArray, SystolicError, lanes
+from vividc.gemm.systolic import BlockLayout, Form, Precision, SystolicArray, SystolicError, lanes
 
 Mode = Literal["tpu-unified", "tpu-partitioned"]
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)
@@ -95,7 +95,7 @@ def predict(rows: int, layers: Sequence[LayerShape], mode: Mode) -> Prediction:
     cycles = launches = 0
     for blocks in pieces(-(-rows // arrays), layers, array):
         for layer in layers:
-            shape = Shape.of(array, layer.words, relu=layer.relu, precision=layer.precision)
+            shape = Shape.of(array, Form(layer.words, layer.relu, layer.precision))
             for bands in launches_of(layer, shape.layout, blocks):
                 cycles += shape.cycles(blocks * len(bands))
                 launches += 1

@@ -12,7 +12,7 @@ from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError
 from vividc.gemm.chain import Chain, Link
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, check_sizes, padded
-from vividc.gemm.systolic import Precision, SystolicArray, SystolicError
+from vividc.gemm.systolic import Form, Precision, SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
 _FEWEST_BLOCKS = 4
@@ -166,7 +166,7 @@ def results_of(shapes: Sequence[LayerShape]) -> list[Precision]:
 def _passes(array: SystolicArray, shapes: Sequence[LayerShape], parts: int) -> tuple[Pass, ...]:
     ends = {k for k, shape in enumerate(shapes) if shape.ends}
     links = [
-        Link(s.words, padded(s.cols, array.cols) // array.cols, s.relu, s.precision, results)
+        Link(Form(s.words, s.relu, s.precision, results), padded(s.cols, array.cols) // array.cols)
         for s, results in zip(shapes, results_of(shapes), strict=True)
     ]
     passes: list[Pass] = []
@@ -195,10 +195,10 @@ def _by_columns(array: SystolicArray, link: Link, first: int, parts: int) -> lis
     )
     if not most:
         chain = _one(array, link, 1, parts)
-        size = chain.words * WORD_BYTES
+        size, depth = chain.words * WORD_BYTES, link.form.depth
         raise SystolicError(
-            f"{array.rows} rows of {link.depth} columns and {array.cols} columns of the weights do "
-            f"not fit the {size} bytes of scratchpad of fabric {array.fabric.name}",
+            f"{array.rows} rows of {depth} columns and {array.cols} columns of the weights "
+            f"do not fit the {size} bytes of scratchpad of fabric {array.fabric.name}",
             loc=array.fabric.name,
             hint="split the inner dimension and add the parts, or choose the mode tpu-unified",
         )

@@ -21,6 +21,7 @@ from vividc.gemm.systolic import (
     OFFSETS,
     TABLE_ROW,
     BlockLayout,
+    Form,
     GemmRegion,
     Precision,
     Stream,
@@ -52,25 +53,15 @@ class Shape:
     overhead: int
 
     @staticmethod
-    def of(
-        array: SystolicArray,
-        depth: int,
-        *,
-        relu: bool = False,
-        words: int | None = None,
-        precision: Precision = "f32",
-        results: Precision = "f32",
-    ) -> Shape:
+    def of(array: SystolicArray, form: Form, words: int | None = None) -> Shape:
         """The product of `gemm_region` with the same arguments.
 
         Raises
         ------
         SystolicError
-            The array's memories are too small for `depth`.
+            The array's memories are too small for the inner dimension.
         """
-        schedule, layout = plan(
-            array, depth, relu=relu, words=words, precision=precision, results=results
-        )
+        schedule, layout = plan(array, form, words)
         controller = array.fabric.controller
         start = 1 + controller.control_latency
         return Shape(layout, schedule.ii, schedule.span, start + controller.switch_cycles)
@@ -162,7 +153,7 @@ def gemm_program(
     """
     machine = arch.load_tile(fabric) if isinstance(fabric, str) else fabric
     array = SystolicArray.of(machine)
-    region = gemm_region(array, depth, relu=relu, precision=precision)
+    region = gemm_region(array, Form(depth, relu, precision))
     params = [Param(BUFFER, DType.F32, 2), Param(_BLOCKS, DType.I32)]
     for stream in Stream:
         names = (base_name(stream, window) for window in range(windows(region.layout, stream)))

@@ -8,6 +8,7 @@ from vividc import arch
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
 from vividc.gemm.systolic import (
+    Form,
     Precision,
     SystolicArray,
     SystolicError,
@@ -35,7 +36,7 @@ def small(rows: int, cols: int, fma: int = 4, load: int = 2) -> Fabric:
 @pytest.mark.parametrize(("rows", "cols"), [(1, 1), (2, 3), (4, 4)])
 def test_every_depth_gives_a_legal_mapping(rows: int, cols: int, depth: int, relu: bool) -> None:
     array = SystolicArray.of(small(rows, cols))
-    region = gemm_region(array, depth, relu=relu)
+    region = gemm_region(array, Form(depth, relu))
     assert not list(check(region.dfg))
     assert violations(region.dfg, array.fabric, region.mapping) == []
 
@@ -46,7 +47,7 @@ def test_every_depth_gives_a_legal_mapping(rows: int, cols: int, depth: int, rel
 def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, relu: bool) -> None:
     for rows, cols in ((2, 4), (5, 8)):
         array = SystolicArray.of(small(rows, cols))
-        region = gemm_region(array, depth, relu=relu, precision="e4m3", results=results)
+        region = gemm_region(array, Form(depth, relu, "e4m3", results))
         assert not list(check(region.dfg))
         assert violations(region.dfg, array.fabric, region.mapping) == []
         assert region.mapping.ii == least_ii(array, depth, activated=relu)
@@ -54,21 +55,21 @@ def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, rel
 
 def test_drains_that_cannot_pack_are_refused() -> None:
     with pytest.raises(SystolicError, match="6 columns are not a multiple of 4"):
-        plan(SystolicArray.of(small(2, 6)), 4, results="e4m3")
+        plan(SystolicArray.of(small(2, 6)), Form(4, results="e4m3"))
     slow = SMALL.replace("{{fma", "{{convert: 3, fma").format(rows=4, cols=5, fma=4, load=2)
     with pytest.raises(SystolicError, match="cannot store f16: the latency of convert is 3"):
-        plan(SystolicArray.of(arch.load_text(slow, "slow.yaml")), 4, results="f16")
+        plan(SystolicArray.of(arch.load_text(slow, "slow.yaml")), Form(4, results="f16"))
     blunt = SMALL.format(rows=4, cols=5, fma=4, load=2)
     blunt += "overrides:\n  - at: {rows: 1}\n    sliced: false\n"
     with pytest.raises(SystolicError, match=r"at its edge has no pack\.f16x2"):
-        plan(SystolicArray.of(arch.load_text(blunt, "blunt.yaml")), 4, results="f16")
+        plan(SystolicArray.of(arch.load_text(blunt, "blunt.yaml")), Form(4, results="f16"))
 
 
 @pytest.mark.parametrize(("fma", "load"), [(1, 1), (2, 1), (3, 3), (5, 2), (6, 4)])
 def test_other_latencies_give_legal_mappings(fma: int, load: int) -> None:
     array = SystolicArray.of(small(3, 2, fma, load))
     for depth in (1, 6, 9):
-        region = gemm_region(array, depth, relu=True)
+        region = gemm_region(array, Form(depth, relu=True))
         assert violations(region.dfg, array.fabric, region.mapping) == []
 
 
@@ -85,6 +86,6 @@ def test_a_fabric_without_edges_is_refused() -> None:
 
 def test_an_inner_dimension_beyond_the_contexts_is_refused() -> None:
     array = SystolicArray.of(arch.load("vivid-8x8"))
-    plan(array, 508)
+    plan(array, Form(508))
     with pytest.raises(SystolicError, match="takes 511 contexts"):
-        plan(array, 509)
+        plan(array, Form(509))

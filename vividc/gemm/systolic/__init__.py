@@ -14,7 +14,14 @@ from vividc.gemm.systolic.layout import (
     read_blocks,
     write_blocks,
 )
-from vividc.gemm.systolic.precision import PRECISIONS, PRODUCTS, Precision, check_precision, lanes
+from vividc.gemm.systolic.precision import (
+    PRECISIONS,
+    PRODUCTS,
+    Form,
+    Precision,
+    check_precision,
+    lanes,
+)
 from vividc.gemm.systolic.product import (
     BUFFER,
     OFFSETS,
@@ -35,6 +42,7 @@ __all__ = [
     "STREAMS",
     "TABLE_ROW",
     "BlockLayout",
+    "Form",
     "GemmRegion",
     "Precision",
     "Stream",

@@ -1,7 +1,8 @@
-"""Formats of the operands of a product: how many go into a word, and which operation multiplies."""
+"""What an array computes of a product, and the formats of its operands and results."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 from vividc.errors import demand_type
@@ -36,6 +37,29 @@ LARGEST: Final[dict[Precision, Opcode]] = {
     "e5m2": Opcode.FMAX_E5M2X4,
 }
 """The larger number, of each lane."""
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """A product as an array computes it, whatever its rows and columns.
+
+    Attributes
+    ----------
+    depth
+        The inner dimension, in words of the operands: 1 or more.
+    relu
+        max(x, 0) of every result on its way out.
+    precision
+        Format of the operands. Sums are FP32.
+    results
+        Format of what is stored: the drains round it and put neighbouring columns into a word, as
+        the next product reads them.
+    """
+
+    depth: int
+    relu: bool = False
+    precision: Precision = "f32"
+    results: Precision = "f32"
 
 
 def lanes(precision: Precision) -> int:

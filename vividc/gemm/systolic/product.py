@@ -15,7 +15,7 @@ from vividc.dfg.builder import GraphBuilder, Operand
 from vividc.dfg.ir import DFG, Node
 from vividc.gemm.systolic.array import SystolicArray, SystolicError
 from vividc.gemm.systolic.layout import GROUP_BYTES, TABLE_ROW, BlockLayout, Stream
-from vividc.gemm.systolic.precision import LARGEST, PACKS, PRODUCTS, Precision, lanes
+from vividc.gemm.systolic.precision import LARGEST, PACKS, PRODUCTS, Form, Precision, lanes
 from vividc.gemm.systolic.schedule import SystolicSchedule, least_ii
 from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.mapping import Mapping as Placement
@@ -60,42 +60,28 @@ def base_name(stream: Stream, window: int, name: str | None = None) -> str:
 
 def gemm_region(
     array: SystolicArray,
-    depth: int,
+    form: Form,
     *,
-    relu: bool = False,
     words: int | None = None,
     names: Mapping[Stream, str] | None = None,
-    precision: Precision = "f32",
-    results: Precision = "f32",
 ) -> GemmRegion:
     """The loop over blocks of C, mapped.
 
     Parameters
     ----------
-    depth
-        The inner dimension (columns of A, rows of B), 1 or more.
-    relu
-        max(x, 0) of every result on its way out.
     words
         Of the part of the scratchpad that holds the operands; None: all of it.
     names
         Prefix of each stream's live-ins; None: as of `base_name`.
-    precision
-        Format of the operands; `depth` counts words of them. Sums are FP32.
-    results
-        Format of what is stored: the drains round it and put neighbouring columns into a word, as
-        the next product reads them.
 
     Raises
     ------
     SystolicError
-        The configuration memory is too short for `depth` FMAs a PE, the schedule has more stages
+        The configuration memory is too short for the inner dimension, the schedule has more stages
         than the controller, or one block does not fit the scratchpad.
     """
-    schedule, layout = plan(
-        array, depth, relu=relu, words=words, precision=precision, results=results
-    )
-    made = _Construction(array, schedule, layout, names or {}, results)
+    schedule, layout = plan(array, form, words)
+    made = _Construction(array, schedule, layout, names or {}, form.results)
     made.run()
     dfg = made.builder.build()
     mapping = Placement(schedule.ii, made.places, made.routes, Subject(dfg, array.fabric))
@@ -103,13 +89,7 @@ def gemm_region(
 
 
 def plan(
-    array: SystolicArray,
-    depth: int,
-    *,
-    relu: bool = False,
-    words: int | None = None,
-    precision: Precision = "f32",
-    results: Precision = "f32",
+    array: SystolicArray, form: Form, words: int | None = None
 ) -> tuple[SystolicSchedule, BlockLayout]:
     """Schedule and memory layout of `gemm_region` without its graph.
 
@@ -118,14 +98,15 @@ def plan(
     SystolicError
         As `gemm_region`.
     """
+    depth, results = form.depth, form.results
     if depth < 1:
         raise SystolicError(f"an inner dimension of {depth}", hint="give 1 or more")
-    ii = least_ii(array, depth, activated=relu)
-    op = PRODUCTS[precision]
+    ii = least_ii(array, depth, activated=form.relu)
+    op = PRODUCTS[form.precision]
     fault = array.missing_product(op)
     if fault is not None:
         raise SystolicError(
-            f"fabric {array.fabric.name} cannot multiply {precision}: {fault}",
+            f"fabric {array.fabric.name} cannot multiply {form.precision}: {fault}",
             loc=array.fabric.name,
             hint="choose the precision f32",
         )
@@ -136,7 +117,7 @@ def plan(
             loc=array.fabric.name,
             hint="choose the precision f32 for the next layer",
         )
-    schedule = SystolicSchedule(array, depth, ii, relu, op, lanes(results))
+    schedule = SystolicSchedule(array, depth, ii, form.relu, op, lanes(results))
     room = array.fabric.scratchpad.words if words is None else words
     layout = BlockLayout(array.rows, array.cols, depth, room)
     _demand_room(array, schedule, layout)
