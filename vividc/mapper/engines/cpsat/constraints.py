@@ -57,8 +57,12 @@ def one_completion_per_fu_and_slot(model: CpModel, problem: Prepared, v: Variabl
     """sum over operations v and t + lat = slot of x[v,p,t] <= 1; `one_word_per_output_and_slot`
     says it where output registers take part.
     """
-    if problem.fabric.routing.open_outputs:
-        return
+    if not problem.fabric.routing.open_outputs:
+        completions_differ(model, problem, v)
+
+
+def completions_differ(model: CpModel, problem: Prepared, v: Variables) -> None:
+    """At most one operation of a PE completes in a slot, whatever the output registers are."""
     operations = {node.id for node in problem.nodes if node.uses_fu}
     users = (
         ((pe, (time + problem.latency[node]) % problem.ii), literal)

@@ -18,6 +18,7 @@ from ortools.sat.python.cp_model import CpModel, IntVar, LinearExpr
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.cpsat.constraints import (
     accesses_fit_banks,
+    completions_differ,
     constants_fit_store,
     each_node_starts_once,
     edges_without_a_word_are_ordered,
@@ -29,7 +30,7 @@ from vividc.mapper.engines.cpsat.constraints import (
 from vividc.mapper.engines.cpsat.problem import Prepared, windowed
 from vividc.mapper.engines.cpsat.run import Search, run
 from vividc.mapper.engines.cpsat.variables import Variables, new_variables
-from vividc.mapper.engines.cpsat.ways import at_most, grouped
+from vividc.mapper.engines.cpsat.ways import at_most
 from vividc.mapper.mapping import Place
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.dependences import Dependence
@@ -73,7 +74,7 @@ class MobilityModel:
         variables = new_variables(model, problem, routes=False)
         for family in _FAMILIES:
             family(model, problem, variables)
-        _one_completion(model, problem, variables)
+        completions_differ(model, problem, variables)
         _lives_last_one_ii(model, problem, variables)
         output = _outputs(model, problem, variables) if problem.fabric.routing.shared else {}
         for edge in problem.dependences:
@@ -114,16 +115,6 @@ def _near(problem: Prepared) -> tuple[dict[int, bool], ...]:
                 near[other.id] = True
         by_edge.append(near)
     return tuple(by_edge)
-
-
-def _one_completion(model: CpModel, problem: Prepared, v: Variables) -> None:
-    operations = {node.id for node in problem.nodes if node.uses_fu}
-    users = (
-        ((pe, (time + problem.latency[node]) % problem.ii), literal)
-        for (node, pe, time), literal in v.start.items()
-        if node in operations
-    )
-    at_most(model, grouped(users), 1)
 
 
 def _lives_last_one_ii(model: CpModel, problem: Prepared, v: Variables) -> None:
