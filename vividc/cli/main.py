@@ -18,30 +18,9 @@ from typing import Any, Final, NoReturn, TextIO
 import click
 
 from vividc import __version__
-from vividc.cli.commands import (
-    area as area_command,
-)
-from vividc.cli.commands import (
-    compile as compile_command,
-)
-from vividc.cli.commands import (
-    disasm as disasm_command,
-)
-from vividc.cli.commands import (
-    map as map_command,
-)
-from vividc.cli.commands import (
-    opt as opt_command,
-)
-from vividc.cli.commands import (
-    render as render_command,
-)
-from vividc.cli.commands import (
-    simulate as simulate_command,
-)
-from vividc.cli.commands import (
-    verify as verify_command,
-)
+from vividc.cli.commands import area, disasm, opt, render, simulate, verify
+from vividc.cli.commands import compile as compile_
+from vividc.cli.commands import map as map_
 from vividc.cli.reports.report import say
 from vividc.errors import InternalError, VividcError, VividcWarning
 
@@ -195,14 +174,5 @@ def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""
 
 
-for _module in (
-    compile_command,
-    simulate_command,
-    map_command,
-    opt_command,
-    verify_command,
-    disasm_command,
-    area_command,
-    render_command,
-):
+for _module in (compile_, simulate, map_, opt, verify, disasm, area, render):
     main.add_command(_module.command)
