@@ -54,11 +54,20 @@ def predecessors(function: Function) -> Mapping[str, tuple[str, ...]]:
 
 
 @once_each
+def immediate_dominators(function: Function) -> Mapping[str, str]:
+    """Of each block that can be reached the nearest other one that dominates it; the entry's is
+    itself.
+    """
+    entry = function.blocks[0].name
+    return {**nx.immediate_dominators(block_graph(function), entry), entry: entry}
+
+
+@once_each
 def dominators(function: Function) -> Mapping[str, frozenset[str]]:
     """The blocks that dominate each block that can be reached, itself included."""
     entry = function.blocks[0].name
     graph = block_graph(function)
-    idom = nx.immediate_dominators(graph, entry)
+    idom = immediate_dominators(function)
     result = {entry: frozenset((entry,))}
     for name in graph.nodes:
         chain = [name]
@@ -170,11 +179,7 @@ def flow_of(function: Function) -> Flow:
     graph, entry = block_graph(function), function.blocks[0].name
     order = tuple(reversed([*nx.dfs_postorder_nodes(graph, entry)]))
     successors = {block.name: block.branch.successors for block in function.blocks}
-    before: dict[str, list[str]] = {name: [] for name in order}
-    for name in order:
-        for target in dict.fromkeys(successors[name]):
-            before[target].append(name)
-    idom = nx.immediate_dominators(graph, entry) | {entry: entry}
     bodies = {loop.header: loop.blocks for loop in find_loops(function)}
     loops = {name: bodies[name] for name in order if name in bodies}
-    return Flow(entry, order, successors, {k: tuple(v) for k, v in before.items()}, idom, loops)
+    idom = immediate_dominators(function)
+    return Flow(entry, order, successors, predecessors(function), idom, loops)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vividc.frontend.ranges.interval import S32, contains
+from vividc.ssa.analysis.induction import induction_of
 from vividc.ssa.flow import Flow, flow_of
 from vividc.ssa.ir import Function, Instr, Int, Key, Named, Phi, Ref, Value, definition_of
 
@@ -42,13 +43,13 @@ class _Search:
         """First value, step and limit of each induction of a loop that stays within words."""
         body = self.flow.loops[header]
         for phi in self._function.by_name[header].phis:
-            step = self._step(phi, body)
-            if step is None:
+            induction = induction_of(self._function, body, phi)
+            if induction is None:
                 continue
             starts = [value for pred, value in phi.incoming if pred not in body]
             limits = list(self._limits(phi, body))
-            if phi.id in self._indices or self._is_short(step, starts, limits):
-                yield from (step, *starts, *limits)
+            if phi.id in self._indices or self._is_short(induction.by, starts, limits):
+                yield from (induction.by, *starts, *limits)
 
     def sources(self, operand: Value, *, indexes: bool = False) -> set[Key]:
         """Parameters and phis that an operand is computed from."""
@@ -75,24 +76,6 @@ class _Search:
             if op.op in ("load", "store")
             for name in self.sources(op.operands[-1], indexes=True)
         }
-
-    def _step(self, phi: Phi, body: frozenset[str]) -> Value | None:
-        """What an iteration adds to the phi; None if it is no induction."""
-        again = [value for pred, value in phi.incoming if pred in body]
-        definition = self._defining(again[0]) if len(again) == 1 else None
-        if definition is None or definition.op not in ("add", "sub"):
-            return None
-        first, second = definition.operands
-        if first != Ref(phi.id):
-            first, second = second, first
-        if first != Ref(phi.id) or not self._is_invariant(second, body):
-            return None
-        return second
-
-    def _is_invariant(self, operand: Value, body: frozenset[str]) -> bool:
-        if not isinstance(operand, Named):
-            return True
-        return self._function.block_of.get(operand.key) not in body
 
     def _limits(self, phi: Phi, body: frozenset[str]) -> Iterator[Value]:
         """What the loop's exits compare the phi or its next value with."""

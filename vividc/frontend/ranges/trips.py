@@ -18,8 +18,9 @@ from vividc.frontend.ranges.interval import (
     union,
     width,
 )
+from vividc.ssa.analysis.induction import induction_of
 from vividc.ssa.flow import Flow
-from vividc.ssa.ir import Branch, Function, Instr, Int, Phi, Ref, Value, definition_of
+from vividc.ssa.ir import Branch, Function, Instr, Phi, Ref, Value, definition_of
 
 _WORD = 32
 Range = Callable[[Value, str], Interval]
@@ -230,12 +231,10 @@ class _Counters:
         edges = self._edges(phi, header) if phi is not None else None
         if phi is None or edges is None:
             return None
-        step = definition_of(self._function, edges.again)
-        if not isinstance(step, Instr) or step.op != "add" or step.operands[0] != Ref(phi.id):
+        induction = induction_of(self._function, self._flow.loops[header], phi)
+        if induction is None or not induction.step or operand not in (Ref(phi.id), edges.again):
             return None
-        if operand not in (Ref(phi.id), edges.again) or not isinstance(step.operands[1], Int):
-            return None
-        return (phi, step.operands[1].value) if step.operands[1].value else None
+        return phi, induction.step
 
 
 def _staying(pred: str, leave: Branch, body: frozenset[str], *, swap: bool) -> str | None:

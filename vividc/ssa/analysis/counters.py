@@ -46,11 +46,11 @@ def counter_of(function: Function, loop: Loop) -> Counter | None:
     test = header_test(function, loop)
     if test is None or len(loop.latches) != 1:
         return None
-    for found, step, limit in bounded(function, loop, *test):
-        moving = Ref(found.phi.id)
+    for induction, step, limit in bounded(function, loop, *test):
+        moving = Ref(induction.phi.id)
         exact = never_wraps(function, loop.blocks, moving, by_one=abs(step) == 1)
-        if exact and found.start is not None:
-            return Counter(found.phi, found.start, step, limit)
+        if exact and induction.start is not None:
+            return Counter(induction.phi, induction.start, step, limit)
     return None
 
 
@@ -75,13 +75,13 @@ def bounded(
     steps and limits.
     """
     for phi in block_of(function, loop.header).phis:
-        found = induction_of(function, loop.blocks, phi)
-        step = None if found is None else found.step
-        if found is None or not step:
+        induction = induction_of(function, loop.blocks, phi)
+        step = None if induction is None else induction.step
+        if induction is None or not step:
             continue
         moving, limit = (less, more) if step > 0 else (more, less)
         if moving == Ref(phi.id) and is_invariant(function, loop.blocks, limit):
-            yield found, step, limit
+            yield induction, step, limit
 
 
 def defined_in(function: Function, loop: Loop) -> set[int]:

@@ -57,8 +57,8 @@ def induction_of(function: Function, body: Body, phi: Phi) -> Induction | None:
 
 def constant_step(function: Function, loop: Loop, phi: Phi) -> int | None:
     """What each iteration adds to a phi of the header, if it is the same constant every time."""
-    found = induction_of(function, loop.blocks, phi)
-    return None if found is None else found.step
+    induction = induction_of(function, loop.blocks, phi)
+    return None if induction is None else induction.step
 
 
 def initial(phi: Phi, body: Body) -> Value:
@@ -82,8 +82,8 @@ def never_wraps(function: Function, body: Body, value: Value, *, by_one: bool) -
         return True
     item = definition_of(function, value)
     if isinstance(item, Phi):
-        found = induction_of(function, body, item)
-        return found is not None and (by_one or found.update.exact)
+        induction = induction_of(function, body, item)
+        return induction is not None and (by_one or induction.update.exact)
     return (
         item is not None
         and item.exact

@@ -150,11 +150,11 @@ class LoopPolynomials:
         return made if is_affine else None
 
     def _of_phi(self, phi: Phi) -> Polynomial | None:
-        found = induction_of(self.function, self.loop.blocks, phi)
-        if found is None or found.step is None or found.start is None:
+        induction = induction_of(self.function, self.loop.blocks, phi)
+        if induction is None or induction.step is None or induction.start is None:
             return None
-        start = self.of(found.start)
-        return None if start is None else symbol(ITERATION).times(constant(found.step)).plus(start)
+        start, step = self.of(induction.start), constant(induction.step)
+        return None if start is None else step.times(symbol(ITERATION)).plus(start)
 
 
 def _shift(operands: list[Polynomial]) -> Polynomial | None:

@@ -133,9 +133,9 @@ def _bounds(function: Function, loop: Loop, header: Block) -> tuple[Phi, Value, 
             loc=loc,
             hint="give it bounds of 32 bits, as in prange(np.int32(n))",
         )
-    for found, step, limit in bounded(function, loop, *test.operands):
-        if found.start is not None and step == 1:
-            return found.phi, found.start, limit
+    for induction, step, limit in bounded(function, loop, *test.operands):
+        if induction.start is not None and step == 1:
+            return induction.phi, induction.start, limit
     raise KernelError("the loop over prange does not count up by one", loc=loc, hint=_HINT)
 
 

@@ -131,13 +131,13 @@ class _Matcher:
     # Loops
 
     def _counter(self, loop: Loop) -> _Counter:
-        found = counter_of(self._function, loop)
+        counter = counter_of(self._function, loop)
         reason = "a loop does not count from 0 in steps of 1 to a bound known before"
-        _demand(found is not None and [source for source, _ in loop.exits] == [loop.header], reason)
-        assert found is not None
-        _demand((found.initial, found.step) == (Const(0), 1), reason)
-        _demand(isinstance(found.limit, Input | Const), reason)
-        return _Counter(loop, found.phi.id, _size(found.limit))
+        if counter is None or [source for source, _ in loop.exits] != [loop.header]:
+            raise _NoProduct(reason)
+        _demand((counter.initial, counter.step) == (Const(0), 1), reason)
+        _demand(isinstance(counter.limit, Input | Const), reason)
+        return _Counter(loop, counter.phi.id, _size(counter.limit))
 
     def _store(self, middle: Loop, inner: Loop) -> Instr:
         stores = [

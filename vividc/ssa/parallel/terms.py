@@ -4,8 +4,6 @@ conditions around an access bound it.
 
 from __future__ import annotations
 
-import networkx as nx
-
 from vividc.machine.opcodes import Opcode
 from vividc.machine.parallel import (
     ANY,
@@ -22,7 +20,7 @@ from vividc.machine.parallel import (
 from vividc.machine.words import WORD_BITS, WORD_BYTES, signed
 from vividc.ssa.analysis.counters import bounded, header_test
 from vividc.ssa.analysis.induction import Induction, induction_of
-from vividc.ssa.flow import Loop, block_graph, dominators, find_loops
+from vividc.ssa.flow import Loop, dominators, find_loops, immediate_dominators, predecessors
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
 
 Fact = tuple[int, bool]
@@ -317,21 +315,17 @@ def _facts_of_blocks(function: Function) -> dict[str, frozenset[Fact]]:
     """Conditions decided on the way to each block: those of the branches that dominate it by one
     of their edges.
     """
-    graph = block_graph(function)
-    entry = function.blocks[0].name
-    parent = nx.immediate_dominators(graph, entry)
-    blocks = {block.name: block for block in function.blocks}
-    facts: dict[str, frozenset[Fact]] = {}
+    sources, parent = predecessors(function), immediate_dominators(function)
+    blocks, facts = function.by_name, dict[str, frozenset[Fact]]()
 
     def of(name: str) -> frozenset[Fact]:
         if name not in facts:
-            up = parent.get(name)
-            inherited = frozenset() if up in (None, name) else of(up)
-            sources = list(graph.predecessors(name))
-            own = _edge(blocks[sources[0]], name) if len(sources) == 1 else frozenset()
+            inherited = frozenset() if parent[name] == name else of(parent[name])
+            reached = [source for source in sources[name] if source in parent]
+            own = _edge(blocks[reached[0]], name) if len(reached) == 1 else frozenset()
             facts[name] = inherited | own
         return facts[name]
 
-    for name in graph.nodes:
+    for name in parent:
         of(name)
     return facts

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.errors import InternalError, SourceLoc
 from vividc.ssa.edit import map_values, next_id
+from vividc.ssa.flow import predecessors
 from vividc.ssa.ir import Block, Function, Kind, Phi, Ref, Value
 
 
@@ -48,10 +49,7 @@ class _Repair:
     phis: dict[str, Phi] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.predecessors: dict[str, list[str]] = {b.name: [] for b in self.function.blocks}
-        for block in self.function.blocks:
-            for target in dict.fromkeys(block.branch.successors):
-                self.predecessors[target].append(block.name)
+        self.predecessors = predecessors(self.function)
         self.free = next_id(self.function)
         self.defining = frozenset(self.at_end)
         self.at_start: dict[str, Value] = {}
