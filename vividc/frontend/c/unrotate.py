@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from vividc.errors import SourceLoc
 from vividc.frontend.ranges.interval import compare
 from vividc.frontend.ranges.ranges import Ranges
+from vividc.host.once import once_within
+from vividc.ssa.analysis.induction import induction_of
 from vividc.ssa.edit import FreshIds, map_values, read_values, retarget
 from vividc.ssa.flow import Flow, flow_of
 from vividc.ssa.ir import (
@@ -84,10 +86,9 @@ def unrotate(function: Function) -> Function:
     """
     refused: set[str] = set()
     while True:
-        ranges = Ranges(function, {})
         flow = flow_of(function)
         for rotated in _rotated_loops(function, flow, refused):
-            changed = _with_test_first(function, flow, ranges, rotated)
+            changed = _with_test_first(function, flow, rotated)
             if changed is not None:
                 function = changed
                 break
@@ -122,7 +123,7 @@ def _test(function: Function, header: Block, latch: Block, body: frozenset[str])
         if not _is_invariant(function, limit, body):
             continue
         for phi in header.phis:
-            phi_test = _test_of_phi(function, phi, latch.name, (value, pred, limit, op))
+            phi_test = _test_of_phi(function, phi, body, (value, pred, limit, op))
             if phi_test is not None:
                 return phi_test
     return None
@@ -131,32 +132,33 @@ def _test(function: Function, header: Block, latch: Block, body: frozenset[str])
 def _test_of_phi(
     function: Function,
     phi: Phi,
-    latch: str,
+    body: frozenset[str],
     comparison: tuple[Value, str, Value, Instr],
 ) -> _Test | None:
     value, pred, limit, op = comparison
-    following = dict(phi.incoming)[latch]
-    step = _definition(function, following)
-    if not isinstance(step, Instr) or step.op != "add" or step.operands[0] != Ref(phi.id):
+    induction = induction_of(function, body, phi)
+    by = None if induction is None else induction.step
+    if induction is None or by is None:
         return None
-    if not isinstance(step.operands[1], Int):
-        return None
-    by = step.operands[1].value
-    if value == following:
-        return _Test(phi, by, pred, limit, op, step.flags)
-    if value == Ref(phi.id) and isinstance(limit, Int) and "nsw" in step.flags:
+    flags = induction.update.flags
+    if value == Ref(induction.update.id):
+        return _Test(phi, by, pred, limit, op, flags)
+    if value == Ref(phi.id) and isinstance(limit, Int) and "nsw" in flags:
         # `phi pred limit` is `phi + by pred limit + by` where neither sum wraps.
         moved = limit.value + by
         bits = 31 if op.type == "i32" else 63
         if pred[0] == "s" and -(1 << bits) <= moved < 1 << bits:
-            return _Test(phi, by, pred, Int(moved), op, step.flags)
+            return _Test(phi, by, pred, Int(moved), op, flags)
     return None
 
 
-def _with_test_first(
-    function: Function, flow: Flow, ranges: Ranges, rotated: _Rotated
-) -> Function | None:
-    pred = _moved_predicate(function, flow, ranges, rotated)
+@once_within
+def _ranges(function: Function) -> Ranges:
+    return Ranges(function, {})
+
+
+def _with_test_first(function: Function, flow: Flow, rotated: _Rotated) -> Function | None:
+    pred = _moved_predicate(function, rotated)
     if pred is None:
         return None
     carried = _Carried(function, rotated)
@@ -164,55 +166,45 @@ def _with_test_first(
     return None if replaced is None else _rebuilt(function, rotated, pred, carried, replaced)
 
 
-def _moved_predicate(
-    function: Function, flow: Flow, ranges: Ranges, rotated: _Rotated
-) -> str | None:
+def _moved_predicate(function: Function, rotated: _Rotated) -> str | None:
     """How the counter compares with the limit before each iteration, the first included."""
     test = rotated.test
     if test.pred == "eq":
         return None
     if test.pred != "ne":
-        return test.pred if _holds_first(function, flow, ranges, rotated, test.pred) else None
+        return test.pred if _holds_first(function, rotated, test.pred) else None
     up = test.step > 0
     signed, unsigned = ("slt", "ult") if up else ("sgt", "ugt")
     if rotated.only_exit and ("nsw" in test.flags or (up and "nuw" in test.flags)):
         return signed if "nsw" in test.flags else unsigned
     # Another step may miss the limit.
     preds = (signed, unsigned) if abs(test.step) == 1 else ()
-    return next((p for p in preds if _holds_first(function, flow, ranges, rotated, p)), None)
+    return next((p for p in preds if _holds_first(function, rotated, p)), None)
 
 
-def _holds_first(
-    function: Function, flow: Flow, ranges: Ranges, rotated: _Rotated, pred: str
-) -> bool:
+def _holds_first(function: Function, rotated: _Rotated, pred: str) -> bool:
     """Whether the counter's first value compares so with the limit, on every way into the loop."""
-    limit = rotated.test.limit
+    limit, ranges = rotated.test.limit, _ranges(function)
     for source, start in rotated.test.phi.incoming:
         if source == rotated.latch.name:
             continue
         known = compare(pred, ranges.at(start, source), ranges.at(limit, source))
-        if known is not True and not _compared_before(
-            function, flow, ranges, source, (start, pred, limit)
-        ):
+        if known is not True and not _compared_before(function, source, (start, pred, limit)):
             return False
     return True
 
 
 def _compared_before(
     function: Function,
-    flow: Flow,
-    ranges: Ranges,
     block: str,
     claim: tuple[Value, str, Value],
 ) -> bool:
     """Whether a branch that leads to the block has compared the same two values."""
     start, pred, limit = claim
-    wanted = [
-        (_unextended(function, ranges, start, block), _unextended(function, ranges, limit, block))
-    ]
-    for fact in ranges.facts(block):
-        left = _unextended(function, ranges, fact.value, block)
-        right = _unextended(function, ranges, fact.other, block)
+    wanted = [(_unextended(function, start, block), _unextended(function, limit, block))]
+    for fact in _ranges(function).facts(block):
+        left = _unextended(function, fact.value, block)
+        right = _unextended(function, fact.other, block)
         if (left, right) in wanted and fact.pred in _IMPLIED_BY[pred]:
             return True
         if (right, left) in wanted and _SWAPPED[fact.pred] in _IMPLIED_BY[pred]:
@@ -220,13 +212,13 @@ def _compared_before(
     return False
 
 
-def _unextended(function: Function, ranges: Ranges, operand: Value, block: str) -> Value:
+def _unextended(function: Function, operand: Value, block: str) -> Value:
     """The word that was extended, where extending it keeps the signed order."""
     while isinstance(operand, Named):
         definition = _definition(function, operand)
         if not isinstance(definition, Instr) or definition.source != "i32":
             return operand
-        if definition.op == "zext" and ranges.at(definition.operands[0], block)[0] < 0:
+        if definition.op == "zext" and _ranges(function).at(definition.operands[0], block)[0] < 0:
             return operand
         if definition.op not in ("sext", "zext"):
             return operand

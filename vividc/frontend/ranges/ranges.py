@@ -28,7 +28,6 @@ from vividc.frontend.ranges.trips import counter_bounds
 from vividc.host import time_limit
 from vividc.ssa.flow import Flow, flow_of
 from vividc.ssa.ir import (
-    Block,
     Function,
     Instr,
     Int,
@@ -81,10 +80,8 @@ class Ranges:
         self._types = dict(function.inputs)
         self._bounds = bounds
         self._integers = {
-            item.id
-            for block in function.blocks
-            for item in block.items
-            if is_integer(result_type(item)) and (isinstance(item, Phi) or item.has_result)
+            name: tuple(filter(_is_integer, function.by_name[name].items))
+            for name in self._flow.order
         }
         self._cheap: dict[Key, Instr] = {
             op.id: op for block in function.blocks for op in block.instrs if _is_cheap(op)
@@ -144,37 +141,35 @@ class Ranges:
         return operand
 
     def _solve(self) -> None:
-        blocks = [self._function.by_name[name] for name in self._flow.order]
         self._known = {}
-        self._stale = set(self._integers)
+        self._stale = {item.id for items in self._integers.values() for item in items}
         rounds = 0
         changed = True
         while changed:
             rounds += 1
-            changed = any([self._ascend(block, rounds > _WIDEN_AFTER) for block in blocks])
+            changed = any([self._ascend(block, rounds > _WIDEN_AFTER) for block in self._integers])
         for _ in range(_NARROWINGS):
-            if not any([self._descend(block) for block in blocks]):
+            if not any([self._descend(block) for block in self._integers]):
                 break
 
-    def _ascend(self, block: Block, widening: bool) -> bool:
+    def _ascend(self, block: str, widening: bool) -> bool:
         changed = False
         time_limit.step("ranges of values were found")
-        for item in block.items:
-            if item.id not in self._integers:
+        for item in self._integers[block]:
+            if item.id not in self._stale:
                 continue
             old = self._known.get(item.id, BOTTOM)
-            new = union(old, self._transfer(item, block.name))
+            new = union(old, self._transfer(item, block))
             if widening and isinstance(item, Phi):
                 new = widen(old, new, item.type)
             changed |= self._learn(item.id, new)
         return changed
 
-    def _descend(self, block: Block) -> bool:
+    def _descend(self, block: str) -> bool:
         changed = False
-        for item in block.items:
-            if item.id in self._known:
-                tighter = intersect(self._known[item.id], self._transfer(item, block.name))
-                changed |= self._learn(item.id, tighter)
+        for item in self._integers[block]:
+            tighter = intersect(self._known[item.id], self._transfer(item, block))
+            changed |= self._learn(item.id, tighter)
         return changed
 
     def _learn(self, ident: int, interval: Interval) -> bool:
@@ -333,6 +328,10 @@ class Ranges:
         elif _is_conjunction(definition) if truth else _is_disjunction(definition):
             for part in definition.operands:
                 yield from self._holding(part, truth)
+
+
+def _is_integer(item: Phi | Instr) -> bool:
+    return is_integer(result_type(item)) and (isinstance(item, Phi) or item.has_result)
 
 
 def _is_conjunction(op: Instr) -> bool:
