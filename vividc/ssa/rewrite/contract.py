@@ -11,9 +11,9 @@ from collections import Counter
 from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import FUSED, Opcode
-from vividc.ssa.edit import uses
+from vividc.ssa.edit import read_values
 from vividc.ssa.flow import pipelined_loops
-from vividc.ssa.ir import Function, Instr, Ref, Value
+from vividc.ssa.ir import Function, Instr, Ref, Value, definition_of
 
 
 def contract(function: Function) -> Function:
@@ -32,15 +32,12 @@ class _Contraction:
 
     def __post_init__(self) -> None:
         loops = pipelined_loops(self.function)
-        self.instrs: dict[int, Instr] = {}
         self.region: dict[int, str] = {}
         self.readers: Counter[int] = Counter()
         for block in self.function.blocks:
             home = next((o.header for o in loops if block.name in o.blocks), block.name)
-            self.instrs |= {instr.id: instr for instr in block.instrs}
             self.region |= {instr.id: home for instr in block.instrs}
-            values = [*uses(block), *(value for phi in block.phis for _, value in phi.incoming)]
-            self.readers.update(value.id for value in values if isinstance(value, Ref))
+            self.readers.update(v.id for v in read_values(block) if isinstance(v, Ref))
 
     def run(self) -> Function:
         changed = [
@@ -67,7 +64,9 @@ class _Contraction:
         return instr
 
     def _product(self, reader: Instr, value: Value) -> Instr | None:
-        product = self.instrs.get(value.id) if isinstance(value, Ref) else None
-        if product is None or product.op is not Opcode.FMUL or self.readers[product.id] != 1:
+        product = definition_of(self.function, value)
+        if not isinstance(product, Instr) or product.op is not Opcode.FMUL:
+            return None
+        if self.readers[product.id] != 1:
             return None
         return product if self.region[product.id] == self.region[reader.id] else None

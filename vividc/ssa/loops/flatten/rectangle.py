@@ -13,10 +13,10 @@ from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.ssa.analysis.counted import count_loop
 from vividc.ssa.analysis.counters import Counter, counter_of, defined_in, is_length
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
-from vividc.ssa.edit import block_of, next_id, uses, with_blocks
+from vividc.ssa.edit import block_of, next_id, with_blocks
 from vividc.ssa.flow import Loop, dominators, preheader_of
 from vividc.ssa.ir import Branch, Const, Function, Instr, Phi, Ref, Value
-from vividc.ssa.loops.flatten.rotate import can_rotate
+from vividc.ssa.loops.flatten.rotate import can_rotate, used_outside
 
 _INT_MAX = 0x7FFFFFFF
 
@@ -150,18 +150,13 @@ def _counters(function: Function, outer: Loop, inner: Loop) -> tuple[Counter, Co
 
 def _may_be_skipped(function: Function, outer: Loop, inner: Loop) -> bool:
     """Whether outer iterations that do not run the inner loop leave no trace."""
-    own = defined_in(function, outer)
-    for block in function.blocks:
-        around = block.name in outer.blocks - inner.blocks
-        if around and any(instr.op is Opcode.STORE for instr in block.instrs):
-            return False
-    for block in function.blocks:
-        if block.name in outer.blocks:
-            continue
-        read = [*uses(block), *(value for phi in block.phis for _, value in phi.incoming)]
-        if any(isinstance(value, Ref) and value.id in own for value in read):
-            return False
-    return True
+    stores = any(
+        instr.op is Opcode.STORE
+        for block in function.blocks
+        if block.name in outer.blocks - inner.blocks
+        for instr in block.instrs
+    )
+    return not stores and not used_outside(function, outer)
 
 
 def _linear_indices(

@@ -18,6 +18,7 @@ from vividc.ssa.edit import (
     incoming,
     map_values,
     next_id,
+    read_values,
     rename_incoming,
     retarget,
     with_blocks,
@@ -137,7 +138,7 @@ class _Counted:
         (self.latch,) = loop.latches
         ((_, self.target),) = loop.exits
         self.free = next_id(function)
-        self.used = _used_outside(function, loop)
+        self.used = used_outside(function, loop)
 
     def run(self) -> Function:
         """The rotated loop."""
@@ -273,15 +274,12 @@ def _folded(limit: Const, steps: tuple[tuple[Opcode, int], ...]) -> Const:
     return Const(value & 0xFFFFFFFF)
 
 
-def _used_outside(function: Function, loop: Loop) -> bool:
+def used_outside(function: Function, loop: Loop) -> bool:
     """Whether a value of the loop is read outside it."""
     inside = defined_in(function, loop)
-    for block in function.blocks:
-        if block.name in loop.blocks:
-            continue
-        read = [value for phi in block.phis for _, value in phi.incoming]
-        read += [value for instr in block.instrs for value in instr.operands]
-        read += block.branch.read
-        if any(isinstance(value, Ref) and value.id in inside for value in read):
-            return True
-    return False
+    return any(
+        isinstance(value, Ref) and value.id in inside
+        for block in function.blocks
+        if block.name not in loop.blocks
+        for value in read_values(block)
+    )
