@@ -1,6 +1,7 @@
 """Runs a kernel's own Python on numbers that count: its operations, and its dataflow floor.
 
-No compiler is asked, so that the figures do not change with it:
+No compiler is asked, so that the figures do not change with it, but for the floors of divisions and
+roots, which follow what these expand to:
 
 - An operation is arithmetic on data: on elements of arrays and on float arguments. Index
   arithmetic, loop counters and what is known from sizes count nothing; signs and absolute values
