@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -15,12 +17,33 @@ settings.load_profile("tests")
 
 
 @pytest.fixture(autouse=True, scope="session")
-def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """What is kept is kept for this run of the tests only, by all of its processes."""
+def own_cache(
+    pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[None]:
+    """What is kept is kept for this run of the tests only, by all of its processes. Machine code of
+    the mapper and of jobs' timing, which takes a minute, is taken from the last run: its key is all
+    that it was made from.
+    """
     folder = tmp_path_factory.getbasetemp()
     if os.environ.get("PYTEST_XDIST_WORKER"):
         folder = folder.parent  # a folder of the run, in which each process has its own
+    entries = folder / "cache" / "entries"
+    cache = getattr(pytestconfig, "cache", None)  # `-p no:cacheprovider`: a run like the first
+    code = cache.mkdir("machine-code") if cache is not None else entries
+    _copy_machine_code(code, entries)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("VIVIDC_CACHE_DIR", str(folder / "cache"))
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
         yield
+    _copy_machine_code(entries, code)
+
+
+def _copy_machine_code(source: Path, target: Path) -> None:
+    """Entries that are not there yet, each as a whole: other processes copy at the same time."""
+    target.mkdir(mode=0o700, parents=True, exist_ok=True)
+    for entry in source.glob("loops-*"):
+        if not (target / entry.name).exists():
+            unfinished = target / f".{os.getpid()}-{entry.name}"
+            shutil.copyfile(entry, unfinished)
+            unfinished.chmod(0o600)
+            unfinished.replace(target / entry.name)

@@ -19,9 +19,16 @@ from vividc.sim.bind import bind, returned
 
 pytestmark = pytest.mark.filterwarnings("ignore::vividc.VividcWarning")
 SLOW = {
+    "columns_mean_and_largest",
+    "local_ones_and_full",
     "longest_row_of_flags",
+    "normalised_rows",
     "outer_products_of_other_types",
+    "product_of_matrices",
+    "reductions_of_a_matrix",
     "sorted_copy_with_a_nan",
+    "sorts_of_bytes_nothing_and_one",
+    "sums_along_an_axis_that_outgrow_a_word",
     "sums_of_a_cube",
     "where_of_scalars_and_types",
     "where_rows_are_repeated",

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 import vividc
 from tests.e2e import found_kernels as k
+from vividc.program import Program
+
+
+@cache
+def compiled(kernel: vividc.KernelFunction, fabric: str) -> Program:
+    """Once for all arguments."""
+    return vividc.compile(kernel, fabric=fabric)
 
 
 def assert_agrees(kernel: vividc.KernelFunction, fabric: str, *args: object) -> None:
     """Simulates and runs numba on copies of the same arguments."""
-    program = vividc.compile(kernel, fabric=fabric)
+    program = compiled(kernel, fabric)
     mine = [a.copy() if isinstance(a, np.ndarray) else a for a in args]
     theirs = [a.copy() if isinstance(a, np.ndarray) else a for a in args]
     assert vividc.simulate(program, *mine).value == kernel(*theirs)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from random_graphs import random_loop
 
+from tests.marks import with_slow
 from vividc.arch import load
 from vividc.dfg.ir import DFG
 from vividc.mapper import MapInterrupted, map_dfg
@@ -72,12 +73,12 @@ def _run(mapper: str, time_limit_s: float, *, interrupt: bool) -> list[str]:
     return lines
 
 
-@pytest.mark.parametrize("mapper", ["auto", "cpsat", "sat-kms"])
+@pytest.mark.parametrize("mapper", with_slow(["auto", "cpsat", "sat-kms"], {"sat-kms"}))
 def test_no_thread_is_left_after_an_interrupt(mapper: str) -> None:
     assert _run(mapper, 60.0, interrupt=True) == ["solving", "interrupted", "0"]
 
 
-@pytest.mark.parametrize("mapper", ["auto", "cpsat", "sat-kms"])
+@pytest.mark.parametrize("mapper", with_slow(["auto", "cpsat", "sat-kms"], {"sat-kms"}))
 def test_no_thread_is_left_after_the_time_limit(mapper: str) -> None:
     lines = _run(mapper, 1.5, interrupt=False)
     assert lines[-2:] == ["done", "0"]
@@ -95,8 +96,17 @@ def _stop_at(what: str, fabric: str, dfg: DFG, mapper: str = "auto", **more) -> 
     return stop.value
 
 
-@pytest.mark.parametrize("nodes", [12, 60])
-@pytest.mark.parametrize("mapper", ["auto", "cpsat", "decoupled"])
+@pytest.mark.parametrize(
+    ("mapper", "nodes"),
+    [
+        ("auto", 12),
+        ("auto", 60),
+        ("cpsat", 12),
+        ("cpsat", 60),
+        ("decoupled", 12),
+        pytest.param("decoupled", 60, marks=pytest.mark.slow),
+    ],
+)
 def test_an_interrupt_keeps_the_best(mapper: str, nodes: int) -> None:
     dfg = random_loop(21, nodes, (8, 2, 1))
     result = _stop_at("mapped", "mesh-3x3", dfg, mapper).result

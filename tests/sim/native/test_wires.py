@@ -59,8 +59,15 @@ def _wires(program: Program) -> int:
     return sum(select.kind is Sel.WIRE for entry in entries for select in entry.links)
 
 
-@pytest.mark.parametrize("fabric", ["hycube-4x4", "hycube-2x5"])
-@pytest.mark.parametrize("name", ["matrix_vector", "mix"])
+@pytest.mark.parametrize(
+    ("name", "fabric"),
+    [
+        ("matrix_vector", "hycube-4x4"),
+        ("matrix_vector", "hycube-2x5"),
+        ("mix", "hycube-4x4"),
+        pytest.param("mix", "hycube-2x5", marks=pytest.mark.slow),
+    ],
+)
 def test_results_are_those_of_numba(name: str, fabric: str) -> None:
     program = _program(name, fabric)
     expected, found = _arguments(name), _arguments(name)

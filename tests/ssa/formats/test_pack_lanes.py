@@ -71,7 +71,14 @@ def _throughput(program: Program) -> float:
     return 64 / loop.ii
 
 
-@pytest.mark.parametrize(("name", "rate"), [("fma_fp32", 16), ("fma_fp16", 32), ("fma_fp8", 64)])
+@pytest.mark.parametrize(
+    ("name", "rate"),
+    [
+        pytest.param("fma_fp32", 16, marks=pytest.mark.slow),
+        pytest.param("fma_fp16", 32, marks=pytest.mark.slow),
+        ("fma_fp8", 64),
+    ],
+)
 def test_threads_reach_twice_and_four_times_the_rate(name: str, rate: int) -> None:
     kernel = Workload(name, lambda _: (), "precision").kernel()
     program = vividc.compile(
