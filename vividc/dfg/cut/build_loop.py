@@ -210,7 +210,7 @@ class _LoopEmitter:
         if len(instr.operands) > end:
             pred = self.predicates.both(pred, self.value(instr.operands[end]))
         base, index, shift = self.builder.fixed_base(
-            self.value(address.base), self._index(instr, address), address.shift, instr.loc
+            self.value(address.base), self._index(address), address.shift, instr.loc
         )
         node = self.builder.add_node(
             Node(
@@ -238,12 +238,10 @@ class _LoopEmitter:
         known = self.parts.addresses.get(instr.id)
         if known is not None:
             return known
-        return Address(instr.operands[0], instr.shift, instr.offset, uses_iv=False)
+        return Address(instr.operands[0], instr.shift, instr.offset, instr.operands[1], 0)
 
-    def _index(self, instr: Instr, address: Address) -> Operand:
-        if instr.id not in self.parts.addresses:
-            return self.value(instr.operands[1])
-        return self.builder.iv() if address.uses_iv else self.builder.const(0)
+    def _index(self, address: Address) -> Operand:
+        return self.builder.iv() if address.index == ITERATION else self.value(address.index)
 
     def _record(self, block: str, instr: Instr, address: Address, node: Operand) -> None:
         folded = instr.id in self.parts.addresses
@@ -253,7 +251,7 @@ class _LoopEmitter:
                 instr.array,
                 instr.op is Opcode.STORE,
                 address.base,
-                None if folded else instr.operands[1],
+                address.index,
                 address.offset,
                 address.stride_bytes if folded else None,
                 block,

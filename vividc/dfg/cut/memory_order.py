@@ -117,11 +117,12 @@ def _stepping(
     share a byte iff -second.width < gap + k * stride < first.width. Farther iterations that meet
     too are kept in order by the nearest one.
     """
-    stride = first.stride_bytes
-    assert stride is not None
-    gap = second.offset - first.offset
+    assert first.stride_bytes is not None
+    stride, gap = abs(first.stride_bytes), second.offset - first.offset
     lowest = (-second.width - gap) // stride + 1
     highest = -((gap - first.width) // stride) - 1
+    if first.stride_bytes < 0:
+        lowest, highest = -highest, -lowest
     later = max(lowest, 0 if meet_now else 1)
     if later <= highest:
         yield first, second, later
