@@ -42,6 +42,7 @@ when it is made; the newest of each kernel is shown.
   computed again from the same elements, unchanged, counts once.
 - floor: cycles of the dataflow's critical path with unlimited PEs, free memory and branches, sums
   in strict order, and the fabric's latencies. `medium` is counted by a closed form and has none.
+  A division or root counts by the path through what it expands to, as of the row's step.
 - / operations, / floor: cycles over operations / 16, and over the larger of it and the floor.
 - / by hand: cycles / operations over the study's figure for loops restructured by hand (in
   brackets): with exact dependences where it was tried with them, at its size, by its count.
