@@ -55,6 +55,13 @@ class Pass:
     source: Path
     test: Path
 
+    @property
+    def own(self) -> tuple[str, ...]:
+        """What pytest is to run of the pass's own: its test, or its cases in that of all passes."""
+        if self.test.exists():
+            return (str(self.test),)
+        return (str(ROOT / "tests/test_passes.py"), "-k", f"ssa/{self.name}:")
+
 
 _Step = tuple[str, int | None]
 
@@ -364,9 +371,10 @@ def judged(mutant: Mutant, *, quick: bool) -> str:
     """Who notices a defect: its own file, others, or nobody; "equivalent" if nobody can."""
     if _is_equivalent(mutant):
         return "equivalent"
-    own, verdict = str(mutant.of.test), "nobody"
-    wider = () if quick else ((own,), OTHERS)
-    for whose, tests in zip(("own", "own", "others"), ((own, "-k", "rules"), *wider), strict=False):
+    own, verdict = mutant.of.own, "nobody"
+    cases = own if "-k" in own else (*own, "-k", "rules")
+    wider = () if quick else (own, OTHERS)
+    for whose, tests in zip(("own", "own", "others"), (cases, *wider), strict=False):
         if notices(mutant, tests, OTHERS_S if whose == "others" else OWN_S):
             verdict = whose
             break

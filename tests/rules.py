@@ -15,6 +15,9 @@ comes out, its values numbered in order, is compared with the text below the arr
 may stand ``stays`` (the same object came out) or words that the test's runner gave instead; words
 that it gave besides are lines that begin with ``#``.
 
+If the file's heading has a line such as ``pass number-values``, that is what `tests/test_passes.py`
+runs on its cases, by the name that ``vividc opt`` knows; the file needs no test of its own.
+
 To write a case, write its first half and an arrow, and run the test with ``WRITE_CASES=1``: the
 second half is written into the file. Read it: it is what the pass does, not yet what it should.
 """
@@ -22,6 +25,7 @@ second half is written into the file. Read it: it is what the pass does, not yet
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,6 +110,16 @@ def cases(test_file: str) -> pytest.MarkDecorator:
     file = Path(test_file).with_name(Path(test_file).stem.removeprefix("test_") + ".cases")
     read = [_case(file, part) for part in file.read_text().split("\n== ")[1:]]
     return pytest.mark.parametrize("case", read, ids=[one.title for one in read])
+
+
+def cases_of_passes(folder: Path) -> list[tuple[str, Case]]:
+    """The cases below a folder whose files name a pass, each with the pass's name."""
+    found = []
+    for file in sorted(folder.rglob("*.cases")):
+        head, *parts = file.read_text().split("\n== ")
+        named = re.search(r"^pass (\S+)$", head, re.MULTILINE)
+        found += [(named[1], _case(file, part)) for part in parts if named is not None]
+    return found
 
 
 def _case(file: Path, text: str) -> Case:

@@ -42,6 +42,10 @@ for engine in ("reference", "native"):
     assert np.array_equal(y, np.minimum(x, np.uint32(0x80000005))), engine
 """
 USE_PASS = """
+from pathlib import Path
+
+from tests.dfg.support import GRAPHS
+from tests.rules import cases_of_passes
 from vividc.compiler.passes import GRAPH_PASSES, STAGES
 from vividc.dfg.builder import GraphBuilder
 from vividc.dfg.ir import Node
@@ -55,6 +59,8 @@ b.add_node(Node(0, Opcode.LIVE_OUT, name="m"), [word])
 made = GRAPH_PASSES["forget-lines"](b.build())
 assert all(node.loc is None for node in made.nodes)
 assert GRAPH_PASSES["forget-lines"](made) is made
+[(name, case)] = cases_of_passes(Path("tests"))
+GRAPHS.check(case, GRAPH_PASSES[name])
 """
 
 
@@ -81,7 +87,8 @@ def patched(blocks: list[tuple[str, str]], folder: Path) -> set[str]:
         name = header.removeprefix("# file: ").removeprefix("--- ")
         touched.add(name)
         file = folder / name
-        if language == "python":
+        if language != "diff":
+            file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(rest, encoding="utf-8")
             continue
         for before, after in hunks(rest):
@@ -92,7 +99,8 @@ def patched(blocks: list[tuple[str, str]], folder: Path) -> set[str]:
 
 
 def run(script: str, folder: Path) -> None:
-    environment = os.environ | {"PYTHONPATH": str(folder), "VIVIDC_CACHE_DIR": str(folder)}
+    path = os.pathsep.join(map(str, (folder, ROOT)))
+    environment = os.environ | {"PYTHONPATH": path, "VIVIDC_CACHE_DIR": str(folder)}
     done = subprocess.run(
         [sys.executable, "-c", script],
         cwd=folder,
@@ -120,7 +128,11 @@ def test_an_operation_without_fu_takes_four_files() -> None:
 
 
 @pytest.mark.slow
-def test_a_pass_takes_its_file_and_the_list(tmp_path: Path) -> None:
+def test_a_pass_takes_its_file_its_cases_and_the_list(tmp_path: Path) -> None:
     touched = patched(section("## A pass"), tmp_path)
-    assert touched == {"vividc/dfg/passes/forget_lines.py", "vividc/dfg/pipeline.py"}
+    assert touched == {
+        "vividc/dfg/passes/forget_lines.py",
+        "tests/dfg/passes/forget_lines.cases",
+        "vividc/dfg/pipeline.py",
+    }
     run(USE_PASS, tmp_path)
