@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import ast
 import copy
+import importlib
 import importlib.abc
 import importlib.machinery
 import os
@@ -330,6 +331,10 @@ def _run(mutant: Mutant, tests: Sequence[str]) -> int:
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         os.dup2(nowhere.fileno(), 2)
+        try:  # the package first, in the order in which its users load it
+            importlib.import_module(vividc.__name__)
+        except Exception:  # whatever it is, the defect is noticed
+            return 1
         return int(pytest.main([*quiet, *tests]))
 
 
