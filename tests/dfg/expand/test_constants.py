@@ -65,7 +65,7 @@ def test_a_division_by_a_power_of_two_is_one_multiplication(constant: float) -> 
     assert len(graph(Opcode.FDIV, constant).operations) == NOT_OPERATIONS + 1
 
 
-@pytest.mark.parametrize(("constant", "count"), [(3.0, 13), (0.1, 16), (1e30, 52)])
+@pytest.mark.parametrize(("constant", "count"), [(3.0, 13), (0.1, 16), (1e30, 46)])
 def test_operations_of_a_division_by_a_constant(constant: float, count: int) -> None:
     assert len(graph(Opcode.FDIV, constant).operations) == NOT_OPERATIONS + count
 
@@ -104,6 +104,6 @@ def test_powers_are_near(constant: float) -> None:
     assert np.all(near | same | np.isnan(exact))
 
 
-@pytest.mark.parametrize(("constant", "count"), [(2.0, 1), (3.0, 2), (4.0, 2), (-2.0, 53)])
+@pytest.mark.parametrize(("constant", "count"), [(2.0, 1), (3.0, 2), (4.0, 2), (-2.0, 47)])
 def test_operations_of_constant_powers(constant: float, count: int) -> None:
     assert len(graph(Opcode.POW, constant).operations) == NOT_OPERATIONS + count

@@ -33,7 +33,8 @@ def test_every_result_is_correctly_rounded_on_a_sample() -> None:
     words = sample()
     ours = interpreted(Opcode.SQRT, words)
     assert np.array_equal(ours, by_semantics(Opcode.SQRT, words))
-    assert np.array_equal(ours, expanded(Opcode.SQRT, words))
+    for straight in (False, True):
+        assert np.array_equal(ours, expanded(Opcode.SQRT, words, straight=straight))
 
 
 def test_the_hardest_roots() -> None:
@@ -42,14 +43,17 @@ def test_the_hardest_roots() -> None:
     root = np.sqrt(words.view(np.float32).astype(np.float64)) * 2**23
     hard = words[np.abs(root - np.floor(root) - 0.5) < 2.0**-21]
     assert len(hard) > 8
-    assert np.array_equal(expanded(Opcode.SQRT, hard), by_semantics(Opcode.SQRT, hard))
+    for straight in (False, True):
+        ours = expanded(Opcode.SQRT, hard, straight=straight)
+        assert np.array_equal(ours, by_semantics(Opcode.SQRT, hard))
 
 
-def test_operations() -> None:
-    after = expand_math(graph(Opcode.SQRT))
+@pytest.mark.parametrize(("straight", "operations", "cycles"), [(False, 23, 48), (True, 29, 35)])
+def test_operations(straight: bool, operations: int, cycles: int) -> None:
+    after = expand_math(graph(Opcode.SQRT, straight=straight))
     assert check(after) == []
-    assert len(after.operations) == 2 + 29
-    assert latency(after, 2, 5) == 35
+    assert len(after.operations) == (0 if straight else 2) + operations
+    assert latency(after, 2, 5) == cycles
 
 
 @pytest.mark.slow
@@ -57,4 +61,5 @@ def test_all_mantissas_of_two_binades() -> None:
     for start in range(0x3F800000, 0x40800000, CHUNK):
         words = np.arange(start, start + CHUNK, dtype=np.uint32)
         exact = np.sqrt(words.view(np.float32)).view(np.uint32)
-        assert np.array_equal(expanded(Opcode.SQRT, words), exact)
+        for straight in (False, True):
+            assert np.array_equal(expanded(Opcode.SQRT, words, straight=straight), exact)

@@ -152,8 +152,19 @@ UNARY = """dfg "{op}"
 """
 
 
-def graph(op: Opcode, count: int = 0) -> DFG:
-    """x[i] = op(x[i]), or op(x[i], x[i + count]), for `count` words."""
+STRAIGHT = """dfg "{op}"
+%2 = live_in "a"
+%3 = live_in "b"
+%4 = {op} {operands}
+%5 = live_out "%v" %4
+"""
+
+
+def graph(op: Opcode, count: int = 0, *, straight: bool = False) -> DFG:
+    """x[i] = op(x[i]), or op(x[i], x[i + count]), for `count` words; or straight code."""
+    if straight:
+        operands = ", ".join(("%2", "%3")[: OPCODES[op].arity])
+        return parse(STRAIGHT.format(op=op.value, operands=operands))
     text = BINARY if OPCODES[op].arity > 1 else UNARY
     return parse(text.format(op=op.value, offset=4 * count))
 
@@ -166,10 +177,11 @@ def interpreted(op: Opcode, *operands: np.ndarray) -> np.ndarray:
     return memory[:count]
 
 
-def expanded(op: Opcode, *operands: np.ndarray) -> np.ndarray:
+def expanded(op: Opcode, *operands: np.ndarray, straight: bool = False) -> np.ndarray:
     """Words of the expanded operation in numpy."""
-    dfg = expand_math(graph(op, len(operands[0])))
-    [result] = [edge.src for edge in dfg.edges if edge.dst == 5 and edge.port == 1]
+    dfg = expand_math(graph(op, len(operands[0]), straight=straight))
+    port = 0 if straight else 1
+    [result] = [edge.src for edge in dfg.edges if edge.dst == 5 and edge.port == port]
     return evaluate_many(dfg, result, dict(zip((2, 3), operands, strict=False)))
 
 

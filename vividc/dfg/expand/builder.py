@@ -23,11 +23,20 @@ FINITE_NONZERO: Final = 0x7F7FFFFF
 class Builder:
     """Adds operations to a graph, all with the line of the node that they replace."""
 
-    def __init__(self, rewrite: Rewrite, node: Node, magnitude: float = math.inf) -> None:
+    def __init__(
+        self,
+        rewrite: Rewrite,
+        node: Node,
+        magnitude: float = math.inf,
+        *,
+        latency_binds: bool = False,
+    ) -> None:
         self._rewrite = rewrite
         self._loc, self._lane = node.loc, node.lane
         self.magnitude = magnitude
         """What the magnitude of a finite first operand cannot exceed."""
+        self.latency_binds = latency_binds
+        """Whether fewer cycles are worth more operations."""
 
     def op(self, opcode: Opcode, *operands: Value | int, pred: Value | None = None) -> Value:
         """A new operation; an int operand is the word of a constant. Where `pred` is 0 the last

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
+
+import networkx as nx
 
 from vividc.dfg.expand import (
     arc,
@@ -55,8 +57,28 @@ def _expanded(dfg: DFG, expansions: Mapping[Opcode, Expansion]) -> DFG:
     if not any(node.op in expansions for node in dfg.nodes):
         return dfg
     # Before: an expanded remainder or sine no longer shows its range.
-    known = argument_magnitudes(dfg)
-    return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, known, expansions))
+    facts = _Facts(argument_magnitudes(dfg), latency_bound(dfg))
+    return to_fixpoint(dfg, lambda rewrite, node: _expand(rewrite, node, facts, expansions))
+
+
+def latency_bound(dfg: DFG) -> frozenset[int]:
+    """Nodes whose cycles count: those on a recurrence, and all of straight code."""
+    graph = nx.DiGraph((edge.src, edge.dst) for edge in dfg.edges)
+    graph.add_nodes_from(dfg.by_id)
+    carried = any(edge.distance for edge in dfg.edges)
+    if not carried and not any(node.op is Opcode.IV for node in dfg.nodes):
+        return frozenset(dfg.by_id)
+    around = (part for part in nx.strongly_connected_components(graph) if len(part) > 1)
+    loops = {edge.src for edge in dfg.edges if edge.src == edge.dst}
+    return frozenset(loops.union(*around))
+
+
+@dataclass(frozen=True)
+class _Facts:
+    """Of the nodes of a graph before it is expanded."""
+
+    magnitudes: Mapping[int, float]
+    latency_bound: frozenset[int]
 
 
 EXPANSIONS: Final[dict[Opcode, Expansion]] = {
@@ -82,14 +104,20 @@ EXPANSIONS: Final[dict[Opcode, Expansion]] = {
 def _expand(
     rewrite: Rewrite,
     node: Node,
-    known: Mapping[int, float],
+    facts: _Facts,
     expansions: Mapping[Opcode, Expansion],
 ) -> bool:
     expand = expansions.get(node.op)
     if expand is None:
         return False
     operands = rewrite.operands(node)
-    value = expand(Builder(rewrite, node, known.get(node.id, math.inf)), *operands)
+    builder = Builder(
+        rewrite,
+        node,
+        facts.magnitudes.get(node.id, math.inf),
+        latency_binds=node.id in facts.latency_bound,
+    )
+    value = expand(builder, *operands)
     pred = rewrite.edge(node.id, PRED)
     if pred is not None:
         guard = Value(pred.src, pred.distance, pred.init)
