@@ -67,6 +67,27 @@ def two_counters(x, y):
         y[5 * i] = x[5 * i - 1]
 
 
+@vividc.kernel("void(float32[:,::1], float32[:,::1])")
+def columns(x, y):
+    for i in range(x.shape[0] - 1):
+        y[0, i] = x[i, 2] + x[i + 1, 3] * x[i, 1]
+
+
+@vividc.kernel("void(float32[::1], float32[::1], int32, int32)")
+def strides_of_arguments(x, y, n, m):
+    for i in range(20):
+        x[i * n] = y[2 * i * n + 1] + x[i * m]
+        y[i * n] = TWO
+
+
+@vividc.kernel("void(float32[::1], float32[::1], int32)")
+def by_an_argument(x, y, n):
+    if n < 1:
+        return
+    for i in range(3, 100, n):
+        x[i] = y[i + 1] * TWO
+
+
 KERNELS = [one_stride, backwards, by_a_step, towards_each_other, three_back, two_counters]
 
 
@@ -91,8 +112,37 @@ def test_loops_compute_what_numba_does(kernel: Callable[..., object]) -> None:
 
 
 @pytest.mark.parametrize(
+    ("kernel", "others"),
+    [
+        (columns, ()),
+        (strides_of_arguments, (np.int32(3), np.int32(5))),
+        (by_an_argument, (np.int32(7),)),
+    ],
+    ids=lambda item: getattr(item, "name", ""),
+)
+def test_strides_that_a_launch_tells(kernel: Any, others: tuple[np.int32, ...]) -> None:
+    rng = np.random.default_rng(2)
+    shape = (20, 20) if kernel is columns else (400,)
+    by_graph = [rng.standard_normal(shape).astype(np.float32) for _ in range(2)]
+    by_numba = deepcopy(by_graph)
+    run_regions(regions(kernel), [*by_graph, *others])
+    kernel(*by_numba, *others)
+    for ours, theirs in zip(by_graph, by_numba, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
     ("kernel", "additions"),
-    [(one_stride, 1), (backwards, 1), (by_a_step, 1), (towards_each_other, 1), (three_back, 1)],
+    [
+        *(
+            (one_stride, 1),
+            (backwards, 1),
+            (by_a_step, 1),
+            (towards_each_other, 1),
+            (three_back, 1),
+        ),
+        (columns, 1),
+    ],
     ids=lambda item: getattr(item, "name", ""),
 )
 def test_a_stride_costs_one_addition(kernel: Any, additions: int) -> None:

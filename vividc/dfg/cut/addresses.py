@@ -8,12 +8,12 @@ iteration for all accesses of that stride, or of that stride times a power of tw
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Final
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.ssa.analysis.induction import constant_step, is_invariant
+from vividc.ssa.analysis.induction import is_invariant
 from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, Polynomial, constant, symbol
 from vividc.ssa.edit import block_of, next_id, with_blocks
 from vividc.ssa.flow import Loop
@@ -32,14 +32,14 @@ class Address:
     index
         `ITERATION`, an induction variable, or 0 of an address that does not change.
     stride_bytes
-        From one iteration's access to the next one's.
+        From one iteration's access to the next one's; None: known at run time only.
     """
 
     base: Value
     shift: int
     offset: int
     index: Value
-    stride_bytes: int
+    stride_bytes: int | None
 
 
 def fold_addresses(
@@ -66,7 +66,7 @@ class _Folding:
 
     def __init__(self, function: Function, loop: Loop, preheader: str) -> None:
         self._function, self._loop, self._preheader = function, loop, preheader
-        self._forms = LoopPolynomials(function, loop)
+        self._forms = LoopPolynomials(function, loop, symbolic=True)
         self._emitter = _BaseEmitter(next_id(function))
         self._indices = dict(self._own_variables())
         self._phis: list[Phi] = []
@@ -78,10 +78,10 @@ class _Folding:
         if form is None:
             return None
         form = form.times(constant(1 << instr.shift))
-        stride = form.coefficient(ITERATION)
-        index, shift = self._index(form, stride, instr)
+        index, shift = self._index(form, instr)
         if shift >= 32:  # noqa: PLR2004 - a word's bits
             return None
+        stride = _slope(form).constant
         form = form.plus(self._indices[index], -(1 << shift))
         offset = instr.offset + form.coefficient()
         terms = tuple(form.linear().items())
@@ -107,37 +107,45 @@ class _Folding:
         yield ITERATION, symbol(ITERATION)
         for phi in block_of(self._function, self._loop.header).phis:
             form = self._forms.of(Ref(phi.id))
-            if constant_step(self._function, self._loop, phi) and form is not None:
+            if form is not None and _slope(form).terms:
                 yield Ref(phi.id), form
 
-    def _index(self, form: Polynomial, stride: int, instr: Instr) -> tuple[Value, int]:
-        """An index that moves by the stride, shifted: one that leaves the fewest terms."""
-        if stride == 0:
+    def _index(self, form: Polynomial, instr: Instr) -> tuple[Value, int]:
+        """An index that moves by the form's slope, shifted: one that leaves the fewest terms."""
+        slope = _slope(form)
+        if not slope.terms:
             return _FIXED, instr.shift
-        if stride > 0 and stride & (stride - 1) == 0:
-            return ITERATION, stride.bit_length() - 1
+        powers = min((c & -c).bit_length() - 1 for c in slope.terms.values())
+        if slope.constant == 1 << powers:
+            return ITERATION, powers
         found = []
         for index, own in self._indices.items():
-            step = own.coefficient(ITERATION)
-            factor = stride // step if step else 0
-            if factor > 0 and factor & (factor - 1) == 0 and step * factor == stride:
-                found.append((len(form.plus(own, -factor).terms), factor.bit_length() - 1, index))
+            for shift in range(powers + 1):
+                if _slope(own).times(constant(1 << shift)) == slope:
+                    found.append((len(form.plus(own, -(1 << shift)).terms), shift, index))
         if found:
             _, shift, index = min(found, key=lambda item: item[:2])
             return index, shift
-        shift = (stride & -stride).bit_length() - 1
-        return self._new_index(stride >> shift, instr), shift
+        step = Polynomial({monomial: c >> powers for monomial, c in slope.terms.items()})
+        return self._new_index(step, instr), powers
 
-    def _new_index(self, step: int, instr: Instr) -> Value:
+    def _new_index(self, step: Polynomial, instr: Instr) -> Value:
         """An induction variable from 0 on."""
+        by = self._emitter.sum(instr, Const(step.coefficient() & 0xFFFFFFFF), step.linear())
         index, update = self._emitter.fresh(), self._emitter.fresh()
         again = tuple((name, Ref(update)) for name in self._loop.latches)
         incoming: tuple[tuple[str, Value], ...] = ((self._preheader, Const(0)), *again)
         self._phis.append(Phi(index, Type.I32, incoming, loc=instr.loc))
-        by = Const(step & 0xFFFFFFFF)
         self._updates.append(Instr(update, Opcode.ADD, Type.I32, (Ref(index), by), loc=instr.loc))
-        self._indices[Ref(index)] = symbol(ITERATION).times(constant(step))
+        self._indices[Ref(index)] = symbol(ITERATION).times(step)
         return Ref(index)
+
+
+def _slope(form: Polynomial) -> Polynomial:
+    """What one iteration adds."""
+    parts = form.linear_in(ITERATION)
+    assert parts is not None
+    return parts[0]
 
 
 class _BaseEmitter:
@@ -158,10 +166,15 @@ class _BaseEmitter:
         value = access.operands[0]
         key = (value, frozenset(terms))
         if key not in self._known:
-            for term, factor in terms:
-                value = self._emit(access, Opcode.ADD, value, self._scaled(access, term, factor))
-            self._known[key] = value
+            self._known[key] = self.sum(access, value, dict(terms))
         return self._known[key]
+
+    def sum(self, access: Instr, value: Value, terms: Mapping[Value, int]) -> Value:
+        """A value plus terms."""
+        for term, factor in terms.items():
+            scaled = self._scaled(access, term, factor)
+            value = scaled if value == _FIXED else self._emit(access, Opcode.ADD, value, scaled)
+        return value
 
     def _scaled(self, access: Instr, term: Value, factor: int) -> Value:
         if isinstance(term, Const):

@@ -238,13 +238,15 @@ class _LoopEmitter:
         known = self.parts.addresses.get(instr.id)
         if known is not None:
             return known
-        return Address(instr.operands[0], instr.shift, instr.offset, instr.operands[1], 0)
+        return _as_written(instr)
 
     def _index(self, address: Address) -> Operand:
         return self.builder.iv() if address.index == ITERATION else self.value(address.index)
 
     def _record(self, block: str, instr: Instr, address: Address, node: Operand) -> None:
-        folded = instr.id in self.parts.addresses
+        folded = instr.id in self.parts.addresses and address.stride_bytes is not None
+        if not folded:
+            address = _as_written(instr)
         self.accesses.append(
             Access(
                 node,
@@ -253,7 +255,7 @@ class _LoopEmitter:
                 address.base,
                 address.index,
                 address.offset,
-                address.stride_bytes if folded else None,
+                address.stride_bytes,
                 block,
                 instr.width,
                 distinct=not folded and instr.distinct == self.parts.loop.header,
@@ -280,3 +282,8 @@ class _LoopEmitter:
             leaving = self.predicates.leaving(source, self.parts.loop.exits[0][1])
             pred = self.predicates.both(pred, self.predicates.inverted(leaving))
         return pred, False
+
+
+def _as_written(instr: Instr) -> Address:
+    """The address of an access whose index is computed in every iteration."""
+    return Address(instr.operands[0], instr.shift, instr.offset, instr.operands[1], None)

@@ -13,7 +13,7 @@ from typing import Final
 
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
-from vividc.ssa.analysis.induction import induction_of, is_invariant
+from vividc.ssa.analysis.induction import Induction, induction_of, is_invariant
 from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of
 
@@ -121,11 +121,12 @@ class Polynomials:
 @dataclass
 class LoopPolynomials:
     """Affine forms of a loop's values: in `ITERATION`, and in values from outside the loop, which
-    are not taken apart.
+    are not taken apart. `symbolic`: with products of one of these and `ITERATION`, too.
     """
 
     function: Function
     loop: Loop
+    symbolic: bool = False
     _memo: dict[Value, Polynomial | None] = field(init=False, default_factory=dict)
 
     def of(self, value: Value) -> Polynomial | None:
@@ -146,15 +147,28 @@ class LoopPolynomials:
         operands = [] if rule is None else [self.of(operand) for operand in item.operands]
         known = [operand for operand in operands if operand is not None]
         made = None if rule is None or len(known) < len(operands) else rule(known)
-        is_affine = made is not None and all(len(monomial) <= 1 for monomial in made.terms)
-        return made if is_affine else None
+        is_known = made is not None and all(map(self._is_known, made.terms))
+        return made if is_known else None
+
+    def _is_known(self, monomial: Monomial) -> bool:
+        limit = 2 if self.symbolic and monomial.count(ITERATION) == 1 else 1
+        return len(monomial) <= limit
 
     def _of_phi(self, phi: Phi) -> Polynomial | None:
         induction = induction_of(self.function, self.loop.blocks, phi)
-        if induction is None or induction.step is None or induction.start is None:
+        if induction is None or induction.start is None:
             return None
-        start, step = self.of(induction.start), constant(induction.step)
-        return None if start is None else step.times(symbol(ITERATION)).plus(start)
+        start, step = self.of(induction.start), self._step(induction)
+        if start is None or step is None:
+            return None
+        return step.times(symbol(ITERATION)).plus(start)
+
+    def _step(self, induction: Induction) -> Polynomial | None:
+        if induction.step is not None:
+            return constant(induction.step)
+        by = self.of(induction.by) if self.symbolic else None
+        sign = -1 if induction.update.mnemonic == "sub" else 1
+        return None if by is None else by.times(constant(sign))
 
 
 def _shift(operands: list[Polynomial]) -> Polynomial | None:
