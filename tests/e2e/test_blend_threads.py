@@ -21,5 +21,5 @@ def test_threads_share_a_splat_and_have_one_exit(count: int) -> None:
 
 
 def test_four_threads_have_the_operations_of_a_full_tile() -> None:
-    assert len(threads(4).operations) == 111
-    assert len(threads(8).operations) == 211
+    assert len(threads(4).operations) == 107
+    assert len(threads(8).operations) == 203
