@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import vividc
+from tests.dfg.memory_trace import Trace
 from tests.e2e.constructs import arrays, calls, control, numbers, tables, whole_arrays  # noqa: F401 - they register
 from tests.e2e.constructs.registry import CONSTRUCTS, Construct
 from tests.e2e.test_kernels import assert_close
@@ -68,7 +69,9 @@ def interpreted(construct: Construct, args: tuple[object, ...]) -> object:
     )
     bound = bind(launch, args, {})  # type: ignore[arg-type]
     memory = bound.memory.copy()
-    done = interpret(kernel, memory, bound.inputs)
+    trace = Trace(kernel)
+    done = interpret(kernel, memory, bound.inputs, watch=trace)
+    trace.demand_order()
     bound.copy_back(memory, frozenset(bound.arrays))
     if kernel.returns is None or done.value is None:
         return None

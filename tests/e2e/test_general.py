@@ -10,6 +10,7 @@ import pytest
 import vividc
 from benchmarks.general import WORKLOADS
 from benchmarks.workloads import Arguments
+from tests.dfg.memory_trace import Trace
 from tests.e2e.test_kernels import assert_close
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
@@ -217,7 +218,9 @@ def assert_witnesses_agree(name: str, arguments: Arguments) -> int:
     bound = bind(program, copies(arguments), {})
     launch = Launch(bound.memory.copy(), bound.inputs, 10**6, bound.extents)
     run = agreed_run(program, launch)
-    done = interpret(lowered, bound.memory, bound.inputs)
+    trace = Trace(lowered)
+    done = interpret(lowered, bound.memory, bound.inputs, watch=trace)
+    trace.demand_order()
     np.testing.assert_array_equal(bound.memory, run.memory)
     assert done.value == run.value
     return result.cycles

@@ -10,6 +10,7 @@ import pytest
 
 import vividc
 from benchmarks.workloads import WORKLOADS, Workload
+from tests.dfg.memory_trace import Trace
 from tests.sim.native.agreement import agreed_run
 from vividc import arch, lang
 from vividc.compiler.driver import CompileOptions, lower, map_kernel
@@ -77,7 +78,9 @@ def assert_interpreter_agrees(program: Program, kernel: object, workload: Worklo
     bound = bind(program, workload.fresh(), {})
     run = agreed_run(program, Launch(bound.memory.copy(), bound.inputs, 10**8, bound.extents))
     memory = bound.memory.copy()
-    done = interpret(kernel, memory, bound.inputs)  # type: ignore[arg-type]
+    trace = Trace(kernel)
+    done = interpret(kernel, memory, bound.inputs, watch=trace)  # type: ignore[arg-type]
+    trace.demand_order()
     np.testing.assert_array_equal(memory, run.memory)
     assert done.value == run.value
 

@@ -12,6 +12,7 @@ import vividc
 from benchmarks import render_kernels as scene
 from benchmarks.render_kernels import WORKLOADS
 from benchmarks.workloads import Arguments
+from tests.dfg.memory_trace import Trace
 from tests.e2e.test_kernels import assert_close
 from tests.sim.native.agreement import agreed_run
 from vividc import arch
@@ -94,7 +95,9 @@ def test_witnesses_agree(name: str) -> None:
     bound = bind(program, workload.fresh(), {})
     launch = Launch(bound.memory.copy(), bound.inputs, 10**6, bound.extents)
     run = agreed_run(program, launch)
-    done = interpret(lowered(name), bound.memory, bound.inputs)
+    trace = Trace(lowered(name))
+    done = interpret(lowered(name), bound.memory, bound.inputs, watch=trace)
+    trace.demand_order()
     np.testing.assert_array_equal(bound.memory, run.memory)
     assert done.value == run.value
 

@@ -17,6 +17,7 @@ import numba
 import numpy as np
 
 import vividc
+from tests.dfg.memory_trace import Trace
 from tests.fuzz.arguments import Difference, Shapes, arguments, compare
 from tests.fuzz.forms import OPTIONS, asked, forms
 from tests.fuzz.kinds import Kinds
@@ -86,7 +87,7 @@ def shapes_of(module: ModuleType) -> Shapes:
 
 
 def run_regions(lowered: Kernel, args: list[object]) -> object:
-    """Interprets the graphs; arrays are updated in place."""
+    """Interprets the graphs; arrays are updated in place. Accesses that meet are kept in order."""
     memory = bytearray()
     inputs: dict[str, int] = {}
     places: list[tuple[int, np.ndarray]] = []
@@ -104,7 +105,9 @@ def run_regions(lowered: Kernel, args: list[object]) -> object:
         inputs[f"&{local.name}"] = len(memory)
         words = local.contents or (0xA5A5A5A5,) * local.words
         memory += np.array(words, np.uint32).tobytes() + bytes(4 * (local.words - len(words)))
-    result = interpret(lowered, memory, inputs, iteration_limit=300_000)
+    trace = Trace(lowered)
+    result = interpret(lowered, memory, inputs, iteration_limit=300_000, watch=trace)
+    trace.demand_order()
     for start, array in places:
         raw = np.frombuffer(bytes(memory[start : start + array.nbytes]), array.dtype)
         array[...] = raw.reshape(array.shape)

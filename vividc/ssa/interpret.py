@@ -17,7 +17,19 @@ from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.machine.params import WIDE_DTYPES, DType, Param
 from vividc.machine.semantics import evaluate
 from vividc.machine.words import WORD_MASK, float_of, word_of
-from vividc.ssa.ir import Block, Const, Float, Function, Input, Instr, Int, Key, Ref, Value
+from vividc.ssa.ir import (
+    Block,
+    Const,
+    Float,
+    Function,
+    Input,
+    Instr,
+    Int,
+    Key,
+    Ref,
+    Value,
+    pitch_of,
+)
 from vividc.ssa.llvm_semantics import Number, evaluate_llvm, wrapped
 
 _MOST_BLOCKS: Final = 1_000_000
@@ -64,6 +76,7 @@ class _Machine(ABC, Generic[_V]):
                 self._shapes[param.name] = value.shape
                 for axis, size in enumerate(value.shape):
                     self.values[f"{param.name}.shape{axis}"] = self.number(size)
+                    self.values[pitch_of(param.name, axis).key] = self.number(size)
                 self.values[f"&{param.name}"] = self.number(0)
             else:
                 self.bind(param, value)

@@ -61,10 +61,35 @@ class Input:
 
     `key` is "n" for scalar parameter n (and "n.high" for the high word of one of 64 bits), "&x" for
     the byte address of array x in the scratchpad, and "x.shape0", "x.shape1", ... for its
-    dimensions.
+    dimensions. "x.pitch1", "x.pitch2" are dimensions, too, as elements x[i, j] are addressed with
+    them, and nothing else is: of the index as a polynomial, the part with the factor "x.pitch1" is
+    the first subscript times it, the rest the second; each lies in its dimension.
     """
 
     key: str
+
+
+_SHAPE, _PITCH = ".shape", ".pitch"
+
+
+def pitch_of(array: str, axis: int) -> Input:
+    """A dimension of an array, in addresses of its elements."""
+    return Input(f"{array}{_PITCH}{axis}")
+
+
+def is_pitch(value: Value) -> bool:
+    """Whether `value` is a pitch."""
+    return isinstance(value, Input) and _PITCH in value.key
+
+
+def without_pitch(value: Input) -> Input:
+    """The dimension that a pitch is; any other input itself."""
+    return Input(_SHAPE.join(value.key.rsplit(_PITCH, 1)))
+
+
+def is_dimension(value: Value) -> bool:
+    """Whether `value` is a dimension of an array."""
+    return is_pitch(value) or (isinstance(value, Input) and _SHAPE in value.key)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import product
 from random import Random
 
@@ -9,88 +10,123 @@ import pytest
 
 from vividc.dfg.builder import GraphBuilder
 from vividc.dfg.cut.memory_order import Access, order_accesses
-from vividc.dfg.ir import Edge, EdgeKind, Node
+from vividc.dfg.ir import Edge, EdgeKind
 from vividc.machine.lanes import Lane
-from vividc.machine.opcodes import Opcode
+from vividc.machine.words import WORD_MASK
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Instr
+from vividc.ssa.polyhedral.distances import Meetings, Place
+from vividc.ssa.text_parser import parse
 
 ITERATIONS = 24
+LOOP = """function "f" file "f.py"
+param "x" uint8[1]
+param "n" int32
+b0:
+  jump h
+h:
+  %0 i32 = phi [b0: 0x00000000, b2: %1]
+  %2 pred = icmp.slt %0, $"n"
+  branch %2 b2 else b3
+b2:
+  %1 i32 = add %0, 0x00000001 exact
+{body}  jump h
+b3:
+  return
+"""
+Shape = tuple[bool, int, int, int]
+"""Of an access: whether it is a store, its offset, its width, by how much it moves."""
 
 
-def ordered(*shapes: tuple[bool, int, int, int | None]) -> tuple[list[Access], list[Edge]]:
-    """Accesses given as (is store, offset, width, stride), in program order, and their edges."""
+def loop_of(body: str) -> tuple[Meetings, list[Instr]]:
+    """A loop with `body`, and its accesses."""
+    function = parse(LOOP.format(body=body))
+    accesses = [instr for instr in function.by_name["b2"].instrs if instr.array]
+    return Meetings(function, find_loops(function)[0]), accesses
+
+
+def drawn(meetings: Meetings, accesses: list[Instr]) -> list[Edge]:
+    """The edges between accesses, whose nodes are numbered in order."""
     builder = GraphBuilder("loop")
-    accesses = []
-    for is_store, offset, width, stride in shapes:
-        op = Opcode.STORE if is_store else Opcode.LOAD
-        node = builder.add(op, [])
-        accesses.append(Access(node, "x", is_store, "base", None, offset, stride, width=width))
-    order_accesses(builder, accesses, loop="header")
-    return accesses, [edge for edge in builder.build().edges if edge.kind is EdgeKind.ORDER]
+    nodes = [builder.add(instr.opcode, []) for instr in accesses]
+    places = (Place(instr, "b2") for instr in accesses)
+    order_accesses(builder, [Access(*pair) for pair in zip(nodes, places, strict=True)], meetings)
+    return [edge for edge in builder.build().edges if edge.kind is EdgeKind.ORDER]
 
 
-def meetings(first: Access, second: Access) -> set[int]:
+def written(number: int, shape: Shape) -> str:
+    """An access, its index computed by a product."""
+    is_store, offset, width, stride = shape
+    index, ident = number * 2 + 10, number * 2 + 11
+    text = f"  %{index} i32 = mul %0, 0x{stride & WORD_MASK:08x}\n"
+    about = f'array "x" offset {offset} width {width}'
+    if is_store:
+        return f'{text}  %{ident} none = store $"&x", %{index}, 0x00000000 {about}\n'
+    return f'{text}  %{ident} i32 = load $"&x", %{index} {about}\n'
+
+
+def meetings(first: Shape, second: Shape) -> set[int]:
     """By how many iterations the second is later when they touch one byte (negative: earlier)."""
-    assert first.stride_bytes is not None
-    gap = second.offset - first.offset
+    gap = second[1] - first[1]
     return {
-        k
-        for k in range(-ITERATIONS, ITERATIONS + 1)
-        if -second.width < gap + k * first.stride_bytes < first.width
+        k for k in range(-ITERATIONS, ITERATIONS + 1) if -second[2] < gap + k * first[3] < first[2]
     }
 
 
 @pytest.mark.parametrize("seed", range(200))
 def test_byte_dependences_against_enumeration(seed: int) -> None:
     random = Random(seed)
-    stride = random.choice((0, 1, 2, 4, 8, 3, 12, -1, -4, -6))
-    accesses, edges = ordered(
-        *(
-            (random.random() < 0.6, random.randint(-9, 9), random.choice((1, 2, 4)), stride)
-            for _ in range(4)
-        )
-    )
+    stride = random.choice((0, 1, 2, 3, 4, 5, 8, -1, -3, -4))
+    shapes = [
+        (random.random() < 0.6, random.randint(-9, 9), random.choice((1, 2, 4)), stride)
+        for _ in range(4)
+    ]
+    edges = drawn(*loop_of("".join(written(*each) for each in enumerate(shapes))))
     kept = {(edge.src, edge.dst): edge.distance for edge in edges}
-    for (i, first), (j, second) in product(enumerate(accesses), repeat=2):
+    for (i, first), (j, second) in product(enumerate(shapes), repeat=2):
         earliest = 0 if i < j else 1
         needed = min((k for k in meetings(first, second) if k >= earliest), default=None)
-        if not (first.is_store or second.is_store):
+        if not (first[0] or second[0]):
             needed = None
-        assert kept.get((first.node.node, second.node.node)) == needed
+        assert kept.get((i, j)) == needed
 
 
 def test_an_address_that_is_not_affine_may_be_any_byte() -> None:
-    _, edges = ordered((True, 0, 1, None), (False, 7, 1, 1))
-    assert {(e.src, e.dst, e.distance) for e in edges} == {(0, 0, 1), (0, 1, 0), (1, 0, 1)}
+    edges = drawn(
+        *loop_of("""  %3 i32 = load $"&y", %0 array "y"
+  %4 none = store $"&x", %3, 0x00000000 array "x" width 1
+  %5 i32 = load $"&x", %0 array "x" offset 7 width 1
+""")
+    )
+    assert {(e.src, e.dst, e.distance) for e in edges} == {(1, 1, 1), (1, 2, 0), (2, 1, 1)}
+    assert all(edge.assumed for edge in edges)
 
 
 def test_bytes_of_one_word_are_independent() -> None:
-    _, edges = ordered(*((True, offset, 1, 4) for offset in range(4)))
-    assert not edges
+    shapes = [(True, offset, 1, 4) for offset in range(4)]
+    assert not drawn(*loop_of("".join(written(*each) for each in enumerate(shapes))))
 
 
-@pytest.mark.parametrize(("loop", "kept"), [("h.threads", False), ("elsewhere", True)])
+@pytest.mark.parametrize(("loop", "kept"), [("h", False), ("elsewhere", True)])
 def test_accesses_of_different_threads_have_no_order_in_their_loops(loop: str, kept: bool) -> None:
-    builder = GraphBuilder("threads")
-    accesses = []
-    for thread in (0, 1):
-        index = builder.live_in(f"i{thread}")
-        node = builder.add_node(Node(0, Opcode.STORE, name="x"), [index, builder.iv()])
-        lane = Lane(thread, 7, 0, ("groups", "h.threads"))
-        accesses.append(Access(node, "x", True, "&x", index, 0, None, lane=lane))
-    order_accesses(builder, accesses, loop=loop)
-    between = {(edge.src, edge.dst) for edge in builder.build().edges if not edge.is_data}
-    first, second = (access.node.node for access in accesses)
-    assert ((first, second) in between) is kept
-    assert {(first, first), (second, second)} <= between
+    meetings, accesses = loop_of(
+        """  %3 i32 = load $"&y", %0 array "y"
+  %4 none = store $"&x", %3, 0x00000000 array "x"
+  %5 none = store $"&x", %3, 0x00000000 array "x"
+"""
+    )
+    ours = [
+        replace(access, lane=Lane(thread, 7, 0, ("groups", loop)))
+        for thread, access in enumerate(accesses[1:])
+    ]
+    between = [edge for edge in drawn(meetings, ours) if edge.src != edge.dst]
+    assert bool(between) == kept
 
 
 def test_an_edge_tells_whether_its_distance_is_proved() -> None:
-    _, stepping = ordered((False, 0, 4, 4), (True, 4, 4, 4))
+    stepping = drawn(*loop_of(written(0, (False, 0, 4, 4)) + written(1, (True, 4, 4, 4))))
     assert stepping
     assert not any(edge.assumed for edge in stepping)
-    _, reversed_ = ordered((False, 0, 4, 4), (True, 0, 4, -4))
-    assert any(edge.distance for edge in reversed_)
-    assert all(edge.assumed for edge in reversed_)
-    _, same_place = ordered((False, 0, 4, 0), (True, 0, 4, 0))
+    same_place = drawn(*loop_of(written(0, (False, 0, 4, 0)) + written(1, (True, 0, 4, 0))))
     assert any(edge.distance for edge in same_place)
     assert not any(edge.assumed for edge in same_place)

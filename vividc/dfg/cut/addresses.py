@@ -31,15 +31,12 @@ class Address:
     ----------
     index
         `ITERATION`, an induction variable, or 0 of an address that does not change.
-    stride_bytes
-        From one iteration's access to the next one's; None: known at run time only.
     """
 
     base: Value
     shift: int
     offset: int
     index: Value
-    stride_bytes: int | None
 
 
 def fold_addresses(
@@ -81,13 +78,12 @@ class _Folding:
         index, shift = self._index(form, instr)
         if shift >= 32:  # noqa: PLR2004 - a word's bits
             return None
-        stride = _slope(form).constant
         form = form.plus(self._indices[index], -(1 << shift))
         offset = instr.offset + form.coefficient()
         terms = tuple(form.linear().items())
         if not -_OFFSET_LIMIT <= offset < _OFFSET_LIMIT:
             terms, offset = (*terms, (Const(1), offset)), 0
-        return Address(self._emitter.base(instr, terms), shift, offset, index, stride)
+        return Address(self._emitter.base(instr, terms), shift, offset, index)
 
     def function(self) -> Function:
         """The function with what the addresses need."""

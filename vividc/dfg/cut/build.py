@@ -20,6 +20,7 @@ from vividc.ssa.analysis.counted import Trip, count_loop
 from vividc.ssa.edit import defined_types, incoming, uses
 from vividc.ssa.flow import Loop, pipelined_loops, preheader_of
 from vividc.ssa.ir import Block, Function, Ref, Value
+from vividc.ssa.polyhedral.distances import Meetings
 from vividc.ssa.rewrite.diamonds import merge_diamonds
 from vividc.ssa.rewrite.hoist_loads import hoist_loads
 from vividc.ssa.rewrite.normalize import copy_exit_values, normalize
@@ -85,6 +86,7 @@ class _Cutter:
         ]
         self.index = {name: position for position, name in enumerate(self.order)}
         self.read = self._values_read_elsewhere()
+        self.meetings = Meetings(plan.function)
 
     def regions(self) -> list[Region]:
         """All regions; a loop stands where its header stood."""
@@ -133,10 +135,10 @@ class _Cutter:
         block = self.blocks[name]
         dfg = build_straight(
             f"straight{position}",
-            self.plan.function,
             block,
             writes=self._writes(block),
             trip=self._trip_after(block),
+            meetings=self.meetings,
         )
         branch = block.branch
         conditional = branch.cond is not None

@@ -19,7 +19,19 @@ from vividc.ssa.analysis.induction import initial, is_invariant
 from vividc.ssa.analysis.polynomial import ITERATION, LoopPolynomials, symbol
 from vividc.ssa.edit import incoming
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Block, Const, Function, Input, Instr, Named, Phi, Ref, Value
+from vividc.ssa.ir import (
+    Block,
+    Const,
+    Function,
+    Input,
+    Instr,
+    Named,
+    Phi,
+    Ref,
+    Value,
+    without_pitch,
+)
+from vividc.ssa.polyhedral.distances import Meetings, Place
 
 
 @dataclass(frozen=True)
@@ -114,7 +126,7 @@ class _LoopEmitter:
             if isinstance(item, Const):
                 return self.builder.const(item.word)
             assert isinstance(item, Named)
-            name = item.key if isinstance(item, Input) else variable(item.id)
+            name = without_pitch(item).key if isinstance(item, Input) else variable(item.id)
             self.values[item] = self.builder.live_in(name)
         return self.values[item]
 
@@ -130,9 +142,8 @@ class _LoopEmitter:
                 self.values[Ref(instr.id)] = self._emit(name, instr)
             if block.branch.cond is not None:
                 self.condition[name] = self.value(block.branch.cond)
-        order_accesses(
-            self.builder, self.accesses, loop=self.body.entry, exclusive=self.body.are_exclusive
-        )
+        meetings = Meetings(self.parts.function, self.parts.loop)
+        order_accesses(self.builder, self.accesses, meetings, self.body.are_exclusive)
 
     def emit_exit(self) -> Operand | None:
         """The node that ends the loop, marked for the controller; None for a loop that is only
@@ -229,7 +240,7 @@ class _LoopEmitter:
             pred,
             base,
         )
-        self._record(block, instr, address, node)
+        self.accesses.append(Access(node, Place(instr, block)))
         if is_store:
             self.effects.append((node, unless_exit))
         return node
@@ -238,31 +249,10 @@ class _LoopEmitter:
         known = self.parts.addresses.get(instr.id)
         if known is not None:
             return known
-        return _as_written(instr)
+        return Address(instr.operands[0], instr.shift, instr.offset, instr.operands[1])
 
     def _index(self, address: Address) -> Operand:
         return self.builder.iv() if address.index == ITERATION else self.value(address.index)
-
-    def _record(self, block: str, instr: Instr, address: Address, node: Operand) -> None:
-        folded = instr.id in self.parts.addresses and address.stride_bytes is not None
-        if not folded:
-            address = _as_written(instr)
-        self.accesses.append(
-            Access(
-                node,
-                instr.array,
-                instr.op is Opcode.STORE,
-                address.base,
-                address.index,
-                address.offset,
-                address.stride_bytes,
-                block,
-                instr.width,
-                distinct=not folded and instr.distinct == self.parts.loop.header,
-                subscript=instr.subscript,
-                lane=instr.lane,
-            )
-        )
 
     def _load_guard(self, block: str) -> tuple[Operand | None, bool]:
         """Predicate of a load in `block`, and whether an exiting iteration may not come so far."""
@@ -282,8 +272,3 @@ class _LoopEmitter:
             leaving = self.predicates.leaving(source, self.parts.loop.exits[0][1])
             pred = self.predicates.both(pred, self.predicates.inverted(leaving))
         return pred, False
-
-
-def _as_written(instr: Instr) -> Address:
-    """The address of an access whose index is computed in every iteration."""
-    return Address(instr.operands[0], instr.shift, instr.offset, instr.operands[1], None)

@@ -7,7 +7,8 @@ from vividc.dfg.cut.memory_order import Access, order_accesses
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.ssa.ir import Block, Const, Function, Input, Instr, Ref, Value
+from vividc.ssa.ir import Block, Const, Input, Instr, Ref, Value, without_pitch
+from vividc.ssa.polyhedral.distances import Meetings, Place
 
 
 def variable(ident: int) -> str:
@@ -17,10 +18,10 @@ def variable(ident: int) -> str:
 
 def build_straight(
     name: str,
-    function: Function,
     block: Block,
     writes: list[tuple[int, Value]],
     trip: Value | None,
+    meetings: Meetings,
 ) -> DFG:
     """Emits `block` in program order; `writes` are (variable's id, value), `trip` the next loop's
     trip count.
@@ -32,14 +33,15 @@ def build_straight(
         if isinstance(item, Const):
             return builder.const(item.word)
         if isinstance(item, Input):
-            return builder.live_in(item.key)
+            return builder.live_in(without_pitch(item).key)
         assert isinstance(item, Ref)
         return own[item.id] if item.id in own else builder.live_in(variable(item.id))
 
     accesses: list[Access] = []
     for instr in block.instrs:
-        own[instr.id] = _emit(builder, instr, [value(item) for item in instr.operands], accesses)
-    order_accesses(builder, accesses)
+        operands = [value(item) for item in instr.operands]
+        own[instr.id] = _emit(builder, block.name, instr, operands, accesses)
+    order_accesses(builder, accesses, meetings)
     branch = block.branch
     if branch.cond is not None:
         builder.mark(value(branch.cond), Control.BRANCH, branch.loc)
@@ -62,7 +64,11 @@ def _write(builder: GraphBuilder, name: str, operand: Operand) -> None:
 
 
 def _emit(
-    builder: GraphBuilder, instr: Instr, operands: list[Operand], accesses: list[Access]
+    builder: GraphBuilder,
+    block: str,
+    instr: Instr,
+    operands: list[Operand],
+    accesses: list[Access],
 ) -> Operand:
     if instr.op not in MEMORY:
         return builder.add(instr.opcode, operands, instr.loc, instr.lane)
@@ -89,18 +95,5 @@ def _emit(
         pred,
         base,
     )
-    fixed = instr.operands[1].word if isinstance(instr.operands[1], Const) else None
-    accesses.append(
-        Access(
-            node,
-            instr.array,
-            instr.op is Opcode.STORE,
-            instr.operands[0],
-            None if fixed is not None else (instr.operands[1], instr.shift),
-            instr.offset + (0 if fixed is None else fixed << instr.shift),
-            stride_bytes=0,
-            width=instr.width,
-            subscript=instr.subscript,
-        )
-    )
+    accesses.append(Access(node, Place(instr, block)))
     return node

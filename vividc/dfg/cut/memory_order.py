@@ -2,39 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final
 
 from vividc.dfg.builder import GraphBuilder, Operand
-from vividc.machine.lanes import Lane
+from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.alias import different_elements
+from vividc.ssa.polyhedral.distances import Distances, Meetings, Place
 
 
 @dataclass(frozen=True, slots=True)
 class Access:
-    """One load or store. `base` and `index` identify the address parts that are equal by
-    construction.
-
-    `stride_bytes` None: the address is not affine in the iteration index; it may be any address of
-    the array. The access covers `width` bytes from its address on. `distinct`: two accesses that
-    say so, of equal address parts, meet in one iteration only, or in an earlier one of the first
-    and a later one of the second. `subscript`, `lane`: as of `cfg.Instr`.
-    """
+    """One load or store, and its node."""
 
     node: Operand
-    array: str
-    is_store: bool
-    base: object
-    index: object
-    offset: int
-    stride_bytes: int | None
-    block: str = ""
-    width: int = 4
-    distinct: bool = False
-    subscript: tuple[int | None, ...] = ()
-    lane: Lane | None = None
+    place: Place
+
+    @property
+    def array(self) -> str:
+        """The array that it is to."""
+        return self.place.instr.array
+
+    @property
+    def is_store(self) -> bool:
+        """Whether it writes."""
+        return self.place.instr.op is Opcode.STORE
 
 
+_FOREVER: Final = 1 << 14
+"""Iterations that no schedule has under way at once."""
 Exclusive = Callable[[str, str], bool]
 """Whether no iteration runs both blocks."""
 
@@ -42,100 +39,47 @@ Exclusive = Callable[[str, str], bool]
 def order_accesses(
     builder: GraphBuilder,
     accesses: list[Access],
-    *,
-    loop: str = "",
+    meetings: Meetings,
     exclusive: Exclusive = lambda first, second: False,
 ) -> None:
     """Adds ORDER edges between accesses (in program order) that may touch the same byte, at least
-    one a store.
+    one a store: from iteration to iteration of a loop, or in straight code.
 
-    Arrays passed as different arguments do not overlap. Affine accesses get their exact distance;
+    Arrays passed as different arguments do not overlap. Accesses whose distance is known keep it;
     others are kept in program order within an iteration and from each iteration to the next.
     Accesses of different threads in a loop of theirs are independent.
-
-    Parameters
-    ----------
-    loop
-        The header of the loop whose iteration the graph is; empty for straight code.
     """
+    header = "" if meetings.loop is None else meetings.loop.header
     for position, first in enumerate(accesses):
-        for second in accesses[position:]:
+        for second in accesses[position if header else position + 1 :]:
             if first.array != second.array or not (first.is_store or second.is_store):
                 continue
-            if first.lane is not None and first.lane.independent_of(second.lane, loop):
+            lane = first.place.instr.lane
+            if lane is not None and lane.independent_of(second.place.instr.lane, header):
                 continue
-            apart = first is not second and exclusive(first.block, second.block)
-            assumed = not _is_known(first, second)
-            for before, after, distance in _dependences(first, second, bool(loop), apart):
-                builder.order(before.node, after.node, distance, assumed=assumed)
+            now = first is not second and not exclusive(first.place.block, second.place.block)
+            found = _distances(first, second, meetings, header, now=now)
+            for before, after, distance in (
+                (first, second, found.later),
+                (second, first, found.earlier if first is not second else None),
+            ):
+                if distance is not None and distance < _FOREVER:
+                    builder.order(before.node, after.node, distance, assumed=found.assumed)
 
 
-def _is_known(first: Access, second: Access) -> bool:
-    """Whether it is proved in which iterations the accesses meet."""
-    return _step_alike(first, second) or _never_comes_back(first, second)
+def _distances(
+    first: Access, second: Access, meetings: Meetings, header: str, *, now: bool
+) -> Distances:
+    one, other = first.place.instr, second.place.instr
+    if different_elements(one.subscript, other.subscript):
+        return Distances()
+    distinct = header and one.distinct == other.distinct == header
+    if distinct and _is_one_address(first.place, second.place):
+        return Distances(0 if now else None)  # nothing that the second touched comes back
+    return meetings.between(first.place, second.place, now=now)
 
 
-def _dependences(
-    first: Access, second: Access, in_loop: bool, apart: bool
-) -> Iterator[tuple[Access, Access, int]]:
-    """(before, after, distance); accesses `apart` never meet in one iteration."""
-    same = first is second
-    if different_elements(first.subscript, second.subscript):
-        return
-    if _never_comes_back(first, second):
-        if not same and not apart:
-            yield first, second, 0
-        return
-    if _step_alike(first, second):
-        if first.stride_bytes:
-            yield from _stepping(first, second, meet_now=not (same or apart))
-            return
-        if not -second.width < second.offset - first.offset < first.width:
-            return
-    if not same:
-        yield first, second, int(apart)
-    if in_loop:
-        yield second, first, 1
-
-
-def _step_alike(first: Access, second: Access) -> bool:
-    """Whether the accesses stay the same number of bytes apart."""
-    return (
-        first.stride_bytes is not None
-        and first.stride_bytes == second.stride_bytes
-        and first.base == second.base
-        and first.index == second.index
-    )
-
-
-def _stepping(
-    first: Access, second: Access, *, meet_now: bool
-) -> Iterator[tuple[Access, Access, int]]:
-    """Accesses that move by one stride: the nearest iteration on either side in which they meet.
-
-    `second` in iteration i + k starts gap + k * stride bytes behind `first` in iteration i; they
-    share a byte iff -second.width < gap + k * stride < first.width. Farther iterations that meet
-    too are kept in order by the nearest one.
-    """
-    assert first.stride_bytes is not None
-    stride, gap = abs(first.stride_bytes), second.offset - first.offset
-    lowest = (-second.width - gap) // stride + 1
-    highest = -((gap - first.width) // stride) - 1
-    if first.stride_bytes < 0:
-        lowest, highest = -highest, -lowest
-    later = max(lowest, 0 if meet_now else 1)
-    if later <= highest:
-        yield first, second, later
-    earlier = min(highest, -1)
-    if lowest <= earlier and first is not second:
-        yield second, first, -earlier
-
-
-def _never_comes_back(first: Access, second: Access) -> bool:
-    """Whether nothing that `second` has touched is touched by `first` afterwards."""
-    return (
-        first.distinct
-        and second.distinct
-        and first.width == second.width
-        and (first.base, first.index, first.offset) == (second.base, second.index, second.offset)
-    )
+def _is_one_address(first: Place, second: Place) -> bool:
+    one, other = first.instr, second.instr
+    same = (one.operands[:2], one.shift, one.offset, one.width)
+    return same == (other.operands[:2], other.shift, other.offset, other.width)

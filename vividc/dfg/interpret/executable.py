@@ -55,7 +55,11 @@ class Executable:
     misses: list[SimulationError]
 
 
-def compile_dfg(dfg: DFG) -> Executable:
+Accessed = Callable[[Node, int], None]
+"""Told of each load and store that is carried out, with its byte address."""
+
+
+def compile_dfg(dfg: DFG, accessed: Accessed | None = None) -> Executable:
     """Flatten `dfg` for `run_executable`.
 
     Raises
@@ -69,14 +73,15 @@ def compile_dfg(dfg: DFG) -> Executable:
         raise DFGError(
             "; ".join(problems), loc=printable(dfg.name), hint="print the graph with `to_text`"
         )
-    return _Flattening(dfg).executable()
+    return _Flattening(dfg, accessed).executable()
 
 
 class _Flattening:
     """Slots of one DFG: a word per node, then a delay line per carried (source, init)."""
 
-    def __init__(self, dfg: DFG) -> None:
+    def __init__(self, dfg: DFG, accessed: Accessed | None) -> None:
         self.dfg = dfg
+        self.accessed = accessed
         self.slot = {node.id: index for index, node in enumerate(dfg.nodes)}
         self.size = len(dfg.nodes)
         self.misses: list[SimulationError] = []
@@ -164,7 +169,7 @@ class _Flattening:
         base = self.port(node, BASE)
         if base is None:
             raise DFGError(f"memory node {node.id} has no base address", loc=node.loc)
-        address = _Address(base, self.operands(node)[0], node)
+        address = _Address(base, self.operands(node)[0], node, self.accessed)
         if node.op is Opcode.LOAD:
             if node.unless_exit and self.exit_slot is not None:
                 return _load_that_may_miss(address, self.slot[node.id], pred, self.misses)
@@ -178,6 +183,7 @@ class _Address:
     base: int
     index: int
     node: Node
+    accessed: Accessed | None
 
     def byte(self, values: Sequence[int], limit: int) -> int:
         """Byte address in a memory of `limit` words, checked."""
@@ -192,6 +198,8 @@ class _Address:
             )
             access = f"{node.op.value} of {node.name or 'memory'} at byte {signed(address)}"
             raise SimulationError(f"{access} {fault}", loc=node.loc)
+        if self.accessed is not None:
+            self.accessed(node, address)
         return address
 
 

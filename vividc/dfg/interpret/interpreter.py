@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from vividc.dfg.interpret.executable import Executable, compile_dfg
-from vividc.dfg.ir import DFG, Control
+from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_variable
 from vividc.errors import ArgumentError, DFGError, SimulationError, SourceLoc
 from vividc.machine.params import DType, joined
@@ -69,6 +69,22 @@ class InterpreterResult:
     operations: int
 
 
+class Watch:
+    """Told what an interpreted kernel does to memory."""
+
+    def enter(self) -> None:
+        """A region begins."""
+
+    def access(self, node: Node, byte: int) -> None:
+        """A load or store is carried out at a byte address."""
+
+    def leave(self, *, exited: bool) -> None:
+        """An iteration ends, maybe by its exit predicate."""
+
+
+_UNWATCHED: Final = Watch()
+
+
 def interpret_region(
     dfg: DFG,
     kind: Literal["loop", "straight"],
@@ -120,6 +136,7 @@ def interpret(
     inputs: Mapping[str, int],
     *,
     iteration_limit: int = DEFAULT_ITERATION_LIMIT,
+    watch: Watch = _UNWATCHED,
 ) -> InterpreterResult:
     """Run a kernel from its first region to its end.
 
@@ -131,13 +148,16 @@ def interpret(
         Word of each input the host supplies (see `cfg.Input.key`).
     iteration_limit
         Iterations over all regions after which the run is given up.
+    watch
+        Told of each access and iteration.
 
     Raises
     ------
     SimulationError, DFGError, ArgumentError
         As `interpret_region`; also a counted loop that no trip count reached.
     """
-    executables = [compile_dfg(region.dfg) for region in kernel.regions]
+    accessed = None if watch is _UNWATCHED else watch.access
+    executables = [compile_dfg(region.dfg, accessed) for region in kernel.regions]
     words = words_of(memory)
     env = {name: word & WORD_MASK for name, word in inputs.items()}
     iterations = [0] * len(kernel.regions)
@@ -147,6 +167,7 @@ def interpret(
     index: int | None = 0 if kernel.regions else None
     while index is not None:
         region = kernel.regions[index]
+        watch.enter()
         run = run_executable(
             executables[index],
             region.kind,
@@ -155,6 +176,7 @@ def interpret(
             words,
             iteration_limit=left,
             name=region.name,
+            watch=watch,
         )
         env.update(run.written)
         trip = trip if run.trip is None else run.trip
@@ -184,6 +206,7 @@ def run_executable(
     *,
     iteration_limit: int = DEFAULT_ITERATION_LIMIT,
     name: str = "",
+    watch: Watch = _UNWATCHED,
 ) -> RegionRun:
     """Run a flattened region; see `interpret_region`."""
     values = _entry_values(executable, env)
@@ -203,6 +226,7 @@ def run_executable(
             step(values, words)
         exited = exit_slot is not None and values[exit_slot] != 0
         _settle_misses(executable.misses, exited=exited)
+        watch.leave(exited=exited)
         for variable, slot, unless_exit in executable.live_outs:
             if not (exited and unless_exit):
                 written[variable] = values[slot]

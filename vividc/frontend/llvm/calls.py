@@ -47,3 +47,7 @@ RAISE_PREFIX = "vividc.raise "
 
 
 OVERLAP = "vividc.overlap"
+
+
+PITCH = "vividc.pitch "
+"""The dimension of a parameter, as its elements are addressed: its name, ".", the axis."""

@@ -3,19 +3,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from vividc.errors import InternalError, SourceLoc
 from vividc.frontend.llvm.aggregates import split_aggregates
+from vividc.frontend.llvm.calls import PITCH
 from vividc.frontend.llvm.layout import offsets, part_type, structs_of
 from vividc.frontend.llvm.metadata import Locations
 from vividc.frontend.llvm.subscripts import Subscripts
 from vividc.frontend.llvm.tokens import Cursor, Names, Structs, bare
-from vividc.ssa.ir import LLVM_BINARY, LLVM_CASTS, Block, Branch, Function, Instr, Phi, Value
+from vividc.ssa.ir import (
+    LLVM_BINARY,
+    LLVM_CASTS,
+    Block,
+    Branch,
+    Function,
+    Instr,
+    Phi,
+    Value,
+    pitch_of,
+)
 
 _DEFINE = re.compile(r'^define .*?(?P<name>@(?:"[^"]*"|[-\w.$]+))\(', re.MULTILINE)
 _LABEL = re.compile(r'^(?P<name>"[^"]*"|[-\w.$]+):')
+_PITCH = re.compile(rf'^\s*(%\S+) = .*call .*(@"{re.escape(PITCH)}[^"]*")\(\)')
 
 
 def read_function(text: str, name: str, file: str) -> Function:
@@ -38,11 +50,24 @@ def read_function(text: str, name: str, file: str) -> Function:
     start, end = _function_span(text, name)
     header, *lines = text[start:end].split("\n")
     params, returns = signature(header)
+    pitches = dict(_pitches(lines))
+    lines = [line for line in lines if not _PITCH.match(line)]
     locations = Locations(text, file)
     structs = structs_of(text)
-    reader = _Lines(locations, structs, Subscripts(text), Names(name for name, _ in params))
+    inputs = {name: name for name, _ in params} | pitches
+    reader = _Lines(locations, structs, Subscripts(text), Names(inputs))
     blocks = tuple(reader.blocks(lines))
+    params += tuple((key, "i32") for key in dict.fromkeys(pitches.values()))
     return split_aggregates(Function(name, (), blocks, inputs=params, result=returns), structs)
+
+
+def _pitches(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Local names of pitches, and their keys as inputs."""
+    for line in lines:
+        match = _PITCH.match(line)
+        if match is not None:
+            array, _, axis = bare(match[2]).removeprefix(PITCH).rpartition(".")
+            yield bare(match[1]), pitch_of(array, int(axis)).key
 
 
 def _function_span(text: str, name: str) -> tuple[int, int]:

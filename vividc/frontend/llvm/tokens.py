@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from vividc.errors import InternalError
@@ -63,10 +63,12 @@ class Structs(dict[str, str]):
 
 
 class Names:
-    """What a function's local names stand for: inputs, and results numbered as they are met."""
+    """What a function's local names stand for: inputs (keys by name), and results numbered as they
+    are met.
+    """
 
-    def __init__(self, inputs: Iterable[str] = ()) -> None:
-        self._values: dict[str, Named] = {name: Input(name) for name in inputs}
+    def __init__(self, inputs: Mapping[str, str] | None = None) -> None:
+        self._values: dict[str, Named] = {n: Input(key) for n, key in (inputs or {}).items()}
         self._count = 0
 
     def value(self, name: str) -> Named:

@@ -7,6 +7,7 @@ supplies at launch.
 from __future__ import annotations
 
 from vividc.errors import SourceLoc
+from vividc.frontend.llvm.calls import PITCH
 from vividc.frontend.llvm.passes import DATA_LAYOUT, ENTRY, linked_ir
 from vividc.frontend.numba.target import NumbaModule
 from vividc.machine.params import WIDE_DTYPES, DType, Param
@@ -59,6 +60,7 @@ def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
     inputs: list[str] = []
     body: list[str] = []
     arguments: list[str] = []
+    pitches = "\n".join(_pitch(param, axis) for param in params for axis in range(1, param.ndim))
     for param in params:
         array = param.ndim > 0
         (_array_argument if array else _scalar_argument)(param, inputs, body, arguments)
@@ -77,6 +79,7 @@ def _entry_text(module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc) 
     return f"""
 target datalayout = "{DATA_LAYOUT}"
 declare i32 @"{module.symbol}"({types})
+{pitches}
 define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
 ..entry:
   %..ret = alloca {returned}
@@ -94,6 +97,14 @@ define {result} @{ENTRY}({", ".join(inputs)}) !dbg !3 {{
 !6 = !{{i32 2, !"Dwarf Version", i32 4}}
 !7 = !{{i32 2, !"Debug Info Version", i32 3}}
 """
+
+
+def _pitch(param: Param, axis: int) -> str:
+    """The declaration of an array's pitch: a number without effects, of which LLVM knows no more
+    than bounds.
+    """
+    limits = f"range(i32 0, {param.limit(axis) + 1})"
+    return f'declare {limits} i32 @"{PITCH}{param.name}.{axis}"() nounwind willreturn memory(none)'
 
 
 def _scalar_argument(

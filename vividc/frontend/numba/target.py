@@ -493,7 +493,7 @@ def numba_module(
         # A helper without a source file has inexact lines: that is no matter of the user's.
         warnings.simplefilter("ignore", errors.NumbaDebugInfoWarning)
         warnings.simplefilter("ignore", errors.NumbaExperimentalFeatureWarning)
-        with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func):
+        with in_time(), _indices_are_words(), arrays_are_ours(), marked_subscripts(py_func, args):
             result = _compile(py_func, args, return_type)
     texts, described = result.library.all_texts(), result.fndesc
     return NumbaModule(texts, described.llvm_func_name, str(result.signature.return_type))

@@ -8,7 +8,7 @@ from vividc.frontend.ranges.sizes import bounds_of_sizes
 from vividc.host.once import once_within
 from vividc.machine.params import MAX_ELEMENTS
 from vividc.machine.words import WORD_BYTES, signed
-from vividc.ssa.ir import Function, Key
+from vividc.ssa.ir import Function, Key, pitch_of
 
 
 @once_within
@@ -21,9 +21,10 @@ def ranges_of(function: Function) -> Ranges:
 def _of_shapes(function: Function) -> dict[Key, Interval]:
     """An array must fit in the scratchpad (checked at launch)."""
     return {
-        f"{param.name}.shape{axis}": (0, param.limit(axis))
+        key: (0, param.limit(axis))
         for param in function.params
         for axis in range(param.ndim)
+        for key in (f"{param.name}.shape{axis}", pitch_of(param.name, axis).key)
     }
 
 

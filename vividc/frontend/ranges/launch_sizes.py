@@ -11,7 +11,18 @@ from __future__ import annotations
 from vividc.frontend.ranges.interval import Interval
 from vividc.frontend.ranges.ranges import Ranges
 from vividc.machine.params import MAX_DIMENSION, Formula
-from vividc.ssa.ir import Function, Input, Instr, Int, Key, Phi, Ref, Value, definition_of
+from vividc.ssa.ir import (
+    Function,
+    Input,
+    Instr,
+    Int,
+    Key,
+    Phi,
+    Ref,
+    Value,
+    definition_of,
+    is_dimension,
+)
 
 _LARGEST = 1 << 31
 """What no counter goes below."""
@@ -30,7 +41,7 @@ class LaunchSizes:
         self._function = function
         self._params = dict(function.inputs)
         bounds: dict[Key, Interval] = {
-            name: (0, MAX_DIMENSION * 4) for name in self._params if ".shape" in name
+            name: (0, MAX_DIMENSION * 4) for name in self._params if is_dimension(Input(name))
         }
         self._ranges = Ranges(function, bounds)
         self._loops = self._ranges.flow.loops

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vividc.frontend.ranges.interval import Interval
-from vividc.ssa.ir import Function, Instr, Key, Named, Value
+from vividc.ssa.ir import Function, Input, Instr, Key, Named, Value, is_dimension, without_pitch
 
 _AXIS = ".shape"
 _CONVERSIONS = frozenset({"zext", "sext", "freeze"})
@@ -44,5 +44,6 @@ def _of(operand: Value, found: dict[Key, Axes]) -> Axes:
         return frozenset()
     if operand.key in found:
         return found[operand.key]
-    stem, _, axis = str(operand.key).rpartition(_AXIS)
-    return frozenset({str(operand.key)}) if stem and axis.isdigit() else frozenset()
+    if not isinstance(operand, Input) or not is_dimension(operand):
+        return frozenset()
+    return frozenset({without_pitch(operand).key})

@@ -9,7 +9,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.induction import Induction, induction_of, is_invariant, never_wraps
 from vividc.ssa.edit import block_of, defined_types
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value, definition_of
+from vividc.ssa.ir import Const, Function, Instr, Phi, Ref, Value, definition_of, is_dimension
 
 _INT_MAX = (1 << 31) - 1
 _INT_MIN = -(1 << 31)
@@ -99,7 +99,7 @@ def is_length(value: Value) -> bool:
     """
     if isinstance(value, Const):
         return value.word <= 1 << 14
-    return isinstance(value, Input) and ".shape" in value.key
+    return is_dimension(value)
 
 
 def moved_limit(counter: Counter) -> tuple[tuple[Opcode, int], ...]:

@@ -16,7 +16,7 @@ from vividc.ssa.analysis.induction import constant_step, never_wraps
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.edit import block_of, with_blocks
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Function, Input, Instr, Ref, Value
+from vividc.ssa.ir import Function, Instr, Ref, is_dimension
 
 _STEP_LIMIT = 1 << 14
 
@@ -114,7 +114,7 @@ class _Proof:
         if unit.constant != 1 or len(size.terms) != 1:
             return False
         [(monomial, factor)] = size.terms.items()
-        if factor != 1 or len(monomial) != 1 or not _is_dimension(monomial[0]):
+        if factor != 1 or len(monomial) != 1 or not is_dimension(monomial[0]):
             return False
         ends = [self.known.of(counter.initial), self.known.of(counter.limit)]
         first, last = ends if counter.step > 0 else ends[::-1]
@@ -127,8 +127,4 @@ def _is_nonzero(slope: Polynomial) -> bool:
     if len(slope.terms) != 1:
         return False
     [(monomial, factor)] = slope.terms.items()
-    return abs(factor) <= _STEP_LIMIT and all(_is_dimension(value) for value in monomial)
-
-
-def _is_dimension(value: Value) -> bool:
-    return isinstance(value, Input) and ".shape" in value.key
+    return abs(factor) <= _STEP_LIMIT and all(is_dimension(value) for value in monomial)

@@ -15,7 +15,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
 from vividc.ssa.analysis.induction import Induction, induction_of, is_invariant
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of
+from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of, without_pitch
 
 Monomial = tuple[Value, ...]
 ITERATION: Final = Input("iteration")
@@ -93,9 +93,13 @@ def symbol(value: Value) -> Polynomial:
 
 @dataclass
 class Polynomials:
-    """Polynomials of a function's values, through additions, products and shifts by constants."""
+    """Polynomials of a function's values, through additions, products and shifts by constants.
+
+    `pitches`: a pitch is a value of its own, not the dimension that it equals.
+    """
 
     function: Function
+    pitches: bool = False
     _memo: dict[Value, Polynomial] = field(init=False, default_factory=dict)
 
     def of(self, value: Value) -> Polynomial:
@@ -107,6 +111,8 @@ class Polynomials:
     def _compute(self, value: Value) -> Polynomial:
         if isinstance(value, Const):
             return constant(value.word)
+        if isinstance(value, Input):
+            return symbol(value if self.pitches else without_pitch(value))
         item = definition_of(self.function, value)
         rule = None if item is None or isinstance(item, Phi) else _RULES.get(item.opcode)
         if item is None or isinstance(item, Phi) or rule is None:

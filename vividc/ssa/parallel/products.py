@@ -23,7 +23,7 @@ from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.analysis.induction import initial
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value
+from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value, without_pitch
 
 _NEST = 3
 _WORD_SHIFT = 2
@@ -331,6 +331,6 @@ def _both(pair: tuple[Value, ...]) -> tuple[tuple[Value, ...], tuple[Value, ...]
 
 def _size(value: Value) -> Size:
     if isinstance(value, Input):
-        return value.key
+        return without_pitch(value).key
     assert isinstance(value, Const)
     return value.word

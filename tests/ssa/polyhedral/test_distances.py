@@ -1,0 +1,103 @@
+"""Distances between accesses: no loop waits for a dependence that is not there, and every one that
+memory shows is kept.
+"""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.fuzz.witnesses import run_regions
+from tests.ssa.polyhedral import dependence_kernels as k
+from vividc import arch
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.ir import EdgeKind
+from vividc.dfg.pipeline import optimize_kernel
+from vividc.dfg.regions import Kernel
+from vividc.frontend import KernelFunction
+from vividc.machine.opcodes import MEMORY
+from vividc.mapper import MapProblem
+from vividc.mapper.bounds.bounds import all_bounds
+from vividc.ssa.flow import find_loops
+from vividc.ssa.polyhedral.distances import Distances, Meetings, Place
+from vividc.ssa.rewrite.normalize import normalize
+
+MACHINE = arch.load("vivid-tile")
+
+
+def regions(kernel: KernelFunction) -> Kernel:
+    return optimize_kernel(build_kernel(kernel.lower()))
+
+
+def rec_mii(kernel: KernelFunction) -> int:
+    (dfg,) = (region.dfg for region in regions(kernel).regions if region.kind == "loop")
+    bounds = {bound.name: bound.ii for bound in all_bounds(MapProblem(dfg, MACHINE))}
+    return bounds.get("RecMII", 1)
+
+
+@pytest.mark.parametrize("kernel", k.INDEPENDENT, ids=lambda kernel: kernel.name)
+def test_no_recurrence_through_memory(kernel: KernelFunction) -> None:
+    assert rec_mii(kernel) == 1
+
+
+@pytest.mark.parametrize("kernel", [k.from_the_end, k.carried, k.one_place])
+def test_a_recurrence_through_memory(kernel: KernelFunction) -> None:
+    assert rec_mii(kernel) == 7
+
+
+@pytest.mark.parametrize("kernel", k.INDEPENDENT + k.DEPENDENT, ids=lambda kernel: kernel.name)
+@pytest.mark.parametrize(("rows", "columns", "n"), [(4, 4, 1), (3, 5, 2), (5, 3, 0), (1, 3, 0)])
+def test_what_meets_is_kept_in_order(
+    kernel: KernelFunction, rows: int, columns: int, n: int
+) -> None:
+    """`run_regions` traces memory."""
+    random = np.random.default_rng(1)
+    a = random.standard_normal((rows, max(rows, columns))).astype(np.float32)
+    x = random.standard_normal(4 * n + 6).astype(np.float32)
+    expected, actual = [a, x], deepcopy([a, x])
+    kernel(*expected, np.int32(n))
+    run_regions(regions(kernel), [*actual, np.int32(n)])
+    for ours, theirs in zip(actual, expected, strict=True):
+        assert np.array_equal(ours, theirs)
+
+
+def test_the_trace_notices_a_missing_edge() -> None:
+    kernel = regions(k.carried)
+    without = [
+        replace(
+            r,
+            dfg=replace(r.dfg, edges=tuple(e for e in r.dfg.edges if e.kind is not EdgeKind.ORDER)),
+        )
+        for r in kernel.regions
+    ]
+    a, x = np.zeros((1, 1), np.float32), np.ones(9, np.float32)
+    with pytest.raises(AssertionError, match="met in memory"):
+        run_regions(replace(kernel, regions=tuple(without)), [a, x, np.int32(0)])
+
+
+def test_both_ends_of_an_array_meet() -> None:
+    """x[2 * i - 1] is x[-1] and x[1]: the first and the second of two elements."""
+    x = np.array([1, 2, 3, 4, 5], np.float32)
+    expected = x.copy()
+    a = np.zeros((1, 1), np.float32)
+    k.from_the_end(a, expected, np.int32(-1))
+    run_regions(regions(k.from_the_end), [a, x, np.int32(-1)])
+    assert np.array_equal(x, expected)
+
+
+@pytest.mark.parametrize("operations", [1, 30, 300])
+def test_what_isl_has_no_time_for_is_assumed(operations: int) -> None:
+    function = normalize(k.by_three.lower())
+    (loop,) = find_loops(function)
+    load, store = (
+        Place(instr, block.name)
+        for block in function.blocks
+        for instr in block.instrs
+        if instr.op in MEMORY
+    )
+    found = Meetings(function, loop, operations).between(load, store, now=True)
+    assert found in (Distances(0, 1, assumed=True), Distances(0, None, assumed=True))
+    assert Meetings(function, loop).between(load, store, now=True).earlier is None

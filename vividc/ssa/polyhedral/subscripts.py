@@ -1,0 +1,87 @@
+"""Subscripts of an access, recovered from its flat index."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from vividc.host.once import once_within
+from vividc.machine.opcodes import MEMORY
+from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
+from vividc.ssa.ir import Function, Instr, Phi, Ref, Value, is_pitch, pitch_of
+
+
+@dataclass
+class Subscripts:
+    """Subscripts of the accesses of `function`, as polynomials of its values."""
+
+    function: Function
+    _known: Polynomials = field(init=False)
+    _mixed: set[Value] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Finds what is computed from pitches."""
+        self._known = Polynomials(self.function, pitches=True)
+        self._mixed = _from_pitches(self.function)
+
+    def polynomial(self, value: Value) -> Polynomial:
+        """Of any value; pitches are values of their own."""
+        return self._known.of(value)
+
+    def of(self, access: Instr) -> tuple[Polynomial, ...] | None:
+        """One for each dimension if it is an element of a parameter by as many subscripts, which
+        are in their bounds then; one, the index, of any other access. None: neither is known.
+        """
+        index = self._known.of(access.operands[1])
+        found = [value for monomial in index.terms for value in monomial]
+        if any(value in self._mixed for value in found):
+            return None
+        pitched = any(is_pitch(value) for value in found)
+        axes = self._axes(access.array)
+        if axes == 1 or not (pitched or access.subscript):
+            return None if pitched else (index,)
+        steps = [
+            frozenset[Value](pitch_of(access.array, m) for m in range(n + 1, axes))
+            for n in range(axes)
+        ]
+        parts: list[dict[tuple[Value, ...], int]] = [{} for _ in steps]
+        for monomial, factor in index.terms.items():
+            pitches = [value for value in monomial if is_pitch(value)]
+            if len(set(pitches)) < len(pitches) or frozenset(pitches) not in steps:
+                return None
+            rest = tuple(value for value in monomial if value not in pitches)
+            parts[steps.index(frozenset(pitches))][rest] = factor
+        return tuple(Polynomial(part) for part in parts)
+
+    def _axes(self, array: str) -> int:
+        param = next((p for p in self.function.params if p.name == array), None)
+        return 1 if param is None else param.ndim
+
+
+@once_within
+def subscripts_of(function: Function) -> Subscripts:
+    """Those of a function, found once for it."""
+    return Subscripts(function)
+
+
+def _from_pitches(function: Function) -> set[Value]:
+    """Values computed from pitches; not what is loaded where they lead."""
+    reads: dict[Value, list[Value]] = {}
+    for block in function.blocks:
+        for item in block.items:
+            operands = (
+                tuple(value for _, value in item.incoming)
+                if isinstance(item, Phi)
+                else ()
+                if item.op in MEMORY
+                else item.operands
+            )
+            for value in operands:
+                reads.setdefault(value, []).append(Ref(item.id))
+    found: set[Value] = set()
+    work = [value for value in reads if is_pitch(value)]
+    while work:
+        for reader in reads.get(work.pop(), ()):
+            if reader not in found:
+                found.add(reader)
+                work.append(reader)
+    return found
