@@ -111,6 +111,12 @@ def carried(a, x, n):
 
 
 @kernel(COLUMNS)
+def carried_backwards(a, x, n):
+    for j in range(1, a.shape[1]):
+        a[0, a.shape[1] - 1 - j] = a[0, a.shape[1] - j] * TWO
+
+
+@kernel(COLUMNS)
 def diagonal(a, x, n):
     for i in range(a.shape[0] - 1):
         for j in range(min(a.shape[0], a.shape[1])):
@@ -164,6 +170,7 @@ def clamped(a, x, n):
 DEPENDENT = (
     from_the_end,
     carried,
+    carried_backwards,
     diagonal,
     at_the_edge,
     flat,

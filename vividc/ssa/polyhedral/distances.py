@@ -27,6 +27,8 @@ from vividc.ssa.ir import Const, Function, Input, Instr, Value, definition_of, i
 from vividc.ssa.polyhedral.subscripts import Subscripts, subscripts_of
 from vividc.ssa.polyhedral.values import Expression, Expressions
 
+_MOST_SEARCHES: Final = 150
+"""Pairs of accesses of one loop, or of all straight code, that isl is asked about."""
 _STEEP: Final = 1 << 15
 """Words that move by less wrap after more iterations than any schedule has under way."""
 _WORDS: Final = 1 << 32
@@ -52,7 +54,8 @@ class Distances:
     earlier
         The least number from 1 on after which the first touches what the second has touched.
     assumed
-        They may, for all that is known.
+        They may, for all that is known: whether they do depends on parameters, or it took too long
+        to find out.
     """
 
     later: int | None = None
@@ -128,6 +131,8 @@ class Meetings:
     def _searched(self, first: Place, second: Place, *, now: bool) -> Distances | None:
         """As isl finds them."""
         if (first, second) not in self._found:
+            if len(self._found) == _MOST_SEARCHES:
+                return None
             self._found[first, second] = None
             with _bounded(self.most_operations):
                 self._found[first, second] = self._ends(first, second, int(not now))
@@ -142,10 +147,14 @@ class Meetings:
         met = mine.apply_range(theirs.reverse())
         if self.loop is None:
             return Distances(None if met.is_empty() else least, assumed=True)
-        apart = met.deltas().project_out_all_params()
-        later = _least(apart.lower_bound_val(isl.dim_type.set, 0, isl.Val(least)))
-        back = apart.upper_bound_val(isl.dim_type.set, 0, isl.Val(-1))
-        return Distances(later, _least(back.neg()), assumed=True)
+        apart = met.deltas()
+        known = apart.project_out_all_params()
+        later = _least(known.lower_bound_val(isl.dim_type.set, 0, isl.Val(least)))
+        earlier = _least(known.upper_bound_val(isl.dim_type.set, 0, isl.Val(-1)).neg())
+        ends = [later] if later is not None else []
+        ends += [-earlier] if earlier is not None else []
+        run = mine.domain(), theirs.domain()
+        return Distances(later, earlier, assumed=not all(_always(apart, *run, k) for k in ends))
 
     def _in_bytes(self, place: Place) -> tuple[Polynomial, ...] | None:
         """Subscripts times the bytes from one index to the next; the last with the offset."""
@@ -319,6 +328,15 @@ def _window(gap: int, stride: int, width: int, other: int) -> tuple[int, int]:
         low, high = _window(gap, -stride, width, other)
         return -high, -low
     return (-other - gap) // stride + 1, -((gap - width) // stride) - 1
+
+
+def _always(apart: isl.Set, first: isl.Set, second: isl.Set, later: int) -> bool:
+    """Whether accesses `later` iterations apart meet whenever both run so, whatever the parameters
+    are.
+    """
+    move = isl.Map.read_from_str(apart.get_ctx(), f"{{ [i] -> [i - {later}] }}")
+    met = apart.fix_val(isl.dim_type.set, 0, isl.Val(later)).params()
+    return bool(first.intersect(second.apply(move)).params().is_subset(met))
 
 
 def _subscripts(accessed: isl.Map) -> int:
