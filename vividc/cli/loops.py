@@ -68,6 +68,12 @@ _OPTIONS: Final = (
         metavar="N",
         help="Run N iterations of the loop over prange side by side, 1 to 8.  [default: what pays]",
     ),
+    click.option(
+        "--restructure/--no-restructure",
+        "restructure",
+        default=False,
+        help="Give nests of affine loops another order and tiles for registers, where it pays.",
+    ),
 )
 
 
@@ -83,13 +89,14 @@ def loop_options(command: Callable[..., None]) -> Callable[..., None]:
         flatten: tuple[int, ...],
         no_flatten: tuple[int, ...],
         threads: int | None,
+        restructure: bool,
         **rest: Any,
     ) -> None:
         both = sorted({*flatten} & {*no_flatten})
         if both:
             raise click.UsageError(f"--flatten {both[0]} and --no-flatten {both[0]}: choose one")
         choices = dict.fromkeys(flatten, True) | dict.fromkeys(no_flatten, False)
-        command(loops=LoopOptions(auto, unroll, jam, choices, threads), **rest)
+        command(loops=LoopOptions(auto, unroll, jam, choices, threads, restructure), **rest)
 
     for option in reversed(_OPTIONS):
         option(with_loops)

@@ -72,6 +72,22 @@ def test_accumulations_of_rows_run_side_by_side() -> None:
     assert factor >= 4
 
 
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[:, ::1])")
+def multiplied(c, a, b):
+    """c += a @ b, with the rows of b innermost."""
+    for i in range(c.shape[0]):
+        for k in range(a.shape[1]):
+            for j in range(c.shape[1]):
+                c[i, j] += a[i, k] * b[k, j]
+
+
+def test_a_nest_is_restructured_if_that_is_asked_for() -> None:
+    assert "restructuring" not in [kind for kind, _ in chosen(multiplied)]
+    stages = plan(multiplied, restructure=True).stages
+    assert "restructuring" in [stage.decision.kind for stage in stages if stage.decision]
+    assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
+
+
 def test_a_recurrence_is_left_alone() -> None:
     assert chosen(running) == []
     assert plan(running).stages[0].state.function is running.lower()

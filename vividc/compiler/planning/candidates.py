@@ -21,7 +21,9 @@ from vividc.ssa.rewrite.peel import peel
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
-Kind = Literal["full unrolling", "unrolling", "unroll-and-jam", "flattening", "threads"]
+Kind = Literal[
+    "full unrolling", "unrolling", "unroll-and-jam", "flattening", "threads", "restructuring"
+]
 
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.restructure import restructured
 from vividc.errors import KernelError, SourceLoc, TimeLimit
 from vividc.host import time_limit
 from vividc.ssa.analysis.constant_trips import constant_trips
@@ -35,6 +36,7 @@ _GAIN = {
     "unrolling": 0.9,
     "flattening": 0.85,
     "threads": 0.9,
+    "restructuring": 0.9,
 }
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
@@ -181,6 +183,8 @@ class _Chooser:
         if self.options.threads is None:
             for header in self._parallel():
                 self._climb_threads(header)
+        for header in self._outermost() if self.options.restructure else ():
+            self._restructure(header)
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
         self._flatten()
@@ -198,6 +202,34 @@ class _Chooser:
             return
         reason = f"iterations may meet in {array}: ask for threads if they do not"
         self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
+
+    def _restructure(self, header: str) -> None:
+        """Gives the loops of a static-control part another order, and tiles for registers."""
+        base = self.now
+        trips = expected_trips(base.state.function, base.state.hints)
+        done = restructured(base.state, header, self.estimator, trips)
+        if isinstance(done, Refusal):
+            self._note(base, Candidate("restructuring", header), None, done.reason)
+            return
+        candidate = Candidate("restructuring", header, done.factor)
+        reason = self._objection(base, candidate, done.estimate)
+        decision = self._note(base, candidate, done.estimate, reason)
+        if not reason:
+            self._accept(Stage(done.state, done.estimate, decision))
+
+    def _outermost(self) -> list[str]:
+        """Headers of loops in no other one, with nothing in them that the user decided."""
+        loops = find_loops(self.now.state.function)
+        outer = [
+            loop
+            for loop in loops
+            if not any(loop.header in o.blocks and o.header != loop.header for o in loops)
+        ]
+        return [
+            loop.header
+            for loop in outer
+            if not any(header in loop.blocks for header in self.fixed | self.now.state.made)
+        ]
 
     def _flatten(self) -> None:
         """Flattens nests of two loops, then what has become one by that."""

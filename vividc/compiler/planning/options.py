@@ -35,6 +35,9 @@ class LoopOptions:
     threads
         Iterations of the loop over `numba.prange` that a tile runs side by side, 1 to 8, each with
         loops and exits of its own. None: as many as the estimate says pay, if `auto`.
+    restructure
+        Give nests of affine loops another order, and tiles for registers, where the estimate says
+        that it pays, if `auto`. Choosing takes seconds more.
 
     Raises
     ------
@@ -47,9 +50,11 @@ class LoopOptions:
     jam: Mapping[int, int] = field(default_factory=dict)
     flatten: Mapping[int, bool] = field(default_factory=dict)
     threads: int | None = None
+    restructure: bool = False
 
     def __post_init__(self) -> None:
         demand_type(self.auto, bool, "auto", "give True or False")
+        demand_type(self.restructure, bool, "restructure", "give True or False")
         for name, values, hint in (
             ("unroll", _FACTORS, _FACTOR_HINT),
             ("jam", _FACTORS, _FACTOR_HINT),

@@ -1,6 +1,8 @@
-"""Exact sets of iterations: words as isl's expressions of a nest's iteration indices, and which
-iterations of an access meet which of another.
+"""Nests of affine loops: which iterations meet in memory, exactly, and other orders of them.
 
-In order: `values` (expressions, domains of blocks), `subscripts` (of accesses, recovered from flat
-indices), `distances` (between iterations whose accesses touch one byte).
+In order: `values` (words as isl's expressions, domains of blocks), `subscripts` (of accesses,
+recovered from flat indices), `distances` (between iterations whose accesses touch one byte).
+To restructure: `forms` (integers as sums), `scop` (static-control parts are found), `relations`
+(dependences), `schedule` (trees of loops), `search` (trees worth trying), `loops` (what isl makes
+of a tree), `places` (which accesses meet), `words` (integers as instructions), `generate` (SSA).
 """

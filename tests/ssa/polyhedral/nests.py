@@ -1,0 +1,167 @@
+"""Random affine nests in SSA: imperfect, triangular, descending, with scalars that loops carry."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.params import DType, Param
+from vividc.machine.words import WORD_MASK
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value, pitch_of
+
+SIDE = 24
+"""Rows and columns of `b`; `a` has as many words as it."""
+
+_DEPTH = 3
+_PARAMS = (Param("a", DType.I32, 1), Param("b", DType.I32, 2), Param("n", DType.I32, 0))
+
+
+@dataclass
+class _Builder:
+    """Writes blocks; `counters` are the values of the loops around, `scalars` what they carry."""
+
+    chance: random.Random
+    blocks: list[Block] = field(default_factory=list)
+    name: str = "entry"
+    phis: tuple[Phi, ...] = ()
+    instrs: list[Instr] = field(default_factory=list)
+    counters: list[Value] = field(default_factory=list)
+    scalars: list[Value] = field(default_factory=lambda: [Const(3), Const(5)])
+    ids: int = 0
+    names: int = 0
+
+    def new(self) -> int:
+        self.ids += 1
+        return self.ids
+
+    def emit(self, op: Opcode, *operands: Value, exact: bool = False) -> Value:
+        kind = Type.PRED if op.value.startswith("icmp") else Type.I32
+        self.instrs.append(Instr(self.new(), op, kind, operands, exact=exact))
+        return Ref(self.ids)
+
+    def close(self, branch: Branch) -> str:
+        self.blocks.append(Block(self.name, self.phis, tuple(self.instrs), branch))
+        return self.name
+
+    def open(self, name: str, phis: tuple[Phi, ...] = ()) -> None:
+        self.name, self.phis, self.instrs = name, phis, []
+
+    def fresh(self, stem: str) -> str:
+        self.names += 1
+        return f"{stem}{self.names}"
+
+    def body(self, depth: int) -> None:
+        """Statements, and loops in between."""
+        for _ in range(self.chance.randint(1, 3 if depth else 2)):
+            if depth < _DEPTH and self.chance.random() < (0.9 if not depth else 0.5):
+                self.loop(depth)
+            elif depth:
+                self.statement()
+
+    def statement(self) -> None:
+        """A load, a store, or arithmetic on a scalar."""
+        which = self.chance.randrange(len(self.scalars))
+        kind = self.chance.choice(["load", "store", "update", "mix"])
+        if kind == "mix":
+            value = self.emit(Opcode.MUL, self.scalars[which], Const(5))
+            self.scalars[which] = self.emit(Opcode.ADD, value, self.chance.choice(self.counters))
+            return
+        array, index, offset, subscript = self.element()
+        base = Input(f"&{array}")
+        if kind in ("load", "update"):
+            load = Instr(self.new(), Opcode.LOAD, Type.I32, (base, index), array, 2, offset)
+            load = replace(load, subscript=subscript)
+            self.instrs.append(load)
+            self.scalars[which] = self.emit(Opcode.ADD, self.scalars[which], Ref(load.id))
+        if kind in ("store", "update"):
+            operands = (base, index, self.scalars[which])
+            store = Instr(self.new(), Opcode.STORE, Type.NONE, operands, array, 2, offset)
+            self.instrs.append(replace(store, subscript=subscript))
+
+    def element(self) -> tuple[str, Value, int, tuple[int | None, ...]]:
+        """An array, the index of an element of it, an offset in bytes, constant subscripts."""
+        offset = 4 * self.chance.randint(0, 2)
+        if self.chance.random() < 0.5:
+            return "a", self.subscript(most=2), offset, ()
+        row = self.subscript(most=1)
+        known = (row.word, None) if isinstance(row, Const) else ()
+        row = self.emit(Opcode.MUL, row, pitch_of("b", 1))
+        return "b", self.emit(Opcode.ADD, row, self.subscript(most=1)), offset, known
+
+    def subscript(self, most: int) -> Value:
+        """A sum of counters, or one that falls, and a constant."""
+        total: Value = Const(self.chance.randint(0, 3))
+        for counter in self.chance.sample(self.counters, min(2, len(self.counters))):
+            factor = self.chance.randint(0, most)
+            if factor:
+                scaled = self.emit(Opcode.MUL, counter, Const(factor))
+                total = self.emit(Opcode.ADD, total, scaled)
+        if self.chance.random() < 0.2:
+            total = self.emit(Opcode.SUB, Const(SIDE - 4), self.chance.choice(self.counters))
+        return total
+
+    def bound(self) -> Value:
+        """A constant, a parameter, a counter, or one beside it."""
+        choice = self.chance.randrange(4)
+        if choice == 0 or (choice > 1 and not self.counters):
+            return Const(self.chance.randint(0, 5))
+        if choice == 1:
+            return Input("n")
+        counter = self.chance.choice(self.counters)
+        if choice == 2:
+            return counter
+        return self.emit(Opcode.ADD, counter, Const(1), exact=True)
+
+    def loop(self, depth: int) -> None:
+        """for x in range(first, limit), upwards or downwards, up to the limit or below it."""
+        first, limit = self.bound(), self.bound()
+        down, inclusive = self.chance.random() < 0.25, self.chance.random() < 0.25
+        if down:
+            first, limit = limit, first
+        before, header = self.close_into("header")
+        counter, carried = self.new(), [self.new() for _ in self.scalars]
+        entered = list(self.scalars)
+        self.open(header)
+        ends = (limit, Ref(counter)) if down else (Ref(counter), limit)
+        test = self.emit(Opcode.ICMP_SLE if inclusive else Opcode.ICMP_SLT, *ends)
+        head, body, after = tuple(self.instrs), self.fresh("body"), self.fresh("after")
+        place = len(self.blocks)
+        self.counters.append(Ref(counter))
+        self.scalars = [Ref(ident) for ident in carried]
+        self.open(body)
+        self.body(depth + 1)
+        step = Const((-1 if down else 1) & WORD_MASK)
+        following = self.emit(Opcode.ADD, Ref(counter), step, exact=True)
+        latch = self.close(Branch(header))
+        phis = [Phi(counter, Type.I32, ((before, first), (latch, following)))]
+        for ident, old, new in zip(carried, entered, self.scalars, strict=True):
+            phis.append(Phi(ident, Type.I32, ((before, old), (latch, new))))
+        self.blocks.insert(place, Block(header, tuple(phis), head, Branch(body, test, after)))
+        self.counters.pop()
+        self.scalars = [Ref(ident) for ident in carried]
+        self.open(after)
+
+    def close_into(self, stem: str) -> tuple[str, str]:
+        name = self.fresh(stem)
+        return self.close(Branch(name)), name
+
+
+def random_nest(seed: int) -> Function:
+    """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays."""
+    builder = _Builder(random.Random(seed))
+    builder.body(0)
+    for place, value in enumerate(builder.scalars):
+        operands = (Input("&a"), Const(SIDE * SIDE - 1 - place), value)
+        builder.instrs.append(Instr(builder.new(), Opcode.STORE, Type.NONE, operands, "a", 2, 0))
+    builder.close(Branch())
+    return Function("nest", _PARAMS, tuple(builder.blocks))
+
+
+def arguments(seed: int, n: int) -> tuple[np.ndarray, np.ndarray, int]:
+    """Arrays with small numbers."""
+    numbers = np.random.default_rng(seed)
+    a = numbers.integers(-50, 50, SIDE * SIDE, dtype=np.int32)
+    return a, numbers.integers(-50, 50, (SIDE, SIDE), dtype=np.int32), n

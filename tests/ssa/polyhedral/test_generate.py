@@ -1,0 +1,87 @@
+"""What is generated from a legal tree means what the part meant, whatever the tree."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+from tests.ssa.polyhedral.nests import arguments, random_nest
+from vividc.ssa.analysis.levels import with_own_latches
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.interpret import interpret
+from vividc.ssa.ir import Function
+from vividc.ssa.polyhedral.generate import generate
+from vividc.ssa.polyhedral.loops import loops_of
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
+from vividc.ssa.polyhedral.scop import Scop, find_scop
+from vividc.ssa.polyhedral.search import describe, is_legal, loops_in, orders, with_factors
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+
+def parts_of(function: Function) -> list[Scop]:
+    """Static-control parts of the outermost loops."""
+    loops = find_loops(function)
+    outer = [o for o in loops if not any(o.header in p.blocks and p is not o for p in loops)]
+    found = (find_scop(with_own_latches(function, loop.header), loop.header) for loop in outer)
+    return [scop for scop in found if isinstance(scop, Scop)]
+
+
+def demand_same(before: Function, after: Function, what: str) -> None:
+    assert check_function(after) == [], what
+    for n in (0, 1, 2, 5):
+        old, new = arguments(n, n), arguments(n, n)
+        interpret(before, *old)
+        interpret(after, *new)
+        same = all(np.array_equal(x, y) for x, y in zip(old[:2], new[:2], strict=True))
+        assert same, f"{what}, n = {n}"
+
+
+def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: int) -> list[Loop]:
+    """Legal trees of a part, with random factors."""
+    trees = orders(tree_of(scop), relations)
+    chosen = []
+    for tree in chance.sample(trees, min(most, len(trees))):
+        chosen.append(tree)
+        paths = [path for path, _ in loops_in(tree)]
+        for _ in range(2):
+            some = chance.sample(paths, min(len(paths), chance.randint(1, 2)))
+            jammed = with_factors(tree, {path: chance.choice([2, 3, 4]) for path in some})
+            if is_legal(jammed, relations):
+                chosen.append(jammed)
+    return chosen
+
+
+def demand_trees_mean_the_same(seed: int, most: int = 3) -> int:
+    """How many trees were generated of a random nest."""
+    function = tidy(random_nest(seed))
+    count = 0
+    for scop in parts_of(function):
+        relations = Relations(scop)
+        for tree in some_trees(scop, relations, random.Random(seed), most):
+            loops = loops_of(schedule_of(tree, relations), relations)
+            made = loops if isinstance(loops, Refusal) else generate(scop, loops)
+            if isinstance(made, Refusal):
+                continue
+            count += 1
+            demand_same(function, tidy(made.function), f"seed {seed}: {describe(tree)}")
+    return count
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_trees(seed: int) -> None:
+    demand_trees_mean_the_same(seed)
+
+
+def test_many_nests_are_parts() -> None:
+    assert sum(bool(parts_of(tidy(random_nest(seed)))) for seed in range(40)) > 25
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40, 1040))
+def test_more_random_trees(seed: int) -> None:
+    demand_trees_mean_the_same(seed, most=10)

@@ -1,0 +1,165 @@
+"""Static-control parts are given other loops: interchanged, fused, tiled for registers.
+
+Every tree of loops that is tried is legal by exact dependences; the estimate chooses among them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from vividc.compiler.planning.candidates import MOST_INSTRUCTIONS, State
+from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.host import time_limit
+from vividc.ssa.analysis.levels import with_own_latches
+from vividc.ssa.polyhedral.generate import generate
+from vividc.ssa.polyhedral.loops import expected_trips, loops_of
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
+from vividc.ssa.polyhedral.scop import Scop, find_scop
+from vividc.ssa.polyhedral.search import Path, describe, groups, orders, with_factors
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+_PAIRS = ((4, 4), (5, 5), (8, 4), (4, 8), (8, 2), (2, 8), (1, 4), (1, 8))
+_SINGLES = (4, 8, 2, 16)
+"""Factors that are tried of one loop, and of a loop and one inside it: a PE array of 4x4 has no use
+for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
+"""
+
+_ORDERS = 2
+"""So many orders of loops are tried with all factors: those that 4 by 4, or 8, makes fastest."""
+
+_MOST_TRIES = 24
+"""Trees of one part; each takes 0.1 to 0.3 s."""
+
+
+@dataclass(frozen=True)
+class Restructured:
+    """A state with other loops, what is estimated of it, and the tree in a line."""
+
+    state: State
+    estimate: Estimate
+    tree: str
+    factor: int
+
+
+def restructured(
+    state: State, header: str, estimator: Estimator, trips: Mapping[str, float]
+) -> Restructured | Refusal:
+    """The best loops for the part at `header`."""
+    function = with_own_latches(state.function, header)
+    scop = find_scop(function, header)
+    if isinstance(scop, Refusal):
+        return scop
+    if all(len(statement.dims) == 1 for statement in scop.statements):
+        return Refusal("it is one loop, not a nest")
+    climb = _Climb(state, scop, estimator, trips)
+    found = climb.best()
+    return Refusal("no other loops can be generated") if found is None else found
+
+
+@dataclass
+class _Climb:
+    state: State
+    scop: Scop
+    estimator: Estimator
+    trips: Mapping[str, float]
+    _tried: dict[str, Restructured | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.relations = Relations(self.scop)
+        self.symbols = self._lengths()
+
+    def best(self) -> Restructured | None:
+        """The tree with the fewest estimated cycles."""
+        ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
+        for tree in orders(tree_of(self.scop), self.relations):
+            jammed = groups(tree, self.relations)
+            first = with_factors(tree, dict(self._first(jammed)))
+            tried = [made for made in (self._try(tree), self._try(first)) if made is not None]
+            if tried:
+                cycles = min(one.estimate.cycles for one in tried)
+                ranked.append((cycles, len(ranked), tree, jammed))
+        ranked.sort(key=lambda one: one[:2])
+        for _, _, tree, jammed in ranked[:_ORDERS]:
+            self._climb(tree, jammed)
+        made = [one for one in self._tried.values() if one is not None]
+        return min(made, key=lambda one: one.estimate.cycles, default=None)
+
+    def _first(self, jammed: list[tuple[Path, ...]]) -> Iterator[tuple[Path, int]]:
+        for group in jammed:
+            if len(group) > 1:
+                yield from ((path, 4) for path in group)
+            else:
+                yield group[0], 8
+
+    def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
+        chosen: dict[Path, int] = {}
+        for group in jammed:
+            best = self._cycles(with_factors(tree, chosen))
+            kept: dict[Path, int] = {}
+            for factors in self._choices(group):
+                now = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
+                cycles = self._cycles(with_factors(tree, {**chosen, **now}))
+                if cycles < best:
+                    best, kept = cycles, now
+            chosen |= kept
+
+    def _choices(self, group: tuple[Path, ...]) -> Iterator[tuple[int, ...]]:
+        yield from _PAIRS if len(group) > 1 else ((factor,) for factor in _SINGLES)
+
+    def _cycles(self, tree: Loop) -> float:
+        made = self._try(tree)
+        return math.inf if made is None else made.estimate.cycles
+
+    def _try(self, tree: Loop) -> Restructured | None:
+        name = describe(tree)
+        if name not in self._tried and len(self._tried) < _MOST_TRIES:
+            time_limit.step("loops were restructured")
+            self._tried[name] = self._made(tree, name)
+        return self._tried.get(name)
+
+    def _made(self, tree: Loop, name: str) -> Restructured | None:
+        loops = loops_of(schedule_of(tree, self.relations), self.relations)
+        if isinstance(loops, Refusal):
+            return None
+        made = generate(self.scop, loops)
+        if isinstance(made, Refusal):
+            return None
+        function = tidy(made.function)
+        if sum(len(block.instrs) for block in function.blocks) > MOST_INSTRUCTIONS:
+            return None
+        expected = expected_trips(loops, self.symbols)
+        hints = {new: expected[loop.code.name] for new, loop in made.loops.items()}
+        origins = {
+            new: self.state.origin.get(loop.origin, loop.origin) for new, loop in made.loops.items()
+        }
+        scale = {
+            new: self.state.scale.get(loop.origin, 1) * loop.code.step
+            for new, loop in made.loops.items()
+        }
+        state = State(
+            function,
+            {**self.state.hints, **hints},
+            self.state.made | hints.keys(),
+            {**self.state.origin, **origins},
+            {**self.state.scale, **scale},
+        )
+        estimate = self.estimator.estimate(function, state.hints)
+        factor = max((loop.code.step for loop in made.loops.values()), default=1)
+        return Restructured(state, estimate, name, factor)
+
+    def _lengths(self) -> dict[str, float]:
+        """What symbols are assumed to be, so that loops have the trips that are expected."""
+        lengths = dict.fromkeys(self.scop.symbols, 16.0)
+        for statement in self.scop.statements:
+            for dim in statement.dims:
+                first, limit = dim.bounds
+                if len(limit.terms) == 1 and not first.terms:
+                    [(name, factor)] = limit.terms
+                    if factor == 1 and name in lengths:
+                        expected = self.trips.get(dim.header, 16.0)
+                        lengths[name] = expected + first.constant - limit.constant
+        return lengths

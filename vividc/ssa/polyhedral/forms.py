@@ -1,0 +1,56 @@
+"""Integer forms: constants times names, plus a constant; what subscripts and bounds are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """Sum of factor * name over `terms` (sorted by name, no factor is 0), plus `constant`."""
+
+    terms: tuple[tuple[str, int], ...] = ()
+    constant: int = 0
+
+    def plus(self, other: Form, factor: int = 1) -> Form:
+        """self + factor * other."""
+        terms = dict(self.terms)
+        for name, count in other.terms:
+            terms[name] = terms.get(name, 0) + factor * count
+        return form(terms, self.constant + factor * other.constant)
+
+    def times(self, factor: int) -> Form:
+        """factor * self."""
+        return Form().plus(self, factor)
+
+    def substituted(self, values: Mapping[str, Form]) -> Form:
+        """The form with forms in place of names."""
+        result = Form((), self.constant)
+        for name, factor in self.terms:
+            result = result.plus(values.get(name, symbol(name)), factor)
+        return result
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The names that occur."""
+        return frozenset(name for name, _ in self.terms)
+
+    def __str__(self) -> str:
+        """As isl reads it."""
+        parts = [f"{factor}*{name}" for name, factor in self.terms]
+        return " + ".join((*parts, f"({self.constant})"))
+
+
+def form(terms: Mapping[str, int], constant: int = 0) -> Form:
+    """The form with these factors by name."""
+    return Form(tuple(sorted((n, f) for n, f in terms.items() if f)), constant)
+
+
+def symbol(name: str) -> Form:
+    """The form of one name."""
+    return Form(((name, 1),))
+
+
+ZERO = Form()
+"""The form of 0."""

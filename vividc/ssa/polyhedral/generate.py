@@ -1,0 +1,397 @@
+"""From the loops of a schedule back to SSA, with values kept in registers.
+
+What was loaded or stored is known until something that may be the same element is stored. What a
+loop reads and writes at one place in all its iterations is carried by a phi, loaded before it and
+stored after (Callahan, Carr and Kennedy, "Improving register allocation for subscripted variables",
+1990). Stores wait until an iteration ends, or something may meet them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.ssa.edit import (
+    FreshIds,
+    block_of,
+    first_free,
+    incoming,
+    rename_incoming,
+    retarget,
+    substitute,
+)
+from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Ref, Value, pitch_of
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
+from vividc.ssa.polyhedral.places import Accessed, Place, Places
+from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.words import Words
+from vividc.ssa.rewrite.refusal import Refusal
+
+
+@dataclass(frozen=True)
+class Made:
+    """A generated loop: the header of the loop of the part that it comes from, and its code."""
+
+    origin: str
+    code: For
+
+
+@dataclass(frozen=True)
+class Generated:
+    """A function with other loops in place of a part; `loops` are the new ones by header."""
+
+    function: Function
+    loops: Mapping[str, Made]
+
+
+@dataclass(frozen=True)
+class _Known:
+    """The value of a place. `store`: what has not been stored yet, by the store that it comes
+    from; `when`: the value was loaded under this predicate, and is stored under it.
+    """
+
+    value: Value
+    store: Instr | None = None
+    when: Value | None = None
+
+
+class _Unkept(Exception):
+    pass
+
+
+def generate(scop: Scop, loops: Loops) -> Generated | Refusal:
+    """The function of a part with these loops in its place.
+
+    Refused: a scalar whose next reader is in another loop, where no register keeps it.
+    """
+    try:
+        return _Writer(scop, loops).generated()
+    except _Unkept as reason:
+        return Refusal(str(reason))
+
+
+class _Writer:
+    def __init__(self, scop: Scop, loops: Loops) -> None:
+        self.scop = scop
+        self.loops = loops
+        self.places = Places(scop, loops)
+        self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
+        self.known: dict[Place, _Known] = {}
+        self.made: dict[str, Made] = {}
+        self._taken = {block.name for block in scop.function.blocks}
+        self._types = {i.id: i.type for block in scop.function.blocks for i in block.items}
+        self._blocks: list[Block] = []
+        self._name = ""
+        self._phis: tuple[Phi, ...] = ()
+        self._certain: list[Accessed] = []
+
+    def generated(self) -> Generated:
+        """The whole function."""
+        scop = self.scop
+        header = block_of(scop.function, scop.loop.header)
+        self.words.loc = header.branch.loc
+        first = self._open(self._fresh("part"))
+        carried = [phi for phi in header.phis if scop.depth.get(phi.id) == 0]
+        for phi in carried:
+            self.known[Place(phi.id, ())] = _Known(incoming(phi, scop.entry))
+        self._all(self.loops.code)
+        self._store_all()
+        last = self._name
+        self._close(Branch(scop.exit, loc=header.branch.loc))
+        finals = {phi.id: self.known[Place(phi.id, ())].value for phi in carried}
+        return Generated(substitute(self._spliced(first, last), finals), self.made)
+
+    def _spliced(self, first: str, last: str) -> Function:
+        scop = self.scop
+        blocks: list[Block] = []
+        for block in scop.function.blocks:
+            if block.name == scop.loop.header:
+                blocks += self._blocks
+            if block.name in scop.loop.blocks:
+                continue
+            branch, phis = block.branch, block.phis
+            if block.name == scop.entry:
+                branch = retarget(branch, scop.loop.header, first)
+            if block.name == scop.exit:
+                phis = tuple(rename_incoming(phi, scop.loop.header, last) for phi in phis)
+            blocks.append(replace(block, branch=branch, phis=phis))
+        return replace(scop.function, blocks=tuple(blocks))
+
+    # Blocks
+
+    def _fresh(self, stem: str) -> str:
+        name = first_free(self._taken, stem)
+        self._taken.add(name)
+        return name
+
+    def _open(self, name: str, phis: tuple[Phi, ...] = ()) -> str:
+        self._name, self._phis = name, phis
+        self.words.instrs = []
+        return name
+
+    def _close(self, branch: Branch) -> None:
+        self._blocks.append(Block(self._name, self._phis, tuple(self.words.instrs), branch))
+
+    # Code
+
+    def _all(self, code: tuple[Code, ...]) -> None:
+        self._certain.append(self.places.accessed(c for c in code if isinstance(c, Run)))
+        for item in code:
+            if isinstance(item, Run):
+                _Running(self, item).write()
+            elif isinstance(item, For):
+                self._for(item)
+            else:
+                self._if(item)
+        self._certain.pop()
+
+    def _for(self, loop: For) -> None:
+        origin = self._origin(loop)
+        self.words.loc = loc = block_of(self.scop.function, origin).branch.loc
+        first = self.words.extreme(loop.first, Opcode.SMAX)
+        limit = self.words.extreme(loop.limit, Opcode.SMIN)
+        sure = {place for place, known in self.known.items() if known.when is not None}
+        carried = self._carried(loop, first, limit)
+        before, header = self._name, self._fresh("part.loop")
+        body, after = self._fresh(f"{header}.body"), self._fresh(f"{header}.after")
+        self._close(Branch(header, loc=loc))
+        self.made[header] = Made(origin, loop)
+        counter, phis = self.words.ids(), {place: self.words.ids() for place in carried}
+        self._open(header)
+        stays = self.words.emit(Opcode.ICMP_SLT, Ref(counter), limit)
+        test = tuple(self.words.instrs)
+        position = len(self._blocks)
+        outside = dict(self.known)
+        for place, ident in phis.items():
+            self.known[place] = replace(carried[place], value=Ref(ident))
+        self._open(body)
+        next_counter = self._body(loop, Ref(counter), phis)
+        latch = self._name
+        self._close(Branch(header, loc=loc))
+        made = [Phi(counter, Type.I32, ((before, first), (latch, next_counter)), loc)]
+        for place, ident in phis.items():
+            values = ((before, carried[place].value), (latch, self.known[place].value))
+            made.append(Phi(ident, self._type(place), values, loc))
+        head = Block(header, tuple(made), test, Branch(body, stays, after, loc=loc))
+        self._blocks.insert(position, head)
+        self._open(after)
+        last = {place: (Ref(i), self.known[place]) for place, i in phis.items()}
+        self._leave(outside, sure, last)
+
+    def _body(self, loop: For, counter: Ref, phis: Mapping[Place, int]) -> Value:
+        """One iteration; the counter of the next."""
+        entered = dict(self.known)
+        self.words.names[loop.name] = counter
+        self.words.order.append(loop.name)
+        self._all(loop.body)
+        for place, known in list(self.known.items()):
+            if known.store is not None and place not in phis and known != entered.get(place):
+                self._store(place)
+        self.words.order.pop()
+        following = self.words.emit(Opcode.ADD, counter, loop.step, exact=True)
+        del self.words.names[loop.name]
+        self.words.forget((loop.name,))
+        return following
+
+    def _leave(
+        self,
+        outside: dict[Place, _Known],
+        sure: set[Place],
+        carried: Mapping[Place, tuple[Value, _Known]],
+    ) -> None:
+        """After a loop: what it carried is its last value. What it has loaded only if it runs, but
+        for what loops around it have (`sure`), is stored, and then not known.
+        """
+        self.known = dict(outside)
+        for place, (value, last) in carried.items():
+            self.known[place] = replace(last, value=value)
+        for place, known in list(self.known.items()):
+            if known.when is not None and place not in sure:
+                if known.store is not None:
+                    self._store(place)
+                del self.known[place]
+
+    def _carried(self, loop: For, first: Value, limit: Value) -> dict[Place, _Known]:
+        """What the loop carries in phis. Before it, stores are made that it may meet, what it may
+        change is forgotten, and elements at fixed places are loaded.
+        """
+        accessed = self.places.accessed(loop.body)
+        fixed = list(self.places.fixed(loop, accessed))
+        self._settle(accessed, fixed)
+        runs: Value | None = None
+        for place in fixed:
+            if place in self.known or place not in accessed.loads:
+                continue
+            instr = accessed.loads[place]
+            if any(place in sure.written for sure in self._certain):
+                self.known[place] = _Known(self.load(instr, place))
+                continue
+            runs = runs or self.words.emit(Opcode.ICMP_SLT, first, limit)
+            self.known[place] = _Known(self.load(instr, place, runs), None, runs)
+        return {p: self.known[p] for p in fixed if accessed.written[p] and p in self.known}
+
+    def _settle(self, accessed: Accessed, fixed: list[Place]) -> None:
+        for place in [p for p in self.known if not p.is_scalar and p not in fixed]:
+            meets = [other for other in accessed.written if self.places.may_meet(place, other)]
+            if meets and self.known[place].store is not None:
+                self._store(place)
+            if any(accessed.written[other] for other in meets):
+                del self.known[place]
+
+    def _if(self, item: If) -> None:
+        self._store_all()
+        loc = self.words.loc
+        condition = self.words.test(item.test)
+        before, names = dict(self.known), dict(self.words.names)
+        then, otherwise, join = (self._fresh(f"part.{stem}") for stem in ("then", "else", "join"))
+        self._close(Branch(then, condition, otherwise, loc=loc))
+        ends = []
+        for name, code in ((then, item.then), (otherwise, item.otherwise)):
+            self._open(name)
+            self.known, self.words.names = dict(before), dict(names)
+            self._all(code)
+            self._store_all()
+            ends.append((self._name, self.known))
+            self._close(Branch(join, loc=loc))
+        self.words.names = names
+        self._open(join)
+        self._phis = tuple(self._joined(*ends))
+
+    def _joined(
+        self, one: tuple[str, dict[Place, _Known]], other: tuple[str, dict[Place, _Known]]
+    ) -> list[Phi]:
+        """The phis of what both sides know; what only one knows is forgotten."""
+        phis: list[Phi] = []
+        (first, left), (second, right) = one, other
+        self.known = {}
+        for place in left:
+            if place not in right:
+                continue
+            values = ((first, left[place].value), (second, right[place].value))
+            self.known[place] = left[place]
+            if values[0][1] != values[1][1]:
+                phis.append(Phi(self.words.ids(), self._type(place), values, self.words.loc))
+                self.known[place] = _Known(Ref(phis[-1].id))
+        return phis
+
+    def _origin(self, loop: For) -> str:
+        """The header of the loop that a statement counts by this one."""
+        for run in self.places.runs(loop.body):
+            for dim, coordinate in zip(
+                self.places.statements[run.statement].dims, run.coordinates, strict=True
+            ):
+                if loop.name in coordinate.names:
+                    return dim.header
+        raise _Unkept("no statement counts a loop")
+
+    def _type(self, place: Place) -> Type:
+        kind = self._types[place.owner] if isinstance(place.owner, int) else None
+        kind = kind or self.scop.elements[str(place.owner)]
+        assert isinstance(kind, Type)
+        return kind
+
+    # Memory
+
+    def load(self, instr: Instr, place: Place, when: Value | None = None) -> Value:
+        """The value of an element, loaded as by `instr`."""
+        for other, known in list(self.known.items()):
+            if known.store is not None and other != place and self.places.may_meet(place, other):
+                self._store(other)
+        return self._access(instr, place, () if when is None else (when,))
+
+    def store(self, instr: Instr, place: Place, value: Value) -> None:
+        """An element has a value from now on, to be stored as by `instr`."""
+        for other, known in list(self.known.items()):
+            if other == place or other.is_scalar or not self.places.may_meet(place, other):
+                continue
+            if known.store is not None:
+                self._store(other)
+            del self.known[other]
+        before = self.known.get(place)
+        self.known[place] = _Known(value, instr, None if before is None else before.when)
+
+    def _store(self, place: Place) -> None:
+        known = self.known[place]
+        assert known.store is not None
+        self.known[place] = replace(known, store=None)
+        when = () if known.when is None else (known.when,)
+        self._access(known.store, place, (known.value, *when))
+
+    def _store_all(self) -> None:
+        for place, known in list(self.known.items()):
+            if known.store is not None:
+                self._store(place)
+
+    def _access(self, instr: Instr, place: Place, rest: tuple[Value, ...]) -> Value:
+        rank = len(place.subscripts)
+        pitches = tuple(pitch_of(instr.array, axis) for axis in range(1, rank))
+        index = self.words.element(place.subscripts, pitches)
+        made = replace(
+            instr,
+            id=self.words.ids(),
+            operands=(instr.operands[0], index, *rest),
+            offset=place.subscripts[-1].constant << instr.shift,
+            distinct="",
+        )
+        self.words.instrs.append(made)
+        return Ref(made.id)
+
+
+@dataclass
+class _Running:
+    """Writes one iteration of a statement."""
+
+    writer: _Writer
+    run: Run
+
+    def __post_init__(self) -> None:
+        self.statement = self.writer.places.statements[self.run.statement]
+        self.at = self.writer.places.at(self.run)
+        self.own: dict[int, Value] = {}
+
+    def write(self) -> None:
+        """All its instructions, then what it leaves behind."""
+        words = self.writer.words
+        for instr in self.statement.instrs:
+            words.loc = instr.loc
+            if instr.op in MEMORY:
+                self._access(instr)
+                continue
+            operands = tuple(map(self._operand, instr.operands))
+            words.instrs.append(replace(instr, id=words.ids(), operands=operands))
+            self.own[instr.id] = Ref(words.instrs[-1].id)
+        left = [(ident, self.own[ident]) for ident in self.statement.writes]
+        left += [(ident, self._operand(value)) for ident, value in self.statement.copies]
+        for ident, value in left:
+            self.writer.known[self._scalar(ident)] = _Known(value)
+
+    def _scalar(self, ident: int) -> Place:
+        return self.writer.places.scalar(ident, self.run)
+
+    def _operand(self, value: Value) -> Value:
+        scop = self.writer.scop
+        if not isinstance(value, Ref):
+            return value
+        if value.id in self.own:
+            return self.own[value.id]
+        if value.id in scop.indices:
+            return self.writer.words.of(scop.indices[value.id].substituted(self.at))
+        if value.id in scop.depth:
+            if self._scalar(value.id) not in self.writer.known:
+                raise _Unkept("a value would have to wait in memory")
+            return self.writer.known[self._scalar(value.id)].value
+        if scop.function.block_of[value.id] in scop.loop.blocks:
+            raise _Unkept("a value is computed from addresses")
+        return value
+
+    def _access(self, instr: Instr) -> None:
+        access = self.statement.accesses[instr.id]
+        place = Place(access.array, tuple(s.substituted(self.at) for s in access.subscripts))
+        if access.is_store:
+            self.writer.store(instr, place, self._operand(instr.operands[2]))
+            return
+        known = self.writer.known
+        if place not in known:
+            known[place] = _Known(self.writer.load(instr, place))
+        self.own[instr.id] = known[place].value

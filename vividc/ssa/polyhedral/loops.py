@@ -1,0 +1,247 @@
+"""The loops that isl makes of a schedule, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+import islpy as isl
+
+from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.rewrite.refusal import Refusal
+
+_COMPARISONS: Final = {"eq": "==", "le": "<=", "lt": "<", "ge": ">=", "gt": ">"}
+_JOINED: Final = {"and": "and", "and_then": "and", "or": "or", "or_else": "or"}
+_REMAINDERS: Final = ("pdiv_r", "zdiv_r")
+_OF_NEGATIVE: Final = ("fdiv_q", "zdiv_r")
+_MOST: Final = 1 << 30
+_QUOTIENTS: Final = ("fdiv_q", "pdiv_q", *_REMAINDERS)
+
+
+@dataclass(frozen=True)
+class Run:
+    """An iteration of a statement."""
+
+    statement: str
+    coordinates: tuple[Form, ...]
+
+
+@dataclass(frozen=True)
+class For:
+    """A loop: `name` from the largest of `first`, by `step`, while below the least of `limit`."""
+
+    name: str
+    first: tuple[Form, ...]
+    limit: tuple[Form, ...]
+    step: int
+    body: tuple[Code, ...]
+
+
+@dataclass(frozen=True)
+class Test:
+    """A comparison with 0, or several joined by `and` or `or`."""
+
+    relation: str
+    left: Form = ZERO
+    parts: tuple[Test, ...] = ()
+
+
+@dataclass(frozen=True)
+class If:
+    """Code under a test."""
+
+    test: Test
+    then: tuple[Code, ...]
+    otherwise: tuple[Code, ...] = ()
+
+
+Code = Run | For | If
+
+
+@dataclass(frozen=True)
+class Quotient:
+    """`dividend` divided by a constant, rounded down; or the remainder."""
+
+    dividend: Form
+    divisor: int
+    remainder: bool
+
+
+@dataclass
+class Loops:
+    """Code, and what its names of quotients stand for."""
+
+    code: tuple[Code, ...] = ()
+    quotients: dict[str, Quotient] = field(default_factory=dict)
+
+
+class _Odd(Exception):
+    pass
+
+
+def loops_of(schedule: isl.Schedule, relations: Relations) -> Loops | Refusal:
+    """The loops of a schedule."""
+    build = isl.AstBuild.from_context(relations.context)
+    reader = _Reader()
+    try:
+        code = tuple(reader.code(build.node_from_schedule(schedule), {}))
+    except _Odd as reason:
+        return Refusal(str(reason))
+    return Loops(code, reader.quotients)
+
+
+class _Reader:
+    def __init__(self) -> None:
+        self.count = 0
+        self.quotients: dict[str, Quotient] = {}
+        self._known: dict[Quotient, str] = {}
+
+    def code(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
+        """What a node of isl's tree says."""
+        kind = _name(node.get_type())
+        if kind == "block":
+            children = node.block_get_children()
+            for position in range(children.n_ast_node()):
+                yield from self.code(children.get_ast_node(position), names)
+        elif kind == "user":
+            call = node.user_get_expr()
+            count = call.get_op_n_arg()
+            arguments = (self.form(call.get_op_arg(n), names) for n in range(1, count))
+            yield Run(call.get_op_arg(0).get_id().get_name(), tuple(arguments))
+        elif kind == "if":
+            yield from self._if(node, names)
+        elif kind == "for":
+            yield from self._for(node, names)
+        else:
+            raise _Odd(f"isl's tree has a node of type {kind}")
+
+    def _if(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
+        test = self.test(node.if_get_cond(), names)
+        then = tuple(self.code(node.if_get_then_node(), names))
+        has_else = node.if_has_else_node()
+        yield If(test, then, tuple(self.code(node.if_get_else_node(), names)) if has_else else ())
+
+    def _for(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
+        name = node.for_get_iterator().get_id().get_name()
+        first = self._several(node.for_get_init(), "max", names)
+        if node.for_is_degenerate():
+            if len(first) != 1:
+                raise _Odd("a single iteration at the largest of several")
+            yield from self.code(node.for_get_body(), {**names, name: first[0]})
+            return
+        own = f"c{self.count}"
+        self.count += 1
+        condition = node.for_get_cond()
+        operation = _name(condition.get_op_type())
+        if operation not in ("lt", "le"):
+            raise _Odd("a loop that ends otherwise than below a limit")
+        limit = self._several(condition.get_op_arg(1), "min", names)
+        if operation == "le":
+            limit = tuple(one.plus(Form((), 1)) for one in limit)
+        step = self.form(node.for_get_inc(), names)
+        inside = {**names, name: symbol(own)}
+        yield For(own, first, limit, step.constant, tuple(self.code(node.for_get_body(), inside)))
+
+    def _several(
+        self, expression: isl.AstExpr, joined_by: str, names: dict[str, Form]
+    ) -> tuple[Form, ...]:
+        if _operation(expression) == joined_by:
+            parts = (self._several(one, joined_by, names) for one in _arguments(expression))
+            return tuple(one for part in parts for one in part)
+        return (self.form(expression, names),)
+
+    def test(self, expression: isl.AstExpr, names: dict[str, Form]) -> Test:
+        """A condition."""
+        operation = _operation(expression)
+        if operation in _JOINED:
+            parts = tuple(self.test(one, names) for one in _arguments(expression))
+            return Test(_JOINED[operation], parts=parts)
+        if operation not in _COMPARISONS:
+            raise _Odd(f"a test by {operation}")
+        left, right = (self.form(one, names) for one in _arguments(expression))
+        return Test(_COMPARISONS[operation], left.plus(right, -1))
+
+    def form(self, expression: isl.AstExpr, names: dict[str, Form]) -> Form:
+        """An integer."""
+        kind = _name(expression.get_type())
+        if kind == "int":
+            return Form((), expression.get_val().to_python())
+        if kind == "id":
+            name = expression.get_id().get_name()
+            return names.get(name, symbol(name))
+        operation = _operation(expression)
+        parts = [self.form(one, names) for one in _arguments(expression)]
+        if operation == "minus":
+            return parts[0].times(-1)
+        left, right = parts if len(parts) == 2 else (ZERO, ZERO)  # noqa: PLR2004 - operands
+        if operation in ("add", "sub"):
+            return left.plus(right, 1 if operation == "add" else -1)
+        if operation == "mul" and not (left.terms and right.terms):
+            return left.times(right.constant) if left.terms else right.times(left.constant)
+        if operation in _QUOTIENTS and not right.terms:
+            return self._quotient(left, right.constant, operation)
+        raise _Odd(f"an expression by {operation}")
+
+    def _quotient(self, dividend: Form, divisor: int, operation: str) -> Form:
+        """What isl's quotients are; those of numbers that may be negative are taken of numbers that
+        are not, larger by a multiple of the divisor.
+        """
+        more = 0
+        if operation in _OF_NEGATIVE and divisor & (divisor - 1):
+            more = _MOST // divisor
+        made = Quotient(dividend.plus(Form((), more * divisor)), divisor, operation in _REMAINDERS)
+        if made not in self._known:
+            self._known[made] = f"q{len(self._known)}"
+            self.quotients[self._known[made]] = made
+        shift = 0 if made.remainder else -more
+        return symbol(self._known[made]).plus(Form((), shift))
+
+
+def _name(kind: object) -> str:
+    """The name of a value of isl's enumerations, without the underscore of Python's keywords."""
+    return str(getattr(kind, "name", kind)).rstrip("_")
+
+
+def _operation(expression: isl.AstExpr) -> str:
+    is_operation = _name(expression.get_type()) == "op"
+    return _name(expression.get_op_type()) if is_operation else ""
+
+
+def _arguments(expression: isl.AstExpr) -> list[isl.AstExpr]:
+    return [expression.get_op_arg(n) for n in range(expression.get_op_n_arg())]
+
+
+def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
+    """Iterations of each loop, by name, where symbols have these values; a remainder is half of
+    what it may be.
+    """
+    values = dict(symbols)
+    trips: dict[str, float] = {}
+
+    def value(one: Form) -> float:
+        return one.constant + sum(factor * named(name) for name, factor in one.terms)
+
+    def named(name: str) -> float:
+        quotient = loops.quotients.get(name)
+        if quotient is None:
+            return values[name]
+        if quotient.remainder:
+            return (quotient.divisor - 1) / 2
+        return value(quotient.dividend) / quotient.divisor
+
+    def walk(code: tuple[Code, ...]) -> None:
+        for item in code:
+            if isinstance(item, For):
+                first = max(map(value, item.first))
+                limit = min(map(value, item.limit))
+                trips[item.name] = max(limit - first, 0.0) / item.step
+                values[item.name] = (first + limit) / 2
+                walk(item.body)
+            elif isinstance(item, If):
+                walk(item.then)
+                walk(item.otherwise)
+
+    walk(loops.code)
+    return trips

@@ -1,0 +1,160 @@
+"""Scalars and elements of arrays by their subscripts, and which of them may be one place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import islpy as isl
+
+from vividc.ssa.ir import Instr
+from vividc.ssa.polyhedral.forms import Form
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
+from vividc.ssa.polyhedral.scop import Scop, Statement
+
+
+@dataclass(frozen=True)
+class Place:
+    """A scalar (by the id of its value) or an element of an array (by name)."""
+
+    owner: str | int
+    subscripts: tuple[Form, ...]
+
+    @property
+    def is_scalar(self) -> bool:
+        """Whether it has no place in memory."""
+        return isinstance(self.owner, int)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """What its subscripts are made of."""
+        return frozenset(name for form in self.subscripts for name in form.names)
+
+
+@dataclass
+class Accessed:
+    """What code accesses: whether it writes a place, and a load of it if there is one."""
+
+    written: dict[Place, bool] = field(default_factory=dict)
+    loads: dict[Place, Instr] = field(default_factory=dict)
+
+    def add(self, place: Place, *, written: bool) -> None:
+        """One more access."""
+        self.written[place] = self.written.get(place, False) or written
+
+
+@dataclass(frozen=True)
+class Places:
+    """The places of a part's statements in the loops of a schedule."""
+
+    scop: Scop
+    loops: Loops
+    _meet: dict[tuple[Form, ...], bool] = field(default_factory=dict)
+
+    @cached_property
+    def statements(self) -> Mapping[str, Statement]:
+        """By name."""
+        return {statement.name: statement for statement in self.scop.statements}
+
+    @cached_property
+    def every(self) -> Mapping[str, For]:
+        """All loops, by name."""
+        return {loop.name: loop for loop in _loops_in(self.loops.code)}
+
+    def at(self, run: Run) -> Mapping[str, Form]:
+        """The coordinates of an iteration."""
+        statement = self.statements[run.statement]
+        return statement.placed(dict(zip(statement.coordinates, run.coordinates, strict=True)))
+
+    def scalar(self, ident: int, run: Run) -> Place:
+        """The scalar that a value is in an iteration of a statement."""
+        return Place(ident, run.coordinates[: self.scop.depth[ident]])
+
+    def runs(self, code: Iterable[Code]) -> Iterator[Run]:
+        """All iterations of statements, in the order of the text."""
+        for item in code:
+            if isinstance(item, Run):
+                yield item
+            elif isinstance(item, For):
+                yield from self.runs(item.body)
+            else:
+                yield from self.runs((*item.then, *item.otherwise))
+
+    def accessed(self, code: Iterable[Code]) -> Accessed:
+        """What code accesses, loops and branches in it included."""
+        result = Accessed()
+        for run in self.runs(code):
+            statement, at = self.statements[run.statement], self.at(run)
+            for access in statement.accesses.values():
+                place = Place(access.array, tuple(s.substituted(at) for s in access.subscripts))
+                result.add(place, written=access.is_store)
+                if not access.is_store:
+                    result.loads.setdefault(place, access.instr)
+            for ident in statement.reads:
+                result.add(self.scalar(ident, run), written=False)
+            for ident in (*statement.writes, *(phi for phi, _ in statement.copies)):
+                result.add(self.scalar(ident, run), written=True)
+        return result
+
+    def varying(self, loop: For) -> frozenset[str]:
+        """Names that change within a run of the loop."""
+        names = {loop.name, *(inner.name for inner in _loops_in(loop.body))}
+        quotients = self.loops.quotients.items()
+        return frozenset(names | {n for n, q in quotients if q.dividend.names & names})
+
+    def fixed(self, loop: For, accessed: Accessed) -> Iterator[Place]:
+        """Places that are the same in all iterations of a loop, which each iteration accesses, and
+        which no other access of the loop may meet.
+        """
+        inner = self.varying(loop)
+        direct = self.accessed(item for item in loop.body if isinstance(item, Run)).written
+        for place, written in accessed.written.items():
+            if place.names & inner:
+                continue
+            others = (other for other in accessed.written.items() if other[0] != place)
+            if place.is_scalar or (
+                place in direct
+                and not any((written or w) and self.may_meet(place, p) for p, w in others)
+            ):
+                yield place
+
+    def may_meet(self, one: Place, other: Place) -> bool:
+        """Whether two places may be one, as loops go through all their iterations."""
+        if one.owner != other.owner:
+            return False
+        gaps = tuple(a.plus(b, -1) for a, b in zip(one.subscripts, other.subscripts, strict=True))
+        if any(not gap.terms and gap.constant for gap in gaps):
+            return False
+        if all(gap == Form() for gap in gaps):
+            return True
+        if one.is_scalar:
+            return False
+        if gaps not in self._meet:
+            self._meet[gaps] = self._has_solution(gaps)
+        return self._meet[gaps]
+
+    def _has_solution(self, gaps: tuple[Form, ...]) -> bool:
+        chosen: dict[str, For] = {}
+        work = [name for gap in gaps for name in gap.names]
+        while work:
+            name = work.pop()
+            if name in self.every and name not in chosen:
+                loop = chosen[name] = self.every[name]
+                work += [n for bound in (*loop.first, *loop.limit) for n in bound.names]
+        conditions = [f"{gap} = 0" for gap in gaps]
+        for loop in chosen.values():
+            conditions += [f"{loop.name} >= {one}" for one in loop.first]
+            conditions += [f"{loop.name} < {one}" for one in loop.limit]
+        symbols = ", ".join((*self.scop.symbols, *self.loops.quotients))
+        inside = f"[{', '.join(chosen)}] : {' and '.join(conditions)}"
+        return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()
+
+
+def _loops_in(code: Iterable[Code]) -> Iterator[For]:
+    for item in code:
+        if isinstance(item, For):
+            yield item
+            yield from _loops_in(item.body)
+        elif isinstance(item, If):
+            yield from _loops_in((*item.then, *item.otherwise))

@@ -1,0 +1,137 @@
+"""A part's iterations and dependences as isl sets and relations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import islpy as isl
+
+from vividc.ssa.ir import Input, Value, is_dimension
+from vividc.ssa.polyhedral.forms import Form, symbol
+from vividc.ssa.polyhedral.scop import Scop, Statement
+
+LARGE = 1 << 30
+"""No other symbol is larger in a loop that ends; smaller ones count as its negative."""
+
+_LONGEST = 1 << 20
+"""No dimension of an array is longer."""
+
+
+@dataclass(frozen=True)
+class Relations:
+    """Sets and relations of one part; statements are named tuples of their coordinates."""
+
+    scop: Scop
+
+    @cached_property
+    def parameters(self) -> str:
+        """isl's list of the symbols."""
+        return f"[{', '.join(self.scop.symbols)}]"
+
+    @cached_property
+    def context(self) -> isl.Set:
+        """What is known of the symbols."""
+        limits = []
+        for name, value in self.scop.symbols.items():
+            least, most = (0, _LONGEST) if is_length(value) else (-LARGE, LARGE)
+            limits.append(f"{least} <= {name} <= {most}")
+        return isl.Set(f"{self.parameters} -> {{ : {' and '.join(limits) or 'true'} }}")
+
+    def domain(self, statement: Statement) -> isl.Set:
+        """The iterations of a statement."""
+        names = ", ".join(statement.coordinates)
+        bounds = [f"{dim.bounds[0]} <= {dim.name} < {dim.bounds[1]}" for dim in statement.dims]
+        text = f"{self.parameters} -> {{ {statement.name}[{names}] : {' and '.join(bounds)} }}"
+        return isl.Set(text).intersect_params(self.context)
+
+    @cached_property
+    def domains(self) -> isl.UnionSet:
+        """All iterations."""
+        result = isl.UnionSet(f"{self.parameters} -> {{ }}")
+        for statement in self.scop.statements:
+            result = result.union(isl.UnionSet.from_set(self.domain(statement)))
+        return result
+
+    @cached_property
+    def dependences(self) -> isl.UnionMap:
+        """Pairs of iterations that must keep their order."""
+        reads, writes = self._accesses()
+        before = self.written
+        result = isl.UnionMap(f"{self.parameters} -> {{ }}")
+        order = before.lex_lt_union_map(before)
+        for first, second in ((writes, reads), (reads, writes), (writes, writes)):
+            result = result.union(first.apply_range(second.reverse()).intersect(order))
+        return result.coalesce()
+
+    @cached_property
+    def written(self) -> isl.UnionMap:
+        """The schedule of the source: coordinates, and positions among what is beside."""
+        length = 2 * max(len(s.dims) for s in self.scop.statements) + 1
+        result = isl.UnionMap(f"{self.parameters} -> {{ }}")
+        for statement, place in _places(self.scop):
+            times: list[Form] = []
+            for position, dim in zip(place, statement.dims, strict=False):
+                times += [Form((), position), symbol(dim.name)]
+            times.append(Form((), place[-1]))
+            times += [Form()] * (length - len(times))
+            result = result.union(self.map(statement, "", tuple(times)))
+        return result
+
+    def map(self, statement: Statement, target: str, forms: tuple[Form, ...]) -> isl.UnionMap:
+        """Each iteration of a statement to a tuple of forms."""
+        source = f"{statement.name}[{', '.join(statement.coordinates)}]"
+        image = ", ".join(map(str, forms))
+        made = isl.Map(f"{self.parameters} -> {{ {source} -> {target}[{image}] }}")
+        return isl.UnionMap.from_map(made.intersect_domain(self.domain(statement)))
+
+    @cached_property
+    def _arrays(self) -> dict[str, int]:
+        """A number of each array."""
+        accesses = [a for s in self.scop.statements for a in s.accesses.values()]
+        return {name: n for n, name in enumerate(dict.fromkeys(a.array for a in accesses))}
+
+    def _accesses(self) -> tuple[isl.UnionMap, isl.UnionMap]:
+        reads = writes = isl.UnionMap(f"{self.parameters} -> {{ }}")
+        for statement in self.scop.statements:
+            for access in statement.accesses.values():
+                at = statement.placed({name: symbol(name) for name in statement.coordinates})
+                where = tuple(one.substituted(at) for one in access.subscripts)
+                made = self.map(statement, f"A{self._arrays[access.array]}", where)
+                reads, writes = (
+                    (reads, writes.union(made)) if access.is_store else (reads.union(made), writes)
+                )
+            for ident in statement.reads:
+                reads = reads.union(self._scalar(statement, ident))
+            for ident in (*statement.writes, *(phi for phi, _ in statement.copies)):
+                writes = writes.union(self._scalar(statement, ident))
+        return reads, writes
+
+    def _scalar(self, statement: Statement, ident: int) -> isl.UnionMap:
+        names = statement.coordinates[: self.scop.depth[ident]]
+        return self.map(statement, f"V_{ident}", tuple(map(symbol, names)))
+
+    def respects(self, schedule: isl.UnionMap) -> bool:
+        """Whether a schedule keeps the order of all dependences."""
+        wanted = self.dependences
+        broken = wanted.intersect(schedule.lex_ge_union_map(schedule))
+        return bool(broken.is_empty())
+
+
+def is_length(value: Value) -> bool:
+    """Whether a value is a dimension of an array."""
+    return isinstance(value, Input) and is_dimension(value)
+
+
+def _places(scop: Scop) -> Iterator[tuple[Statement, tuple[int, ...]]]:
+    """Statements with their positions among siblings, from the outside in."""
+
+    def walk(node: object, place: tuple[int, ...]) -> Iterator[tuple[Statement, tuple[int, ...]]]:
+        if isinstance(node, Statement):
+            yield node, place
+            return
+        for position, child in enumerate(node.children):  # type: ignore[attr-defined]
+            yield from walk(child, (*place, position))
+
+    yield from walk(scop.nest, (0,))

@@ -1,0 +1,477 @@
+"""Static-control parts: nests of counted loops whose accesses have affine subscripts.
+
+A part is a tree of loops and statements. A statement is what a loop's blocks do between two inner
+loops: loads, stores and arithmetic; counters, bounds and addresses are forms (`Form`) of the loops'
+coordinates and of symbols, and are computed again by whatever is generated from the part. What a
+statement leaves for others, and what loops carry, are scalars: arrays with one element an iteration
+of the loops around (Feautrier, "Array expansion", 1988; Grosser et al., "Polly", 2012).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Final
+
+from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.machine.params import DType
+from vividc.machine.words import WORD_BYTES, signed
+from vividc.ssa.analysis.counters import Counter, bounded, counter_of
+from vividc.ssa.analysis.induction import never_wraps
+from vividc.ssa.analysis.levels import Level, level_of
+from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
+from vividc.ssa.edit import block_of, incoming, read_values
+from vividc.ssa.flow import Loop, preheader_of
+from vividc.ssa.ir import (
+    Block,
+    Const,
+    Function,
+    Input,
+    Instr,
+    Ref,
+    Value,
+    definition_of,
+)
+from vividc.ssa.polyhedral.forms import Form, symbol
+from vividc.ssa.polyhedral.subscripts import subscripts_of
+from vividc.ssa.rewrite.refusal import Refusal
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A loop: its counter is `value`, of the coordinate `name`, which rises by 1 from the first of
+    `bounds` up to below the second.
+    """
+
+    header: str
+    counter: Counter
+    name: str
+    value: Form
+    bounds: tuple[Form, Form]
+
+
+@dataclass(frozen=True)
+class Access:
+    """A load or store: the element of `array` with these subscripts."""
+
+    instr: Instr
+    array: str
+    subscripts: tuple[Form, ...]
+
+    @property
+    def is_store(self) -> bool:
+        """Whether it writes."""
+        return self.instr.op is Opcode.STORE
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What one iteration of `dims` does between inner loops.
+
+    Attributes
+    ----------
+    instrs
+        Loads, stores and arithmetic on data, in order.
+    accesses
+        Of the loads and stores, by instruction id.
+    reads
+        Scalars that other statements leave, by the id of the value.
+    writes
+        Ids of values that others read.
+    copies
+        What header phis become after it, all at once.
+    """
+
+    name: str
+    dims: tuple[Dimension, ...]
+    instrs: tuple[Instr, ...]
+    accesses: Mapping[int, Access]
+    reads: tuple[int, ...] = ()
+    writes: tuple[int, ...] = ()
+    copies: tuple[tuple[int, Value], ...] = ()
+    shift: Mapping[str, Form] = field(default_factory=dict)
+    """Coordinates that are not its own: of a loop's header, which runs before each iteration and
+    after the last.
+    """
+
+    def placed(self, at: Mapping[str, Form]) -> dict[str, Form]:
+        """All coordinates, where its own are these."""
+        return {**at, **{name: value.substituted(at) for name, value in self.shift.items()}}
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates, outermost first."""
+        return tuple(dim.name for dim in self.dims)
+
+
+@dataclass(frozen=True)
+class Nest:
+    """A loop of a part around statements and loops, in order."""
+
+    dim: Dimension
+    children: tuple[Nest | Statement, ...]
+
+    def statements(self) -> Iterator[Statement]:
+        """All statements inside, in order."""
+        for child in self.children:
+            if isinstance(child, Statement):
+                yield child
+            else:
+                yield from child.statements()
+
+
+@dataclass(frozen=True)
+class Scop:
+    """A static-control part.
+
+    Attributes
+    ----------
+    entry, exit
+        The block that enters the outermost loop, and the one that follows it.
+    symbols
+        What each symbol's name stands for.
+    depth
+        Of each scalar: how many coordinates index it.
+    indices
+        Forms of the integer values that are computed again where they are used.
+    elements
+        Type of the elements of each array.
+    """
+
+    function: Function
+    nest: Nest
+    loop: Loop
+    entry: str
+    exit: str
+    symbols: Mapping[str, Value]
+    depth: Mapping[int, int]
+    indices: Mapping[int, Form]
+    elements: Mapping[str, Type]
+
+    @cached_property
+    def statements(self) -> tuple[Statement, ...]:
+        """All statements, in order."""
+        return tuple(self.nest.statements())
+
+
+_OPERANDS: Final[Mapping[object, int]] = {Opcode.LOAD: 2, Opcode.STORE: 3}
+"""Of accesses that have no predicate."""
+
+
+class _NotStatic(Exception):
+    pass
+
+
+def find_scop(function: Function, header: str) -> Scop | Refusal:
+    """The loop at `header` with all that is in it as a static-control part.
+
+    Loops are canonical (`normalize.canonical_loops`), with latches of their own
+    (`levels.with_own_latches`).
+    """
+    try:
+        return _Raising(function, level_of(function, header)).scop()
+    except _NotStatic as reason:
+        return Refusal(str(reason))
+
+
+class _Raising:
+    def __init__(self, function: Function, level: Level) -> None:
+        self.function = function
+        self.level = level
+        self.inside = level.loop.blocks
+        self.polynomials = Polynomials(function, pitches=True)
+        self.symbols: dict[str, Value] = {}
+        self.names: dict[Value, str] = {}
+        self.values: dict[Value, Form] = {}
+        self.depth: dict[int, int] = {}
+        self.counters: dict[str, Counter] = {}
+        self.inclusive: dict[str, bool] = {}
+        self.count = 0
+        self.dtypes = {p.name: p.dtype for p in function.params}
+        self.elements: dict[str, Type] = {}
+        self.axes: dict[str, int] = {}
+        self._types = {i.id: i.type for block in function.blocks for i in block.items}
+
+    def scop(self) -> Scop:
+        """The part."""
+        nest = self._nest(self.level, ())
+        nest = _with_scalars(nest, self.depth, self._read_after())
+        [(_, after)] = self.level.loop.exits
+        entry = preheader_of(self.function, self.level.loop)
+        indices = {key.id: value for key, value in self.values.items() if isinstance(key, Ref)}
+        return Scop(
+            self.function,
+            nest,
+            self.level.loop,
+            entry,
+            after,
+            self.symbols,
+            self.depth,
+            indices,
+            self.elements,
+        )
+
+    def _read_after(self) -> set[int]:
+        outside = [block for block in self.function.blocks if block.name not in self.inside]
+        values = (value for block in outside for value in read_values(block))
+        read = {value.id for value in values if isinstance(value, Ref)}
+        own = {ident for ident in self.level.types if ident in read}
+        phis = {phi.id for phi in self.level.header.phis}
+        if own - phis or any(Ref(ident) in self.values for ident in own):
+            raise _NotStatic("a value of it that it does not carry is read after it")
+        return own
+
+    def _nest(self, level: Level, around: tuple[Dimension, ...]) -> Nest:
+        loop = level.loop
+        if len(loop.latches) != 1 or loop.exits != ((loop.header, loop.exits[0][1]),):
+            raise _NotStatic("a loop has exits in its body")
+        dim = self._dimension(level, around)
+        dims = (*around, dim)
+        carried = [phi for phi in level.header.phis if phi.id != dim.counter.phi.id]
+        for phi in carried:
+            self.depth[phi.id] = len(around)
+        children: list[Nest | Statement] = []
+        chunk: list[Instr] = []
+        for name in self._chain(level):
+            if name not in level.children:
+                if name != loop.header:
+                    chunk += self._data(block_of(self.function, name))
+                continue
+            inner = level.children[name]
+            start = self._entering(inner)
+            children += self._statement(chunk, dims, start)
+            chunk = []
+            nest = self._nest(inner, dims)
+            children += self._header(inner, dims, {nest.dim.name: nest.dim.bounds[0]})
+            children.append(nest)
+        copies = tuple((phi.id, incoming(phi, loop.latches[0])) for phi in carried)
+        children += self._statement(chunk, dims, copies)
+        children += self._header(level, dims, {dim.name: symbol(dim.name).plus(Form((), 1))})
+        return Nest(dim, tuple(children))
+
+    def _header(
+        self, level: Level, dims: tuple[Dimension, ...], shift: Mapping[str, Form]
+    ) -> list[Statement]:
+        """What a loop's header does, which runs before it and at the end of each iteration."""
+        work = self._data(level.header)
+        if not work:
+            return []
+        if len(level.loop.blocks) and level.loop.header == self.level.loop.header:
+            raise _NotStatic("the header of the outermost loop does more than count")
+        around = len(dims) - (level.header.name == dims[-1].header)
+        [made] = self._statement(work, dims, ())
+        for instr in work:
+            self.depth[instr.id] = around
+        return [replace(made, shift=shift)]
+
+    def _chain(self, level: Level) -> list[str]:
+        """The nodes of a loop in the order of the only way through them."""
+        order = list(level.flow.order)
+        for name in order:
+            if name in level.children or name == level.loop.header:
+                continue
+            if level.blocks[name].branch.cond is not None:
+                raise _NotStatic("its body branches")
+        return order
+
+    def _entering(self, inner: Level) -> tuple[tuple[int, Value], ...]:
+        before = preheader_of(self.function, inner.loop)
+        counter = self._counter(inner.loop).phi.id
+        phis = inner.header.phis
+        return tuple((phi.id, incoming(phi, before)) for phi in phis if phi.id != counter)
+
+    def _counter(self, loop: Loop) -> Counter:
+        if loop.header not in self.counters:
+            counter = counter_of(self.function, loop)
+            self.inclusive[loop.header] = counter is None
+            if counter is None:
+                counter = self._inclusive(loop)
+            if counter is None:
+                raise _NotStatic("a loop's iterations are not counted before it starts")
+            self.counters[loop.header] = counter
+        return self.counters[loop.header]
+
+    def _inclusive(self, loop: Loop) -> Counter | None:
+        """The counter of a loop that runs while it is at most (or at least) a limit."""
+        branch = block_of(self.function, loop.header).branch
+        test = definition_of(self.function, branch.cond)
+        if not isinstance(test, Instr) or len(loop.latches) != 1:
+            return None
+        stays = (branch.target in loop.blocks, branch.otherwise in loop.blocks)
+        less, more = test.operands[0], test.operands[-1]
+        if test.op is Opcode.ICMP_SLT and stays == (False, True):
+            less, more = more, less  # leaves if a < b: stays while b <= a
+        elif test.op is not Opcode.ICMP_SLE or stays != (True, False):
+            return None
+        for found, step, limit in bounded(self.function, loop, less, more):
+            moving = Ref(found.phi.id)
+            exact = never_wraps(self.function, loop.blocks, moving, by_one=False)
+            if exact and found.start is not None:
+                return Counter(found.phi, found.start, step, limit)
+        return None
+
+    def _dimension(self, level: Level, around: tuple[Dimension, ...]) -> Dimension:
+        counter = self._counter(level.loop)
+        name = f"i{self.count}"
+        self.count += 1
+        first = self._bound(counter.initial)
+        limit = self._bound(counter.limit)
+        if self.inclusive[level.loop.header]:
+            limit = limit.plus(Form((), 1 if counter.step > 0 else -1))
+        if abs(counter.step) != 1:
+            raise _NotStatic("a loop has a step other than 1")
+        if counter.step < 0:
+            first, limit = first.times(-1), limit.times(-1)
+        value = symbol(name).times(counter.step)
+        self.values[Ref(counter.phi.id)] = value
+        return Dimension(level.loop.header, counter, name, value, (first, limit))
+
+    def _bound(self, value: Value) -> Form:
+        """A bound as a form whose sums do not wrap."""
+        if isinstance(value, Const):
+            return Form((), signed(value.word))
+        if value in self.values:
+            return self.values[value]
+        instr = definition_of(self.function, value)
+        if isinstance(instr, Instr) and instr.op in (Opcode.ADD, Opcode.SUB) and instr.exact:
+            left, right = (self._bound(operand) for operand in instr.operands)
+            return left.plus(right, 1 if instr.op is Opcode.ADD else -1)
+        if isinstance(value, Ref) and self.function.block_of[value.id] in self.inside:
+            raise _NotStatic("a bound is computed in it")
+        return symbol(self._symbol(value))
+
+    def _symbol(self, value: Value) -> str:
+        if value not in self.names:
+            self.names[value] = f"p{len(self.names)}"
+            self.symbols[self.names[value]] = value
+        return self.names[value]
+
+    def _data(self, block: Block) -> list[Instr]:
+        """What a block does, counters, tests and addresses aside."""
+        result = []
+        for instr in block.instrs:
+            if instr.op in MEMORY or (
+                not self._is_index(instr) and Ref(instr.id) != block.branch.cond
+            ):
+                result.append(instr)
+        return result
+
+    def _is_index(self, instr: Instr) -> bool:
+        if instr.type is not Type.I32:
+            return False
+        polynomial = self.polynomials.of(Ref(instr.id))
+        made = self._affine(polynomial)
+        if made is None:
+            return self._is_address(polynomial)
+        self.values[Ref(instr.id)] = made
+        return True
+
+    def _is_address(self, polynomial: Polynomial) -> bool:
+        """Whether it is made of counters and of values from outside."""
+        return all(
+            self._is_fixed(value) or value in self.values
+            for monomial in polynomial.terms
+            for value in monomial
+        )
+
+    def _is_fixed(self, value: Value) -> bool:
+        if not isinstance(value, Ref):
+            return True
+        return self.function.block_of[value.id] not in self.inside
+
+    def _affine(self, polynomial: Polynomial) -> Form | None:
+        result = Form()
+        for monomial, factor in polynomial.terms.items():
+            if not monomial:
+                result = result.plus(Form((), factor))
+            elif len(monomial) > 1:
+                return None
+            elif monomial[0] in self.values:
+                result = result.plus(self.values[monomial[0]], factor)
+            elif self._is_fixed(monomial[0]):
+                result = result.plus(symbol(self._symbol(monomial[0])), factor)
+            else:
+                return None
+        return result
+
+    def _statement(
+        self, chunk: list[Instr], dims: tuple[Dimension, ...], copies: tuple[tuple[int, Value], ...]
+    ) -> list[Statement]:
+        if not chunk and not copies:
+            return []
+        accesses = {i.id: self._access(i) for i in chunk if i.op in MEMORY}
+        name = f"S{self.count}"
+        self.count += 1
+        for instr in chunk:
+            self.depth[instr.id] = len(dims)
+        return [Statement(name, dims, tuple(chunk), accesses, copies=copies)]
+
+    def _access(self, instr: Instr) -> Access:
+        if not isinstance(instr.operands[0], Input) or instr.lane is not None:
+            raise _NotStatic("an access has a base that changes")
+        if len(instr.operands) > _OPERANDS[instr.op]:
+            raise _NotStatic("an access is predicated")
+        subscripts = subscripts_of(self.function).of(instr)
+        forms = [self._affine(one) for one in subscripts or ()]
+        if not forms or any(one is None for one in forms) or instr.offset % (1 << instr.shift):
+            raise _NotStatic(f"a subscript of {instr.array} is not affine")
+        known = [one for one in forms if one is not None]
+        known[-1] = known[-1].plus(Form((), instr.offset >> instr.shift))
+        if self.axes.setdefault(instr.array, len(known)) != len(known):
+            raise _NotStatic(f"subscripts of {instr.array} are not known everywhere")
+        self._check_element(instr)
+        return Access(instr, instr.array, tuple(known))
+
+    def _check_element(self, instr: Instr) -> None:
+        """Elements of an array are words, and of one type in all accesses."""
+        if instr.width != WORD_BYTES:
+            raise _NotStatic(f"elements of {instr.array} are less than a word")
+        kind = instr.type
+        if instr.op is Opcode.STORE:
+            value = instr.operands[2]
+            kind = self._types.get(value.id, Type.ANY) if isinstance(value, Ref) else Type.ANY
+            dtype = self.dtypes.get(instr.array)
+            if kind is Type.ANY and dtype is not None:
+                kind = Type.F32 if dtype is DType.F32 else Type.I32
+        if kind not in (Type.F32, Type.I32) or self.elements.setdefault(instr.array, kind) != kind:
+            raise _NotStatic(f"elements of {instr.array} are not of one type")
+
+
+def _with_scalars(nest: Nest, depth: Mapping[int, int], after: set[int]) -> Nest:
+    """The nest with what statements read of each other."""
+    read: dict[str, list[int]] = {}
+    for statement in nest.statements():
+        operands = [v for i in statement.instrs for v in i.operands]
+        operands += [value for _, value in statement.copies]
+        read[statement.name] = [
+            v.id
+            for v in dict.fromkeys(operands)
+            if isinstance(v, Ref)
+            and v.id in depth
+            and not any(instr.id == v.id for instr in statement.instrs)
+        ]
+    elsewhere = {ident for values in read.values() for ident in values} | after
+
+    def rebuilt(node: Nest) -> Nest:
+        children: list[Nest | Statement] = []
+        for child in node.children:
+            if isinstance(child, Nest):
+                children.append(rebuilt(child))
+                continue
+            own = tuple(i.id for i in child.instrs if i.id in elsewhere)
+            children.append(
+                Statement(
+                    child.name,
+                    child.dims,
+                    child.instrs,
+                    child.accesses,
+                    tuple(read[child.name]),
+                    own,
+                    child.copies,
+                    child.shift,
+                )
+            )
+        return Nest(node.dim, tuple(children))
+
+    return rebuilt(nest)
