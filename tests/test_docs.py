@@ -25,8 +25,8 @@ PAGES = sorted(
 
 PLAIN_COMMAND = re.compile(r"^(vividc [^|><;&$*?{~`\\\n]+\n)", re.MULTILINE)
 """A line that only starts vividc: it needs no shell."""
-SLOW = {"render-your-own"}
-"""Pages that compile all kernels of a renderer, which takes minutes."""
+SLOW = {"gemm", "render-your-own"}
+"""Pages that compile many kernels: all of a renderer, products in every mode."""
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
