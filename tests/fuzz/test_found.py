@@ -59,7 +59,7 @@ FIXED = True
 @kernel('uint8(uint8[::1], float32[::1], int32[:, ::1], int32[::1], int32)')
 def program(a, b, c, d, n):
     for i1 in range(1, 8 - 1):
-        c[i1 - 1, 2 * i1 + 1 & 15], c[i1, i1 - 1 & 15] = (0, 0)
+        c[i1 - 1, 2 * i1 + 1 & 7], c[i1, i1 - 1 & 7] = (0, 0)
         for i2 in range(16 - 1, 1, -1):
             pass
     return np.uint8(32767 * d[12])

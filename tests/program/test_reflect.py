@@ -56,7 +56,7 @@ def test_mirroring_twice_is_nothing(program: vividc.Program) -> None:
 
 
 def test_other_fabrics_are_refused(program: vividc.Program) -> None:
-    with pytest.raises(InternalError, match="no image"):
+    with pytest.raises(InternalError, match="is not a mirror image"):
         reflected_program(program, arch.load_tile("vivid-tile-ne"), tuple(range(16)))
 
 

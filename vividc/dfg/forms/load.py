@@ -136,13 +136,15 @@ def _read_xml(text: str, file: str) -> DFG:
     return parse_morpher_xml(text, file=file)
 
 
+# No group is possessive: before Python 3.11.5 some of those do not match (gh-106052).
 _BY_CONTENT: Final = (
     (re.compile(r"\s*[{\[]"), _read_json),
     (re.compile(r"\s*<"), _read_xml),
-    (re.compile(r"(?:\s|#[^\n]*+)*+dfg\b"), _read_text),
+    (re.compile(r"(?:\s|#[^\n]*+)*dfg\b"), _read_text),
     (
         re.compile(
-            r"(?:\s|//[^\n]*+|\#[^\n]*+|/\*(?:[^*]|\*(?!/))*+\*/)*+(?:strict|digraph|graph)\b", re.I
+            r"(?:\s|//[^\n]*+|\#[^\n]*+|/\*[^*]*+(?:\*(?!/)[^*]*+)*\*/)*(?:strict|digraph|graph)\b",
+            re.I,
         ),
         _read_dot,
     ),
