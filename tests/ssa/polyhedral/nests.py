@@ -111,6 +111,8 @@ class _Builder:
         if choice == 1:
             return Input("n")
         counter = self.chance.choice(self.counters)
+        if self.chance.random() < 0.1:
+            return self.emit(Opcode.MUL, counter, Const(1 << 30))
         if choice == 2:
             return counter
         return self.emit(Opcode.ADD, counter, Const(1), exact=True)
@@ -118,6 +120,8 @@ class _Builder:
     def loop(self, depth: int) -> None:
         """for x in range(first, limit), upwards or downwards, up to the limit or below it."""
         first, limit = self.bound(), self.bound()
+        if first == Input("n") and self.chance.random() < 0.7:
+            first = Const(0)  # a start that may be anything is refused
         down, inclusive = self.chance.random() < 0.25, self.chance.random() < 0.25
         if down:
             first, limit = limit, first

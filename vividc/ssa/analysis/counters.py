@@ -37,33 +37,45 @@ class Counter:
     limit: Value
 
 
-def counter_of(function: Function, loop: Loop) -> Counter | None:
+def counter_of(function: Function, loop: Loop, *, inclusive: bool = False) -> Counter | None:
     """The counter that the header of `loop` tests to leave it, or None.
 
     The loop may have other exits. Refused: a test of another word than the phi itself, a limit that
     changes in the loop, and a counter that may wrap before it meets the limit.
+
+    Parameters
+    ----------
+    inclusive
+        The counter of a loop that runs once more, while the phi is at its limit, instead.
     """
-    test = header_test(function, loop)
+    test = header_test(function, loop, inclusive=inclusive)
     if test is None or len(loop.latches) != 1:
         return None
-    for induction, step, limit in bounded(function, loop, *test):
-        moving = Ref(induction.phi.id)
-        exact = never_wraps(function, loop.blocks, moving, by_one=abs(step) == 1)
-        if exact and induction.start is not None:
-            return Counter(induction.phi, induction.start, step, limit)
+    for found, step, limit in bounded(function, loop, *test):
+        moving, by_one = Ref(found.phi.id), abs(step) == 1 and not inclusive
+        exact = never_wraps(function, loop.blocks, moving, by_one=by_one)
+        if exact and found.start is not None:
+            return Counter(found.phi, found.start, step, limit)
     return None
 
 
-def header_test(function: Function, loop: Loop) -> tuple[Value, Value] | None:
-    """(less, more): the header lets the loop go on while less < more, as signed words."""
+def header_test(
+    function: Function, loop: Loop, *, inclusive: bool = False
+) -> tuple[Value, Value] | None:
+    """(less, more): the header lets the loop go on while less < more, as signed words; while
+    less <= more if `inclusive`.
+    """
     branch = block_of(function, loop.header).branch
     test = definition_of(function, branch.cond)
     if not isinstance(test, Instr) or function.block_of[test.id] != loop.header:
         return None
     stays = (branch.target in loop.blocks, branch.otherwise in loop.blocks)
-    if test.op is Opcode.ICMP_SLT and stays == (True, False):
+    direct, negated = Opcode.ICMP_SLT, Opcode.ICMP_SLE
+    if inclusive:
+        direct, negated = negated, direct
+    if test.op is direct and stays == (True, False):
         return test.operands[0], test.operands[1]
-    if test.op is Opcode.ICMP_SLE and stays == (False, True):
+    if test.op is negated and stays == (False, True):
         return test.operands[1], test.operands[0]  # leaves if a <= b: stays while b < a
     return None
 

@@ -8,9 +8,9 @@ from functools import cached_property
 
 import islpy as isl
 
-from vividc.ssa.ir import Input, Value, is_dimension
+from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.forms import Form, symbol
-from vividc.ssa.polyhedral.scop import Scop, Statement
+from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 
 LARGE = 1 << 30
 """No other symbol is larger in a loop that ends; smaller ones count as its negative."""
@@ -35,7 +35,7 @@ class Relations:
         """What is known of the symbols."""
         limits = []
         for name, value in self.scop.symbols.items():
-            least, most = (0, _LONGEST) if is_length(value) else (-LARGE, LARGE)
+            least, most = (0, _LONGEST) if is_dimension(value) else (-LARGE, LARGE)
             limits.append(f"{least} <= {name} <= {most}")
         return isl.Set(f"{self.parameters} -> {{ : {' and '.join(limits) or 'true'} }}")
 
@@ -45,14 +45,6 @@ class Relations:
         bounds = [f"{dim.bounds[0]} <= {dim.name} < {dim.bounds[1]}" for dim in statement.dims]
         text = f"{self.parameters} -> {{ {statement.name}[{names}] : {' and '.join(bounds)} }}"
         return isl.Set(text).intersect_params(self.context)
-
-    @cached_property
-    def domains(self) -> isl.UnionSet:
-        """All iterations."""
-        result = isl.UnionSet(f"{self.parameters} -> {{ }}")
-        for statement in self.scop.statements:
-            result = result.union(isl.UnionSet.from_set(self.domain(statement)))
-        return result
 
     @cached_property
     def dependences(self) -> isl.UnionMap:
@@ -119,19 +111,16 @@ class Relations:
         return bool(broken.is_empty())
 
 
-def is_length(value: Value) -> bool:
-    """Whether a value is a dimension of an array."""
-    return isinstance(value, Input) and is_dimension(value)
-
-
 def _places(scop: Scop) -> Iterator[tuple[Statement, tuple[int, ...]]]:
     """Statements with their positions among siblings, from the outside in."""
 
-    def walk(node: object, place: tuple[int, ...]) -> Iterator[tuple[Statement, tuple[int, ...]]]:
+    def walk(
+        node: Nest | Statement, place: tuple[int, ...]
+    ) -> Iterator[tuple[Statement, tuple[int, ...]]]:
         if isinstance(node, Statement):
             yield node, place
             return
-        for position, child in enumerate(node.children):  # type: ignore[attr-defined]
+        for position, child in enumerate(node.children):
             yield from walk(child, (*place, position))
 
     yield from walk(scop.nest, (0,))

@@ -17,8 +17,7 @@ from typing import Final
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.params import DType
 from vividc.machine.words import WORD_BYTES, signed
-from vividc.ssa.analysis.counters import Counter, bounded, counter_of
-from vividc.ssa.analysis.induction import never_wraps
+from vividc.ssa.analysis.counters import Counter, counter_of
 from vividc.ssa.analysis.levels import Level, level_of
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.edit import block_of, incoming, read_values
@@ -32,6 +31,7 @@ from vividc.ssa.ir import (
     Ref,
     Value,
     definition_of,
+    is_dimension,
 )
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.subscripts import subscripts_of
@@ -184,6 +184,7 @@ class _Raising:
         self.symbols: dict[str, Value] = {}
         self.names: dict[Value, str] = {}
         self.values: dict[Value, Form] = {}
+        self.counted: dict[Value, Form] = {}
         self.depth: dict[int, int] = {}
         self.counters: dict[str, Counter] = {}
         self.inclusive: dict[str, bool] = {}
@@ -257,7 +258,7 @@ class _Raising:
         work = self._data(level.header)
         if not work:
             return []
-        if len(level.loop.blocks) and level.loop.header == self.level.loop.header:
+        if level is self.level:
             raise _NotStatic("the header of the outermost loop does more than count")
         around = len(dims) - (level.header.name == dims[-1].header)
         [made] = self._statement(work, dims, ())
@@ -286,30 +287,11 @@ class _Raising:
             counter = counter_of(self.function, loop)
             self.inclusive[loop.header] = counter is None
             if counter is None:
-                counter = self._inclusive(loop)
+                counter = counter_of(self.function, loop, inclusive=True)
             if counter is None:
                 raise _NotStatic("a loop's iterations are not counted before it starts")
             self.counters[loop.header] = counter
         return self.counters[loop.header]
-
-    def _inclusive(self, loop: Loop) -> Counter | None:
-        """The counter of a loop that runs while it is at most (or at least) a limit."""
-        branch = block_of(self.function, loop.header).branch
-        test = definition_of(self.function, branch.cond)
-        if not isinstance(test, Instr) or len(loop.latches) != 1:
-            return None
-        stays = (branch.target in loop.blocks, branch.otherwise in loop.blocks)
-        less, more = test.operands[0], test.operands[-1]
-        if test.op is Opcode.ICMP_SLT and stays == (False, True):
-            less, more = more, less  # leaves if a < b: stays while b <= a
-        elif test.op is not Opcode.ICMP_SLE or stays != (True, False):
-            return None
-        for found, step, limit in bounded(self.function, loop, less, more):
-            moving = Ref(found.phi.id)
-            exact = never_wraps(self.function, loop.blocks, moving, by_one=False)
-            if exact and found.start is not None:
-                return Counter(found.phi, found.start, step, limit)
-        return None
 
     def _dimension(self, level: Level, around: tuple[Dimension, ...]) -> Dimension:
         counter = self._counter(level.loop)
@@ -321,18 +303,20 @@ class _Raising:
             limit = limit.plus(Form((), 1 if counter.step > 0 else -1))
         if abs(counter.step) != 1:
             raise _NotStatic("a loop has a step other than 1")
+        if any(not is_dimension(self.symbols[n]) for n in first.names & self.symbols.keys()):
+            raise _NotStatic("a loop starts at a number that may be anything")
         if counter.step < 0:
             first, limit = first.times(-1), limit.times(-1)
         value = symbol(name).times(counter.step)
-        self.values[Ref(counter.phi.id)] = value
+        self.values[Ref(counter.phi.id)] = self.counted[Ref(counter.phi.id)] = value
         return Dimension(level.loop.header, counter, name, value, (first, limit))
 
     def _bound(self, value: Value) -> Form:
         """A bound as a form whose sums do not wrap."""
         if isinstance(value, Const):
             return Form((), signed(value.word))
-        if value in self.values:
-            return self.values[value]
+        if value in self.counted:
+            return self.counted[value]
         instr = definition_of(self.function, value)
         if isinstance(instr, Instr) and instr.op in (Opcode.ADD, Opcode.SUB) and instr.exact:
             left, right = (self._bound(operand) for operand in instr.operands)
@@ -460,18 +444,7 @@ def _with_scalars(nest: Nest, depth: Mapping[int, int], after: set[int]) -> Nest
                 children.append(rebuilt(child))
                 continue
             own = tuple(i.id for i in child.instrs if i.id in elsewhere)
-            children.append(
-                Statement(
-                    child.name,
-                    child.dims,
-                    child.instrs,
-                    child.accesses,
-                    tuple(read[child.name]),
-                    own,
-                    child.copies,
-                    child.shift,
-                )
-            )
+            children.append(replace(child, reads=tuple(read[child.name]), writes=own))
         return Nest(node.dim, tuple(children))
 
     return rebuilt(nest)

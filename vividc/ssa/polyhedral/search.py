@@ -117,7 +117,7 @@ def _below(tree: Loop, path: Path, relations: Relations) -> Iterator[Path]:
 
 
 def describe(tree: Loop) -> str:
-    """A tree in one line, for whoever debugs."""
+    """A tree in one line, its name: `i0*4[S1, i1[S2]]` of as many statements."""
 
     def text(node: Tree) -> str:
         if isinstance(node, str):

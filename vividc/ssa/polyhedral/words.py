@@ -10,10 +10,10 @@ from vividc.machine.division import quotient_by_constant
 from vividc.machine.opcodes import Opcode, Type
 from vividc.machine.words import WORD_MASK
 from vividc.ssa.edit import FreshIds
-from vividc.ssa.ir import Const, Input, Instr, Ref, Value
+from vividc.ssa.ir import Const, Input, Instr, Ref, Value, is_dimension
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.loops import Quotient, Test
-from vividc.ssa.polyhedral.relations import LARGE, is_length
+from vividc.ssa.polyhedral.relations import LARGE
 
 _LARGEST_DIVIDEND = (1 << 31) - 1
 
@@ -62,7 +62,7 @@ class Words:
         """The word of a form in a bound or test. A symbol that is not a length counts as no less
         than what cannot wrap: such a loop has no iterations either way.
         """
-        if not form.constant and len(form.terms) == 1:
+        if not form.constant and [factor for _, factor in form.terms] == [1]:
             return self.of(form)
         terms = [(self._clamped(n), f) for n, f in self._ordered(form)]
         return self._sum(terms, form.constant, exact=True)
@@ -123,7 +123,7 @@ class Words:
 
     def _clamped(self, name: str) -> Value:
         value = self._name(name)
-        if name not in self._symbols or is_length(value):
+        if name not in self._symbols or is_dimension(value):
             return value
         return self.emit(Opcode.SMAX, value, -LARGE)
 
