@@ -14,7 +14,7 @@ import islpy as isl
 
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
+from vividc.ssa.polyhedral.scop import Dimension, Nest, Scop, Statement
 
 
 @dataclass(frozen=True)
@@ -100,8 +100,7 @@ class _Ordering:
         if isinstance(tree, str):
             return self._points(tree, place)
         if tree.factor == 1:
-            inside = replace(place, around=(*place.around, tree))
-            return self._band([(tree, "{0}")], place, self._children(tree, inside), "separate")
+            return self._once(tree, place)
         whole, rest = self._split(place, tree)
         nodes = []
         if not whole.is_empty:
@@ -111,6 +110,64 @@ class _Ordering:
         if not rest.is_empty:
             nodes.append((rest, self.node(replace(tree, factor=1), rest)))
         return self._sequence(nodes)
+
+    def _once(self, tree: Loop, place: _Place) -> str:
+        """A loop that is not jammed: what only some iterations of a group around it run comes
+        before and after what all of them run, in its order.
+        """
+        inside = replace(place, around=(*place.around, tree))
+        if not self._differ(place, tree):
+            return self._band([(tree, "{0}")], place, self._children(tree, inside), "separate")
+        nodes = []
+        for part, option in self._in_order(place, inside.around):
+            inner = self._children(tree, replace(inside, domains=part.domains))
+            nodes.append((part, self._band([(tree, "{0}")], part, inner, option)))
+        return self._sequence(nodes)
+
+    def _differ(self, place: _Place, tree: Loop) -> bool:
+        """Whether jammed loops around a loop change its bounds."""
+        for name in place.domains:
+            dim = self._dim(name, tree)
+            names = dim.bounds[0].names | dim.bounds[1].names
+            if names & {loop.over[name] for loop in place.jammed}:
+                return True
+        return False
+
+    def _in_order(self, place: _Place, loops: tuple[Loop, ...]) -> Iterator[tuple[_Place, str]]:
+        """What some iterations of a group run first, what all run, and what some run last, each
+        with isl's option for its loop: few iterations are written out.
+        """
+        band = self._filled_by(place.domains, loops, place.jammed)
+        names = [f"t{position}" for position in range(len(loops))]
+        starts = [_group(loop).format(n) for n, loop in zip(names, loops, strict=True)]
+        own = f"{{ [{', '.join(names)}] -> [{', '.join(starts)}] }}"
+        begin = isl.Map(f"{self.relations.parameters} -> {own}")
+        later = f"[{', '.join(names)}] -> [{', '.join((*names[:-1], 'u'))}] : u > {names[-1]}"
+        behind = begin.apply_range(isl.Map(f"{self.relations.parameters} -> {{ {later} }}"))
+        last = behind.apply_range(begin.reverse()).intersect_domain(band).range()
+        whole, first, after = {}, {}, {}
+        for name, domain in place.domains.items():
+            to_loops = self._to_loops(name, loops)
+            inside = to_loops.intersect_range(band).domain()
+            ends = to_loops.intersect_range(last).domain()
+            whole[name] = domain.intersect(inside).coalesce()
+            rest = domain.subtract(inside)
+            after[name] = rest.intersect(ends).coalesce()
+            first[name] = rest.subtract(ends).coalesce()
+        for domains, is_whole in ((first, False), (whole, True), (after, False)):
+            part = replace(place, domains=domains)
+            if not part.is_empty:
+                few = not is_whole and self._is_short(part, loops, begin)
+                yield part, "unroll" if few else "separate"
+
+    def _is_short(self, place: _Place, loops: tuple[Loop, ...], begin: isl.Map) -> bool:
+        """Whether the innermost loop has no more iterations than a group, each time."""
+        most = max(loop.factor for loop in place.jammed)
+        reached = self._reached(place.domains, loops).apply(begin)
+        names = ", ".join(f"t{position}" for position in range(len(loops) - 1))
+        around = f"[{names}, a] -> [{names}, b] : b >= a + {2 * most}"
+        far = isl.Map(f"{self.relations.parameters} -> {{ {around} }}")
+        return bool(far.intersect_domain(reached).intersect_range(reached).is_empty())
 
     def _children(self, tree: Loop, place: _Place) -> str:
         nodes = []
@@ -186,8 +243,7 @@ class _Ordering:
         seen = set()
         limits = {}
         for name in place.domains:
-            statement = self._statement(name)
-            dim = next(dim for dim in statement.dims if dim.name == tree.over[name])
+            dim = self._dim(name, tree)
             shared = {loop.over[name]: symbol(f"t{n}") for n, loop in enumerate(place.around)}
             jammed = {loop.over[name] for loop in place.jammed}
             first, limit = dim.bounds
@@ -203,16 +259,32 @@ class _Ordering:
         return limits if len(seen) == 1 else {}
 
     def _whole_groups(self, place: _Place, loops: tuple[Loop, ...]) -> isl.Set:
+        return self._filled_by(place.domains, loops, (*place.jammed, loops[-1]))
+
+    def _filled_by(
+        self, domains: Mapping[str, isl.Set], loops: tuple[Loop, ...], jammed: tuple[Loop, ...]
+    ) -> isl.Set:
+        """The iterations of loops whose whole group runs, of each that is jammed."""
+        band = self._reached(domains, loops)
+        for loop in jammed:
+            band = self._filled(band, loops, loop)
+        return band
+
+    def _reached(self, domains: Mapping[str, isl.Set], loops: tuple[Loop, ...]) -> isl.Set:
+        """All iterations of loops that some statement runs."""
         reached = [
             self._to_loops(name, loops).intersect_domain(domain).range()
-            for name, domain in place.domains.items()
+            for name, domain in domains.items()
         ]
         band = reached[0]
         for other in reached[1:]:
             band = band.union(other)
-        for loop in (*place.jammed, loops[-1]):
-            band = self._filled(band, loops, loop)
         return band
+
+    def _dim(self, name: str, tree: Loop) -> Dimension:
+        """What a loop counts of a statement."""
+        dims = self._statement(name).dims
+        return next(dim for dim in dims if dim.name == tree.over[name])
 
     def _statement(self, name: str) -> Statement:
         return next(s for s in self.relations.scop.statements if s.name == name)
