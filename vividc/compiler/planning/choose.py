@@ -79,11 +79,16 @@ class Decision:
 
 @dataclass(frozen=True)
 class Stage:
-    """A function to map, its estimate, and the decision that made it of the stage before."""
+    """A function to map, its estimate, and the decision that made it of a stage before.
+
+    `reserve`: the next stage is better by estimate; this one takes fewer contexts, and is for when
+    that cannot be mapped.
+    """
 
     state: State
     estimate: Estimate
     decision: Decision | None = None
+    reserve: bool = False
 
 
 @dataclass(frozen=True)
@@ -207,15 +212,18 @@ class _Chooser:
         """Gives the loops of a static-control part another order, and tiles for registers."""
         base = self.now
         trips = expected_trips(base.state.function, base.state.hints)
-        done = restructured(base.state, header, self.estimator, trips)
-        if isinstance(done, Refusal):
-            self._note(base, Candidate("restructuring", header), None, done.reason)
+        most = self._most_operations(base, "restructuring")
+        found = restructured(base.state, header, self.estimator, trips, most)
+        if isinstance(found, Refusal):
+            self._note(base, Candidate("restructuring", header), None, found.reason)
             return
-        candidate = Candidate("restructuring", header, done.factor)
-        reason = self._objection(base, candidate, done.estimate)
-        decision = self._note(base, candidate, done.estimate, reason)
-        if not reason:
-            self._accept(Stage(done.state, done.estimate, decision))
+        for done in found:
+            candidate = Candidate("restructuring", header, done.factor)
+            reason = self._objection(base, candidate, done.estimate)
+            decision = self._note(base, candidate, done.estimate, reason)
+            if not reason:
+                is_reserve = done is not found[-1]
+                self._accept(Stage(done.state, done.estimate, decision, is_reserve))
 
     def _outermost(self) -> list[str]:
         """Headers of loops in no other one, with nothing in them that the user decided."""
@@ -296,12 +304,9 @@ class _Chooser:
         return None if reason else Stage(state, estimate, decision)
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
-        per_pe = OPERATIONS_OF_THREADS if candidate.kind == "threads" else OPERATIONS_PER_PE
-        limit = per_pe * len(self.estimator.fabric.pes)
-        known = max((r.shape.operations for r in base.estimate.regions), default=0)
-        largest = max((r.shape.operations for r in estimate.regions if r.kind == "loop"), default=0)
-        if largest > max(limit, known):
-            return f"a loop would have {largest} operations, more than {limit}"
+        limit = self._most_operations(base, candidate.kind)
+        if estimate.largest_loop > limit:
+            return f"a loop would have {estimate.largest_loop} operations, more than {limit}"
         if math.isinf(estimate.cycles):
             return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
         share = _GAIN[candidate.kind]
@@ -310,6 +315,12 @@ class _Chooser:
         if estimate.cycles > base.estimate.cycles * share:
             return "does not pay"
         return ""
+
+    def _most_operations(self, base: Stage, kind: Kind) -> int:
+        """Of a loop: more take too long to map, unless a region has more already."""
+        per_pe = OPERATIONS_OF_THREADS if kind == "threads" else OPERATIONS_PER_PE
+        known = max((r.shape.operations for r in base.estimate.regions), default=0)
+        return max(per_pe * len(self.estimator.fabric.pes), known)
 
     def _note(
         self, base: Stage, candidate: Candidate, estimate: Estimate | None, reason: str

@@ -84,6 +84,16 @@ class Estimate:
         return self.cycles - sum(cost.allowance for cost in loops)
 
     @property
+    def contexts(self) -> int:
+        """The fewest contexts that the regions take."""
+        return sum(cost.shape.ii for cost in self.regions)
+
+    @property
+    def largest_loop(self) -> int:
+        """Operations of the largest modulo-scheduled loop."""
+        return max((r.shape.operations for r in self.regions if r.kind == "loop"), default=0)
+
+    @property
     def hottest(self) -> str:
         """Header of the modulo-scheduled loop with most cycles; "" without one."""
         loops = [cost for cost in self.regions if cost.kind == "loop"]

@@ -138,6 +138,8 @@ class _Teller:
             return decision.reason
         for index, stage in enumerate(self.plan.stages):
             if stage.decision is decision:
+                if stage.reserve and index < self.settled.index:
+                    return "another form was chosen"
                 return "" if index <= self.settled.index else self._dropped(index)
         return "another factor was chosen"
 

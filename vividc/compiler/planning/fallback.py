@@ -4,6 +4,7 @@ turns out faster.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -63,6 +64,8 @@ def settle(plan: Plan, attempt: Attempt) -> Settled:
     best: Settled | None = None
     dropped: dict[int, str] = {}
     for index in reversed(range(len(plan.stages))):
+        if best is not None and plan.stages[index].reserve:
+            continue
         try:
             outcome = attempt(plan.stages[index], index == 0)
         except VividcError as error:
@@ -93,4 +96,5 @@ def _rank(outcome: Outcome) -> tuple[bool, float]:
 
 def _least(plan: Plan, index: int) -> float:
     """Cycles that no stage before this one can go below."""
-    return min(stage.estimate.least for stage in plan.stages[plan.asked : index])
+    before = (stage for stage in plan.stages[plan.asked : index] if not stage.reserve)
+    return min((stage.estimate.least for stage in before), default=math.inf)

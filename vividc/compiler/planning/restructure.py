@@ -45,19 +45,29 @@ class Restructured:
     factor: int
 
 
+_SPARE = 0.25
+"""Of the contexts: straight regions take more than their bounds, by up to so much in lu."""
+
+
 def restructured(
-    state: State, header: str, estimator: Estimator, trips: Mapping[str, float]
-) -> Restructured | Refusal:
-    """The best loops for the part at `header`."""
+    state: State,
+    header: str,
+    estimator: Estimator,
+    trips: Mapping[str, float],
+    most_operations: int,
+) -> tuple[Restructured, ...] | Refusal:
+    """The best loops for the part at `header`, none with more operations than `most_operations`;
+    before them, if they may take more contexts than there are, the best that surely do not.
+    """
     function = with_own_latches(state.function, header)
     scop = find_scop(function, header)
     if isinstance(scop, Refusal):
         return scop
     if all(len(statement.dims) == 1 for statement in scop.statements):
         return Refusal("it is one loop, not a nest")
-    climb = _Climb(state, scop, estimator, trips)
+    climb = _Climb(state, scop, estimator, trips, most_operations)
     found = climb.best()
-    return Refusal("no other loops can be generated") if found is None else found
+    return found or Refusal("no other loops can be generated")
 
 
 @dataclass
@@ -66,14 +76,15 @@ class _Climb:
     scop: Scop
     estimator: Estimator
     trips: Mapping[str, float]
+    most_operations: int
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
         self.symbols = self._lengths()
 
-    def best(self) -> Restructured | None:
-        """The tree with the fewest estimated cycles."""
+    def best(self) -> tuple[Restructured, ...]:
+        """The tree with the fewest estimated cycles, and before it one that spares contexts."""
         ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
         for tree in orders(tree_of(self.scop), self.relations):
             jammed = groups(tree, self.relations)
@@ -86,7 +97,10 @@ class _Climb:
         for _, _, tree, jammed in ranked[:_ORDERS]:
             self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
-        return min(made, key=lambda one: one.estimate.cycles, default=None)
+        made.sort(key=lambda one: one.estimate.cycles)
+        room = (1.0 - _SPARE) * self.estimator.fabric.controller.contexts
+        spare = next((n for n, one in enumerate(made) if one.estimate.contexts <= room), 0)
+        return (made[spare], made[0]) if spare else tuple(made[:1])
 
     def _first(self, jammed: list[tuple[Path, ...]]) -> Iterator[tuple[Path, int]]:
         for group in jammed:
@@ -148,6 +162,8 @@ class _Climb:
             {**self.state.scale, **scale},
         )
         estimate = self.estimator.estimate(function, state.hints)
+        if estimate.largest_loop > self.most_operations:
+            return None
         factor = max((loop.code.step for loop in made.loops.values()), default=1)
         return Restructured(state, estimate, name, factor)
 
