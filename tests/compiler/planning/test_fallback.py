@@ -62,6 +62,19 @@ def test_a_stage_that_does_not_map_gives_way_to_the_one_before() -> None:
     assert "too slow" in settled.dropped[2]
 
 
+def test_a_reserve_is_mapped_only_if_the_stage_after_it_is_not() -> None:
+    first, reserve, best = made(100, 20, 25).stages
+    stages = Plan((first, replace(reserve, reserve=True), best))
+    assert settle(stages, lambda stage, _: fake(stage, stage.estimate.cycles)).index == 2
+
+    def attempt(stage: Stage, _: bool) -> Outcome:
+        if stage is best:
+            raise TimeLimit("too many contexts")
+        return fake(stage, stage.estimate.cycles)
+
+    assert settle(stages, attempt).index == 1
+
+
 def test_a_stage_that_turns_out_slower_gives_way() -> None:
     stages = made(100, 50, 25)
     achieved = {id(stages.stages[2]): 80.0, id(stages.stages[1]): 50.0}
