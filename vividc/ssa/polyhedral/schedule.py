@@ -2,7 +2,8 @@
 
 A tree says in which order statements run; `schedule_of` gives it to isl. A loop with a factor runs
 so many of its iterations together in the loops inside it (unroll-and-jam). What does not fill whole
-groups of iterations follows behind.
+groups of iterations follows behind; of a loop inside whose bounds differ within a group, what only
+some iterations run comes before and behind, where it belongs.
 """
 
 from __future__ import annotations
@@ -161,7 +162,7 @@ class _Ordering:
                 yield part, "unroll" if few else "separate"
 
     def _is_short(self, place: _Place, loops: tuple[Loop, ...], begin: isl.Map) -> bool:
-        """Whether the innermost loop has no more iterations than a group, each time."""
+        """Whether the innermost loop has fewer iterations than two groups, each time."""
         most = max(loop.factor for loop in place.jammed)
         reached = self._reached(place.domains, loops).apply(begin)
         names = ", ".join(f"t{position}" for position in range(len(loops) - 1))
