@@ -46,7 +46,9 @@ class Restructured:
 
 
 _SPARE = 0.25
-"""Of the contexts: straight regions take more than their bounds, by up to so much in lu."""
+"""Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
+512), and may need more registers than there are (covariance).
+"""
 
 
 def restructured(
@@ -57,7 +59,7 @@ def restructured(
     most_operations: int,
 ) -> tuple[Restructured, ...] | Refusal:
     """The best loops for the part at `header`, none with more operations than `most_operations`;
-    before them, if they may take more contexts than there are, the best that surely do not.
+    before them, if they nearly fill the contexts, the best that leave a quarter of them.
     """
     function = with_own_latches(state.function, header)
     scop = find_scop(function, header)
