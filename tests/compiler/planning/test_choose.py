@@ -7,7 +7,7 @@ import pytest
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.choose import OPERATIONS_PER_PE, Plan, choose
+from vividc.compiler.planning.choose import Plan, choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
@@ -86,25 +86,6 @@ def test_a_nest_is_restructured_if_that_is_asked_for() -> None:
     stages = plan(multiplied, restructure=True).stages
     assert "restructuring" in [stage.decision.kind for stage in stages if stage.decision]
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
-
-
-@vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
-def triangular(a, b):
-    """Each row of b takes those below it, times a column of a."""
-    for i in range(b.shape[0]):
-        for j in range(b.shape[1]):
-            for k in range(i + 1, b.shape[0]):
-                b[i, j] += a[k, i] * b[k, j]
-
-
-def test_a_jammed_triangle_keeps_its_sums_in_registers() -> None:
-    """Terms of some rows only come before those of all rows: sums that went through memory for
-    them would have II 7 and more. Forms with larger loops than may be mapped are not chosen.
-    """
-    regions = plan(triangular, restructure=True).stages[-1].estimate.regions
-    shapes = [region.shape for region in regions if region.kind == "loop"]
-    assert max(shape.ii for shape in shapes) == 4
-    assert 3 * 16 // 2 < max(shape.operations for shape in shapes) <= OPERATIONS_PER_PE * 16
 
 
 def test_a_recurrence_is_left_alone() -> None:

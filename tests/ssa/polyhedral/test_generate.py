@@ -7,8 +7,10 @@ import random
 import numpy as np
 import pytest
 
+import vividc
 from tests.ssa.polyhedral.nests import arguments, random_nest
 from vividc.errors import SSAError
+from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
@@ -43,6 +45,40 @@ def demand_same(before: Function, after: Function, what: str) -> None:
         interpret(after, *new, max_blocks=40_000)
         same = all(np.array_equal(x, y) for x, y in zip(old[:2], new[:2], strict=True))
         assert same, f"{what}, n = {n}"
+
+
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
+def triangular(a, b):
+    """Each row of b takes those below it, times a column of a."""
+    for i in range(b.shape[0]):
+        for j in range(b.shape[1]):
+            for k in range(i + 1, b.shape[0]):
+                b[i, j] += a[k, i] * b[k, j]
+
+
+def test_sums_of_a_jammed_triangle_stay_in_registers() -> None:
+    """Terms that only some rows of a group have come before those of all, not under tests among
+    them: those would send sums through memory.
+    """
+    [scop] = parts_of(tidy(triangular.lower()))
+    relations = Relations(scop)
+    tree = tree_of(scop)
+    rows, columns = [path for path, _ in loops_in(tree)][:2]
+    jammed = with_factors(tree, {rows: 4, columns: 4})
+    assert is_legal(jammed, relations)
+    loops = loops_of(schedule_of(jammed, relations), relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops)
+    assert not isinstance(made, Refusal)
+    function = tidy(made.function)
+    found = find_loops(function)
+    inner = [loop for loop in found if not any(o.header in loop.blocks for o in found if o != loop)]
+    opcodes = [
+        [i.op for block in function.blocks if block.name in loop.blocks for i in block.instrs]
+        for loop in inner
+    ]
+    assert max(ops.count(Opcode.FMUL) for ops in opcodes) == 16
+    assert not any(Opcode.STORE in ops for ops in opcodes)
 
 
 def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: int) -> list[Loop]:
