@@ -165,9 +165,9 @@ class Estimator:
         )
         switches = sum(cost.runs for cost in costs) * self.fabric.controller.switch_cycles
         total = sum(cost.cycles for cost in costs) + switches
-        if sum(shape.ii for shape in shapes) > self.fabric.controller.contexts:
-            total = math.inf
-        return Estimate(total, costs)
+        estimate = Estimate(total, costs)
+        is_too_long = estimate.contexts > self.fabric.controller.contexts
+        return replace(estimate, cycles=math.inf) if is_too_long else estimate
 
     def contexts(self, kernel: Kernel) -> int:
         """The fewest contexts that the kernel's regions take; a loop that cannot be mapped as one

@@ -4,7 +4,6 @@ turns out faster.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -97,4 +96,4 @@ def _rank(outcome: Outcome) -> tuple[bool, float]:
 def _least(plan: Plan, index: int) -> float:
     """Cycles that no stage before this one can go below."""
     before = (stage for stage in plan.stages[plan.asked : index] if not stage.reserve)
-    return min((stage.estimate.least for stage in before), default=math.inf)
+    return min(stage.estimate.least for stage in before)

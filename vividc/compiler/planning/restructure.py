@@ -34,6 +34,11 @@ _ORDERS = 2
 _MOST_TRIES = 24
 """Trees of one part; each takes 0.1 to 0.3 s."""
 
+_SPARE = 0.25
+"""Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
+512), and may need more registers than there are (covariance).
+"""
+
 
 @dataclass(frozen=True)
 class Restructured:
@@ -43,12 +48,6 @@ class Restructured:
     estimate: Estimate
     tree: str
     factor: int
-
-
-_SPARE = 0.25
-"""Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
-512), and may need more registers than there are (covariance).
-"""
 
 
 def restructured(

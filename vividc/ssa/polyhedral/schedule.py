@@ -127,12 +127,12 @@ class _Ordering:
 
     def _differ(self, place: _Place, tree: Loop) -> bool:
         """Whether jammed loops around a loop change its bounds."""
-        for name in place.domains:
-            dim = self._dim(name, tree)
-            names = dim.bounds[0].names | dim.bounds[1].names
-            if names & {loop.over[name] for loop in place.jammed}:
-                return True
-        return False
+        return any(
+            loop.over[name] in bound.names
+            for name in place.domains
+            for bound in self._dim(name, tree).bounds
+            for loop in place.jammed
+        )
 
     def _in_order(self, place: _Place, loops: tuple[Loop, ...]) -> Iterator[tuple[_Place, str]]:
         """What some iterations of a group run first, what all run, and what some run last, each
@@ -241,15 +241,16 @@ class _Ordering:
         """Where the whole groups end, by statement, if all of them have the same bounds and jammed
         loops do not change these.
         """
+        if self._differ(place, tree):
+            return {}
         seen = set()
         limits = {}
         for name in place.domains:
             dim = self._dim(name, tree)
             shared = {loop.over[name]: symbol(f"t{n}") for n, loop in enumerate(place.around)}
-            jammed = {loop.over[name] for loop in place.jammed}
             first, limit = dim.bounds
             names = first.names | limit.names
-            if names & jammed or not names <= self.relations.scop.symbols.keys() | shared.keys():
+            if not names <= self.relations.scop.symbols.keys() | shared.keys():
                 return {}
             seen.add((first.substituted(shared), limit.substituted(shared)))
             first = tree.base
