@@ -88,6 +88,27 @@ def test_a_nest_is_restructured_if_that_is_asked_for() -> None:
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
 
 
+@vividc.kernel("void(int32[:, ::1])")
+def shortest(paths):
+    """An iteration reads what the one before may have written, in the same row and column."""
+    n = paths.shape[0]
+    for k in range(n):
+        for i in range(n):
+            for j in range(n):
+                paths[i, j] = min(paths[i, j], paths[i, k] + paths[k, j])
+
+
+def test_rows_share_the_latency_of_a_recurrence_along_them() -> None:
+    stages = plan(shortest, restructure=True).stages
+    assert [stage.decision.kind for stage in stages if stage.decision] == ["restructuring"]
+    first, last = (stage.estimate.loop(stage.estimate.hottest) for stage in (stages[0], stages[-1]))
+    assert first is not None
+    assert last is not None
+    assert last.shape.ii == first.shape.ii
+    assert last.shape.operations >= 4 * first.shape.operations
+    assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 2
+
+
 def test_a_recurrence_is_left_alone() -> None:
     assert chosen(running) == []
     assert plan(running).stages[0].state.function is running.lower()

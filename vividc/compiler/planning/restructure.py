@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from vividc.compiler.planning.candidates import MOST_INSTRUCTIONS, State
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.host import time_limit
+from vividc.machine.opcodes import MEMORY
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.polyhedral.generate import generate
-from vividc.ssa.polyhedral.loops import expected_trips, loops_of
+from vividc.ssa.polyhedral.loops import Loops, expected_trips, fors_in, loops_of, runs_in
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
@@ -22,7 +23,7 @@ from vividc.ssa.polyhedral.search import Path, describe, groups, orders, with_fa
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
-_PAIRS = ((4, 4), (5, 5), (8, 4), (4, 8), (8, 2), (2, 8), (1, 4), (1, 8))
+_PAIRS = ((4, 4), (5, 5), (8, 4), (4, 8), (8, 2), (2, 8), (1, 4), (1, 8), (4, 1), (8, 1))
 _SINGLES = (4, 8, 2, 16)
 """Factors that are tried of one loop, and of a loop and one inside it: a PE array of 4x4 has no use
 for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
@@ -31,7 +32,7 @@ for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
 _ORDERS = 2
 """So many orders of loops are tried with all factors: those that 4 by 4, or 8, makes fastest."""
 
-_MOST_TRIES = 24
+_MOST_TRIES = 28
 """Trees of one part; each takes 0.1 to 0.3 s."""
 
 _SPARE = 0.25
@@ -138,7 +139,7 @@ class _Climb:
 
     def _made(self, tree: Loop, name: str) -> Restructured | None:
         loops = loops_of(schedule_of(tree, self.relations), self.relations)
-        if isinstance(loops, Refusal):
+        if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
         made = generate(self.scop, loops)
         if isinstance(made, Refusal):
@@ -167,6 +168,20 @@ class _Climb:
             return None
         factor = max((loop.code.step for loop in made.loops.values()), default=1)
         return Restructured(state, estimate, name, factor)
+
+    def _is_too_large(self, loops: Loops) -> bool:
+        """Whether an innermost loop is sure to have too many operations, even if two instructions
+        become one each time and its accesses are saved.
+        """
+        work = {
+            statement.name: sum(instr.op not in MEMORY for instr in statement.instrs)
+            for statement in self.scop.statements
+        }
+        return any(
+            sum(work[run.statement] for run in runs_in(loop.body)) > 2 * self.most_operations
+            for loop in fors_in(loops.code)
+            if not any(fors_in(loop.body))
+        )
 
     def _lengths(self) -> dict[str, float]:
         """What symbols are assumed to be, so that loops have the trips that are expected."""

@@ -22,7 +22,7 @@ from vividc.ssa.edit import (
     substitute,
 )
 from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Ref, Value, pitch_of
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, runs_in
 from vividc.ssa.polyhedral.places import Accessed, Place, Places
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.words import Words
@@ -277,7 +277,7 @@ class _Writer:
 
     def _origin(self, loop: For) -> str:
         """The header of the loop that a statement counts by this one."""
-        for run in self.places.runs(loop.body):
+        for run in runs_in(loop.body):
             for dim, coordinate in zip(
                 self.places.statements[run.statement].dims, run.coordinates, strict=True
             ):

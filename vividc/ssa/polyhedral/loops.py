@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -211,6 +211,27 @@ def _operation(expression: isl.AstExpr) -> str:
 
 def _arguments(expression: isl.AstExpr) -> list[isl.AstExpr]:
     return [expression.get_op_arg(n) for n in range(expression.get_op_n_arg())]
+
+
+def runs_in(code: Iterable[Code]) -> Iterator[Run]:
+    """All iterations of statements, in the order of the text."""
+    for item in code:
+        if isinstance(item, Run):
+            yield item
+        else:
+            yield from runs_in(
+                item.body if isinstance(item, For) else (*item.then, *item.otherwise)
+            )
+
+
+def fors_in(code: Iterable[Code]) -> Iterator[For]:
+    """All loops, those around before those inside."""
+    for item in code:
+        if isinstance(item, For):
+            yield item
+            yield from fors_in(item.body)
+        elif isinstance(item, If):
+            yield from fors_in((*item.then, *item.otherwise))
 
 
 def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:

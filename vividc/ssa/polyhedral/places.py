@@ -10,7 +10,7 @@ import islpy as isl
 
 from vividc.ssa.ir import Instr
 from vividc.ssa.polyhedral.forms import Form
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
+from vividc.ssa.polyhedral.loops import Code, For, Loops, Run, fors_in, runs_in
 from vividc.ssa.polyhedral.scop import Scop, Statement
 
 
@@ -60,7 +60,7 @@ class Places:
     @cached_property
     def every(self) -> Mapping[str, For]:
         """All loops, by name."""
-        return {loop.name: loop for loop in _loops_in(self.loops.code)}
+        return {loop.name: loop for loop in fors_in(self.loops.code)}
 
     def at(self, run: Run) -> Mapping[str, Form]:
         """The coordinates of an iteration."""
@@ -71,20 +71,10 @@ class Places:
         """The scalar that a value is in an iteration of a statement."""
         return Place(ident, run.coordinates[: self.scop.depth[ident]])
 
-    def runs(self, code: Iterable[Code]) -> Iterator[Run]:
-        """All iterations of statements, in the order of the text."""
-        for item in code:
-            if isinstance(item, Run):
-                yield item
-            elif isinstance(item, For):
-                yield from self.runs(item.body)
-            else:
-                yield from self.runs((*item.then, *item.otherwise))
-
     def accessed(self, code: Iterable[Code]) -> Accessed:
         """What code accesses, loops and branches in it included."""
         result = Accessed()
-        for run in self.runs(code):
+        for run in runs_in(code):
             statement, at = self.statements[run.statement], self.at(run)
             for access in statement.accesses.values():
                 place = Place(access.array, tuple(s.substituted(at) for s in access.subscripts))
@@ -99,7 +89,7 @@ class Places:
 
     def varying(self, loop: For) -> frozenset[str]:
         """Names that change within a run of the loop."""
-        names = {loop.name, *(inner.name for inner in _loops_in(loop.body))}
+        names = {loop.name, *(inner.name for inner in fors_in(loop.body))}
         quotients = self.loops.quotients.items()
         return frozenset(names | {n for n, q in quotients if q.dividend.names & names})
 
@@ -149,12 +139,3 @@ class Places:
         symbols = ", ".join((*self.scop.symbols, *self.loops.quotients))
         inside = f"[{', '.join(chosen)}] : {' and '.join(conditions)}"
         return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()
-
-
-def _loops_in(code: Iterable[Code]) -> Iterator[For]:
-    for item in code:
-        if isinstance(item, For):
-            yield item
-            yield from _loops_in(item.body)
-        elif isinstance(item, If):
-            yield from _loops_in((*item.then, *item.otherwise))
