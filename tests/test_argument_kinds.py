@@ -73,6 +73,7 @@ CALLS: dict[str, Callable[[vividc.Program, Any], object]] = {
     "compile fabric": lambda p, v: vividc.compile(double, fabric=v),
     "compile mapper": lambda p, v: vividc.compile(double, mapper=v),
     "compile time_limit_s": lambda p, v: vividc.compile(double, time_limit_s=v),
+    "compile effort": lambda p, v: vividc.compile(double, effort=v),
     "compile progress": lambda p, v: vividc.compile(double, progress=v),
     "compile transform": lambda p, v: vividc.compile(double, transform=v),
     "compile unroll": lambda p, v: vividc.compile(double, loops=vividc.LoopOptions(unroll=v)),

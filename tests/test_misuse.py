@@ -28,6 +28,7 @@ def plain(x: object) -> object:
         lambda: vividc.compile(KERNEL, fabric=None),  # type: ignore[arg-type]
         lambda: vividc.compile(KERNEL, time_limit_s="5"),  # type: ignore[arg-type]
         lambda: vividc.compile(KERNEL, time_limit_s=-1),
+        lambda: vividc.compile(KERNEL, effort="all"),  # type: ignore[arg-type]
         lambda: vividc.simulate("a.vivid"),  # type: ignore[arg-type]
         lambda: vividc.simulate(KERNEL),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, "mesh-2x2"),  # type: ignore[arg-type]
@@ -37,6 +38,7 @@ def plain(x: object) -> object:
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, ii=True),
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, workers=True),
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, time_limit_s=True),
+        lambda: vividc.mapper.map_dfg(GRAPH, MESH, effort=3),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed=5),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed=0),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, MESH, allowed={0: 1}),  # type: ignore[dict-item]

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from vividc import arch, dfg
 from vividc.cli import main
 from vividc.cli.commands import map as map_command
-from vividc.mapper import MapResult, mapping_from_json, registry, verify
+from vividc.mapper import MapResult, map_dfg, mapping_from_json, registry, verify
 
 CHAIN = {
     "name": "chain",
@@ -158,3 +158,17 @@ def test_broken_graph_names_its_line(tmp_path):
     result = run(path)
     assert result.exit_code == 2
     assert f"{path}:2" in result.stderr
+
+
+def test_the_effort_reaches_the_search(graph, monkeypatch):
+    asked = []
+
+    def mapped(*args, effort, **how):
+        asked.append(effort)
+        return map_dfg(*args, effort=effort, **how)
+
+    monkeypatch.setattr(map_command, "map_dfg", mapped)
+    for given in ([], ["--effort", "fast"], ["--effort", "normal"]):
+        assert run(graph, "--fabric", "mesh-2x2", *given).exit_code == 0
+    assert asked == ["prove", "fast", "normal"]
+    assert run(graph, "--effort", "all").exit_code == 2

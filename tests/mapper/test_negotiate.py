@@ -193,7 +193,7 @@ def test_an_ii_below_a_recurrence_gives_no_mapping() -> None:
 
 def test_a_tight_loop_of_72_operations_comes_near_its_bound() -> None:
     dfg = random_loop(11, 72, (8, 2, 1))
-    result = map_dfg(dfg, TILE, time_limit_s=60, thrifty=True, workers=1)
+    result = map_dfg(dfg, TILE, time_limit_s=60, effort="normal", workers=1)
     assert result.mapping is not None
     assert result.mapping.ii <= result.lower_bound + 1
     assert verify(dfg, TILE, result.mapping) == []

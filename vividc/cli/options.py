@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
+
+from vividc.mapper import EFFORT_LEVELS, EffortLevel
+
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def finite(_ctx: click.Context, _param: click.Parameter, value: float) -> float:
@@ -65,4 +71,18 @@ time_limit = click.option(
     metavar="S",
     help="Wall time for the whole command, in seconds; machine code that is built once is extra.",
 )
+
+
+def effort(default: EffortLevel) -> Callable[[Command], Command]:
+    """The option that says where a search stops; commands differ in its default."""
+    return click.option(
+        "--effort",
+        type=click.Choice(EFFORT_LEVELS),
+        default=default,
+        show_default=True,
+        help="Stop a search at the first good mapping, where more work does not pay, or once every "
+        "smaller II is refuted; the time limit ends it in any case.",
+    )
+
+
 as_json = click.option("--json", "as_json", is_flag=True, help="Print one JSON object to stdout.")

@@ -46,7 +46,7 @@ from vividc.host import compiled_files, time_limit, watch
 from vividc.host.watch import run_passes, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.machine.product import Product
-from vividc.mapper import MapResult, check_time_limit
+from vividc.mapper import EffortLevel, MapResult, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encoder.encode import check_contexts
@@ -100,6 +100,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     mapper: str = "auto",
     time_limit_s: float = 60.0,
     *,
+    effort: EffortLevel = "normal",
     loops: LoopOptions | None = None,
     strict_fp: bool = False,
     contract: bool = True,
@@ -123,6 +124,10 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     time_limit_s
         Seconds of wall time for all of it, kept within a tenth and a second; what they cut short is
         a warning. Machine code of the mapper, which is built once a computer, is not counted.
+    effort
+        Where the search for each loop's mapping stops before that: "fast" at the first good one,
+        "normal" where more work does not pay, "prove" once every smaller II is refuted
+        (`docs/loops.md`).
     loops
         How loops are transformed, as in LoopOptions(unroll={12: 4}). None: where an estimate says
         that it pays.
@@ -143,11 +148,13 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     loaded = _checked(kernel, fabric, time_limit_s)
     demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
     demand_callable(progress, "progress")
+    check_effort(effort)
     check_kernel_mode(mode)
     wanted = loop_options(loops, flat)
     options = CompileOptions(
         mapper=mapper,
         time_limit_s=time_limit_s,
+        effort=effort,
         progress=progress,
         strict_fp=strict_fp,
         contract=contract,
@@ -400,6 +407,7 @@ def _kernel_of(function: Function, estimator: Estimator) -> Kernel:
 def _provenance(options: CompileOptions) -> dict[str, str | int | float | bool | None]:
     return {
         "mapper": options.mapper,
+        "effort": options.effort,
         "strict_fp": options.strict_fp,
         "contract": options.contract,
         "reassociate": options.reassociate,

@@ -15,7 +15,7 @@ from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
 from vividc.host import time_limit
-from vividc.mapper import MapProblem, MapResult, map_dfg
+from vividc.mapper import EffortLevel, MapProblem, MapResult, map_dfg
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline, limited
@@ -48,14 +48,16 @@ class MapOptions:
     mapper
         "auto", or another mapper's name.
     time_limit_s
-        Seconds for all of it, which buy an effort (`mapper/deadline.py`); with a mapping in hand,
-        what is left goes to proving it.
+        Seconds for all of it, which buy an effort (`mapper/deadline.py`).
+    effort
+        Where the search for a loop's mapping stops before that.
     progress
         Called with one line for each step.
     """
 
     mapper: str = "auto"
     time_limit_s: float = 60.0
+    effort: EffortLevel = "normal"
     progress: Progress | None = None
 
 
@@ -214,7 +216,7 @@ def _mapped_loop(
         time_limit_s=share_s,
         resident=problem.resident,
         progress=_prefixed(options.progress, region),
-        thrifty=True,
+        effort=options.effort,
     )
     if result.mapping is not None:
         return result

@@ -6,7 +6,7 @@ are tried how), `published/` (mappers of others); `check/` (verifier and certifi
 `registry` (mappers by name), `api`.
 """
 
-from vividc.mapper.api import check_time_limit, map_dfg
+from vividc.mapper.api import check_effort, check_time_limit, map_dfg
 from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.check.case import Violation
 from vividc.mapper.check.certificate import check_certificate
@@ -28,17 +28,19 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names
 from vividc.mapper.report.document import mapping_from_json, mapping_to_json, read_result
 from vividc.mapper.report.methods import attach
-from vividc.mapper.request import Mapper, MapRequest, Progress
+from vividc.mapper.request import EFFORT_LEVELS, EffortLevel, Mapper, MapRequest, Progress
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapInterrupted, MapResult
 
 attach()
 
 __all__ = [
+    "EFFORT_LEVELS",
     "ENTRY_POINT_GROUP",
     "OBJECTIVES",
     "Bound",
     "Deadline",
+    "EffortLevel",
     "Extension",
     "Finding",
     "MapInterrupted",
@@ -58,6 +60,7 @@ __all__ = [
     "Violation",
     "all_bounds",
     "check_certificate",
+    "check_effort",
     "check_time_limit",
     "find_mapper",
     "map_dfg",

@@ -27,7 +27,7 @@ from vividc.mapper.engines.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.mapping import Status, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
 from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
-from vividc.mapper.request import Mapper, MapRequest, Progress
+from vividc.mapper.request import EFFORT_LEVELS, EffortLevel, Mapper, MapRequest, Progress
 from vividc.mapper.result import MapInterrupted, MapResult
 from vividc.mapper.search.tuning import SHARE_BEFORE_OBJECTIVE, SHARE_EXTENDED
 
@@ -46,7 +46,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     resident: ReadOnly[int, frozenset[ConstantKey]] | None = None,
     workers: int = 2,
     progress: Progress | None = None,
-    thrifty: bool = False,
+    effort: EffortLevel = "prove",
     extend: Extension | None = None,
     objective: str | None = None,
 ) -> MapResult:
@@ -60,8 +60,11 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         A name of the registry, and the only II to try; None: the least.
     time_limit_s
         Limit in seconds: it buys an effort (`mapper/deadline.py`) that takes less on a typical
-        machine, and is what the clock allows at most (`MapResult.hurried`); `thrifty` may stop a
-        large graph's search within 1 of the bound earlier. Unhurried, a run repeats exactly.
+        machine, and is what the clock allows at most (`MapResult.hurried`). Unhurried, a run
+        repeats exactly.
+    effort
+        Where to stop before that, by work that is counted and never timed: "fast" at the first good
+        mapping, "normal" where more work does not pay, "prove" once every smaller II is refuted.
     allowed, resident
         By node id the PEs that it may lie on; by PE the constants that other regions hold there.
     extend, objective
@@ -82,12 +85,13 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     demand_callable(progress, "progress")
     run = find_mapper(mapper)
     _check_door(mapper, extend, objective)
+    check_effort(effort)
     allowed, resident = {} if allowed is None else allowed, {} if resident is None else resident
     _check_places(dfg, fabric, allowed, resident)
     problem = MapProblem(dfg, fabric, allowed, resident)
     try:
         with limited(time_limit_s) as deadline:
-            request = MapRequest(ii, deadline, workers, progress, thrifty, extend)
+            request = MapRequest(ii, deadline, workers, progress, effort, extend)
             began, spent = time.monotonic(), deadline.meter.spent_s
             result = _mapped(problem, run, request, objective)
             if mapper not in BUILT_IN:  # what a guest does is known by the clock only
@@ -169,6 +173,16 @@ def check_time_limit(time_limit_s: float) -> None:
     if not time_limit_s > 0:
         raise VividcError(
             f"the time limit must be positive, not {time_limit_s}", loc="time_limit_s"
+        )
+
+
+def check_effort(effort: str) -> None:
+    """Refuse what is no effort."""
+    known = ", ".join(EFFORT_LEVELS)
+    demand_type(effort, str, "the effort", f"choose one of: {known}")
+    if effort not in EFFORT_LEVELS:
+        raise VividcError(
+            f"unknown effort {quoted(effort)}", loc="effort", hint=f"choose one of: {known}"
         )
 
 

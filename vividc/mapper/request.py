@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Final, Literal, get_args
 
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.cpsat.handle import Extension
@@ -12,6 +13,12 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.result import MapResult
 
 Progress = Callable[[str], None]
+
+EffortLevel = Literal["fast", "normal", "prove"]
+"""Where a search stops before its deadline: "fast" at the first good mapping, "normal" where more
+work does not pay, "prove" once every smaller II is refuted (`mapper/search/state.py`).
+"""
+EFFORT_LEVELS: Final[tuple[EffortLevel, ...]] = get_args(EffortLevel)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +35,8 @@ class MapRequest:
         Threads that may be used; more than two find no work. Their number changes no result.
     progress
         Called with one line at each step; None: silent.
-    thrifty
-        Stop before the deadline when more time is unlikely to help (`mapper/search/state.py`).
+    effort
+        Where to stop before the deadline.
     extend
         Adds a caller's constraints to every model whose solution becomes a mapping.
     known
@@ -41,7 +48,7 @@ class MapRequest:
     deadline: Deadline
     workers: int = 2
     progress: Progress | None = None
-    thrifty: bool = False
+    effort: EffortLevel = "prove"
     extend: Extension | None = None
     known: Mapping | None = None
 

@@ -28,6 +28,7 @@ SCHEMA = "vividc.compile/1"
 @options.fabric
 @options.mapper
 @options.time_limit
+@options.effort("normal")
 @click.option(
     "--strict-fp", is_flag=True, help="Refuse float64 arithmetic instead of narrowing it."
 )

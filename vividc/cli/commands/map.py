@@ -21,6 +21,7 @@ from vividc.host.files import write_whole
 from vividc.host.plot import check_picture_path, encode
 from vividc.mapper import (
     OBJECTIVES,
+    EffortLevel,
     MapInterrupted,
     MapResult,
     map_dfg,
@@ -52,6 +53,7 @@ _MOST_OF_THE_TIME = 0.8
     help="Operations that are not in the table: run them on any PE, with a warning, or refuse.",
 )
 @options.time_limit
+@options.effort("prove")
 @click.option(
     "-o", "--output", type=options.FILE, metavar="MAPPING.json", help="Write the mapping."
 )
@@ -70,6 +72,7 @@ def command(
     objective: str | None,
     unknown_ops: dfg.UnknownOps,
     time_limit_s: float,
+    effort: EffortLevel,
     output: Path | None,
     plot: Path | None,
     as_json: bool,
@@ -86,7 +89,14 @@ def command(
     try:
         with progress(f"mapping {the_dfg.name}") as report:
             result = map_dfg(
-                the_dfg, the_fabric, mapper, ii, time_limit_s, progress=report, objective=objective
+                the_dfg,
+                the_fabric,
+                mapper,
+                ii,
+                time_limit_s,
+                progress=report,
+                effort=effort,
+                objective=objective,
             )
     except MapInterrupted as stop:
         stopped, result = stop, stop.result

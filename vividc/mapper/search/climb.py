@@ -18,15 +18,16 @@ from vividc.mapper.search.tuning import (
     LONG_CLIMB_FIRST_SHARE,
     LONG_CLIMB_SHARE,
     MOST_DOUBLINGS,
+    PATIENCES,
     WORTH_TRYING_S,
 )
 
 
 def first_turn(request: MapRequest) -> Deadline:
-    """Of one II on the way upward: a share of the time, the least that makes sense for a thrifty
-    request.
-    """
-    share_s = 0.0 if request.thrifty else CLIMB_SHARE * request.deadline.remaining_s
+    """Of one II on the way upward: a share of the time where the effort is to prove."""
+    if request.effort != "prove":
+        return request.deadline.within(PATIENCES[request.effort].turn_s)
+    share_s = CLIMB_SHARE * request.deadline.remaining_s
     return request.deadline.within(max(CLIMB_LEAST_S, share_s))
 
 
@@ -118,7 +119,9 @@ def try_only(search: IISearch) -> None:
 def refute_below(search: IISearch) -> None:
     """Below an II that was asked for and maps, raise the bound by schedules without places."""
     while search.incumbent is not None and search.lower < search.only_ii:
-        deadline = search.request.deadline
+        deadline = search.deadline
+        if deadline.passed:
+            return
         attempt = refute_cheaply(search.problem, search.lower, search.request, deadline)
         if attempt.refuted_by is None:
             return

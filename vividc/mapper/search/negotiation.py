@@ -141,7 +141,7 @@ def _raise_bound(search: IISearch, budget_s: float) -> None:
     """Refute from below while that is easy."""
     while search.open_iis():
         before = search.lower
-        budget = search.request.deadline.within(budget_s)
+        budget = search.deadline.within(budget_s)
         search.record(before, refute_cheaply(search.problem, before, search.request, budget))
         if search.lower == before:
             return

@@ -14,7 +14,7 @@ from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import Mapper, MapRequest
 from vividc.mapper.resources.distances import hop_distances
 from vividc.mapper.result import MapResult
-from vividc.mapper.search.tuning import NEAR, PATIENCE_FACTOR, PATIENCE_LEAST_S, TRY_S
+from vividc.mapper.search.tuning import NEAR, PATIENCES, TRY_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,15 +111,17 @@ class IISearch:
 
     @property
     def deadline(self) -> Deadline:
-        """The request's, which a thrifty request brings forward when the gap is small: to where as
-        much time again as three times what it took to come there has brought nothing.
+        """The request's, which its effort brings forward once something is mapped: to where work
+        has brought nothing for as long as its patience lasts.
         """
-        request, incumbent = self.request, self.incumbent
-        if not request.thrifty or incumbent is None or incumbent.ii - self.lower > NEAR:
-            return request.deadline
-        patience_s = max(PATIENCE_LEAST_S, PATIENCE_FACTOR * (self.improved - self.began))
-        at = min(request.deadline.at, self.improved + patience_s)
-        return replace(request.deadline, at=at)
+        deadline = self.request.deadline
+        if self.incumbent is None or self.request.effort == "prove":
+            return deadline
+        patience = PATIENCES[self.request.effort]
+        patience_s = max(patience.least_s, patience.factor * (self.improved - self.began))
+        if self.incumbent.ii - self.lower <= max(NEAR, patience.good * self.lower):
+            patience_s *= patience.near
+        return replace(deadline, at=min(deadline.at, self.improved + patience_s))
 
     @property
     def unfinished(self) -> bool:

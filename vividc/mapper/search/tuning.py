@@ -8,6 +8,7 @@ effort that is left, `_S` are seconds of effort (`mapper/deadline.py`).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 from vividc.mapper.engines.negotiate import Effort
@@ -121,11 +122,39 @@ SOLVER_S: Final = 400.0
 an nth of it, since the solver does better on smaller graphs.
 """
 
-# A thrifty request.
+
+# Where a search with an incumbent stops.
 NEAR: Final = 1
 """A gap between bound and II that takes a proof to close, which rarely ends."""
-PATIENCE_LEAST_S, PATIENCE_FACTOR = 4.0, 3.0
-"""At least, and in times that it took to find the incumbent, until the search gives up."""
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long a search goes on without a better mapping.
+
+    Attributes
+    ----------
+    least_s, factor
+        At least so long, and as many times as long as it took to come to the incumbent.
+    good, near
+        Part of the bound by which a good II, as one within `NEAR`, is above it; how much of its
+        patience the search has then.
+    turn_s
+        Of constraints at an II that is tried first on the way upward.
+    """
+
+    least_s: float
+    factor: float
+    good: float
+    near: float
+    turn_s: float
+
+
+PATIENCES: Final = {
+    "fast": Patience(least_s=0.5, factor=1.0, good=1 / 8, near=0.0, turn_s=0.5),
+    "normal": Patience(least_s=8.0, factor=6.0, good=0.0, near=0.5, turn_s=2.0),
+}
+"""Of requests that are not to prove."""
 
 # Windows.
 LEAST_WINDOW: Final = 16
