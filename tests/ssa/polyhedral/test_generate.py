@@ -21,7 +21,14 @@ from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import describe, is_legal, loops_in, orders, with_factors
+from vividc.ssa.polyhedral.search import (
+    describe,
+    has_masks,
+    is_legal,
+    loops_in,
+    orders,
+    with_factors,
+)
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -90,7 +97,8 @@ def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: in
         paths = [path for path, _ in loops_in(tree)]
         for _ in range(2):
             some = chance.sample(paths, min(len(paths), chance.randint(1, 2)))
-            jammed = with_factors(tree, {path: chance.choice([2, 3, 4]) for path in some})
+            factors = {path: chance.choice([2, 3, 4]) for path in some}
+            jammed = with_factors(tree, factors, masked=chance.random() < 0.5)
             if is_legal(jammed, relations):
                 chosen.append(jammed)
     return chosen
@@ -104,7 +112,8 @@ def demand_trees_mean_the_same(seed: int, most: int = 3) -> int:
         relations = Relations(scop)
         for tree in some_trees(scop, relations, random.Random(seed), most):
             loops = loops_of(schedule_of(tree, relations), relations)
-            made = loops if isinstance(loops, Refusal) else generate(scop, loops)
+            masks = has_masks(tree)
+            made = loops if isinstance(loops, Refusal) else generate(scop, loops, masks=masks)
             if isinstance(made, Refusal):
                 continue
             count += 1

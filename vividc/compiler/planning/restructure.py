@@ -19,7 +19,7 @@ from vividc.ssa.polyhedral.loops import Loops, expected_trips, fors_in, loops_of
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import Path, describe, groups, orders, with_factors
+from vividc.ssa.polyhedral.search import Path, describe, groups, has_masks, orders, with_factors
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -29,11 +29,18 @@ _SINGLES = (4, 8, 2, 16)
 for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
 """
 
+_MASKED_PAIRS = ((4, 4), (8, 4), (4, 1), (8, 1))
+_MASKED_SINGLES = ((8,), (4,), (16,))
+"""Those that are tried with what does not fill a group masked, instead of behind the others."""
+
 _ORDERS = 2
 """So many orders of loops are tried with all factors: those that 4 by 4, or 8, makes fastest."""
 
-_MOST_TRIES = 28
+_MOST_TRIES = 40
 """Trees of one part; each takes 0.1 to 0.3 s."""
+
+_LARGER = 3
+"""Symbols may be so many times as large as they are expected."""
 
 _SPARE = 0.25
 """Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
@@ -43,12 +50,17 @@ _SPARE = 0.25
 
 @dataclass(frozen=True)
 class Restructured:
-    """A state with other loops, what is estimated of it, and the tree in a line."""
+    """A state with other loops, what is estimated of it, and the tree in a line.
+
+    `cycles`: the mean of what is estimated of it for symbols as they are expected, and larger; what
+    is best for one is not for the other.
+    """
 
     state: State
     estimate: Estimate
     tree: str
     factor: int
+    cycles: float
 
 
 def restructured(
@@ -84,6 +96,7 @@ class _Climb:
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
         self.symbols = self._lengths()
+        self.larger = {name: _LARGER * length for name, length in self.symbols.items()}
 
     def best(self) -> tuple[Restructured, ...]:
         """The tree with the fewest estimated cycles, and before it one that spares contexts."""
@@ -93,13 +106,13 @@ class _Climb:
             first = with_factors(tree, dict(self._first(jammed)))
             tried = [made for made in (self._try(tree), self._try(first)) if made is not None]
             if tried:
-                cycles = min(one.estimate.cycles for one in tried)
+                cycles = min(one.cycles for one in tried)
                 ranked.append((cycles, len(ranked), tree, jammed))
         ranked.sort(key=lambda one: one[:2])
         for _, _, tree, jammed in ranked[:_ORDERS]:
             self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
-        made.sort(key=lambda one: one.estimate.cycles)
+        made.sort(key=lambda one: one.cycles)
         room = (1.0 - _SPARE) * self.estimator.fabric.controller.contexts
         spare = next((n for n, one in enumerate(made) if one.estimate.contexts <= room), 0)
         return (made[spare], made[0]) if spare else tuple(made[:1])
@@ -112,23 +125,24 @@ class _Climb:
                 yield group[0], 8
 
     def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
-        chosen: dict[Path, int] = {}
         for group in jammed:
-            best = self._cycles(with_factors(tree, chosen))
-            kept: dict[Path, int] = {}
-            for factors in self._choices(group):
+            best, kept = self._cycles(tree), tree
+            for factors, masked in self._choices(group):
                 now = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
-                cycles = self._cycles(with_factors(tree, {**chosen, **now}))
+                made = with_factors(tree, now, masked=masked)
+                cycles = self._cycles(made)
                 if cycles < best:
-                    best, kept = cycles, now
-            chosen |= kept
+                    best, kept = cycles, made
+            tree = kept
 
-    def _choices(self, group: tuple[Path, ...]) -> Iterator[tuple[int, ...]]:
-        yield from _PAIRS if len(group) > 1 else ((factor,) for factor in _SINGLES)
+    def _choices(self, group: tuple[Path, ...]) -> Iterator[tuple[tuple[int, ...], bool]]:
+        factors = _PAIRS if len(group) > 1 else [(factor,) for factor in _SINGLES]
+        yield from ((one, False) for one in factors)
+        yield from ((one, True) for one in (_MASKED_PAIRS if len(group) > 1 else _MASKED_SINGLES))
 
     def _cycles(self, tree: Loop) -> float:
         made = self._try(tree)
-        return math.inf if made is None else made.estimate.cycles
+        return math.inf if made is None else made.cycles
 
     def _try(self, tree: Loop) -> Restructured | None:
         name = describe(tree)
@@ -141,14 +155,19 @@ class _Climb:
         loops = loops_of(schedule_of(tree, self.relations), self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
-        made = generate(self.scop, loops)
+        made = generate(self.scop, loops, masks=has_masks(tree))
         if isinstance(made, Refusal):
             return None
         function = tidy(made.function)
         if sum(len(block.instrs) for block in function.blocks) > MOST_INSTRUCTIONS:
             return None
-        expected = expected_trips(loops, self.symbols)
-        hints = {new: expected[loop.code.name] for new, loop in made.loops.items()}
+        hints, more = (
+            {new: expected[loop.code.name] for new, loop in made.loops.items()}
+            for expected in (
+                expected_trips(loops, self.symbols),
+                expected_trips(loops, self.larger),
+            )
+        )
         origins = {
             new: self.state.origin.get(loop.origin, loop.origin) for new, loop in made.loops.items()
         }
@@ -166,8 +185,10 @@ class _Climb:
         estimate = self.estimator.estimate(function, state.hints)
         if estimate.largest_loop > self.most_operations:
             return None
+        large = self.estimator.estimate(function, {**state.hints, **more})
         factor = max((loop.code.step for loop in made.loops.values()), default=1)
-        return Restructured(state, estimate, name, factor)
+        mean = math.sqrt(estimate.cycles * large.cycles)
+        return Restructured(state, estimate, name, factor, mean)
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions

@@ -8,7 +8,7 @@ stored after (Callahan, Carr and Kennedy, "Improving register allocation for sub
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
@@ -22,7 +22,8 @@ from vividc.ssa.edit import (
     substitute,
 )
 from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Ref, Value, pitch_of
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, runs_in
+from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
 from vividc.ssa.polyhedral.places import Accessed, Place, Places
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.words import Words
@@ -48,34 +49,37 @@ class Generated:
 @dataclass(frozen=True)
 class _Known:
     """The value of a place. `store`: what has not been stored yet, by the store that it comes
-    from; `when`: the value was loaded under this predicate, and is stored under it.
+    from; `when`: the value was loaded under this predicate, and is stored under it; `guard`: where
+    it is the value.
     """
 
     value: Value
     store: Instr | None = None
     when: Value | None = None
+    guard: Guard = ALWAYS
 
 
 class _Unkept(Exception):
     pass
 
 
-def generate(scop: Scop, loops: Loops) -> Generated | Refusal:
-    """The function of a part with these loops in its place.
+def generate(scop: Scop, loops: Loops, *, masks: bool = False) -> Generated | Refusal:
+    """The function of a part with these loops in its place; `masks`: what a branch runs, and no
+    loop, is masked instead.
 
     Refused: a scalar whose next reader is in another loop, where no register keeps it.
     """
     try:
-        return _Writer(scop, loops).generated()
+        return _Writer(scop, loops, masks).generated()
     except _Unkept as reason:
         return Refusal(str(reason))
 
 
 class _Writer:
-    def __init__(self, scop: Scop, loops: Loops) -> None:
+    def __init__(self, scop: Scop, loops: Loops, masks: bool) -> None:
         self.scop = scop
         self.loops = loops
-        self.places = Places(scop, loops)
+        self.places = Places(scop, loops, masks)
         self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
         self.known: dict[Place, _Known] = {}
         self.made: dict[str, Made] = {}
@@ -85,6 +89,7 @@ class _Writer:
         self._name = ""
         self._phis: tuple[Phi, ...] = ()
         self._certain: list[Accessed] = []
+        self._predicates: dict[Guard, Value] = {}
 
     def generated(self) -> Generated:
         """The whole function."""
@@ -136,13 +141,14 @@ class _Writer:
     # Code
 
     def _all(self, code: tuple[Code, ...]) -> None:
-        self._certain.append(self.places.accessed(c for c in code if isinstance(c, Run)))
+        self._certain.append(self.places.accessed(c for c in code if self.places.is_masked(c)))
         for item in code:
-            if isinstance(item, Run):
-                _Running(self, item).write()
+            if self.places.is_masked(item):
+                for run, guard in masked(item):
+                    _Running(self, run, guard).write()
             elif isinstance(item, For):
                 self._for(item)
-            else:
+            elif isinstance(item, If):
                 self._if(item)
         self._certain.pop()
 
@@ -151,8 +157,7 @@ class _Writer:
         self.words.loc = loc = block_of(self.scop.function, origin).branch.loc
         first = self.words.extreme(loop.first, Opcode.SMAX)
         limit = self.words.extreme(loop.limit, Opcode.SMIN)
-        sure = {place for place, known in self.known.items() if known.when is not None}
-        carried = self._carried(loop, first, limit)
+        carried, unsure = self._carried(loop, first, limit)
         before, header = self._name, self._fresh("part.loop")
         body, after = self._fresh(f"{header}.body"), self._fresh(f"{header}.after")
         self._close(Branch(header, loc=loc))
@@ -162,7 +167,7 @@ class _Writer:
         stays = self.words.emit(Opcode.ICMP_SLT, Ref(counter), limit)
         test = tuple(self.words.instrs)
         position = len(self._blocks)
-        outside = dict(self.known)
+        outside, predicates = dict(self.known), dict(self._predicates)
         for place, ident in phis.items():
             self.known[place] = replace(carried[place], value=Ref(ident))
         self._open(body)
@@ -176,8 +181,11 @@ class _Writer:
         head = Block(header, tuple(made), test, Branch(body, stays, after, loc=loc))
         self._blocks.insert(position, head)
         self._open(after)
-        last = {place: (Ref(i), self.known[place]) for place, i in phis.items()}
-        self._leave(outside, sure, last)
+        self._predicates = predicates
+        for place, ident in phis.items():
+            last, entered = self.known[place], carried[place]
+            outside[place] = replace(entered, value=Ref(ident), store=last.store)
+        self._leave(outside, unsure)
 
     def _body(self, loop: For, counter: Ref, phis: Mapping[Place, int]) -> Value:
         """One iteration; the counter of the next."""
@@ -194,44 +202,47 @@ class _Writer:
         self.words.forget((loop.name,))
         return following
 
-    def _leave(
-        self,
-        outside: dict[Place, _Known],
-        sure: set[Place],
-        carried: Mapping[Place, tuple[Value, _Known]],
-    ) -> None:
-        """After a loop: what it carried is its last value. What it has loaded only if it runs, but
-        for what loops around it have (`sure`), is stored, and then not known.
-        """
-        self.known = dict(outside)
-        for place, (value, last) in carried.items():
-            self.known[place] = replace(last, value=value)
-        for place, known in list(self.known.items()):
-            if known.when is not None and place not in sure:
-                if known.store is not None:
-                    self._store(place)
-                del self.known[place]
+    def _leave(self, outside: dict[Place, _Known], unsure: set[Place]) -> None:
+        """After a loop: what it has loaded only if it runs is stored, and then not known."""
+        self.known = outside
+        for place in unsure:
+            if self.known[place].store is not None:
+                self._store(place)
+            del self.known[place]
 
-    def _carried(self, loop: For, first: Value, limit: Value) -> dict[Place, _Known]:
-        """What the loop carries in phis. Before it, stores are made that it may meet, what it may
-        change is forgotten, and elements at fixed places are loaded.
+    def _carried(
+        self, loop: For, first: Value, limit: Value
+    ) -> tuple[dict[Place, _Known], set[Place]]:
+        """What the loop carries in phis, and what is only known if it runs. Before it, stores are
+        made that it may meet, what it may change is forgotten, and elements at fixed places are
+        loaded.
         """
         accessed = self.places.accessed(loop.body)
-        fixed = list(self.places.fixed(loop, accessed))
+        fixed = self.places.fixed(loop, accessed)
         self._settle(accessed, fixed)
+        unsure = set()
         runs: Value | None = None
-        for place in fixed:
-            if place in self.known or place not in accessed.loads:
+        for place, guard in fixed.items():
+            known = self.known.get(place)
+            if known is not None and (place.is_scalar or implies(guard, known.guard)):
                 continue
-            instr = accessed.loads[place]
-            if any(place in sure.written for sure in self._certain):
-                self.known[place] = _Known(self.load(instr, place))
+            self._drop(place)
+            if place not in accessed.loads:
                 continue
-            runs = runs or self.words.emit(Opcode.ICMP_SLT, first, limit)
-            self.known[place] = _Known(self.load(instr, place, runs), None, runs)
-        return {p: self.known[p] for p in fixed if accessed.written[p] and p in self.known}
+            when = self.predicate(guard)
+            if not any(sure.is_sure(place, guard) for sure in self._certain):
+                unsure.add(place)
+                runs = runs or self.words.emit(Opcode.ICMP_SLT, first, limit)
+                when = runs if when is None else self.words.emit(Opcode.AND, runs, when)
+            value = self.load(accessed.loads[place], place, when)
+            self.known[place] = _Known(value, None, when, guard)
+        carried = {p: self.known[p] for p in fixed if accessed.written[p] and p in self.known}
+        for place, known in carried.items():
+            if place.is_scalar and accessed.guards[place] != {known.guard}:
+                carried[place] = replace(known, guard=ALWAYS)
+        return carried, unsure
 
-    def _settle(self, accessed: Accessed, fixed: list[Place]) -> None:
+    def _settle(self, accessed: Accessed, fixed: Collection[Place]) -> None:
         for place in [p for p in self.known if not p.is_scalar and p not in fixed]:
             meets = [other for other in accessed.written if self.places.may_meet(place, other)]
             if meets and self.known[place].store is not None:
@@ -244,17 +255,19 @@ class _Writer:
         loc = self.words.loc
         condition = self.words.test(item.test)
         before, names = dict(self.known), dict(self.words.names)
+        predicates = self._predicates
         then, otherwise, join = (self._fresh(f"part.{stem}") for stem in ("then", "else", "join"))
         self._close(Branch(then, condition, otherwise, loc=loc))
         ends = []
         for name, code in ((then, item.then), (otherwise, item.otherwise)):
             self._open(name)
             self.known, self.words.names = dict(before), dict(names)
+            self._predicates = dict(predicates)
             self._all(code)
             self._store_all()
             ends.append((self._name, self.known))
             self._close(Branch(join, loc=loc))
-        self.words.names = names
+        self.words.names, self._predicates = names, predicates
         self._open(join)
         self._phis = tuple(self._joined(*ends))
 
@@ -266,13 +279,14 @@ class _Writer:
         (first, left), (second, right) = one, other
         self.known = {}
         for place in left:
-            if place not in right:
+            known, same = left[place], right.get(place)
+            if same is None or (known.when, known.guard) != (same.when, same.guard):
                 continue
-            values = ((first, left[place].value), (second, right[place].value))
-            self.known[place] = left[place]
+            values = ((first, known.value), (second, same.value))
+            self.known[place] = known
             if values[0][1] != values[1][1]:
                 phis.append(Phi(self.words.ids(), self._type(place), values, self.words.loc))
-                self.known[place] = _Known(Ref(phis[-1].id))
+                self.known[place] = replace(known, value=Ref(phis[-1].id))
         return phis
 
     def _origin(self, loop: For) -> str:
@@ -293,6 +307,15 @@ class _Writer:
 
     # Memory
 
+    def loaded(self, instr: Instr, place: Place, guard: Guard) -> Value:
+        """The value of an element where a guard holds."""
+        known = self.known.get(place)
+        if known is None or not implies(guard, known.guard):
+            self._drop(place)
+            when = self.predicate(guard)
+            known = self.known[place] = _Known(self.load(instr, place, when), None, when, guard)
+        return known.value
+
     def load(self, instr: Instr, place: Place, when: Value | None = None) -> Value:
         """The value of an element, loaded as by `instr`."""
         for other, known in list(self.known.items()):
@@ -300,16 +323,47 @@ class _Writer:
                 self._store(other)
         return self._access(instr, place, () if when is None else (when,))
 
-    def store(self, instr: Instr, place: Place, value: Value) -> None:
-        """An element has a value from now on, to be stored as by `instr`."""
-        for other, known in list(self.known.items()):
+    def store(self, instr: Instr, place: Place, value: Value, guard: Guard) -> None:
+        """An element has a value from now on where the guard holds, to be stored as by `instr`."""
+        for other in list(self.known):
             if other == place or other.is_scalar or not self.places.may_meet(place, other):
                 continue
-            if known.store is not None:
-                self._store(other)
-            del self.known[other]
+            self._drop(other)
         before = self.known.get(place)
-        self.known[place] = _Known(value, instr, None if before is None else before.when)
+        apart = before is not None and not implies(before.guard, guard)
+        if before is not None and apart and not implies(guard, before.guard):
+            self._drop(place)
+        self.put(place, value, guard, instr)
+
+    def put(self, place: Place, value: Value, guard: Guard, instr: Instr | None = None) -> None:
+        """A place has a value from now on where the guard holds."""
+        before = self.known.get(place)
+        if before is None or implies(before.guard, guard):
+            same = before is not None and before.guard == guard
+            when = before.when if before is not None and same else self.predicate(guard)
+            self.known[place] = _Known(value, instr, None if place.is_scalar else when, guard)
+            return
+        when = self.predicate(guard)
+        assert when is not None
+        operands = (when, value, before.value)
+        chosen = Instr(self.words.ids(), Opcode.SELECT, self._type(place), operands)
+        self.words.instrs.append(replace(chosen, loc=self.words.loc))
+        self.known[place] = replace(before, value=Ref(chosen.id), store=instr)
+
+    def predicate(self, guard: Guard) -> Value | None:
+        """The word of a guard; None if it always holds."""
+        if guard and guard not in self._predicates:
+            tests = tuple(Test(">=", form) for form in sorted(guard, key=str))
+            test = tests[0] if len(tests) == 1 else Test("and", parts=tests)
+            self._predicates[guard] = self.words.test(test)
+        return self._predicates.get(guard)
+
+    def _drop(self, place: Place) -> None:
+        """Forgets the value of a place; it is in memory then."""
+        known = self.known.get(place)
+        if known is not None and known.store is not None:
+            self._store(place)
+        self.known.pop(place, None)
 
     def _store(self, place: Place) -> None:
         known = self.known[place]
@@ -344,6 +398,7 @@ class _Running:
 
     writer: _Writer
     run: Run
+    guard: Guard
 
     def __post_init__(self) -> None:
         self.statement = self.writer.places.statements[self.run.statement]
@@ -364,7 +419,7 @@ class _Running:
         left = [(ident, self.own[ident]) for ident in self.statement.writes]
         left += [(ident, self._operand(value)) for ident, value in self.statement.copies]
         for ident, value in left:
-            self.writer.known[self._scalar(ident)] = _Known(value)
+            self.writer.put(self._scalar(ident), value, self.guard)
 
     def _scalar(self, ident: int) -> Place:
         return self.writer.places.scalar(ident, self.run)
@@ -389,9 +444,6 @@ class _Running:
         access = self.statement.accesses[instr.id]
         place = Place(access.array, tuple(s.substituted(self.at) for s in access.subscripts))
         if access.is_store:
-            self.writer.store(instr, place, self._operand(instr.operands[2]))
+            self.writer.store(instr, place, self._operand(instr.operands[2]), self.guard)
             return
-        known = self.writer.known
-        if place not in known:
-            known[place] = _Known(self.writer.load(instr, place))
-        self.own[instr.id] = known[place].value
+        self.own[instr.id] = self.writer.loaded(instr, place, self.guard)

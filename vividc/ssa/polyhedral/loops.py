@@ -236,7 +236,7 @@ def fors_in(code: Iterable[Code]) -> Iterator[For]:
 
 def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
     """Iterations of each loop, by name, where symbols have these values; a remainder is half of
-    what it may be.
+    what it may be, and so is what a last step lacks.
     """
     values = dict(symbols)
     trips: dict[str, float] = {}
@@ -252,12 +252,18 @@ def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, floa
             return (quotient.divisor - 1) / 2
         return value(quotient.dividend) / quotient.divisor
 
+    def whole(loop: For) -> bool:
+        """Whether the limit is without the remainder of a step."""
+        taken = (loops.quotients.get(name) for one in loop.limit for name in one.names)
+        return any(q is not None and q.divisor % loop.step == 0 for q in taken)
+
     def walk(code: tuple[Code, ...]) -> None:
         for item in code:
             if isinstance(item, For):
                 first = max(map(value, item.first))
                 limit = min(map(value, item.limit))
-                trips[item.name] = max(limit - first, 0.0) / item.step
+                lacks = (item.step - 1) / 2 if limit > first and not whole(item) else 0.0
+                trips[item.name] = max(limit - first + lacks, 0.0) / item.step
                 values[item.name] = (first + limit) / 2
                 walk(item.body)
             elif isinstance(item, If):

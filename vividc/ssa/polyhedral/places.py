@@ -10,7 +10,15 @@ import islpy as isl
 
 from vividc.ssa.ir import Instr
 from vividc.ssa.polyhedral.forms import Form
-from vividc.ssa.polyhedral.loops import Code, For, Loops, Run, fors_in, runs_in
+from vividc.ssa.polyhedral.guards import (
+    ALWAYS,
+    Guard,
+    implies,
+    is_maskable,
+    masked,
+    names_of,
+)
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, fors_in
 from vividc.ssa.polyhedral.scop import Scop, Statement
 
 
@@ -34,22 +42,34 @@ class Place:
 
 @dataclass
 class Accessed:
-    """What code accesses: whether it writes a place, and a load of it if there is one."""
+    """What code accesses: whether it writes a place, a load of it if there is one, and the guards
+    of its accesses.
+    """
 
     written: dict[Place, bool] = field(default_factory=dict)
     loads: dict[Place, Instr] = field(default_factory=dict)
+    guards: dict[Place, set[Guard]] = field(default_factory=dict)
 
-    def add(self, place: Place, *, written: bool) -> None:
+    def add(self, place: Place, guard: Guard, *, written: bool) -> None:
         """One more access."""
         self.written[place] = self.written.get(place, False) or written
+        self.guards.setdefault(place, set()).add(guard)
+
+    def is_sure(self, place: Place, guard: Guard) -> bool:
+        """Whether a place is accessed wherever a guard holds."""
+        return any(implies(guard, other) for other in self.guards.get(place, ()))
 
 
 @dataclass(frozen=True)
 class Places:
-    """The places of a part's statements in the loops of a schedule."""
+    """The places of a part's statements in the loops of a schedule.
+
+    `masks`: branches are guards where `is_maskable` says so.
+    """
 
     scop: Scop
     loops: Loops
+    masks: bool = False
     _meet: dict[tuple[Form, ...], bool] = field(default_factory=dict)
 
     @cached_property
@@ -71,20 +91,34 @@ class Places:
         """The scalar that a value is in an iteration of a statement."""
         return Place(ident, run.coordinates[: self.scop.depth[ident]])
 
+    def is_masked(self, item: Code) -> bool:
+        """Whether it runs without a branch, under guards; a statement by itself does."""
+        return isinstance(item, Run) or (self.masks and is_maskable(item))
+
+    def guarded(self, code: Iterable[Code]) -> Iterator[tuple[Run, Guard]]:
+        """All iterations of statements with their guards; one in a branch may run anywhere."""
+        for item in code:
+            if self.is_masked(item):
+                yield from masked(item)
+            elif isinstance(item, For):
+                yield from self.guarded(item.body)
+            elif isinstance(item, If):
+                yield from self.guarded((*item.then, *item.otherwise))
+
     def accessed(self, code: Iterable[Code]) -> Accessed:
         """What code accesses, loops and branches in it included."""
         result = Accessed()
-        for run in runs_in(code):
+        for run, guard in self.guarded(code):
             statement, at = self.statements[run.statement], self.at(run)
             for access in statement.accesses.values():
                 place = Place(access.array, tuple(s.substituted(at) for s in access.subscripts))
-                result.add(place, written=access.is_store)
+                result.add(place, guard, written=access.is_store)
                 if not access.is_store:
                     result.loads.setdefault(place, access.instr)
             for ident in statement.reads:
-                result.add(self.scalar(ident, run), written=False)
+                result.add(self.scalar(ident, run), guard, written=False)
             for ident in (*statement.writes, *(phi for phi, _ in statement.copies)):
-                result.add(self.scalar(ident, run), written=True)
+                result.add(self.scalar(ident, run), guard, written=True)
         return result
 
     def varying(self, loop: For) -> frozenset[str]:
@@ -93,21 +127,28 @@ class Places:
         quotients = self.loops.quotients.items()
         return frozenset(names | {n for n, q in quotients if q.dividend.names & names})
 
-    def fixed(self, loop: For, accessed: Accessed) -> Iterator[Place]:
-        """Places that are the same in all iterations of a loop, which each iteration accesses, and
-        which no other access of the loop may meet.
+    def fixed(self, loop: For, accessed: Accessed) -> dict[Place, Guard]:
+        """Places that are the same in all iterations of a loop, which each iteration accesses under
+        the same guard at least, and which no other access of the loop may meet.
         """
         inner = self.varying(loop)
-        direct = self.accessed(item for item in loop.body if isinstance(item, Run)).written
+        direct = self.accessed(item for item in loop.body if self.is_masked(item)).guards
+        result = {}
         for place, written in accessed.written.items():
             if place.names & inner:
                 continue
             others = (other for other in accessed.written.items() if other[0] != place)
-            if place.is_scalar or (
-                place in direct
-                and not any((written or w) and self.may_meet(place, p) for p, w in others)
-            ):
-                yield place
+            wanted = accessed.guards[place]
+            guards = [
+                guard
+                for guard in direct.get(place, ())
+                if not names_of(guard) & inner and all(implies(one, guard) for one in wanted)
+            ]
+            if place.is_scalar:
+                result[place] = ALWAYS
+            elif guards and not any((written or w) and self.may_meet(place, p) for p, w in others):
+                result[place] = guards[0]
+        return result
 
     def may_meet(self, one: Place, other: Place) -> bool:
         """Whether two places may be one, as loops go through all their iterations."""

@@ -30,12 +30,16 @@ class Loop:
         So many iterations run together.
     base
         Where groups of iterations begin.
+    masked
+        Whether groups that are not full run as the others do, what is missing masked out; else
+        they follow behind, an iteration at a time.
     """
 
     over: Mapping[str, str]
     children: tuple[Tree, ...]
     factor: int = 1
     base: Form = ZERO
+    masked: bool = False
 
 
 Tree = Loop | str
@@ -102,7 +106,10 @@ class _Ordering:
             return self._points(tree, place)
         if tree.factor == 1:
             return self._once(tree, place)
-        whole, rest = self._split(place, tree)
+        if tree.masked:
+            whole, rest = place, replace(place, domains={})
+        else:
+            whole, rest = self._split(place, tree)
         nodes = []
         if not whole.is_empty:
             inside = replace(whole, around=(*whole.around, tree), jammed=(*whole.jammed, tree))
@@ -132,6 +139,7 @@ class _Ordering:
             for name in place.domains
             for bound in self._dim(name, tree).bounds
             for loop in place.jammed
+            if not loop.masked
         )
 
     def _in_order(self, place: _Place, loops: tuple[Loop, ...]) -> Iterator[tuple[_Place, str]]:

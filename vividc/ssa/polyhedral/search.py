@@ -82,11 +82,16 @@ def put(tree: Loop, path: Path, loop: Loop) -> Loop:
     return replace(tree, children=tuple(children))
 
 
-def with_factors(tree: Loop, factors: Mapping[Path, int]) -> Loop:
+def with_factors(tree: Loop, factors: Mapping[Path, int], *, masked: bool = False) -> Loop:
     """The tree with factors of loops."""
     for path, factor in factors.items():
-        tree = put(tree, path, replace(at(tree, path), factor=factor))
+        tree = put(tree, path, replace(at(tree, path), factor=factor, masked=masked))
     return tree
+
+
+def has_masks(tree: Tree) -> bool:
+    """Whether a loop of it is masked."""
+    return any(loop.masked for _, loop in loops_in(tree))
 
 
 def groups(tree: Loop, relations: Relations) -> list[tuple[Path, ...]]:
@@ -123,7 +128,7 @@ def describe(tree: Loop) -> str:
         if isinstance(node, str):
             return node
         inside = ", ".join(map(text, node.children))
-        factor = f"*{node.factor}" if node.factor > 1 else ""
+        factor = f"*{node.factor}{'?' if node.masked else ''}" if node.factor > 1 else ""
         return f"{'/'.join(sorted(set(node.over.values())))}{factor}[{inside}]"
 
     return f"{text(tree)} of {len(set(statements_in(tree)))}"

@@ -1,0 +1,106 @@
+"""Guards as forms that are not negative, and groups whose missing iterations are masked."""
+
+from __future__ import annotations
+
+import pytest
+
+import vividc
+from tests.ssa.polyhedral.test_generate import parts_of
+from vividc.machine.opcodes import Opcode
+from vividc.ssa.flow import find_loops
+from vividc.ssa.polyhedral.forms import Form, symbol
+from vividc.ssa.polyhedral.generate import generate
+from vividc.ssa.polyhedral.guards import ALWAYS, Guard, both, guard_of, implies, is_maskable, masked
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, expected_trips, loops_of
+from vividc.ssa.polyhedral.loops import Test as Comparison
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.schedule import schedule_of, tree_of
+from vividc.ssa.polyhedral.search import with_factors
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+X, Y = symbol("x"), symbol("y")
+
+
+def least(form: Form, number: int) -> Guard:
+    """The guard that a form is at least a number."""
+    return frozenset((form.plus(Form((), -number)),))
+
+
+@pytest.mark.parametrize(
+    ("relation", "guard"),
+    [
+        (">=", least(X, 0)),
+        (">", least(X, 1)),
+        ("<=", least(X.times(-1), 0)),
+        ("<", least(X.times(-1), 1)),
+        ("==", least(X, 0) | least(X.times(-1), 0)),
+        ("or", None),
+    ],
+)
+def test_a_comparison_is_a_guard(relation: str, guard: Guard | None) -> None:
+    assert guard_of(Comparison(relation, X)) == guard
+
+
+def test_of_two_bounds_on_one_sum_the_sharper_stays() -> None:
+    joined = guard_of(
+        Comparison("and", parts=(Comparison(">=", X), Comparison(">", X), Comparison("<", Y)))
+    )
+    assert joined == least(X, 1) | least(Y.times(-1), 1)
+    assert guard_of(Comparison("and", parts=(Comparison(">=", X), Comparison("or")))) is None
+
+
+def test_a_guard_implies_what_is_weaker() -> None:
+    narrow = both(least(X, 3), least(Y, 0))
+    assert implies(narrow, least(X, 2))
+    assert implies(narrow, ALWAYS)
+    assert not implies(least(X, 2), least(X, 3))
+    assert not implies(least(X, 3), narrow)
+
+
+def test_branches_within_branches_are_masked_under_both_guards() -> None:
+    one, other = Run("S0", ()), Run("S1", ())
+    inner: Code = If(Comparison(">", X), (other,))
+    nested = If(Comparison(">=", Y), (one, inner))
+    assert is_maskable(nested)
+    assert list(masked(nested)) == [(one, least(Y, 0)), (other, least(Y, 0) | least(X, 1))]
+    assert not is_maskable(If(Comparison(">=", Y), (one,), (other,)))
+    assert not is_maskable(If(Comparison(">=", Y), (For("c", (), (), 1, ()),)))
+
+
+def test_a_last_group_counts_half_of_what_it_may_lack() -> None:
+    loop = For("c", (Form(),), (symbol("n"),), 8, ())
+    assert expected_trips(Loops((loop,)), {"n": 16.0}) == {"c": (16 + 3.5) / 8}
+    assert expected_trips(Loops((loop,)), {"n": 0.0}) == {"c": 0.0}
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1])")
+def sums(a, x, y):
+    """A product of a matrix and a vector."""
+    for i in range(a.shape[0]):
+        y[i] = 0
+        for j in range(a.shape[1]):
+            y[i] += a[i, j] * x[j]
+
+
+def test_sums_of_masked_rows_stay_in_registers() -> None:
+    """One loop for all rows; loads of its own row and stores are predicated, but for the first."""
+    [scop] = parts_of(tidy(sums.lower()))
+    relations = Relations(scop)
+    tree = with_factors(tree_of(scop), {(): 8}, masked=True)
+    loops = loops_of(schedule_of(tree, relations), relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops, masks=True)
+    assert not isinstance(made, Refusal)
+    function = tidy(made.function)
+    found = find_loops(function)
+    [inner] = [o for o in found if not any(p.header in o.blocks for p in found if p != o)]
+    assert len(found) == 2
+    inside = [i for b in function.blocks if b.name in inner.blocks for i in b.instrs]
+    outside = [i for b in function.blocks if b.name not in inner.blocks for i in b.instrs]
+    loads = [len(i.operands) for i in inside if i.op is Opcode.LOAD]
+    stores = [len(i.operands) for i in outside if i.op is Opcode.STORE]
+    assert sorted(loads) == [2] * 2 + [3] * 7
+    assert not any(i.op is Opcode.STORE for i in inside)
+    assert sorted(stores) == [3] + [4] * 7
+    assert sum(i.op is Opcode.FMA for i in inside) + sum(i.op is Opcode.FADD for i in inside) == 8
