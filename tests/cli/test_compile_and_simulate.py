@@ -75,6 +75,42 @@ def test_compile_for_people(folder, own):
     assert result.stderr == ""
 
 
+def test_sizes_are_said_kept_and_demanded(own):
+    command = ("compile", own / "k.py", "-o", own / "s.vivid")
+    result = run(*command, "--sizes", "n=8,x=8", "--explain")
+    assert result.exit_code == 0, result.stderr
+    assert "for x 8, n = 8 only" in result.stdout
+    result = run(*command, "--sizes", "n=8", "--sizes", "x=8", "--json")
+    assert json.loads(result.stdout)["sizes"] == {"x": [8], "n": 8}
+    assert json.loads((own / "compile.json").read_text())["sizes"] == {}
+    simulate = ("simulate", own / "s.vivid", "--inputs")
+    assert run(*simulate, own / "in.npz", "--check").exit_code == 0
+    np.savez(own / "other.npz", x=np.zeros(9, np.int32), y=np.ones(9, np.float32), n=9)
+    result = run(*simulate, own / "other.npz", "--check")
+    assert result.exit_code == 2
+    assert "count was compiled for x 8, n = 8 only, and got x 9, n = 9" in result.stderr
+    assert "hint: compile it for these sizes" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("sizes", "told"),
+    [
+        ("n", "'n' is not NAME=SIZE"),
+        ("x=8x", "'x=8x' is not NAME=SIZE"),
+        ("x=-8x2", "is not NAME=SIZE"),
+        ("n=8,n=9", "n is given twice"),
+        ("z=8", "count(x, y, n) has no parameter 'z'"),
+        ("x=8x2", "x of count: expected 1 dimension(s), got 2"),
+        ("n=3000000000", "n of count: 3000000000 does not fit int32"),
+    ],
+)
+def test_sizes_that_cannot_be(folder, tmp_path, sizes, told):
+    result = run("compile", folder / "k.py", "-o", tmp_path / "s.vivid", "--sizes", sizes)
+    assert result.exit_code == 2
+    assert told in result.stderr
+    assert not (tmp_path / "s.vivid").exists()
+
+
 def test_default_output_is_named_for_the_kernel(folder, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run("compile", folder / "k.py").exit_code == 0

@@ -320,6 +320,11 @@ def _judged(kernel: KernelFunction, seed: int) -> Verdict:
         return Verdict("agrees", "one tile")
     if random.random() < 0.2:
         _compare(kernel, wide, seed, 0, 1000)
+    if random.random() < 0.3:
+        sized = _programs(kernel.sized(_arguments(kernel, seed, 0)), wants_one=True)
+        for program in sized:
+            if program is not None:
+                _compare(kernel, program, seed, 0, None)
     most = 0
     for trial in range(5 if random.random() < 0.3 else 3):
         length = random.choice([None, 1, 2, 3, 5, 7, 19])

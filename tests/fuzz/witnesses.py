@@ -175,11 +175,33 @@ def _run(module: ModuleType, source: str, seed: int, simulate: Simulated) -> tup
             compare(what, [result, *mine], [value, *expected], rough)
             first = first or [result, *mine]
             compare(f"{what}, against as written", [result, *mine], first)
+        if trial == seed % (2 * TRIALS):  # in half of the programs
+            _for_these_sizes(kernel, args, first, seed, simulate)
         if program is not None:
             _simulate(program, args, f"simulator, {simulate}", first)
             if trial == seed % TRIALS:
                 tried = _kinds(program, built[0][1]).check(args, Random(seed))
     return tried
+
+
+def _for_these_sizes(
+    kernel: KernelFunction,
+    args: list[object],
+    expected: list[object],
+    seed: int,
+    simulate: Simulated,
+) -> None:
+    """Demands the same of what is compiled for the sizes of these arguments only."""
+    function = kernel.sized(args).lower()
+    tried = forms(function, seed, is_whole=False)
+    for form in tried:
+        lowered = optimize_kernel(build_kernel(normalize(form.function)), form.options)
+        mine = deepcopy(args)
+        result = run_regions(lowered, mine)
+        compare(f"interpreter, known sizes, {form.text}", [result, *mine], expected)
+    if simulate == "blocks":
+        program = words_in_blocks(tried[-1].function)
+        _simulate(program, args, "simulator, known sizes", expected)
 
 
 def _kinds(program: Program, lowered: Kernel) -> Kinds:

@@ -6,6 +6,7 @@ import io
 import json
 import random
 import zipfile
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +108,47 @@ def test_other_schema(saved: tuple[Program, bytes], tmp_path: Path) -> None:
     message = refusal(tmp_path / "s.vivid", edited(saved[1], schema="vividc.program/99"))
     assert "vividc.program/99" in message
     assert "hint: compile the kernel again" in message
+
+
+def sized(program: Program, **known: list[int]) -> dict[str, object]:
+    """Changes of a manifest that say sizes of parameters."""
+    params = [asdict(param) | {"dtype": param.dtype.value} for param in program.params]
+    return {"params": [p | {"known": known.get(p["name"], [])} for p in params]}
+
+
+def test_only_programs_for_known_sizes_need_a_new_reader(
+    saved: tuple[Program, bytes], tmp_path: Path
+) -> None:
+    program, data = saved
+    for old in (data, rewritten(data, "program.json", _without_known)):
+        assert b'"vividc.program/2"' in old
+        (tmp_path / "old.vivid").write_bytes(old)
+        assert load(tmp_path / "old.vivid") == program
+    params = tuple(replace(p, known=(4,)) if p.name == "n" else p for p in program.params)
+    known = replace(program, params=params)
+    known.save(tmp_path / "new.vivid")
+    assert b'"vividc.program/3"' in (tmp_path / "new.vivid").read_bytes()
+    assert load(tmp_path / "new.vivid") == known != program
+
+
+def _without_known(text: bytes) -> bytes:
+    """A manifest as it was before sizes could be known."""
+    manifest = json.loads(text)
+    for param in manifest["params"]:
+        del param["known"]
+    return json.dumps(manifest).encode()
+
+
+@pytest.mark.parametrize("known", [{"n": [4, 4]}, {"x": [4, 4]}, {"x": [-4]}, {"x": []}])
+def test_known_sizes_that_cannot_be(
+    saved: tuple[Program, bytes], tmp_path: Path, known: dict[str, list[int]]
+) -> None:
+    changed = edited(saved[1], **sized(saved[0], **known))
+    if not any(known.values()):
+        (tmp_path / "m.vivid").write_bytes(changed)
+        assert load(tmp_path / "m.vivid") == saved[0]
+        return
+    assert "the sizes that it serves do not fit" in refusal(tmp_path / "m.vivid", changed)
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,8 @@ EVERYTHING = Function(
     'odd "name"\n',
     (
         Param("n", DType.I64, words=2),
-        Param("x", DType.F16, 2, longest=7),
+        Param("m", DType.I32, known=(-7,)),
+        Param("x", DType.F16, 2, longest=7, known=(3, 0)),
         Param("y", DType.U8, 1, True),
     ),
     (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -47,6 +48,23 @@ def formats(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> d
     return chosen
 
 
+def sizes(
+    _: click.Context, __: click.Parameter, values: tuple[str, ...]
+) -> dict[str, int | tuple[int, ...]] | None:
+    """Shapes and integers by parameter, from NAME=SIZE[xSIZE...]; None: nothing is known."""
+    known: dict[str, int | tuple[int, ...]] = {}
+    for part in (part for value in values for part in value.split(",")):
+        match = _SIZE.fullmatch(part)
+        if match is None:
+            raise click.BadParameter(f"{part!r} is not NAME=SIZE, as in A=20x30 or n=16")
+        numbers = tuple(map(int, match["size"].split("x")))
+        size = numbers if len(numbers) > 1 else numbers[0]
+        if known.setdefault(match["name"], size) != size:
+            raise click.BadParameter(f"{match['name']} is given twice")
+    return known or None
+
+
+_SIZE = re.compile(r"(?P<name>[^=]+)=(?P<size>-?\d{1,20}|\d{1,9}(x\d{1,9})+)", re.ASCII)
 _NODES_NM = (7, 45)
 FILE = click.Path(path_type=Path, dir_okay=False)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -73,11 +73,15 @@ def find_kernel(program: Program, bundle: Path, spec: str | None) -> AnyKernel:
     else:
         say(f"vividc: --check runs {os.path.abspath(kernel_file(spec))}", err=True)
         kernel = load_kernel(spec)
-    if tuple(kernel.params) != tuple(program.params):
+    if _of_any_size(kernel.params) != _of_any_size(program.params):
         expected = ", ".join(describe(param) for param in program.params)
         reason = f"`{kernel.name}` in {kernel.file} does not have the program's parameters"
         raise ArgumentError(reason, loc="--check", hint=f"expected: {expected}")
     return kernel
+
+
+def _of_any_size(params: Sequence[Param]) -> tuple[Param, ...]:
+    return tuple(replace(param, known=()) for param in params)
 
 
 def run_reference(

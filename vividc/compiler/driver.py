@@ -40,6 +40,7 @@ from vividc.errors import (
     demand_type,
 )
 from vividc.frontend import KernelFunction, LLKernel
+from vividc.frontend.like import Like
 from vividc.gemm.kernels import AUTO, check_kernel_mode
 from vividc.gemm.modes import MODES as GEMM_MODES
 from vividc.host import compiled_files, time_limit, watch
@@ -108,6 +109,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     precision: FormatChoices | None = None,
     progress: Progress | None = None,
     mode: str = AUTO,
+    like: Like | None = None,
     **flat: Unpack[FlatLoopOptions],
 ) -> Program:
     """Compiles `kernel` for a tile, or for the tiles of an accelerator.
@@ -138,6 +140,11 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         How an accelerator runs a kernel that is a matrix product (docs/gemm.md): "gpu", on its
         tiles, "tpu-unified", "tpu-partitioned", or "auto", what is predicted to take fewest cycles
         with the sizes of a launch.
+    like
+        What launches will be given, for each parameter in order or by name, as in like=(A, B, n) or
+        like={"A": (20, 30), "n": 16}: shapes of arrays and values of integers become constants,
+        and a launch with others is refused (docs/known-sizes.md). None: as the kernel says, mostly
+        any.
     **flat
         Deprecated: `transform`, and the fields of `LoopOptions` as keywords.
 
@@ -146,6 +153,8 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
     loaded = _checked(kernel, fabric, time_limit_s)
+    if like is not None:
+        kernel = kernel.sized(like)
     demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
     demand_callable(progress, "progress")
     check_effort(effort)

@@ -4,6 +4,7 @@ array.
 
 from __future__ import annotations
 
+import copy
 import functools
 import inspect
 import os
@@ -17,6 +18,7 @@ from numba.core.typing import Signature
 
 from vividc.errors import KernelError, SourceLoc, quoted
 from vividc.formats import F16
+from vividc.frontend.like import Like, with_sizes
 from vividc.frontend.lower import lower
 from vividc.frontend.numba.prange import calls_prange, prange_lines
 from vividc.frontend.numba.target import Callee
@@ -60,7 +62,7 @@ class KernelFunction(Callee):
     signature
         Numba's signature.
     params
-        Parameters in order.
+        Parameters in order, with the sizes that are known of them.
     file, line
         Where it is defined.
     """
@@ -74,7 +76,19 @@ class KernelFunction(Callee):
         self._args, self._return_type = _parse(signature, self.loc)
         self.signature = Signature(self._return_type, self._args, None)
         self.params = _params(py_func, self._args, self.loc)
-        self._lowered: dict[tuple[bool, bool], Function] = {}
+        self._lowered: dict[tuple[tuple[Param, ...], bool, bool], Function] = {}
+
+    def sized(self, like: Like) -> KernelFunction:
+        """The kernel for sizes that are known, as of `vividc.compile`.
+
+        Raises
+        ------
+        ArgumentError
+            They do not fit its parameters.
+        """
+        made = copy.copy(self)
+        made.params = with_sizes(self.name, self.params, like)
+        return made
 
     @property
     def loc(self) -> SourceLoc:
@@ -131,7 +145,7 @@ class KernelFunction(Callee):
         KernelError
             The kernel uses something that cannot be compiled; its file's path is not UTF-8.
         """
-        key = (strict_fp, spread)
+        key = (self.params, strict_fp, spread)
         if key not in self._lowered:
             demand_utf8_path(self.file, KernelError)
             longest = MAX_SPREAD if spread else 0
@@ -148,7 +162,7 @@ class KernelFunction(Callee):
 
 
 def kernel(
-    signature: str, *, name: str | None = None
+    signature: str, *, name: str | None = None, like: Like | None = None
 ) -> Callable[[Callable[..., Any]], KernelFunction]:
     """Mark a function as a kernel.
 
@@ -158,12 +172,16 @@ def kernel(
         Numba's signature, such as "void(float32[::1], float32[::1], int32)".
     name
         Name of the kernel; the function's if None.
+    like
+        Sizes that `vividc.compile` takes for known where it is given none (docs/known-sizes.md).
 
     Raises
     ------
     KernelError
         When applied: the signature is malformed, has types that no array can hold, or does not fit
         the function's parameters.
+    ArgumentError
+        When applied: the sizes do not fit its parameters.
     """
 
     if inspect.isfunction(signature):
@@ -179,7 +197,8 @@ def kernel(
         if not inspect.isfunction(py_func):
             hint = "decorate a plain Python function; vividc passes it to numba by itself"
             raise KernelError(f"a kernel cannot be made of {quoted(py_func)}", hint=hint)
-        return KernelFunction(py_func, signature, name)
+        made = KernelFunction(py_func, signature, name)
+        return made if like is None else made.sized(like)
 
     return decorate
 

@@ -126,7 +126,7 @@ def _read(
 
 def counting_parameters(kernel: Function, params: tuple[Param, ...]) -> frozenset[str]:
     """Names of the 64-bit parameters that only count or index: one word each."""
-    if all(param.words == 1 for param in params):
+    if all(param.words == 1 or param.known for param in params):
         return frozenset()
     with aside():
         return word_parameters(run_passes(SIMPLIFYING, replace(kernel, params=params)))

@@ -23,7 +23,7 @@ from vividc.launch.simulate import JobResult, simulate_steps
 from vividc.launch.steps import Configure, Execute, Step, Transfer
 from vividc.program import WORD_BYTES, Program
 from vividc.program.encoder.reflect import reflected_program
-from vividc.sim.bind import scalar_inputs
+from vividc.sim.bind import refuse_other_sizes, scalar_inputs
 from vividc.sim.footprint.footprint import whole_loop
 from vividc.sim.run import CYCLE_LIMIT, check_run
 from vividc.sim.tile import AUTO, check_engine
@@ -406,6 +406,7 @@ def _bound(
         size = math.prod(place.shape) * param.dtype.size_bytes
         extents[param.name] = (place.address, place.address + size)
         inputs |= _array_words(param.name, place)
+    refuse_other_sizes(program, inputs)
     if program.parallel is not None:
         inputs |= whole_loop(program.parallel, inputs)
     return inputs, extents

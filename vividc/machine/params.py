@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from vividc.errors import SourceLoc
-from vividc.machine.words import SIGN_BIT, WORD_MASK
+from vividc.machine.words import SIGN_BIT, WORD_BITS, WORD_MASK
 
 MAX_DIMENSION = 1 << 14
 """No dimension of words may be larger: ranges of indices are proved with `Param.limit`, a launch
@@ -64,6 +64,14 @@ class DType(Enum):
 _SIZE_BYTES = {DType.I8: 1, DType.U8: 1, DType.BOOL: 1, DType.I16: 2, DType.U16: 2, DType.F16: 2}
 
 
+def sizes_text(sizes: Mapping[str, tuple[int, ...] | int]) -> str:
+    """Shapes and integers as a person writes them, such as `A 20x30, n = 16`."""
+    return ", ".join(
+        f"{name} = {size}" if isinstance(size, int) else f"{name} {'x'.join(map(str, size))}"
+        for name, size in sizes.items()
+    )
+
+
 WIDE_DTYPES = frozenset({DType.I64, DType.U64})
 """Scalars of two words, if their values need them."""
 
@@ -77,6 +85,8 @@ class Param:
     `words` 2: a scalar of 64 bits, of which the host supplies both words; else its value must fit
     one (the launch checks it). `longest`: the most elements along the first dimension; 0: as many
     as along the others.
+    `known`: the only shape that the array may have, or the only value of the scalar (the launch
+    checks it); (): any.
     """
 
     name: str
@@ -85,6 +95,7 @@ class Param:
     flat: bool = False
     words: int = 1
     longest: int = field(default=0, compare=False)
+    known: tuple[int, ...] = ()
 
     @property
     def max_dimension(self) -> int:
@@ -96,6 +107,22 @@ class Param:
     def limit(self, axis: int) -> int:
         """The most elements along a dimension, the first of which may be cut at launch."""
         return self.longest if self.longest and axis == 0 else self.max_dimension
+
+    @property
+    def known_words(self) -> dict[str, int]:
+        """The launch words that are known, by key."""
+        if not self.known:
+            return {}
+        if self.ndim:
+            return {f"{self.name}.shape{axis}": size for axis, size in enumerate(self.known)}
+        return self.words_of(self.known[0])
+
+    def words_of(self, value: int) -> dict[str, int]:
+        """The launch words of a scalar's value, by key."""
+        low = value & (1 << 8 * self.dtype.size_bytes) - 1
+        if self.words == 1:
+            return {self.name: low}
+        return {self.name: low, self.name + HIGH_SUFFIX: value >> WORD_BITS & WORD_MASK}
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,6 +43,10 @@ Rows = Annotated[tuple[T, ...], FailFast()]
 """Read up to the first that is wrong: what pydantic says of a million would fill the memory."""
 
 SCHEMA: Final = "vividc.program/2"
+SIZED: Final = "vividc.program/3"
+"""Of a program that serves only the sizes that its parameters say: a reader of before would not
+check them.
+"""
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -140,9 +144,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema != SCHEMA:
+        if schema not in (SCHEMA, SIZED):
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} and {SIZED!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

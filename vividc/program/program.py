@@ -19,7 +19,7 @@ from vividc.errors import BundleError, VividcError, demand_type
 from vividc.machine.parallel import Parallel, is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.machine.product import Product
-from vividc.program.bundle import SCHEMA, BundleReader, Manifest, bundle_bytes, write_bundle
+from vividc.program.bundle import SCHEMA, SIZED, BundleReader, Manifest, bundle_bytes, write_bundle
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -101,6 +101,12 @@ class Program:
     def fabric_name(self) -> str:
         """Name of the fabric the program is for."""
         return self.fabric.name
+
+    @property
+    def sizes(self) -> dict[str, tuple[int, ...] | int]:
+        """What launches must be given, by parameter: shapes of arrays, values of integers."""
+        known = (param for param in self.params if param.known)
+        return {param.name: param.known if param.ndim else param.known[0] for param in known}
 
     @property
     def hurried(self) -> bool:
@@ -198,7 +204,7 @@ def _read(bundle: BundleReader) -> Program:
 
 def _manifest(program: Program) -> Manifest:
     return Manifest(
-        schema=SCHEMA,
+        schema=SIZED if any(param.known for param in program.params) else SCHEMA,
         opcodes=_opcode_names(),
         name=program.name,
         params=program.params,
@@ -284,6 +290,8 @@ def _faults(program: Program) -> Iterator[str]:
     unknown = {item.key for item in program.launch} - _input_keys(program.params)
     unknown -= {f"&{local.name}" for local in program.locals}
     unknown -= frozenset() if program.parallel is None else program.parallel.input_keys
+    if not all(map(_may_be_known, program.params)):
+        yield "the sizes that it serves do not fit its parameters"
     if unknown:
         yield f"it is launched with {min(unknown)!r}, which is no input of its parameters"
     if (program.returns is None) is not (program.return_home is None):
@@ -360,6 +368,14 @@ def _input_keys(params: tuple[Param, ...]) -> set[str]:
         if param.ndim:
             keys |= {f"&{param.name}", *(f"{param.name}.shape{k}" for k in range(param.ndim))}
     return keys
+
+
+def _may_be_known(param: Param) -> bool:
+    if not param.known:
+        return True
+    if not param.ndim:
+        return len(param.known) == 1 and param.dtype not in (DType.F32, DType.BOOL)
+    return len(param.known) == param.ndim and not param.flat and min(param.known) >= 0
 
 
 def _row_faults(index: int, row: RegionRow, contexts: int, rows: int) -> Iterator[str]:

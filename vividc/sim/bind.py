@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
-from vividc.machine.words import WORD_MASK
+from vividc.machine.params import sizes_text
+from vividc.machine.words import WORD_BITS
 from vividc.program import (
-    HIGH_SUFFIX,
     WORD_BYTES,
     DType,
     LocalArray,
@@ -131,9 +131,38 @@ def arguments(
         else:
             inputs.update(_scalar_words(param, values[param.name]))
     _refuse_overlap(arrays, program.stored_arrays)
+    refuse_other_sizes(program, inputs)
     if program.parallel is not None:
         inputs |= whole_loop(program.parallel, inputs)
     return arrays, inputs
+
+
+def refuse_other_sizes(program: Program, inputs: Mapping[str, int]) -> None:
+    """Refuse a launch of other sizes than those that the program was compiled for.
+
+    Raises
+    ------
+    ArgumentError
+        It names all that differ.
+    """
+    got = {
+        param.name: _launched(param, inputs)
+        for param in program.params
+        if any(inputs[key] != word for key, word in param.known_words.items())
+    }
+    if got:
+        wanted = {name: program.sizes[name] for name in got}
+        raise ArgumentError(
+            f"{program.name} was compiled for {sizes_text(wanted)} only, and got {sizes_text(got)}",
+            hint="compile it for these sizes, or for any: without like (--sizes)",
+        )
+
+
+def _launched(param: Param, inputs: Mapping[str, int]) -> tuple[int, ...] | int:
+    words = [inputs[key] for key in param.known_words]
+    if param.ndim:
+        return tuple(words)
+    return int(returned(param.dtype, sum(w << WORD_BITS * n for n, w in enumerate(words))))
 
 
 def scalar_inputs(program: Program, values: Mapping[str, object]) -> dict[str, int]:
@@ -157,11 +186,7 @@ def scalar_inputs(program: Program, values: Mapping[str, object]) -> dict[str, i
 
 
 def _scalar_words(param: Param, value: object) -> dict[str, int]:
-    word = _scalar(param, value)
-    words = {param.name: word & WORD_MASK}
-    if param.words > 1:
-        words[param.name + HIGH_SUFFIX] = word >> 32 & WORD_MASK
-    return words
+    return param.words_of(_scalar(param, value))
 
 
 def _place_local(
@@ -337,7 +362,7 @@ def _scalar(param: Param, value: object) -> int:
             loc=where,
             hint=hint if counts else None,
         )
-    return value & (1 << 8 * param.dtype.size_bytes) - 1 if param.words == 1 else value
+    return value
 
 
 def _float_word(value: object, where: str) -> int:

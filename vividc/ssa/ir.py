@@ -354,6 +354,24 @@ class Function:
         return bool(self.result)
 
     @cached_property
+    def known(self) -> dict[str, int]:
+        """Words of the inputs that every launch supplies alike, by key, pitches included."""
+        words: dict[str, int] = {}
+        for param in self.params:
+            words |= param.known_words
+            if param.ndim:
+                pitches = enumerate(param.known)
+                words |= {pitch_of(param.name, axis).key: size for axis, size in pitches}
+        return words
+
+    def settled(self, value: Value) -> Value:
+        """An operand as the back end has it: a constant if it is a known input, and no pitch."""
+        if not isinstance(value, Input):
+            return value
+        word = self.known.get(value.key)
+        return without_pitch(value) if word is None else Const(word)
+
+    @cached_property
     def by_name(self) -> dict[str, Block]:
         """Block of each name."""
         return {block.name: block for block in self.blocks}

@@ -106,6 +106,8 @@ def _param(param: Param) -> str:
         parts.append(f"words {param.words}")
     if param.longest:
         parts.append(f"longest {param.longest}")
+    if param.known:
+        parts.append(f"known [{', '.join(map(str, param.known))}]")
     return " ".join(parts)
 
 

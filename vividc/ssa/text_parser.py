@@ -248,7 +248,10 @@ def _param(line: _Line) -> Param:
     flat = line.accept("word", "flat") is not None
     words = line.integer() if line.accept("word", "words") else 1
     longest = line.integer() if line.accept("word", "longest") else 0
-    return Param(name, dtype, ndim, flat, words, longest)
+    known = line.listed(line.integer) if line.accept("word", "known") else ()
+    if known and len(known) != (ndim or 1):
+        line.fail(f"{len(known)} known numbers, where {ndim or 1} are possible")
+    return Param(name, dtype, ndim, flat, words, longest, known)
 
 
 def _local(line: _Line) -> LocalArray:

@@ -153,6 +153,34 @@ class _Builder:
         return self.close(Branch(name)), name
 
 
+def with_known(function: Function, n: int) -> Function:
+    """The function for one `n` only, and for the shape of `b` that `arguments` gives."""
+    known = {"b": (SIDE, SIDE), "n": (n,)}
+    params = tuple(replace(p, known=known.get(p.name, ())) for p in function.params)
+    value = Const(n & WORD_MASK)
+    return settled(replace(function, params=params), value)
+
+
+def settled(function: Function, n: Const) -> Function:
+    """The function with a constant for `n`, as the frontend leaves it."""
+
+    def of(value: Value) -> Value:
+        return n if value == Input("n") else value
+
+    def phi_of(phi: Phi) -> Phi:
+        return replace(phi, incoming=tuple((source, of(v)) for source, v in phi.incoming))
+
+    blocks = (
+        replace(
+            block,
+            phis=tuple(map(phi_of, block.phis)),
+            instrs=tuple(replace(i, operands=tuple(map(of, i.operands))) for i in block.instrs),
+        )
+        for block in function.blocks
+    )
+    return replace(function, blocks=tuple(blocks))
+
+
 def random_nest(seed: int) -> Function:
     """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays."""
     builder = _Builder(random.Random(seed))

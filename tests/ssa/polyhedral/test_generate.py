@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.ssa.polyhedral.nests import arguments, random_nest
+from tests.ssa.polyhedral.nests import arguments, random_nest, with_known
 from vividc.errors import SSAError
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.analysis.levels import with_own_latches
@@ -41,9 +41,14 @@ def parts_of(function: Function) -> list[Scop]:
     return [scop for scop in found if isinstance(scop, Scop)]
 
 
-def demand_same(before: Function, after: Function, what: str) -> None:
+NUMBERS = (0, 1, 2, 5, -1, -(1 << 31))
+
+
+def demand_same(
+    before: Function, after: Function, what: str, numbers: tuple[int, ...] = NUMBERS
+) -> None:
     assert check_function(after) == [], what
-    for n in (0, 1, 2, 5, -1, -(1 << 31)):
+    for n in numbers:
         old, new = arguments(abs(n), n), arguments(abs(n), n)
         try:
             interpret(before, *old, max_blocks=20_000)
@@ -104,9 +109,11 @@ def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: in
     return chosen
 
 
-def demand_trees_mean_the_same(seed: int, most: int = 3) -> int:
-    """How many trees were generated of a random nest."""
-    function = tidy(random_nest(seed))
+def demand_trees_mean_the_same(seed: int, most: int = 3, known: int | None = None) -> int:
+    """How many trees were generated of a random nest, perhaps with a known `n`."""
+    function = random_nest(seed)
+    function = tidy(function if known is None else with_known(function, known))
+    numbers = NUMBERS if known is None else (known,)
     count = 0
     for scop in parts_of(function):
         relations = Relations(scop)
@@ -117,13 +124,29 @@ def demand_trees_mean_the_same(seed: int, most: int = 3) -> int:
             if isinstance(made, Refusal):
                 continue
             count += 1
-            demand_same(function, tidy(made.function), f"seed {seed}: {describe(tree)}")
+            demand_same(function, tidy(made.function), f"seed {seed}: {describe(tree)}", numbers)
     return count
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_random_trees(seed: int) -> None:
     demand_trees_mean_the_same(seed)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_trees_of_known_sizes(seed: int) -> None:
+    demand_trees_mean_the_same(seed, known=NUMBERS[seed % 5])
+
+
+def test_a_part_without_parameters_can_be_jammed() -> None:
+    """isl reads `[]` before a schedule's arrow as the schedule."""
+    sized = triangular.sized({"a": (8, 8), "b": (8, 12)})
+    [scop] = parts_of(tidy(sized.lower()))
+    assert not scop.symbols
+    relations = Relations(scop)
+    tree = tree_of(scop)
+    columns = next(path for path, loop in loops_in(tree) if "i1" in loop.over.values())
+    assert is_legal(with_factors(tree, {columns: 4}), relations)
 
 
 def test_many_nests_are_parts() -> None:

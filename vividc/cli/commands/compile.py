@@ -18,6 +18,7 @@ from vividc.cli.reports.program import print_regions
 from vividc.cli.reports.report import print_json, progress
 from vividc.cli.stages import Look, look_options
 from vividc.gemm.modes import MODES
+from vividc.machine.params import sizes_text
 from vividc.program import Program
 
 SCHEMA = "vividc.compile/1"
@@ -53,6 +54,14 @@ SCHEMA = "vividc.compile/1"
     type=click.Choice(["auto", "gpu", *MODES]),
     default="auto",
     help="How an accelerator runs a kernel that is a matrix product.",
+)
+@click.option(
+    "--sizes",
+    "like",
+    multiple=True,
+    metavar="NAME=SIZE,...",
+    callback=options.sizes,
+    help="Shapes and integers, as in A=20x30,n=16, of every launch: they become constants.",
 )
 @click.option("--explain", is_flag=True, help="Say what was done to each loop, and why.")
 @click.option(
@@ -92,6 +101,8 @@ def command(
         print_json(SCHEMA, _as_object(program, path))
         return
     print_regions(program)
+    if program.sizes:
+        click.echo(f"for {sizes_text(program.sizes)} only")
     if explain:
         print_loops(program)
         print_product(program, function, fabric)
@@ -126,6 +137,7 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
             {**asdict(loop), "loc": None if loop.loc is None else str(loop.loc)}
             for loop in program.loops
         ],
+        "sizes": program.sizes,
         "product": None if program.product is None else asdict(program.product),
         "stopped_by_clock": program.hurried,
         "warnings": [str(warning) for warning in program.warnings],

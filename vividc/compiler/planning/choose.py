@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.restructure import restructured
+from vividc.compiler.planning.restructure import restructured, static_part
 from vividc.errors import KernelError, SourceLoc, TimeLimit
 from vividc.host import time_limit
 from vividc.ssa.analysis.constant_trips import constant_trips
@@ -181,20 +181,43 @@ class _Chooser:
         """Applies what pays: full unrolling, then threads, then jamming, then flattening of what is
         still a nest, then unrolling of innermost loops.
         """
-        tried: set[str] = set()
-        while (loop := self._next_full(tried)) is not None:
-            tried.add(loop.header)
-            self._try(Candidate("full unrolling", loop.header))
+        self._unroll_fully(self._awaited() if self.options.restructure else frozenset())
         if self.options.threads is None:
             for header in self._parallel():
                 self._climb_threads(header)
         for header in self._outermost() if self.options.restructure else ():
             self._restructure(header)
+        if self.options.restructure:
+            self._unroll_fully(self.now.state.made)
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
         self._flatten()
         for header in [loop.header for loop in self._innermost()]:
             self._climb("unrolling", header)
+
+    def _unroll_fully(self, left: Collection[str]) -> None:
+        """Unrolls what it pays to unroll fully, of the loops `left` only those that are short."""
+        tried: set[str] = set()
+        while (loop := self._next_full(tried)) is not None:
+            tried.add(loop.header)
+            if loop.header not in left or self._is_short(loop):
+                self._try(Candidate("full unrolling", loop.header))
+
+    def _is_short(self, loop: Loop) -> bool:
+        trips = constant_trips(self.now.state.function, loop, _FACTORS[-1])
+        return trips is not None and trips.iterations <= _FACTORS[-1]
+
+    def _awaited(self) -> frozenset[str]:
+        """Headers of the loops in nests that may be restructured, which loops unrolled inside could
+        prevent.
+        """
+        awaited: set[str] = set()
+        for header in self._outermost():
+            if not isinstance(static_part(self.now.state, header), Refusal):
+                inside = self.now.state.loop(header).blocks
+                loops = find_loops(self.now.state.function)
+                awaited |= {loop.header for loop in loops if loop.header in inside}
+        return frozenset(awaited)
 
     def _climb_threads(self, header: str) -> None:
         """Threads where iterations prove to be independent: on one tile a loop over `prange` whose

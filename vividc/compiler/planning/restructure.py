@@ -73,15 +73,20 @@ def restructured(
     """The best loops for the part at `header`, none with more operations than `most_operations`;
     before them, if they nearly fill the contexts, the best that leave a quarter of them.
     """
-    function = with_own_latches(state.function, header)
-    scop = find_scop(function, header)
+    scop = static_part(state, header)
     if isinstance(scop, Refusal):
         return scop
-    if all(len(statement.dims) == 1 for statement in scop.statements):
-        return Refusal("it is one loop, not a nest")
     climb = _Climb(state, scop, estimator, trips, most_operations)
     found = climb.best()
     return found or Refusal("no other loops can be generated")
+
+
+def static_part(state: State, header: str) -> Scop | Refusal:
+    """The nest at `header` as a static-control part."""
+    scop = find_scop(with_own_latches(state.function, header), header)
+    if isinstance(scop, Scop) and all(len(statement.dims) == 1 for statement in scop.statements):
+        return Refusal("it is one loop, not a nest")
+    return scop
 
 
 @dataclass

@@ -29,7 +29,6 @@ from vividc.ssa.ir import (
     Phi,
     Ref,
     Value,
-    without_pitch,
 )
 from vividc.ssa.polyhedral.distances import Meetings, Place
 
@@ -123,10 +122,11 @@ class _LoopEmitter:
     def value(self, item: Value) -> Operand:
         """The operand of an SSA value; one from outside the loop is a live-in."""
         if item not in self.values:
-            if isinstance(item, Const):
-                return self.builder.const(item.word)
-            assert isinstance(item, Named)
-            name = without_pitch(item).key if isinstance(item, Input) else variable(item.id)
+            settled = self.parts.function.settled(item)
+            if isinstance(settled, Const):
+                return self.builder.const(settled.word)
+            assert isinstance(settled, Named)
+            name = settled.key if isinstance(settled, Input) else variable(settled.id)
             self.values[item] = self.builder.live_in(name)
         return self.values[item]
 

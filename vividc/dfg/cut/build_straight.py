@@ -7,7 +7,7 @@ from vividc.dfg.cut.memory_order import Access, order_accesses
 from vividc.dfg.ir import DFG, Control, Node
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.ssa.ir import Block, Const, Input, Instr, Ref, Value, without_pitch
+from vividc.ssa.ir import Block, Const, Input, Instr, Ref, Value
 from vividc.ssa.polyhedral.distances import Meetings, Place
 
 
@@ -30,10 +30,11 @@ def build_straight(
     own: dict[int, Operand] = {}
 
     def value(item: Value) -> Operand:
+        item = meetings.function.settled(item)
         if isinstance(item, Const):
             return builder.const(item.word)
         if isinstance(item, Input):
-            return builder.live_in(without_pitch(item).key)
+            return builder.live_in(item.key)
         assert isinstance(item, Ref)
         return own[item.id] if item.id in own else builder.live_in(variable(item.id))
 

@@ -31,11 +31,14 @@ class CParameter:
         LLVM's type.
     dtype
         Type of the word, or of the words pointed to, if the debug information or the user says.
+    known
+        The value of an integer that every launch gives; None: any.
     """
 
     name: str
     type: str
     dtype: str = ""
+    known: int | None = None
 
     @property
     def scalar(self) -> DType:
@@ -73,6 +76,10 @@ def entry_text(function: CFunction, counts: frozenset[str] = frozenset()) -> str
     """
     inputs, body, arguments = [], [], []
     for index, param in enumerate(function.params):
+        if param.known is not None:
+            bits = int(param.type.removeprefix("i"))
+            arguments.append(f"{param.type} {param.known % (1 << bits)}")
+            continue
         whole = param.type == "i64" and param.name not in counts
         word = "i64" if whole else _ENTRY_TYPE.get(param.type, "i32")
         # Arrays of a launch never overlap.

@@ -13,10 +13,11 @@ import numpy as np
 
 from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type
 from vividc.frontend.c.host import HostFunction
-from vividc.frontend.c.lower import CModule, declare, lower_c
+from vividc.frontend.c.lower import CModule, declare, lower_c, with_scalars
 from vividc.frontend.c.places import instruction_lines
 from vividc.frontend.c.reference import reference_text
 from vividc.frontend.c.source import bodies, located_module, printed, read_ll
+from vividc.frontend.like import Like, with_sizes
 from vividc.frontend.llvm.metadata import Locations
 from vividc.machine.params import DType, Param
 from vividc.ssa.ir import Function
@@ -35,7 +36,8 @@ class LLKernel:
     name
         The function's name.
     params
-        Its parameters in order. A pointer is an array of any number of dimensions.
+        Its parameters in order, with the scalars that are known. A pointer is an array of any
+        number of dimensions.
     file
         The `.ll` file.
     line
@@ -44,11 +46,27 @@ class LLKernel:
 
     def __init__(self, module: CModule) -> None:
         self._module = module
+        self._sized: dict[tuple[Param, ...], LLKernel] = {}
         self.name = module.function.symbol
         self.file = module.file
         self.line = module.function.loc.line
         self.params = module.params
         self._lowered: dict[bool, Function] = {}
+
+    def sized(self, like: Like) -> LLKernel:
+        """The kernel for scalars that are known, as of `vividc.compile`. Of an array that is given
+        nothing is taken: C knows no shapes.
+
+        Raises
+        ------
+        ArgumentError
+            They do not fit its parameters.
+        """
+        params = with_sizes(self.name, self.params, like)
+        if params not in self._sized:
+            known = {param.name: param.known[0] for param in params if param.known}
+            self._sized[params] = LLKernel(with_scalars(self._module, known))
+        return self._sized[params]
 
     @property
     def loc(self) -> SourceLoc:

@@ -92,6 +92,17 @@ def declare(text: str, file: str, name: str, types: Mapping[str, str] | None = N
     for body in used:
         check_body(body, structs, locate)
     refuse_recursion(used, locate)
+    return _module(text, file, function)
+
+
+def with_scalars(module: CModule, known: Mapping[str, int]) -> CModule:
+    """The function where these integer parameters have these values."""
+    function = module.function
+    params = tuple(replace(p, known=known.get(p.name)) for p in function.params)
+    return _module(module.text, module.file, replace(function, params=params))
+
+
+def _module(text: str, file: str, function: CFunction) -> CModule:
     with located(function.loc), _in_c_terms():
         kernel = _read(text, function, frozenset())
         params = _params(function, kernel)
@@ -233,9 +244,15 @@ def _params(function: CFunction, wide: Function) -> tuple[Param, ...]:
     return tuple(
         Param(param.name, _element(param, accessed.get(param.name, set())), 1, flat=True)
         if param.type == "ptr"
-        else Param(param.name, param.scalar, words=2 if param.scalar in WIDE_DTYPES else 1)
+        else _scalar(param)
         for param in function.params
     )
+
+
+def _scalar(param: CParameter) -> Param:
+    known = () if param.known is None else (param.known,)
+    words = 2 if param.scalar in WIDE_DTYPES else 1
+    return Param(param.name, param.scalar, words=words, known=known)
 
 
 def _accessed(blocks: tuple[Block, ...]) -> dict[str, set[str]]:

@@ -112,7 +112,9 @@ def _scalar_argument(
 ) -> None:
     kind = _SCALAR[param.dtype]
     name = f'%"{param.name}"'
-    if param.dtype in WIDE_DTYPES and param.words == 1:
+    if param.known:
+        name = str(param.known[0])
+    elif param.dtype in WIDE_DTYPES and param.words == 1:
         inputs.append(f"i32 {name}")
         extend = "sext" if param.dtype is DType.I64 else "zext"
         body.append(f'%".{param.name}" = {extend} i32 {name} to i64')
@@ -127,7 +129,9 @@ def _scalar_argument(
 
 
 def _array_argument(param: Param, inputs: list[str], body: list[str], arguments: list[str]) -> None:
-    """A C-contiguous array: its data pointer and shape come from the host, the rest is computed."""
+    """A C-contiguous array: its data pointer and shape come from the host, or the shape is known;
+    the rest is computed.
+    """
     x = param.name
     inputs.append(f'ptr noalias %"&{x}"')  # a launch with arrays that overlap is refused
     shapes: list[str] = []
@@ -136,14 +140,17 @@ def _array_argument(param: Param, inputs: list[str], body: list[str], arguments:
     stride = str(item)
     count = "1"
     for axis in range(param.ndim):
-        inputs.append(f'i32 range(i32 0, {param.limit(axis) + 1}) %"{x}.shape{axis}"')
-        body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
-        body.append(f'%".{x}.count{axis}" = mul nuw nsw i64 {count}, %".{x}.shape{axis}"')
+        if param.known:
+            shapes.append(str(param.known[axis]))
+        else:
+            inputs.append(f'i32 range(i32 0, {param.limit(axis) + 1}) %"{x}.shape{axis}"')
+            body.append(f'%".{x}.shape{axis}" = zext nneg i32 %"{x}.shape{axis}" to i64')
+            shapes.append(f'%".{x}.shape{axis}"')
+        body.append(f'%".{x}.count{axis}" = mul nuw nsw i64 {count}, {shapes[axis]}')
         count = f'%".{x}.count{axis}"'
-        shapes.append(f'i64 %".{x}.shape{axis}"')
     for axis in reversed(range(param.ndim)):
         strides.insert(0, f"i64 {stride}")
-        body.append(f'%".{x}.size{axis}" = mul nuw nsw i64 {stride}, %".{x}.shape{axis}"')
+        body.append(f'%".{x}.size{axis}" = mul nuw nsw i64 {stride}, {shapes[axis]}')
         stride = f'%".{x}.size{axis}"'
     head = ["ptr null", "ptr null", f"i64 {count}", f"i64 {item}", f'ptr %"&{x}"']
-    arguments.extend(head + shapes + strides)
+    arguments.extend(head + [f"i64 {size}" for size in shapes] + strides)

@@ -21,7 +21,7 @@ def ranges_of(function: Function) -> Ranges:
 def _of_shapes(function: Function) -> dict[Key, Interval]:
     """An array must fit in the scratchpad (checked at launch)."""
     return {
-        key: (0, param.limit(axis))
+        key: (param.known[axis], param.known[axis]) if param.known else (0, param.limit(axis))
         for param in function.params
         for axis in range(param.ndim)
         for key in (f"{param.name}.shape{axis}", pitch_of(param.name, axis).key)

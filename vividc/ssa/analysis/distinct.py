@@ -110,11 +110,15 @@ class _Proof:
         return not any(value in self.varying for monomial in rest.terms for value in monomial)
 
     def _is_row(self, size: Polynomial, unit: Polynomial, counter: Counter) -> bool:
-        """Whether `size` is a dimension, `unit` is 1, and the counter has at most `size` words."""
+        """Whether `size` is a dimension, perhaps a known one, `unit` is 1, and the counter has at
+        most `size` words.
+        """
         if unit.constant != 1 or len(size.terms) != 1:
             return False
         [(monomial, factor)] = size.terms.items()
-        if factor != 1 or len(monomial) != 1 or not is_dimension(monomial[0]):
+        if monomial and (factor != 1 or len(monomial) != 1 or not is_dimension(monomial[0])):
+            return False
+        if not monomial and not 0 < factor <= _STEP_LIMIT:
             return False
         ends = [self.known.of(counter.initial), self.known.of(counter.limit)]
         first, last = ends if counter.step > 0 else ends[::-1]

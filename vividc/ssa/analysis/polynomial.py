@@ -15,7 +15,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.words import signed
 from vividc.ssa.analysis.induction import Induction, induction_of, is_invariant
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of, without_pitch
+from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of
 
 Monomial = tuple[Value, ...]
 ITERATION: Final = Input("iteration")
@@ -109,10 +109,11 @@ class Polynomials:
         return self._memo[value]
 
     def _compute(self, value: Value) -> Polynomial:
+        value = value if self.pitches else self.function.settled(value)
         if isinstance(value, Const):
             return constant(value.word)
         if isinstance(value, Input):
-            return symbol(value if self.pitches else without_pitch(value))
+            return symbol(value)
         item = definition_of(self.function, value)
         rule = None if item is None or isinstance(item, Phi) else _RULES.get(item.opcode)
         if item is None or isinstance(item, Phi) or rule is None:
@@ -142,8 +143,9 @@ class LoopPolynomials:
         return self._memo[value]
 
     def _compute(self, value: Value) -> Polynomial | None:
-        if isinstance(value, Const):
-            return constant(value.word)
+        settled = self.function.settled(value)
+        if isinstance(settled, Const):
+            return constant(settled.word)
         if is_invariant(self.function, self.loop.blocks, value):
             return symbol(value)
         item = definition_of(self.function, value)

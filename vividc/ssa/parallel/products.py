@@ -23,7 +23,7 @@ from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.analysis.induction import initial
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value, without_pitch
+from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value
 
 _NEST = 3
 _WORD_SHIFT = 2
@@ -137,7 +137,7 @@ class _Matcher:
             raise _NoProduct(reason)
         _demand((counter.initial, counter.step) == (Const(0), 1), reason)
         _demand(isinstance(counter.limit, Input | Const), reason)
-        return _Counter(loop, counter.phi.id, _size(counter.limit))
+        return _Counter(loop, counter.phi.id, self._size(counter.limit))
 
     def _store(self, middle: Loop, inner: Loop) -> Instr:
         stores = [
@@ -170,6 +170,11 @@ class _Matcher:
                 return row, col, factor
         raise _NoProduct("the result is not stored as c[i, j]")
 
+    def _size(self, value: Value) -> Size:
+        settled = self._function.settled(value)
+        assert isinstance(settled, Input | Const)
+        return settled.key if isinstance(settled, Input) else settled.word
+
     # Memory
 
     def _factor(self, access: Instr, first: _Counter, second: _Counter) -> Factor | None:
@@ -183,9 +188,9 @@ class _Matcher:
                 if not isinstance(stride, Input | Const):
                     continue
                 if self._is(counter, first.phi) and self._is(plus, second.phi):
-                    return Factor(access.array, False, _size(stride))
+                    return Factor(access.array, False, self._size(stride))
                 if self._is(counter, second.phi) and self._is(plus, first.phi):
-                    return Factor(access.array, True, _size(stride))
+                    return Factor(access.array, True, self._size(stride))
         return None
 
     def _is_element(self, access: Instr, ndim: int) -> bool:
@@ -327,10 +332,3 @@ def _shapes(product: Product, rows: int, cols: int, depth: int) -> dict[str, int
 
 def _both(pair: tuple[Value, ...]) -> tuple[tuple[Value, ...], tuple[Value, ...]]:
     return pair, pair[::-1]
-
-
-def _size(value: Value) -> Size:
-    if isinstance(value, Input):
-        return without_pitch(value).key
-    assert isinstance(value, Const)
-    return value.word

@@ -21,7 +21,7 @@ from vividc.machine.words import WORD_BITS, WORD_BYTES, signed
 from vividc.ssa.analysis.counters import bounded, header_test
 from vividc.ssa.analysis.induction import Induction, induction_of
 from vividc.ssa.flow import Loop, dominators, find_loops, immediate_dominators, predecessors
-from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value, without_pitch
+from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
 
 Fact = tuple[int, bool]
 """A condition's id, and how it was decided."""
@@ -132,10 +132,11 @@ class TermTable:
         return self._numbers[term]
 
     def _of(self, value: Value, facts: frozenset[Fact]) -> int:
+        value = self._function.settled(value)
         if isinstance(value, Const):
             return self._add(Term(CONST, word=signed(value.word)))
         if isinstance(value, Input):
-            number = self._add(Term(INPUT, key=without_pitch(value).key))
+            number = self._add(Term(INPUT, key=value.key))
         elif value == Ref(self._index):
             number = self._add(Term(INDEX))
         else:

@@ -13,6 +13,7 @@ import islpy as isl
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
 from vividc.machine.params import MAX_ELEMENTS
 from vividc.machine.words import signed
+from vividc.ssa.analysis.counters import is_length
 from vividc.ssa.analysis.induction import is_invariant
 from vividc.ssa.analysis.polynomial import (
     ITERATION,
@@ -23,7 +24,7 @@ from vividc.ssa.analysis.polynomial import (
 )
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, flow_of
-from vividc.ssa.ir import Const, Function, Input, Instr, Value, definition_of, is_dimension
+from vividc.ssa.ir import Const, Function, Input, Instr, Value, definition_of
 from vividc.ssa.polyhedral.subscripts import Subscripts, subscripts_of
 from vividc.ssa.polyhedral.values import Expression, Expressions
 
@@ -254,7 +255,9 @@ class Meetings:
         param = next((p for p in self.function.params if p.name == instr.array), None)
         if param is None or param.ndim != axes or param.dtype.size_bytes != instr.width:
             return self._values.constant(4 * MAX_ELEMENTS // instr.width)
-        return self._values.symbol(Input(f"{instr.array}.shape{axis}"))
+        size = self._values.of(Input(f"{instr.array}.shape{axis}"))
+        assert size is not None
+        return size
 
 
 @dataclass(frozen=True, slots=True)
@@ -315,7 +318,7 @@ def _not_from_end(part: Polynomial, function: Function) -> Polynomial:
     for monomial, factor in part.terms.items():
         item = definition_of(function, monomial[0]) if len(monomial) == 1 else None
         added = item.operands[1:] if isinstance(item, Instr) and item.op is Opcode.SELECT else ()
-        if added and factor == 1 and is_dimension(added[0]) and added[1] == Const(0):
+        if added and factor == 1 and is_length(added[0]) and added[1] == Const(0):
             del terms[monomial]
     return Polynomial(terms)
 

@@ -212,7 +212,9 @@ class _Ordering:
                 if not domain.is_empty()
             ]
             maps.append(f"{{ {'; '.join(images)} }}")
-        schedule = f"{self.relations.parameters} -> [{', '.join(maps)}]"
+        schedule = f"[{', '.join(maps)}]"
+        if self.relations.scop.symbols:  # isl would read `[]` before the arrow as all of it
+            schedule = f"{self.relations.parameters} -> {schedule}"
         options = f', options: "{{ {option}[x] }}"' if option else ""
         return f'{{ schedule: "{schedule}"{options}{_child(child)} }}'
 

@@ -181,6 +181,7 @@ class Expressions:
         return left.intersect(right) if both else left.union(right)
 
     def _compute(self, value: Value) -> Expression | None:
+        value = self.function.settled(value)
         if isinstance(value, Const):
             return self.constant(signed(value.word))
         if not isinstance(value, Ref):
