@@ -56,6 +56,8 @@ class Row:
         Seconds of user CPU.
     refused
         Why there is no run.
+    known
+        It was compiled for its sizes only (`like=`).
     """
 
     step: str
@@ -79,6 +81,7 @@ class Row:
     hurried: bool = False
     transformed: str = ""
     refused: str = ""
+    known: bool = False
 
     @property
     def is_right(self) -> bool:
@@ -101,15 +104,16 @@ class Row:
         return None if self.cycles is None else self.cycles / max(self.ideal, self.floor or 0)
 
 
-def measured(step: str, name: str, size: str) -> Row:
-    """The row of a kernel at a size; a refusal is one too."""
+def measured(step: str, name: str, size: str, known: bool = False) -> Row:
+    """The row of a kernel at a size, perhaps `known` to the compiler; a refusal is one too."""
     case = CASES[name]
-    row = Row(step, name, size, *_counted(case, size))
+    row = Row(step, name, size, *_counted(case, size), known=known)
+    like = case.fresh(size) if known else None
     with warnings.catch_warnings(), vividc.patient(PATIENCE):
         warnings.simplefilter("ignore")  # what is not as in numba shows in the results
         try:
             start = os.times().user
-            program = vividc.compile(case.kernel, fabric=FABRICS[size], loops=_LOOPS)
+            program = vividc.compile(case.kernel, fabric=FABRICS[size], loops=_LOOPS, like=like)
             took = round(os.times().user - start, 2)
             return _ran(replace(row, compile_s=took, hurried=program.hurried), case, program)
         except VividcError as error:

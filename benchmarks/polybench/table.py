@@ -61,13 +61,14 @@ is made; the newest of each kernel is shown.
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """What to measure: kernels by name (none: all), sizes, processes at once, and the name of the
-    step (none: the last one).
+    step (none: the last one); `known`: compiled for their sizes only.
     """
 
     only: tuple[str, ...] = ()
     sizes: tuple[str, ...] = SIZES
     jobs: int = 1
     step: str = ""
+    known: bool = False
 
     def tasks(self) -> Iterator[tuple[str, str]]:
         """Kernels and sizes, in the order of the page."""
@@ -113,15 +114,17 @@ class Kept:
         self.rows.append(row)
         self._append(asdict(row))
 
-    def has(self, step: str, kernel: str, size: str) -> bool:
+    def has(self, step: str, kernel: str, size: str, *, known: bool) -> bool:
         """Whether it was measured in this step."""
-        return any((row.step, row.kernel, row.size) == (step, kernel, size) for row in self.rows)
+        wanted = (step, kernel, size, known)
+        return any((row.step, row.kernel, row.size, row.known) == wanted for row in self.rows)
 
-    def newest(self, upto: str) -> dict[tuple[str, str], Row]:
+    def newest(self, upto: str, *, known: bool = False) -> dict[tuple[str, str], Row]:
         """The newest row of each kernel and size, as it was after a step."""
         names = [*self.steps]
         past = set(names[: names.index(upto) + 1])
-        return {(row.kernel, row.size): row for row in self.rows if row.step in past}
+        rows = (row for row in self.rows if row.step in past and row.known is known)
+        return {(row.kernel, row.size): row for row in rows}
 
     def _append(self, fields: dict[str, object]) -> None:
         if self.path is not None:
@@ -139,19 +142,20 @@ def sections(wanted: Wanted, output: Path | None) -> Iterator[list[str]]:
     """
     kept = Kept(output)
     step = kept.begin(wanted.step)
-    tasks = [task for task in wanted.tasks() if not kept.has(step, *task)]
-    for row in _rows(step, tasks, wanted.jobs):
+    known = wanted.known
+    tasks = [task for task in wanted.tasks() if not kept.has(step, *task, known=known)]
+    for row in _rows(step, tasks, wanted.jobs, known=known):
         kept.add(row)
         print(line(row), file=sys.stderr)
         yield list(page(kept))
     yield list(page(kept))
 
 
-def _rows(step: str, tasks: Sequence[tuple[str, str]], jobs: int) -> Iterator[Row]:
+def _rows(step: str, tasks: Sequence[tuple[str, str]], jobs: int, *, known: bool) -> Iterator[Row]:
     """Each row from a process of its own."""
     context = get_context("spawn")
     with ProcessPoolExecutor(jobs, context, max_tasks_per_child=1) as pool:
-        asked = [pool.submit(measured, step, *task) for task in tasks]
+        asked = [pool.submit(measured, step, *task, known) for task in tasks]
         for done in as_completed(asked):
             try:
                 yield done.result()
@@ -180,7 +184,53 @@ def page(kept: Kept) -> Iterator[str]:
     images = [row for case in IMAGES for size in SIZES if (row := newest.get((case.name, size)))]
     if images:
         yield from ("## Images", "", *HEADER.splitlines(), *map(line, images), "")
+    yield from _known(kept, last)
     yield from _progress(kept)
+
+
+def _known(kept: Kept, last: str) -> Iterator[str]:
+    """The section of kernels compiled for their sizes only, beside the same for any sizes."""
+    newest, any_sizes = kept.newest(last, known=True), kept.newest(last)
+    keys = [(case.name, size) for size in SIZES for case in POLYBENCH]
+    rows = [newest[key] for key in keys if key in newest]
+    if not rows:
+        return
+    yield from (
+        "## Known sizes",
+        "",
+        "Compiled with `like=` the arguments, so that shapes and integers are constants",
+        "(docs/known-sizes.md); no figure elsewhere on this page is. any: the newest row for any",
+        "sizes.",
+        "",
+        "| kernel | right | cycles | any | / operations | any | compile s | any | transformed |",
+        "|---|---|---|---|---|---|---|---|---|",
+    )
+    for row in rows:
+        other = any_sizes.get((row.kernel, row.size), Row("", row.kernel, row.size, 0))
+        cells = [
+            row.kernel if row.size == SMALL else f"{row.kernel}, {row.size}",
+            f"refused: {row.refused}" if row.refused else "yes" if row.is_right else "NO",
+            _shown(row.cycles, ",d"),
+            _shown(other.cycles, ",d"),
+            _shown(row.ratio, ".1f"),
+            _shown(other.ratio, ".1f"),
+            _shown(row.compile_s, ".1f"),
+            _shown(other.compile_s, ".1f"),
+            row.transformed or "-",
+        ]
+        yield f"| {' | '.join(cells)} |"
+    yield ""
+    both = [row for row in rows if row.is_right and row.size == SMALL]
+    both = [row for row in both if _is_right(any_sizes.get((row.kernel, SMALL)))]
+    if both:
+        others = [any_sizes[row.kernel, SMALL] for row in both]
+        yield f"Geometric means of the {len(both)} at small sizes that are right both ways: cycles"
+        yield f"over operations / 16 {_mean(both)}, for any sizes {_mean(others)}."
+        yield ""
+
+
+def _is_right(row: Row | None) -> bool:
+    return row is not None and row.is_right
 
 
 def line(row: Row) -> str:

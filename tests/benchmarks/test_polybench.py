@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,8 +74,8 @@ def test_a_new_step_measures_anew_and_shows_the_progress(tmp_path: Path) -> None
     kept.add(row("tiling", "gemm", 400))
     again = table.Kept(tmp_path)
     assert again.begin("") == "tiling"  # goes on
-    assert again.has("tiling", "gemm", SMALL)
-    assert not again.has("tiling", "lu", SMALL)
+    assert again.has("tiling", "gemm", SMALL, known=False)
+    assert not again.has("tiling", "lu", SMALL, known=False)
     lines = list(table.page(again))
     (tiling,) = (line for line in lines if line.startswith("| tiling |"))
     (baseline,) = (line for line in lines if line.startswith("| baseline |"))
@@ -82,6 +83,34 @@ def test_a_new_step_measures_anew_and_shows_the_progress(tmp_path: Path) -> None
         "2", "2 of 2", "8.0", "16.0", "8.0", "16.0",
     ]  # fmt: skip
     assert [cell.strip() for cell in tiling.split("|")][3:7] == ["1", "2 of 2", "4.0", "4.0"]
+
+
+def test_rows_for_known_sizes_are_in_no_other_figure(tmp_path: Path) -> None:
+    kept = table.Kept(tmp_path)
+    kept.begin("")
+    kept.add(row(table.BASELINE, "gemm", 1600))
+    before = list(table.page(kept))
+    kept.add(replace(row(table.BASELINE, "gemm", 400), known=True))
+    kept.add(replace(row(table.BASELINE, "lu", 400), known=True))
+    assert not kept.has(table.BASELINE, "lu", SMALL, known=False)
+    after = list(table.page(table.Kept(tmp_path)))
+    start = after.index("## Known sizes")
+    end = start + len(after) - len(before)
+    assert after[:start] + after[end:] == before
+    gemm, lu = (line for line in after[start:end] if line.startswith(("| gemm", "| lu")))
+    assert "| 400 | 1,600 | 4.0 | 16.0 |" in gemm
+    assert "| 400 | - | 4.0 | - |" in lu
+    assert "operations / 16 4.0, for any sizes 16.0." in " ".join(after[start:end])
+
+
+def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
+    wanted = table.Wanted(only=("trisolv",), sizes=(MINI,), known=True)
+    *_, page = table.sections(wanted, tmp_path)
+    assert "## Known sizes" in page
+    assert f"## {MINI}" not in page
+    [made] = table.Kept(tmp_path).rows
+    assert made.known
+    assert made.is_right
 
 
 def test_rows_are_kept_when_they_are_made(tmp_path: Path) -> None:
