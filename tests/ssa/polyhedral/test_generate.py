@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,11 +23,13 @@ from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import (
+    at,
     describe,
     has_masks,
     is_legal,
     loops_in,
     orders,
+    put,
     with_factors,
 )
 from vividc.ssa.rewrite.refusal import Refusal
@@ -102,8 +105,11 @@ def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: in
         paths = [path for path, _ in loops_in(tree)]
         for _ in range(2):
             some = chance.sample(paths, min(len(paths), chance.randint(1, 2)))
-            factors = {path: chance.choice([2, 3, 4]) for path in some}
+            factors = {path: chance.choice([2, 3, 4, 8]) for path in some}
             jammed = with_factors(tree, factors, masked=chance.random() < 0.5)
+            if chance.random() < 0.5:
+                path = chance.choice(paths)
+                jammed = put(jammed, path, replace(at(jammed, path), in_order=True))
             if is_legal(jammed, relations):
                 chosen.append(jammed)
     return chosen

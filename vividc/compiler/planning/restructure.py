@@ -106,8 +106,8 @@ class _Climb:
     def best(self) -> tuple[Restructured, ...]:
         """The tree with the fewest estimated cycles, and before it one that spares contexts."""
         ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
-        for tree in orders(tree_of(self.scop), self.relations):
-            jammed = groups(tree, self.relations)
+        for order in orders(tree_of(self.scop), self.relations):
+            tree, jammed = groups(order, self.relations)
             first = with_factors(tree, dict(self._first(jammed)))
             tried = [made for made in (self._try(tree), self._try(first)) if made is not None]
             if tried:
@@ -157,7 +157,10 @@ class _Climb:
         return self._tried.get(name)
 
     def _made(self, tree: Loop, name: str) -> Restructured | None:
-        loops = loops_of(schedule_of(tree, self.relations), self.relations)
+        schedule = schedule_of(tree, self.relations)
+        if not self.relations.respects(schedule.get_map()):
+            return None  # 2 iterations run together, where more may not
+        loops = loops_of(schedule, self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
         made = generate(self.scop, loops, masks=has_masks(tree))

@@ -2,14 +2,16 @@
 
 A tree says in which order statements run; `schedule_of` gives it to isl. A loop with a factor runs
 so many of its iterations together in the loops inside it (unroll-and-jam). What does not fill whole
-groups of iterations follows behind; of a loop inside whose bounds differ within a group, what only
-some iterations run comes before and behind, where it belongs.
+groups of iterations follows behind; groups that the edge of a triangle cuts, always in the same
+way, are jammed too. Of a loop inside whose bounds differ within a group, what only some iterations
+run comes before and behind, where it belongs. Where rows of a group need each other (`in_order`),
+what they have in common comes first, and the rest row by row.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import islpy as isl
 
@@ -33,6 +35,10 @@ class Loop:
     masked
         Whether groups that are not full run as the others do, what is missing masked out; else
         they follow behind, an iteration at a time.
+    in_order
+        In a group, its own or of loops around it, the statements before its first loop and what
+        all iterations run of that loop come first, jammed; then, an iteration after another in
+        their order, what is left.
     """
 
     over: Mapping[str, str]
@@ -40,6 +46,7 @@ class Loop:
     factor: int = 1
     base: Form = ZERO
     masked: bool = False
+    in_order: bool = False
 
 
 Tree = Loop | str
@@ -84,11 +91,27 @@ def schedule_of(tree: Loop, relations: Relations) -> isl.Schedule:
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a tree stands: what is left to run, and the loops around it."""
+    """Where a tree stands.
+
+    Attributes
+    ----------
+    domains
+        What is left to run.
+    around
+        The loops around it.
+    jammed
+        Those of them of whose groups all iterations run together here.
+    apart
+        Those whose iterations run one after another here, inside the loops of their group.
+    members
+        What the loop around it runs.
+    """
 
     domains: Mapping[str, isl.Set]
     around: tuple[Loop, ...]
     jammed: tuple[Loop, ...] = ()
+    apart: tuple[Loop, ...] = ()
+    members: Mapping[str, isl.Set] = field(default_factory=dict)
 
     @property
     def is_empty(self) -> bool:
@@ -110,14 +133,26 @@ class _Ordering:
             whole, rest = place, replace(place, domains={})
         else:
             whole, rest = self._split(place, tree)
-        nodes = []
-        if not whole.is_empty:
-            inside = replace(whole, around=(*whole.around, tree), jammed=(*whole.jammed, tree))
-            band = self._band([(tree, _group(tree))], whole, self._children(tree, inside), "")
-            nodes.append((whole, band))
+        tiles = self._ragged(place, rest, tree) if self._differ(place, tree) else []
+        for tile in tiles:
+            rest = _without(rest, tile)
+        ahead = [self._comes_before(tile, whole, tree) for tile in tiles]
+        earlier = [tile for tile, is_ahead in zip(tiles, ahead, strict=True) if is_ahead]
+        later = [tile for tile, is_ahead in zip(tiles, ahead, strict=True) if not is_ahead]
+        option = "separate" if _is_in_order(tree) and not tree.masked else ""
+        nodes = [
+            (part, self._band([(tree, _group(tree))], part, self._jammed(tree, part), option))
+            for part in (*earlier, whole, *later)
+            if not part.is_empty
+        ]
         if not rest.is_empty:
             nodes.append((rest, self.node(replace(tree, factor=1), rest)))
         return self._sequence(nodes)
+
+    def _jammed(self, tree: Loop, place: _Place) -> str:
+        """What is in a jammed loop."""
+        loops = (*place.around, tree)
+        return self._inside(tree, replace(place, around=loops, jammed=(*place.jammed, tree)))
 
     def _once(self, tree: Loop, place: _Place) -> str:
         """A loop that is not jammed: what only some iterations of a group around it run comes
@@ -125,35 +160,66 @@ class _Ordering:
         """
         inside = replace(place, around=(*place.around, tree))
         if not self._differ(place, tree):
-            return self._band([(tree, "{0}")], place, self._children(tree, inside), "separate")
+            short = place.apart and self._is_short(place, inside.around)
+            option = "unroll" if short else "separate"
+            return self._band([(tree, "{0}")], place, self._inside(tree, inside), option)
         nodes = []
         for part, option in self._in_order(place, inside.around):
-            inner = self._children(tree, replace(inside, domains=part.domains))
+            inner = self._inside(tree, replace(inside, domains=part.domains))
             nodes.append((part, self._band([(tree, "{0}")], part, inner, option)))
         return self._sequence(nodes)
 
+    def _inside(self, tree: Loop, place: _Place) -> str:
+        """The children of a loop, jammed, or in the order of the iterations of the groups."""
+        place = replace(place, members=place.domains)
+        if not (tree.in_order and place.jammed):
+            return self._children(tree, place)
+        whole = self._together(tree, place)
+        rest = _without(place, whole)
+        nodes = [] if whole.is_empty else [(whole, self._children(tree, whole))]
+        if not rest.is_empty:
+            single = replace(rest, jammed=(), apart=(*rest.apart, *rest.jammed))
+            forms = [(loop, f"{{0}} - ({_group(loop)})") for loop in rest.jammed]
+            nodes.append((rest, self._band(forms, rest, self._children(tree, single), "unroll")))
+        return self._sequence(nodes)
+
+    def _together(self, tree: Loop, place: _Place) -> _Place:
+        """What comes first, jammed, of a loop whose groups run in order."""
+        domains = {name: domain.subtract(domain) for name, domain in place.domains.items()}
+        for child in tree.children:
+            names = [name for name in statements_in(child) if name in domains]
+            if isinstance(child, str):
+                domains |= {name: place.domains[name] for name in names}
+                continue
+            loops = (*place.around, child)
+            own = replace(place, domains={name: place.domains[name] for name in names})
+            if not own.is_empty:
+                common = self._common(own, loops)
+                for name, domain in own.domains.items():
+                    inside = self._to_loops(name, loops).intersect_range(common).domain()
+                    domains[name] = domain.intersect(inside).coalesce()
+            break
+        return replace(place, domains=domains)
+
     def _differ(self, place: _Place, tree: Loop) -> bool:
         """Whether jammed loops around a loop change its bounds."""
-        return any(
-            loop.over[name] in bound.names
-            for name in place.domains
-            for bound in self._dim(name, tree).bounds
-            for loop in place.jammed
-            if not loop.masked
+        loops = [loop for loop in place.jammed if not loop.masked]
+        return any(self._is_bound_to(tree, loop, n) for n in place.domains for loop in loops)
+
+    def _is_bound_to(self, tree: Loop, other: Loop, name: str) -> bool:
+        """Whether bounds of a statement tie what two loops count of it to each other."""
+        both = {tree.over[name], other.over[name]}
+        dims = self.relations.scop.statement(name).dims
+        return len(both) == 1 or any(
+            both <= {dim.name, *dim.bounds[0].names, *dim.bounds[1].names} for dim in dims
         )
 
     def _in_order(self, place: _Place, loops: tuple[Loop, ...]) -> Iterator[tuple[_Place, str]]:
         """What some iterations of a group run first, what all run, and what some run last, each
         with isl's option for its loop: few iterations are written out.
         """
-        band = self._filled_by(place.domains, loops, place.jammed)
-        names = [f"t{position}" for position in range(len(loops))]
-        starts = [_group(loop).format(n) for n, loop in zip(names, loops, strict=True)]
-        own = f"{{ [{', '.join(names)}] -> [{', '.join(starts)}] }}"
-        begin = isl.Map(f"{self.relations.parameters} -> {own}")
-        later = f"[{', '.join(names)}] -> [{', '.join((*names[:-1], 'u'))}] : u > {names[-1]}"
-        behind = begin.apply_range(isl.Map(f"{self.relations.parameters} -> {{ {later} }}"))
-        last = behind.apply_range(begin.reverse()).intersect_domain(band).range()
+        band = self._common(place, loops)
+        last = self._behind(loops).intersect_domain(band).range()
         whole, first, after = {}, {}, {}
         for name, domain in place.domains.items():
             to_loops = self._to_loops(name, loops)
@@ -166,13 +232,43 @@ class _Ordering:
         for domains, is_whole in ((first, False), (whole, True), (after, False)):
             part = replace(place, domains=domains)
             if not part.is_empty:
-                few = not is_whole and self._is_short(part, loops, begin)
+                few = not is_whole and self._is_short(part, loops)
                 yield part, "unroll" if few else "separate"
 
-    def _is_short(self, place: _Place, loops: tuple[Loop, ...], begin: isl.Map) -> bool:
+    def _begin(self, loops: tuple[Loop, ...]) -> isl.Map:
+        """Each iteration of loops to where its groups begin."""
+        names = _coordinates(loops)
+        starts = [_group(loop).format(n) for n, loop in zip(names, loops, strict=True)]
+        return self._map(f"[{', '.join(names)}] -> [{', '.join(starts)}]")
+
+    def _behind(self, loops: tuple[Loop, ...]) -> isl.Map:
+        """Each iteration of loops to those in later groups of the innermost."""
+        names, begin = _coordinates(loops), self._begin(loops)
+        later = f"[{', '.join(names)}] -> [{', '.join((*names[:-1], 'u'))}] : u > {names[-1]}"
+        return begin.apply_range(self._map(later)).apply_range(begin.reverse())
+
+    def _map(self, text: str) -> isl.Map:
+        return isl.Map(f"{self.relations.parameters} -> {{ {text} }}")
+
+    def _common(self, place: _Place, loops: tuple[Loop, ...]) -> isl.Set:
+        """The iterations of the innermost of loops that all iterations of a group around it run."""
+        mates, own = self._begin(loops[:-1]), self._reached(place.domains, loops)
+        mates = mates.apply_range(mates.reverse())
+        for position, loop in enumerate(loops[:-1]):
+            if loop not in place.jammed:
+                mates = mates.equate(isl.dim_type.in_, position, isl.dim_type.out, position)
+        there = self._reached(place.members, loops[:-1])
+        every = mates.intersect_domain(there).intersect_range(there)
+        every = every.add_dims(isl.dim_type.in_, 1).add_dims(isl.dim_type.out, 1)
+        last = len(loops) - 1
+        every = every.equate(isl.dim_type.in_, last, isl.dim_type.out, last)
+        missing = every.intersect_domain(own).subtract_range(own).domain()
+        return own.subtract(missing).coalesce()
+
+    def _is_short(self, place: _Place, loops: tuple[Loop, ...]) -> bool:
         """Whether the innermost loop has fewer iterations than two groups, each time."""
-        most = max(loop.factor for loop in place.jammed)
-        reached = self._reached(place.domains, loops).apply(begin)
+        most = max(loop.factor for loop in (*place.jammed, *place.apart))
+        reached = self._reached(place.domains, loops).apply(self._begin(loops))
         names = ", ".join(f"t{position}" for position in range(len(loops) - 1))
         around = f"[{names}, a] -> [{names}, b] : b >= a + {2 * most}"
         far = isl.Map(f"{self.relations.parameters} -> {{ {around} }}")
@@ -247,9 +343,64 @@ class _Ordering:
             rest[name] = domain.subtract(inside).coalesce()
         return replace(place, domains=whole), replace(place, domains=rest)
 
+    def _ragged(self, place: _Place, rest: _Place, tree: Loop) -> list[_Place]:
+        """Groups of which only some iterations run, the same beside each group of a jammed loop
+        around them: the tiles that the edge of a triangle cuts.
+        """
+        if rest.is_empty:
+            return []
+        loops, outer = (*rest.around, tree), rest.jammed[-1]
+        names = _coordinates(loops)
+        start = _group(outer).format(names[loops.index(outer)])
+        offset = f"[{', '.join(names)}] -> [{_group(tree).format(names[-1])} - ({start})]"
+        to_offset = self._map(offset)
+        reached = self._reached(rest.domains, loops)
+        found = []
+        for number in range(-max(outer.factor, tree.factor), outer.factor + tree.factor):
+            at_number = to_offset.intersect_range(isl.Set(f"{{ [{number}] }}")).domain()
+            tile = reached.intersect(at_number)
+            if tile.is_empty():
+                continue
+            domains = {}
+            for name, domain in rest.domains.items():
+                inside = self._to_loops(name, loops).intersect_range(tile).domain()
+                domains[name] = domain.intersect(inside).coalesce()
+            outer_groups = self._begin(rest.around)
+            every = self._reached(place.domains, rest.around).apply(outer_groups)
+            here = self._reached(domains, rest.around).apply(outer_groups)
+            if every.is_subset(here) and self._is_rigid(tile, loops, (*rest.jammed, tree)):
+                found.append(replace(rest, domains=domains))
+        return found
+
+    def _is_rigid(self, tile: isl.Set, loops: tuple[Loop, ...], jammed: tuple[Loop, ...]) -> bool:
+        """Whether the same iterations of all groups are there."""
+        begin = self._begin(loops).intersect_domain(tile)
+        names = _coordinates(loops)
+        beside = [
+            f"{n} - ({_group(loop).format(n)})"
+            for n, loop in zip(names, loops, strict=True)
+            if loop in jammed
+        ]
+        shape = begin.reverse().apply_range(
+            self._map(f"[{', '.join(names)}] -> [{', '.join(beside)}]")
+        )
+        points = shape.range()
+        points = points.project_out(isl.dim_type.param, 0, points.dim(isl.dim_type.param))
+        points = points.align_params(shape.get_space())
+        every = isl.Map.from_domain_and_range(shape.domain(), points)
+        return bool(every.is_subset(shape))
+
+    def _comes_before(self, tile: _Place, whole: _Place, tree: Loop) -> bool:
+        """Whether groups of a tile come before whole ones."""
+        if whole.is_empty:
+            return True
+        loops = (*tile.around, tree)
+        later = self._reached(tile.domains, loops).apply(self._behind(loops))
+        return not later.intersect(self._reached(whole.domains, loops)).is_empty()
+
     def _limits(self, place: _Place, tree: Loop) -> dict[str, str]:
-        """Where the whole groups end, by statement, if all of them have the same bounds and jammed
-        loops do not change these.
+        """Where the whole groups end, by statement, if all of them have the same bounds, jammed
+        loops do not change these, and no loop around has bounds by what this one counts.
         """
         if self._differ(place, tree):
             return {}
@@ -257,6 +408,9 @@ class _Ordering:
         limits = {}
         for name in place.domains:
             dim = self._dim(name, tree)
+            around = (self._dim(name, loop) for loop in place.around)
+            if any(dim.name in {o.name, *o.bounds[0].names, *o.bounds[1].names} for o in around):
+                return {}
             shared = {loop.over[name]: symbol(f"t{n}") for n, loop in enumerate(place.around)}
             first, limit = dim.bounds
             names = first.names | limit.names
@@ -295,11 +449,10 @@ class _Ordering:
 
     def _dim(self, name: str, tree: Loop) -> Dimension:
         """What a loop counts of a statement."""
-        dims = self._statement(name).dims
-        return next(dim for dim in dims if dim.name == tree.over[name])
+        return self.relations.scop.dimension(name, tree.over[name])
 
     def _statement(self, name: str) -> Statement:
-        return next(s for s in self.relations.scop.statements if s.name == name)
+        return self.relations.scop.statement(name)
 
     def _to_loops(self, name: str, loops: tuple[Loop, ...]) -> isl.Map:
         image = ", ".join(loop.over[name] for loop in loops)
@@ -317,6 +470,25 @@ class _Ordering:
             move = isl.Map(f"{self.relations.parameters} -> {text}")
             result = result.intersect(move.intersect_range(band).domain())
         return result.remove_redundancies().coalesce()
+
+
+def _without(place: _Place, taken: _Place) -> _Place:
+    """What is left to run without what is taken."""
+    domains = {
+        name: domain.subtract(taken.domains[name]).coalesce()
+        for name, domain in place.domains.items()
+    }
+    return replace(place, domains=domains)
+
+
+def _coordinates(loops: tuple[Loop, ...]) -> list[str]:
+    """Names of the counters of loops."""
+    return [f"t{position}" for position in range(len(loops))]
+
+
+def _is_in_order(tree: Tree) -> bool:
+    """Whether groups of it, or of a loop in it, run in order."""
+    return isinstance(tree, Loop) and (tree.in_order or any(map(_is_in_order, tree.children)))
 
 
 def _child(node: str) -> str:

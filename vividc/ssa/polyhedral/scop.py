@@ -154,6 +154,15 @@ class Scop:
         """All statements, in order."""
         return tuple(self.nest.statements())
 
+    def statement(self, name: str) -> Statement:
+        """The statement of this name."""
+        return next(one for one in self.statements if one.name == name)
+
+    def dimension(self, statement: str, coordinate: str) -> Dimension:
+        """The loop that a coordinate of a statement counts."""
+        dims = self.statement(statement).dims
+        return next(dim for dim in dims if dim.name == coordinate)
+
 
 _OPERANDS: Final[Mapping[object, int]] = {Opcode.LOAD: 2, Opcode.STORE: 3}
 """Of accesses that have no predicate."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from vividc.host import time_limit
+from vividc.ssa.polyhedral.forms import symbol
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Loop, Tree, schedule_of, statements_in
+from vividc.ssa.polyhedral.scop import Scop
 
 Path = tuple[int, ...]
 """Where a loop is in a tree: positions among children, from the root."""
@@ -21,7 +24,7 @@ def orders(tree: Loop, relations: Relations) -> list[Loop]:
     work = [tree]
     while work and len(found) < _MOST_ORDERS:
         base = work.pop(0)
-        for moved in _moves(base):
+        for moved in _moves(base, relations.scop):
             time_limit.step("orders of loops were tried")
             if moved not in found and is_legal(moved, relations):
                 found.append(moved)
@@ -34,24 +37,68 @@ def is_legal(tree: Loop, relations: Relations) -> bool:
     return relations.respects(schedule_of(tree, relations).get_map())
 
 
-def _moves(tree: Loop) -> Iterator[Loop]:
-    """Trees that differ by one fusion or interchange."""
+def _moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
+    """Trees that differ by one fusion, interchange, or loop that takes in what follows it."""
     for path, loop in loops_in(tree):
-        for position in range(len(loop.children) - 1):
-            first, second = loop.children[position : position + 2]
-            if isinstance(first, Loop) and isinstance(second, Loop):
-                over = {**first.over, **second.over}
-                fused = replace(first, over=over, children=(*first.children, *second.children))
-                children = (
-                    *loop.children[:position],
-                    fused,
-                    *loop.children[position + 2 :],
-                )
-                yield put(tree, path, replace(loop, children=children))
+        for changed in (*_fused(loop), *_taken_in(loop, scop)):
+            yield put(tree, path, changed)
         if len(loop.children) == 1 and isinstance(loop.children[0], Loop):
             inner = loop.children[0]
             outer = replace(loop, children=inner.children)
             yield put(tree, path, replace(inner, children=(outer,)))
+
+
+def _fused(loop: Loop) -> Iterator[Loop]:
+    """Loops inside, one and the next after it, as one at the place of the first: those inside them
+    too, or one after the other.
+    """
+    places = [n for n, child in enumerate(loop.children) if isinstance(child, Loop)]
+    for one, other in itertools.pairwise(places):
+        first, second = loop.children[one], loop.children[other]
+        assert isinstance(first, Loop)
+        assert isinstance(second, Loop)
+        over = {**first.over, **second.over}
+        together = (*first.children, *second.children)
+        merged = _merged(first.children, second.children)
+        between, behind = loop.children[one + 1 : other], loop.children[other + 1 :]
+        for children in (merged, together)[: 1 + (merged != together)]:
+            fused = replace(first, over=over, children=children)
+            yield replace(loop, children=(*loop.children[:one], fused, *between, *behind))
+
+
+def _merged(first: tuple[Tree, ...], second: tuple[Tree, ...]) -> tuple[Tree, ...]:
+    """Two sequences as one: if each has one loop, these as one, statements before and after."""
+    loops = [[n for n, c in enumerate(part) if isinstance(c, Loop)] for part in (first, second)]
+    if any(len(places) != 1 for places in loops):
+        return (*first, *second)
+    [[one], [other]] = loops
+    left, right = first[one], second[other]
+    assert isinstance(left, Loop)
+    assert isinstance(right, Loop)
+    inside = _merged(left.children, right.children)
+    fused = replace(left, over={**left.over, **right.over}, children=inside)
+    return (*first[:one], *second[:other], fused, *first[one + 1 :], *second[other + 1 :])
+
+
+def _taken_in(loop: Loop, scop: Scop) -> Iterator[Loop]:
+    """What follows a loop that ends where the counter around it is, as its last iteration: `for j
+    in range(i): ...` and then the same for element i (cholesky).
+    """
+    for position, child in enumerate(loop.children[:-1]):
+        behind = loop.children[position + 1 :]
+        if not isinstance(child, Loop) or _depth(behind) != _depth(child.children):
+            continue
+        limits = {scop.dimension(name, child.over[name]).bounds[1] for name in child.over}
+        if _depth(behind) and limits == {symbol(loop.over[name]) for name in child.over}:
+            over = {name: loop.over[name] for one in behind for name in statements_in(one)}
+            children = _merged(child.children, behind)
+            longer = replace(child, over={**child.over, **over}, children=children)
+            yield replace(loop, children=(*loop.children[:position], longer))
+
+
+def _depth(children: tuple[Tree, ...]) -> int:
+    """How many loops are in each other."""
+    return max((1 + _depth(c.children) for c in children if isinstance(c, Loop)), default=0)
 
 
 def loops_in(tree: Tree, path: Path = ()) -> Iterator[tuple[Path, Loop]]:
@@ -94,31 +141,52 @@ def has_masks(tree: Tree) -> bool:
     return any(loop.masked for _, loop in loops_in(tree))
 
 
-def groups(tree: Loop, relations: Relations) -> list[tuple[Path, ...]]:
-    """Loops to jam together: the outermost that may be, and one inside it, for each way in."""
+def groups(tree: Loop, relations: Relations) -> tuple[Loop, list[tuple[Path, ...]]]:
+    """Loops to jam together: the outermost that may be, and one inside it, for each way in; and the
+    tree, in which the groups of some loops run in order, if they may not otherwise.
+    """
     result: list[tuple[Path, ...]] = []
-    taken: list[Path] = []
     for path, _ in loops_in(tree):
-        if any(path[: len(other)] == other for other in taken):
+        if any(path[: len(group[0])] == group[0] for group in result):
             continue
         time_limit.step("loops to jam were looked for")
-        if not is_legal(with_factors(tree, {path: 2}), relations):
-            continue
-        taken.append(path)
-        result.append((path, *_below(tree, path, relations)))
-    return result
+        ways = list(_ways_in(tree, path))
+        if may_jam(tree, (path,), relations):
+            trees = [(t, way) for way in ways for t in (tree, _in_order(tree, way))]
+        else:
+            trees = []
+            for way in (*reversed(ways), path):
+                ordered = _in_order(tree, way)
+                if _depth(at(tree, way).children) and may_jam(ordered, (path,), relations):
+                    tree = ordered
+                    trees = [(tree, w) for w in reversed(ways) if len(w) <= len(way)]
+                    break
+            else:
+                continue
+        found = ((t, way) for t, way in trees if may_jam(t, (path, way), relations))
+        tree, *inner = next(found, (tree,))
+        result.append((path, *inner))
+    return tree, result
 
 
-def _below(tree: Loop, path: Path, relations: Relations) -> Iterator[Path]:
-    inner = path
+def _ways_in(tree: Tree, path: Path) -> Iterator[Path]:
+    """The loops inside a loop, as long as one alone is in another."""
     while True:
-        loops = [n for n, c in enumerate(at(tree, inner).children) if isinstance(c, Loop)]
+        loops = [n for n, c in enumerate(at(tree, path).children) if isinstance(c, Loop)]
         if len(loops) != 1:
             return
-        inner = (*inner, loops[0])
-        if is_legal(with_factors(tree, {path: 2, inner: 2}), relations):
-            yield inner
-            return
+        path = (*path, loops[0])
+        yield path
+
+
+def may_jam(tree: Loop, paths: tuple[Path, ...], relations: Relations) -> bool:
+    """Whether pairs of iterations of these loops may run together."""
+    return is_legal(with_factors(tree, dict.fromkeys(paths, 2)), relations)
+
+
+def _in_order(tree: Loop, path: Path) -> Loop:
+    """The tree with the groups of a loop, and of those around it, in order."""
+    return put(tree, path, replace(at(tree, path), in_order=True))
 
 
 def describe(tree: Loop) -> str:
@@ -129,6 +197,7 @@ def describe(tree: Loop) -> str:
             return node
         inside = ", ".join(map(text, node.children))
         factor = f"*{node.factor}{'?' if node.masked else ''}" if node.factor > 1 else ""
-        return f"{'/'.join(sorted(set(node.over.values())))}{factor}[{inside}]"
+        order = " in order" if node.in_order else ""
+        return f"{'/'.join(sorted(set(node.over.values())))}{factor}{order}[{inside}]"
 
     return f"{text(tree)} of {len(set(statements_in(tree)))}"
