@@ -88,6 +88,18 @@ def test_a_nest_is_restructured_if_that_is_asked_for() -> None:
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
 
 
+def test_tiles_fill_a_nest_of_known_sizes() -> None:
+    """It is restructured before its constant loops are unrolled, and no rest is left behind."""
+    sized = multiplied.sized({"c": (20, 25), "a": (20, 30), "b": (30, 25)})
+    stages = plan(sized, restructure=True).stages
+    decision = stages[-1].decision
+    assert decision is not None
+    assert decision.kind == "restructuring"
+    assert decision.factor in (5, 10)
+    assert len(find_loops(stages[-1].state.function)) == 3
+    assert len(find_loops(plan(multiplied, restructure=True).stages[-1].state.function)) > 3
+
+
 @vividc.kernel("void(int32[:, ::1])")
 def shortest(paths):
     """An iteration reads what the one before may have written, in the same row and column."""

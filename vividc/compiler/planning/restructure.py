@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import product
 
 from vividc.compiler.planning.candidates import MOST_INSTRUCTIONS, State
 from vividc.compiler.planning.estimate import Estimate, Estimator
@@ -19,7 +20,7 @@ from vividc.ssa.polyhedral.loops import Loops, expected_trips, fors_in, loops_of
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import Path, describe, groups, has_masks, orders, with_factors
+from vividc.ssa.polyhedral.search import Path, at, describe, groups, has_masks, orders, with_factors
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -32,6 +33,14 @@ for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
 _MASKED_PAIRS = ((4, 4), (8, 4), (4, 1), (8, 1))
 _MASKED_SINGLES = ((8,), (4,), (16,))
 """Those that are tried with what does not fill a group masked, instead of behind the others."""
+
+_LARGEST = 16
+_MOST_TOGETHER = 50
+"""Of factors that fill loops of known lengths, which leave no rest: each, and their product.
+"""
+
+_MOST_FILLING = 5
+"""So many of those are tried: the ones with the largest products."""
 
 _ORDERS = 2
 """So many orders of loops are tried with all factors: those that 4 by 4, or 8, makes fastest."""
@@ -89,6 +98,16 @@ def static_part(state: State, header: str) -> Scop | Refusal:
     return scop
 
 
+def _filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
+    """Factors that divide lengths, if all of these are known."""
+    known = [length for length in lengths if length is not None]
+    if len(known) < len(lengths):
+        return []
+    dividing = ([f for f in range(1, _LARGEST + 1) if n % f == 0] for n in known)
+    found = [one for one in product(*dividing) if 1 < math.prod(one) <= _MOST_TOGETHER]
+    return sorted(found, key=lambda one: (-math.prod(one), max(one)))[:_MOST_FILLING]
+
+
 @dataclass
 class _Climb:
     state: State
@@ -132,7 +151,7 @@ class _Climb:
     def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
         for group in jammed:
             best, kept = self._cycles(tree), tree
-            for factors, masked in self._choices(group):
+            for factors, masked in self._choices([self._length(at(tree, path)) for path in group]):
                 now = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
                 made = with_factors(tree, now, masked=masked)
                 cycles = self._cycles(made)
@@ -140,10 +159,27 @@ class _Climb:
                     best, kept = cycles, made
             tree = kept
 
-    def _choices(self, group: tuple[Path, ...]) -> Iterator[tuple[tuple[int, ...], bool]]:
-        factors = _PAIRS if len(group) > 1 else [(factor,) for factor in _SINGLES]
-        yield from ((one, False) for one in factors)
-        yield from ((one, True) for one in (_MASKED_PAIRS if len(group) > 1 else _MASKED_SINGLES))
+    def _choices(self, lengths: list[int | None]) -> Iterator[tuple[tuple[int, ...], bool]]:
+        """Factors of loops of these lengths (None: unknown), and whether the rest is masked."""
+        several = len(lengths) > 1
+        factors = _PAIRS if several else [(factor,) for factor in _SINGLES]
+        yield from ((one, False) for one in dict.fromkeys((*_filling(lengths), *factors)))
+        for one in _MASKED_PAIRS if several else _MASKED_SINGLES:
+            if any(n is None or n % factor for n, factor in zip(lengths, one, strict=True)):
+                yield one, True
+
+    def _length(self, loop: Loop) -> int | None:
+        """How many iterations a loop has each time, if that is known."""
+        dims = [
+            dim
+            for statement in self.scop.statements
+            for dim in statement.dims
+            if loop.over.get(statement.name) == dim.name
+        ]
+        if any(bound.terms for dim in dims for bound in dim.bounds):
+            return None
+        lengths = {limit.constant - first.constant for first, limit in (d.bounds for d in dims)}
+        return lengths.pop() if len(lengths) == 1 else None
 
     def _cycles(self, tree: Loop) -> float:
         made = self._try(tree)
