@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 import vividc
-from tests.ssa.polyhedral.nests import random_nest
+from tests.ssa.polyhedral.nests import SIDE, random_nest
 from tests.ssa.polyhedral.test_generate import demand_same
 from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
-from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -27,23 +25,27 @@ def restructured(function: Function) -> list[Function]:
     return [stage.state.function for stage in stages]
 
 
-@vividc.kernel("void(int32[:, ::1])")
-def third_row_before(a):
-    """Two rows may run together, and three; four may not."""
-    for i in range(3, a.shape[0]):
-        for j in range(a.shape[1] - 1):
-            a[i, j] += a[i - 3, j + 1] * np.int32(3)
+def skewed(apart: int, aside: int) -> Function:
+    """Each element of `b` is twice one some rows above and some columns aside, and one more."""
+    first, limit = max(-aside, 0), SIDE - max(aside, 0)
+
+    @vividc.kernel("void(int32[::1], int32[:, ::1], int32)")
+    def nest(a, b, n):
+        for i in range(apart, b.shape[0]):
+            for j in range(first, limit):
+                b[i, j] = 2 * b[i - apart, j + aside] + 1
+
+    return tidy(nest.lower())
 
 
-def test_no_more_iterations_run_together_than_may() -> None:
-    function = third_row_before.lower()
+@pytest.mark.parametrize(("apart", "aside"), [(2, 1), (3, 1), (3, -2), (5, 1), (1, 1)])
+def test_iterations_some_apart_are_not_jammed_across(apart: int, aside: int) -> None:
+    """Groups of two do not meet a dependence over three iterations, groups of four do."""
+    function = skewed(apart, aside)
     found = restructured(function)
     assert found
     for made in found:
-        old, new = (np.arange(13 * 9, dtype=np.int32).reshape(13, 9) for _ in range(2))
-        interpret(function, old)
-        interpret(made, new)
-        assert np.array_equal(old, new)
+        demand_same(function, made, f"{apart} apart, {aside} aside")
 
 
 def demand_choices_mean_the_same(seed: int) -> None:

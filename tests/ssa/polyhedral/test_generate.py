@@ -20,7 +20,7 @@ from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
+from vividc.ssa.polyhedral.schedule import Loop, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import (
     at,
@@ -81,7 +81,7 @@ def test_sums_of_a_jammed_triangle_stay_in_registers() -> None:
     rows, columns = [path for path, _ in loops_in(tree)][:2]
     jammed = with_factors(tree, {rows: 4, columns: 4})
     assert is_legal(jammed, relations)
-    loops = loops_of(schedule_of(jammed, relations), relations)
+    loops = loops_of(jammed, relations)
     assert not isinstance(loops, Refusal)
     made = generate(scop, loops)
     assert not isinstance(made, Refusal)
@@ -124,7 +124,7 @@ def demand_trees_mean_the_same(seed: int, most: int = 3, known: int | None = Non
     for scop in parts_of(function):
         relations = Relations(scop)
         for tree in some_trees(scop, relations, random.Random(seed), most):
-            loops = loops_of(schedule_of(tree, relations), relations)
+            loops = loops_of(tree, relations)
             masks = has_masks(tree)
             made = loops if isinstance(loops, Refusal) else generate(scop, loops, masks=masks)
             if isinstance(made, Refusal):

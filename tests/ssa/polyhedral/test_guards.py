@@ -14,7 +14,7 @@ from vividc.ssa.polyhedral.guards import ALWAYS, Guard, both, guard_of, implies,
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, expected_trips, loops_of
 from vividc.ssa.polyhedral.loops import Test as Comparison
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import schedule_of, tree_of
+from vividc.ssa.polyhedral.schedule import tree_of
 from vividc.ssa.polyhedral.search import with_factors
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -88,7 +88,7 @@ def test_sums_of_masked_rows_stay_in_registers() -> None:
     [scop] = parts_of(tidy(sums.lower()))
     relations = Relations(scop)
     tree = with_factors(tree_of(scop), {(): 8}, masked=True)
-    loops = loops_of(schedule_of(tree, relations), relations)
+    loops = loops_of(tree, relations)
     assert not isinstance(loops, Refusal)
     made = generate(scop, loops, masks=True)
     assert not isinstance(made, Refusal)

@@ -18,7 +18,7 @@ from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
+from vividc.ssa.polyhedral.schedule import Loop, tree_of
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.search import (
     Path,
@@ -112,7 +112,7 @@ def jammed_trees(scop: Scop, relations: Relations, *factors: int) -> Iterator[Lo
 
 
 def generated(scop: Scop, relations: Relations, tree: Loop) -> Function:
-    loops = loops_of(schedule_of(tree, relations), relations)
+    loops = loops_of(tree, relations)
     assert not isinstance(loops, Refusal)
     made = generate(scop, loops)
     assert not isinstance(made, Refusal), made.reason

@@ -18,9 +18,18 @@ from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, fors_in, loops_of, runs_in
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, schedule_of, tree_of
+from vividc.ssa.polyhedral.schedule import Loop, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import Path, at, describe, groups, has_masks, orders, with_factors
+from vividc.ssa.polyhedral.search import (
+    Path,
+    at,
+    describe,
+    groups,
+    has_masks,
+    is_legal,
+    orders,
+    with_factors,
+)
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -189,14 +198,12 @@ class _Climb:
         name = describe(tree)
         if name not in self._tried and len(self._tried) < _MOST_TRIES:
             time_limit.step("loops were restructured")
-            self._tried[name] = self._made(tree, name)
+            legal = is_legal(tree, self.relations)
+            self._tried[name] = self._made(tree, name) if legal else None
         return self._tried.get(name)
 
     def _made(self, tree: Loop, name: str) -> Restructured | None:
-        schedule = schedule_of(tree, self.relations)
-        if not self.relations.respects(schedule.get_map()):
-            return None  # 2 iterations run together, where more may not
-        loops = loops_of(schedule, self.relations)
+        loops = loops_of(tree, self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
         made = generate(self.scop, loops, masks=has_masks(tree))

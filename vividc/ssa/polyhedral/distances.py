@@ -347,11 +347,17 @@ def _subscripts(accessed: isl.Map) -> int:
 
 
 def _least(distances: isl.Set) -> int | None:
-    """The least of a set of numbers; None if it is empty."""
-    if distances.is_empty():
-        return None
-    point = distances.lexmin().sample_point()  # `dim_min_val` may be too small
-    return int(point.get_coordinate_val(isl.dim_type.set, 0).to_python())
+    """The least of a set of numbers; None if it is empty.
+
+    isl's own lexicographic minimum takes seconds where existential variables abound, and counts few
+    operations for it.
+    """
+    while not distances.is_empty():
+        least = distances.dim_min_val(0)  # may be too small
+        if not distances.fix_val(isl.dim_type.set, 0, least).is_empty():
+            return int(least.to_python())
+        distances = distances.lower_bound_val(isl.dim_type.set, 0, least.add(isl.Val(1)))
+    return None
 
 
 @contextmanager

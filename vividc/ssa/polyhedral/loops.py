@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Final
 
 import islpy as isl
 
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.schedule import Loop, grouped_schedule_of
 from vividc.ssa.rewrite.refusal import Refusal
 
 _COMPARISONS: Final = {"eq": "==", "le": "<=", "lt": "<", "ge": ">=", "gt": ">"}
@@ -81,10 +83,11 @@ class _Odd(Exception):
     pass
 
 
-def loops_of(schedule: isl.Schedule, relations: Relations) -> Loops | Refusal:
-    """The loops of a schedule."""
+def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
+    """The loops of a tree."""
     build = isl.AstBuild.from_context(relations.context)
-    reader = _Reader()
+    schedule, grouped = grouped_schedule_of(tree, relations)
+    reader = _Reader(grouped.marks)
     try:
         code = tuple(reader.code(build.node_from_schedule(schedule), {}))
     except _Odd as reason:
@@ -93,7 +96,8 @@ def loops_of(schedule: isl.Schedule, relations: Relations) -> Loops | Refusal:
 
 
 class _Reader:
-    def __init__(self) -> None:
+    def __init__(self, marks: Mapping[str, tuple[int, ...]]) -> None:
+        self.marks = marks
         self.count = 0
         self.quotients: dict[str, Quotient] = {}
         self._known: dict[Quotient, str] = {}
@@ -110,6 +114,10 @@ class _Reader:
             count = call.get_op_n_arg()
             arguments = (self.form(call.get_op_arg(n), names) for n in range(1, count))
             yield Run(call.get_op_arg(0).get_id().get_name(), tuple(arguments))
+        elif kind == "mark":
+            factors = self.marks[node.mark_get_id().get_name()]
+            for run in self.code(node.mark_get_node(), names):
+                yield from _group_of(run, factors)
         elif kind == "if":
             yield from self._if(node, names)
         elif kind == "for":
@@ -199,6 +207,22 @@ class _Reader:
         return symbol(self._known[made]).plus(Form((), shift))
 
 
+def _group_of(code: Code, factors: tuple[int, ...]) -> Iterator[Code]:
+    """The iterations of a group, from its first."""
+    if isinstance(code, If):
+        then, otherwise = (
+            tuple(run for one in side for run in _group_of(one, factors))
+            for side in (code.then, code.otherwise)
+        )
+        yield If(code.test, then, otherwise)
+        return
+    if not isinstance(code, Run):
+        raise _Odd("iterations of a group are in a loop")
+    for ahead in product(*map(range, factors)):
+        moved = zip(code.coordinates, ahead, strict=True)
+        yield Run(code.statement, tuple(form.plus(Form((), n)) for form, n in moved))
+
+
 def _name(kind: object) -> str:
     """The name of a value of isl's enumerations, without the underscore of Python's keywords."""
     return str(getattr(kind, "name", kind)).rstrip("_")
@@ -235,8 +259,8 @@ def fors_in(code: Iterable[Code]) -> Iterator[For]:
 
 
 def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
-    """Iterations of each loop, by name, where symbols have these values; a remainder is half of
-    what it may be, and so is what a last step lacks.
+    """Iterations of each loop, by name, where symbols have these values: averages of what lengths
+    near them give, so that a remainder is half of what it may be.
     """
     values = dict(symbols)
     trips: dict[str, float] = {}
@@ -248,9 +272,8 @@ def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, floa
         quotient = loops.quotients.get(name)
         if quotient is None:
             return values[name]
-        if quotient.remainder:
-            return (quotient.divisor - 1) / 2
-        return value(quotient.dividend) / quotient.divisor
+        half = (quotient.divisor - 1) / 2
+        return half if quotient.remainder else (value(quotient.dividend) - half) / quotient.divisor
 
     def whole(loop: For) -> bool:
         """Whether the limit is without the remainder of a step."""
@@ -262,7 +285,9 @@ def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, floa
             if isinstance(item, For):
                 first = max(map(value, item.first))
                 limit = min(map(value, item.limit))
-                lacks = (item.step - 1) / 2 if limit > first and not whole(item) else 0.0
+                lacks = (item.step - 1) / 2 if limit > first else 0.0
+                if whole(item):
+                    lacks = (item.first[0].constant - item.limit[0].constant) % item.step
                 trips[item.name] = max(limit - first + lacks, 0.0) / item.step
                 values[item.name] = (first + limit) / 2
                 walk(item.body)

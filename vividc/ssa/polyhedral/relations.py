@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -45,6 +45,18 @@ class Relations:
         bounds = [f"{dim.bounds[0]} <= {dim.name} < {dim.bounds[1]}" for dim in statement.dims]
         text = f"{self.parameters} -> {{ {statement.name}[{names}] : {' and '.join(bounds)} }}"
         return isl.Set(text).intersect_params(self.context)
+
+    def domains(self, names: Iterable[str]) -> dict[str, isl.Set]:
+        """The iterations of statements, by name."""
+        by_name = {statement.name: statement for statement in self.scop.statements}
+        return {name: self.domain(by_name[name]) for name in names}
+
+    def union(self, domains: Mapping[str, isl.Set]) -> isl.UnionSet:
+        """All iterations of statements."""
+        result = isl.UnionSet(f"{self.parameters} -> {{ }}")
+        for domain in domains.values():
+            result = result.union(isl.UnionSet.from_set(domain))
+        return result
 
     @cached_property
     def dependences(self) -> isl.UnionMap:

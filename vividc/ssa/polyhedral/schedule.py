@@ -80,12 +80,50 @@ def statements_in(tree: Tree) -> Iterator[str]:
 
 
 def schedule_of(tree: Loop, relations: Relations) -> isl.Schedule:
-    """isl's schedule tree."""
-    by_name = {statement.name: statement for statement in relations.scop.statements}
-    domains = {name: relations.domain(by_name[name]) for name in statements_in(tree)}
-    ordering = _Ordering(relations)
-    child = ordering.node(tree, _Place(domains, ()))
-    text = f'{{ domain: "{ordering.union(domains)}"{_child(child)} }}'
+    """isl's schedule tree of all iterations."""
+    domains = relations.domains(statements_in(tree))
+    child = _Ordering(relations).node(tree, _Place(domains, ()))
+    return _read(relations, domains, child)
+
+
+@dataclass
+class Grouped:
+    """What a schedule leaves to others that runs the first iteration of each whole group only.
+
+    Attributes
+    ----------
+    marks
+        By mark: how many iterations along each coordinate of the marked statement a group has.
+    left
+        The iterations that are run, by statement.
+    """
+
+    marks: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    left: dict[str, isl.Set] = field(default_factory=dict)
+
+    def leaf(self, name: str, domain: isl.Set) -> None:
+        """Iterations of a statement run at a leaf."""
+        self.left[name] = self.left[name].union(domain) if name in self.left else domain
+
+    def mark(self, factors: tuple[int, ...]) -> str:
+        """The mark of groups of this shape."""
+        name = f"group_{'_'.join(map(str, factors))}"
+        self.marks[name] = factors
+        return name
+
+
+def grouped_schedule_of(tree: Loop, relations: Relations) -> tuple[isl.Schedule, Grouped]:
+    """isl's schedule tree, with one iteration for each whole group: writing out the others takes
+    isl most of its time.
+    """
+    grouped = Grouped()
+    domains = relations.domains(statements_in(tree))
+    child = _Ordering(relations, grouped).node(tree, _Place(domains, ()))
+    return _read(relations, grouped.left, child), grouped
+
+
+def _read(relations: Relations, domains: Mapping[str, isl.Set], child: str) -> isl.Schedule:
+    text = f'{{ domain: "{relations.union(domains)}"{_child(child)} }}'
     return isl.Schedule.read_from_str(isl.DEFAULT_CONTEXT, text)
 
 
@@ -122,6 +160,7 @@ class _Place:
 @dataclass(frozen=True)
 class _Ordering:
     relations: Relations
+    grouped: Grouped | None = None
 
     def node(self, tree: Tree, place: _Place) -> str:
         """The tree as isl writes it; "" for a statement by itself."""
@@ -223,7 +262,7 @@ class _Ordering:
         whole, first, after = {}, {}, {}
         for name, domain in place.domains.items():
             to_loops = self._to_loops(name, loops)
-            inside = to_loops.intersect_range(band).domain()
+            inside = to_loops.intersect_range(band).domain().gist(domain)
             ends = to_loops.intersect_range(last).domain()
             whole[name] = domain.intersect(inside).coalesce()
             rest = domain.subtract(inside)
@@ -288,16 +327,47 @@ class _Ordering:
         if len(nodes) <= 1:
             return "".join(node for _, node in nodes)
         filters = [
-            f'{{ filter: "{self.union(place.domains)}"{_child(node)} }}' for place, node in nodes
+            f'{{ filter: "{self.relations.union(place.domains)}"{_child(node)} }}'
+            for place, node in nodes
         ]
         return f"{{ sequence: [ {', '.join(filters)} ] }}"
 
     def _points(self, name: str, place: _Place) -> str:
         """The iterations of a group, one after another."""
-        if not place.jammed:
+        partly = place.jammed
+        leaf = ""
+        if self.grouped is not None:
+            partly, full = self._full(name, place)
+            leaf = self._first_of(name, place.domains[name], full, self.grouped)
+        if not partly:
+            return leaf
+        forms = [(loop, f"{{0}} - ({_group(loop)})") for loop in partly]
+        return self._band(forms, place, leaf, "unroll")
+
+    def _first_of(
+        self, name: str, domain: isl.Set, full: tuple[Loop, ...], grouped: Grouped
+    ) -> str:
+        """The first iteration of each group along loops whose groups are all full, marked."""
+        if not full:
+            grouped.leaf(name, domain)
             return ""
-        forms = [(loop, f"{{0}} - ({_group(loop)})") for loop in place.jammed]
-        return self._band(forms, place, "", "unroll")
+        firsts = [f"{loop.over[name]} = {_group(loop).format(loop.over[name])}" for loop in full]
+        text = f"{{ {self._tuple(name)} : {' and '.join(firsts)} }}"
+        grouped.leaf(name, domain.intersect(isl.Set(f"{self.relations.parameters} -> {text}")))
+        factors = {loop.over[name]: loop.factor for loop in full}
+        shape = tuple(factors.get(c, 1) for c in self._statement(name).coordinates)
+        return f'{{ mark: "{grouped.mark(shape)}", child: {{ leaf }} }}'
+
+    def _full(self, name: str, place: _Place) -> tuple[tuple[Loop, ...], tuple[Loop, ...]]:
+        """Jammed loops, and the innermost of them whose groups are all full, apart."""
+        jammed = place.jammed
+        if not jammed:
+            return (), ()
+        band = self._reached({name: place.domains[name]}, place.around)
+        first = len(jammed)
+        while first and band.is_subset(self._filled(band, place.around, jammed[first - 1])):
+            first -= 1
+        return jammed[:first], jammed[first:]
 
     def _band(self, members: list[tuple[Loop, str]], place: _Place, child: str, option: str) -> str:
         maps = []
@@ -313,13 +383,6 @@ class _Ordering:
             schedule = f"{self.relations.parameters} -> {schedule}"
         options = f', options: "{{ {option}[x] }}"' if option else ""
         return f'{{ schedule: "{schedule}"{options}{_child(child)} }}'
-
-    def union(self, domains: Mapping[str, isl.Set]) -> isl.UnionSet:
-        """All iterations of statements."""
-        result = isl.UnionSet(f"{self.relations.parameters} -> {{ }}")
-        for domain in domains.values():
-            result = result.union(isl.UnionSet.from_set(domain))
-        return result
 
     def _tuple(self, name: str) -> str:
         return f"{name}[{', '.join(self._statement(name).coordinates)}]"

@@ -64,6 +64,10 @@ class Words:
         """
         if not form.constant and [factor for _, factor in form.terms] == [1]:
             return self.of(form)
+        return self._narrow(form)
+
+    def _narrow(self, form: Form) -> Value:
+        """As `bound`, of symbols that are clamped whatever the form is."""
         terms = [(self._clamped(n), f) for n, f in self._ordered(form)]
         return self._sum(terms, form.constant, exact=True)
 
@@ -130,7 +134,7 @@ class Words:
     def _name(self, name: str) -> Value:
         if name not in self.names:
             quotient = self._quotients[name]
-            dividend = self.bound(quotient.dividend)
+            dividend = self._narrow(quotient.dividend)  # what it is part of may add to it
             self.names[name] = self._divided(dividend, quotient.divisor, quotient.remainder)
         return self.names[name]
 
