@@ -1,8 +1,8 @@
 """Passes from DFG to DFG; each returns the same object when nothing changes.
 
 In order: `rewrite` (a graph being rewritten), `fold_constants` with `identities`, `min_max`,
-`common_subexpressions`, `balance`, `contract_fma`, `fold_selects`, `dead_nodes`; `pipeline` calls
-them, and `expand` between them.
+`common_subexpressions`, `fused_sums`, `balance`, `contract_fma`, `fold_selects`, `dead_nodes`;
+`pipeline` calls them, and `expand` between them.
 """
 
 from vividc.dfg.passes.balance import balance_reductions

@@ -11,6 +11,7 @@ import networkx as nx
 
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.order import evaluation_order
+from vividc.dfg.passes.fused_sums import fused_sums
 from vividc.dfg.passes.rewrite import Rewrite, Value
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
@@ -37,12 +38,15 @@ def balance_reductions(dfg: DFG, *, reassociate: bool = False) -> DFG:
     Parameters
     ----------
     reassociate
-        Also float additions and multiplications, whose rounding changes.
+        Also float additions and multiplications, and sums of products that are fused with them,
+        whose rounding changes.
     """
     operations = REASSOCIATED if reassociate else EXACT
     before = None
     while dfg is not before:  # a tree that is ready earlier may change the order in another
         before, dfg = dfg, _balance_once(dfg, operations)
+    if reassociate:
+        dfg = fused_sums(dfg, _levels(dfg), _components(dfg), in_loop=_is_loop(dfg))
     return dfg
 
 
@@ -55,9 +59,7 @@ def pass_for(*, reassociate: bool) -> partial[DFG]:
 
 def _balance_once(dfg: DFG, operations: frozenset[Opcode]) -> DFG:
     rewrite = Rewrite(dfg)
-    in_loop = any(edge.distance for edge in dfg.edges) or any(
-        node.op is Opcode.IV for node in dfg.nodes
-    )
+    in_loop = _is_loop(dfg)
     for node in dfg.nodes:
         if node.op in operations and not rewrite.predicated(node.id):
             tree = _Tree(rewrite, node, dfg)
@@ -67,6 +69,11 @@ def _balance_once(dfg: DFG, operations: frozenset[Opcode]) -> DFG:
             if not in_loop or tree.is_recurrent:
                 tree.balance()
     return rewrite.result()
+
+
+def _is_loop(dfg: DFG) -> bool:
+    is_carried = any(edge.distance for edge in dfg.edges)
+    return is_carried or any(node.op is Opcode.IV for node in dfg.nodes)
 
 
 @dataclass

@@ -1,0 +1,118 @@
+"""Float sums with fused products in another order: shorter, and the same where nothing rounds."""
+
+from __future__ import annotations
+
+import random
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.dfg.passes.test_balance import loads, rec_mii
+from tests.dfg.test_passes_keep_meaning import run
+from tests.strategies import MEMORY_WORDS
+from vividc.dfg.builder import GraphBuilder, Operand
+from vividc.dfg.check import check
+from vividc.dfg.ir import DFG, Node
+from vividc.dfg.passes import balance_reductions
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import word_of
+
+SMALL = [word_of(float(n)) for n in np.random.default_rng(3).integers(-3, 4, MEMORY_WORDS)]
+"""Words of small whole numbers: sums and products of a few are exact in any order."""
+
+
+def step(builder: GraphBuilder, op: Opcode, total: Operand, one: Operand, two: Operand) -> Operand:
+    """The total with a product, or a word, added or subtracted."""
+    if op in (Opcode.FMA, Opcode.FNMA):
+        return builder.add(op, [one, two, total])
+    return builder.add(op, [total, one])
+
+
+def sums(ops: list[Opcode], *, in_loop: bool, carried_at: int = 0) -> DFG:
+    """A sum by these operations; what the last iteration left is added at one of them."""
+    builder = GraphBuilder("sum")
+    words = loads(builder, len(ops) + 2, in_loop=in_loop)
+    carried = builder.open_phi() if in_loop else words[-1]
+    total = words[-1] if carried_at else carried
+    for place, op in enumerate(ops):
+        if place and place == carried_at:
+            total = builder.add(Opcode.FADD, [carried, total])
+        total = step(builder, op, total, words[place], words[place + 1])
+    if in_loop:
+        builder.close_phi(carried, builder.const(0), total)
+    builder.add_node(Node(0, Opcode.LIVE_OUT, name="%1"), [builder.operation(total)])
+    return builder.build()
+
+
+def demand_same(dfg: DFG, made: DFG) -> None:
+    assert check(made) == []
+    assert run(made, SMALL, 2, 0) == run(dfg, SMALL, 2, 0)
+    assert balance_reductions(made, reassociate=True) is made
+
+
+@pytest.mark.parametrize("op", [Opcode.FMA, Opcode.FNMA, Opcode.FSUB])
+@pytest.mark.parametrize("count", [2, 3, 8])
+def test_a_recurrence_is_one_sum_long(op: Opcode, count: int) -> None:
+    dfg = sums([op] * count, in_loop=True)
+    assert balance_reductions(dfg) is dfg
+    made = balance_reductions(dfg, reassociate=True)
+    demand_same(dfg, made)
+    assert rec_mii(dfg) == count * rec_mii(sums([op], in_loop=True))
+    assert rec_mii(made) == rec_mii(sums([Opcode.FSUB], in_loop=True))
+    assert len(made.operations) == len(dfg.operations) + (op is not Opcode.FSUB)
+
+
+def test_one_product_each_time_is_left_alone() -> None:
+    dfg = sums([Opcode.FMA], in_loop=True)
+    assert balance_reductions(dfg, reassociate=True) is dfg
+
+
+def test_chains_stand_side_by_side_outside_loops() -> None:
+    dfg = sums([Opcode.FMA] * 8, in_loop=False)
+    made = balance_reductions(dfg, reassociate=True)
+    demand_same(dfg, made)
+    assert height(made) <= 6 < height(dfg)
+
+
+def height(dfg: DFG) -> int:
+    """Operations on the longest way."""
+    levels: dict[int, int] = {}
+
+    def level(node: int) -> int:
+        if node not in levels:
+            own = 1 if dfg.by_id[node].uses_fu else 0
+            levels[node] = own + max((level(e.src) for e in dfg.in_edges[node]), default=0)
+        return levels[node]
+
+    return max(map(level, dfg.by_id))
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_random_sums(seed: int) -> None:
+    chance = random.Random(seed)
+    choices = [Opcode.FMA, Opcode.FNMA, Opcode.FADD, Opcode.FSUB]
+    ops = chance.choices(choices, [4, 2, 1, 1], k=chance.randint(1, 7))
+    in_loop = chance.random() < 0.6
+    dfg = sums(ops, in_loop=in_loop, carried_at=chance.randrange(len(ops)))
+    made = balance_reductions(dfg, reassociate=True)
+    demand_same(dfg, made)
+    assert rec_mii(made) <= rec_mii(dfg)
+    assert in_loop or height(made) <= height(dfg)
+
+
+@vividc.kernel("float32(float32[::1], float32[::1])")
+def dot(x, y):
+    total = np.float32(0.0)
+    for i in range(len(x)):
+        total += x[i] * y[i]
+    return total
+
+
+def test_a_dot_product_is_summed_in_parts_if_that_is_allowed() -> None:
+    values = np.random.default_rng(0)
+    x, y = (values.integers(-9, 9, 256).astype(np.float32) for _ in range(2))
+    strict = vividc.simulate(vividc.compile(dot), x, y)
+    free = vividc.simulate(vividc.compile(dot, reassociate=True), x, y)
+    assert strict.value == free.value == dot(x, y)
+    assert 5 * free.cycles < strict.cycles

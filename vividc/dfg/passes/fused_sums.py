@@ -1,0 +1,236 @@
+"""Float sums with fused products in another order, which rounds otherwise.
+
+A chain of FMAs that an accumulator goes through becomes a sum of the products, to which the
+accumulator is added last; outside loops, a chain becomes several side by side.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from vividc.dfg.ir import DFG, Edge, Node
+from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation
+from vividc.machine.opcodes import Opcode
+
+_ADDENDS: Final[Mapping[Opcode, tuple[int, ...]]] = {
+    Opcode.FADD: (0, 1),
+    Opcode.FSUB: (0,),
+    Opcode.FMA: (2,),
+    Opcode.FNMA: (2,),
+}
+"""Ports whose words are added as they are."""
+_MOST_CHAINS: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class _Term:
+    """A word, or a product of two, that is added or subtracted; `ready`: when it is there, in
+    operations.
+    """
+
+    factors: tuple[Value, ...]
+    is_negative: bool
+    ready: int
+
+    @property
+    def height(self) -> int:
+        """When it is there as a word."""
+        return self.ready + len(self.factors) - 1
+
+
+@dataclass
+class _Sum:
+    """The operations below `root` that only feed it, and the terms that they add up.
+
+    `levels`: of each node, operations on the longest way to it. `components`: the recurrence that
+    each node is in.
+    """
+
+    rewrite: Rewrite
+    root: Node
+    levels: Mapping[int, int]
+    components: Mapping[int, int]
+    inner: list[int] = field(default_factory=list)
+    terms: list[_Term] = field(default_factory=list)
+    depths: list[int] = field(default_factory=list)
+    carried: list[Value] = field(default_factory=list)
+    """Words that the root gave before, where they are added."""
+    carried_depth: int = 0
+    is_plain: bool = True
+    """The root's earlier words come in nowhere else."""
+
+    def collect(self) -> bool:
+        """Whether there is something to be gained by another order."""
+        uses = self.rewrite.uses(self.root.id)
+        if self.rewrite.predicated(self.root.id) or (
+            len(uses) == 1 and self._joins(self.root, uses[0])
+        ):
+            return False
+        self._descend(self.root, 1)
+        fused = any(len(term.factors) > 1 or term.is_negative for term in self.terms)
+        return fused and self.is_plain and len(self.carried) <= 1 and len(self.terms) > 1
+
+    def rebalance_carried(self) -> None:
+        """Adds what the last iteration left last of all."""
+        if len(self.carried) != 1 or self.carried_depth == 1:
+            return
+        flipped = all(term.is_negative for term in self.terms)
+        terms = [
+            _Term(term.factors, term.is_negative is not flipped, term.ready) for term in self.terms
+        ]
+        writer = _Writer(self.rewrite, self.root, [*reversed(self.inner)])
+        rest = writer.chain(_ordered(terms))
+        op = Opcode.FSUB if flipped else Opcode.FADD
+        change_operation(self.rewrite, self.root, op, [self.carried[0], rest])
+
+    def widen(self) -> None:
+        """Adds up several chains side by side, if that is done sooner."""
+        now = max(t.ready + d for t, d in zip(self.terms, self.depths, strict=True))
+        starts = sum(not term.is_negative for term in self.terms)
+        counts = range(1, min(starts, _MOST_CHAINS) + 1)
+        best = min(counts, key=lambda n: _height(_dealt(self.terms, n)), default=0)
+        if self.carried or best <= 1 or _height(_dealt(self.terms, best)) >= now:
+            return
+        writer = _Writer(self.rewrite, self.root, [*reversed(self.inner)])
+        heap = [
+            (_chain_height(chain), number, writer.chain(chain))
+            for number, chain in enumerate(_dealt(self.terms, best))
+        ]
+        heapq.heapify(heap)
+        while True:
+            (one, number, left), (other, _, right) = heapq.heappop(heap), heapq.heappop(heap)
+            if not heap:
+                change_operation(self.rewrite, self.root, Opcode.FADD, [left, right])
+                return
+            made = writer.emit(Opcode.FADD, [left, right])
+            heapq.heappush(heap, (max(one, other) + 1, number, made))
+
+    def _descend(self, node: Node, depth: int) -> None:
+        operands = self.rewrite.operands(node)
+        addends = _ADDENDS[node.op]
+        factors = tuple(v for port, v in enumerate(operands) if port not in addends)
+        if factors:
+            self._add(factors, depth, is_negative=node.op in (Opcode.FSUB, Opcode.FNMA))
+        for port in addends:
+            value = operands[port]
+            source = self.rewrite.nodes[value.src]
+            if value.distance == 0 and self._is_inner(source):
+                self.inner.append(source.id)
+                self._descend(source, depth + 1)
+            elif self._is_carried(value):
+                self.carried.append(value)
+                self.carried_depth = depth
+            else:
+                self._add((value,), depth, is_negative=False)
+
+    def _add(self, factors: tuple[Value, ...], depth: int, *, is_negative: bool) -> None:
+        if any(map(self._is_carried, factors)):
+            self.is_plain = False
+        ready = max((self.levels[v.src] for v in factors if v.distance == 0), default=0)
+        self.terms.append(_Term(factors, is_negative, ready))
+        self.depths.append(depth)
+
+    def _is_carried(self, value: Value) -> bool:
+        return self.components[value.src] == self.components[self.root.id]
+
+    def _is_inner(self, node: Node) -> bool:
+        uses = self.rewrite.uses(node.id)
+        if node.op not in _ADDENDS or node.control is not None or len(uses) != 1:
+            return False
+        return self._joins(node, uses[0]) and not self.rewrite.predicated(node.id)
+
+    def _joins(self, node: Node, use: Edge) -> bool:
+        """Whether a reader adds the node's word to a sum of its own."""
+        reader = self.rewrite.nodes[use.dst]
+        adds = use.distance == 0 and use.port in _ADDENDS.get(reader.op, ())
+        return adds and node.control is None and not self.rewrite.predicated(reader.id)
+
+
+def fused_sums(
+    dfg: DFG, levels: Mapping[int, int], components: Mapping[int, int], *, in_loop: bool
+) -> DFG:
+    """Sums with fused products (or differences) in an order that is done sooner: in a loop only
+    what the last iteration left counts.
+    """
+    rewrite = Rewrite(dfg)
+    done: set[int] = set()
+    for node in dfg.nodes:
+        if node.op not in _ADDENDS or node.id in done:
+            continue
+        found = _Sum(rewrite, node, levels, components)
+        if not found.collect():
+            continue
+        done |= {node.id, *found.inner}
+        if in_loop:
+            found.rebalance_carried()
+        else:
+            found.widen()
+    return rewrite.result()
+
+
+@dataclass
+class _Writer:
+    """Writes operations, in place of `free` ones as long as there are any."""
+
+    rewrite: Rewrite
+    root: Node
+    free: list[int]
+
+    def emit(self, op: Opcode, operands: Sequence[Value]) -> Value:
+        """An operation."""
+        if self.free:
+            node = self.rewrite.nodes[self.free.pop(0)]
+            change_operation(self.rewrite, node, op, operands)
+            return Value(node.id)
+        return Value(self.rewrite.add_node(op, operands, self.root.loc, self.root.lane))
+
+    def chain(self, terms: Sequence[_Term]) -> Value:
+        """Terms one after another, of which the first is not negative."""
+        first, *others = terms
+        total = first.factors[0]
+        if len(first.factors) > 1:
+            total = self.emit(Opcode.FMUL, first.factors)
+        for term in others:
+            if len(term.factors) > 1:
+                op = Opcode.FNMA if term.is_negative else Opcode.FMA
+                total = self.emit(op, [*term.factors, total])
+            else:
+                op = Opcode.FSUB if term.is_negative else Opcode.FADD
+                total = self.emit(op, [total, *term.factors])
+        return total
+
+
+def _ordered(terms: Sequence[_Term]) -> list[_Term]:
+    """Words before products, what is ready before what is not; what is negative is not first."""
+    order = sorted(terms, key=lambda term: (term.height, len(term.factors)))
+    first = next(term for term in order if not term.is_negative)
+    return [first, *(term for term in order if term is not first)]
+
+
+def _dealt(terms: Sequence[_Term], count: int) -> list[list[_Term]]:
+    """Terms in so many chains; each begins with one that is not negative."""
+    order = sorted(terms, key=lambda term: (term.height, len(term.factors)))
+    firsts = [term for term in order if not term.is_negative][:count]
+    chains = [[term] for term in firsts]
+    rest: Iterator[_Term] = (term for term in order if not any(term is f for f in firsts))
+    for number, term in enumerate(rest):
+        chains[number % count].append(term)
+    return chains
+
+
+def _chain_height(chain: Sequence[_Term]) -> int:
+    height = chain[0].height
+    for term in chain[1:]:
+        height = max(height, term.ready) + 1
+    return height
+
+
+def _height(chains: Sequence[Sequence[_Term]]) -> int:
+    heights = sorted(map(_chain_height, chains))
+    while len(heights) > 1:
+        _, other, *rest = heights
+        heights = sorted((*rest, other + 1))
+    return heights[0]
