@@ -121,6 +121,33 @@ def test_rows_share_the_latency_of_a_recurrence_along_them() -> None:
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 2
 
 
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
+def layer_norm(x, y):
+    for i in range(x.shape[0]):
+        total = np.float32(0)
+        for j in range(x.shape[1]):
+            total += x[i, j]
+        mean = total / np.float32(x.shape[1])
+        squares = np.float32(0)
+        for j in range(x.shape[1]):
+            away = x[i, j] - mean
+            squares += away * away
+        scale = np.float32(1) / np.sqrt(squares / np.float32(x.shape[1]) + np.float32(1e-5))
+        for j in range(x.shape[1]):
+            y[i, j] = (x[i, j] - mean) * scale
+
+
+def test_rows_with_several_reductions_run_side_by_side() -> None:
+    """What may be too large for the stores of PEs has a smaller form in reserve."""
+    first, *others = plan(layer_norm, restructure=True).stages
+    kinds = [stage.decision.kind for stage in others if stage.decision is not None]
+    assert kinds == ["restructuring"] * 2
+    reserve, best = others
+    assert (reserve.reserve, best.reserve) == (True, False)
+    assert reserve.estimate.largest_straight < 1000 < best.estimate.largest_straight
+    assert 4 * reserve.estimate.cycles < first.estimate.cycles
+
+
 def test_a_recurrence_is_left_alone() -> None:
     assert chosen(running) == []
     assert plan(running).stages[0].state.function is running.lower()

@@ -94,6 +94,11 @@ class Estimate:
         return max((r.shape.operations for r in self.regions if r.kind == "loop"), default=0)
 
     @property
+    def largest_straight(self) -> int:
+        """Operations of the largest straight region."""
+        return max((r.shape.operations for r in self.regions if r.kind == "straight"), default=0)
+
+    @property
     def hottest(self) -> str:
         """Header of the modulo-scheduled loop with most cycles; "" without one."""
         loops = [cost for cost in self.regions if cost.kind == "loop"]

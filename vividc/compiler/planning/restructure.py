@@ -65,6 +65,11 @@ _SPARE = 0.25
 512), and may need more registers than there are (covariance).
 """
 
+_STRAIGHT = 60
+"""Operations of a straight region, times the PEs: the constants of larger ones may not fit into the
+stores of PEs (16 rows of a layer norm, whose divisions and roots have 1,779).
+"""
+
 
 @dataclass(frozen=True)
 class Restructured:
@@ -146,9 +151,16 @@ class _Climb:
             self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
         made.sort(key=lambda one: one.cycles)
-        room = (1.0 - _SPARE) * self.estimator.fabric.controller.contexts
-        spare = next((n for n, one in enumerate(made) if one.estimate.contexts <= room), 0)
+        spare = next((n for n, one in enumerate(made) if self._is_sure(one.estimate)), 0)
         return (made[spare], made[0]) if spare else tuple(made[:1])
+
+    def _is_sure(self, estimate: Estimate) -> bool:
+        """Whether it will be mapped, but for what is not foreseen."""
+        fabric = self.estimator.fabric
+        room = (1.0 - _SPARE) * fabric.controller.contexts
+        return estimate.contexts <= room and estimate.largest_straight <= _STRAIGHT * len(
+            fabric.pes
+        )
 
     def _first(self, jammed: list[tuple[Path, ...]]) -> Iterator[tuple[Path, int]]:
         for group in jammed:
