@@ -20,7 +20,6 @@ from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import (
     at,
@@ -32,6 +31,7 @@ from vividc.ssa.polyhedral.search import (
     put,
     with_factors,
 )
+from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 

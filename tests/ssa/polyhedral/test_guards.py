@@ -14,8 +14,8 @@ from vividc.ssa.polyhedral.guards import ALWAYS, Guard, both, guard_of, implies,
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, expected_trips, loops_of
 from vividc.ssa.polyhedral.loops import Test as Comparison
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import tree_of
 from vividc.ssa.polyhedral.search import with_factors
+from vividc.ssa.polyhedral.trees import tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 

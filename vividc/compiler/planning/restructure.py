@@ -18,7 +18,6 @@ from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, fors_in, loops_of, runs_in
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, tree_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import (
     Path,
@@ -30,6 +29,7 @@ from vividc.ssa.polyhedral.search import (
     orders,
     with_factors,
 )
+from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -68,6 +68,12 @@ _SPARE = 0.25
 _STRAIGHT = 60
 """Operations of a straight region, times the PEs: the constants of larger ones may not fit into the
 stores of PEs (16 rows of a layer norm, whose divisions and roots have 1,779).
+"""
+
+
+_FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
+"""What orders are compared by: the first of these whose code fits into the contexts, of two loops
+and of one.
 """
 
 
@@ -141,10 +147,13 @@ class _Climb:
         ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
         for order in orders(tree_of(self.scop), self.relations):
             tree, jammed = groups(order, self.relations)
-            first = with_factors(tree, dict(self._first(jammed)))
-            tried = [made for made in (self._try(tree), self._try(first)) if made is not None]
-            if tried:
-                cycles = min(one.cycles for one in tried)
+            cycles = self._cycles(tree)
+            for pair, single in _FIRST:
+                first = self._cycles(with_factors(tree, dict(_chosen(jammed, pair, single))))
+                cycles = min(cycles, first)
+                if first < math.inf:
+                    break
+            if cycles < math.inf:
                 ranked.append((cycles, len(ranked), tree, jammed))
         ranked.sort(key=lambda one: one[:2])
         for _, _, tree, jammed in ranked[:_ORDERS]:
@@ -162,20 +171,18 @@ class _Climb:
             fabric.pes
         )
 
-    def _first(self, jammed: list[tuple[Path, ...]]) -> Iterator[tuple[Path, int]]:
-        for group in jammed:
-            if len(group) > 1:
-                yield from ((path, 4) for path in group)
-            else:
-                yield group[0], 8
-
     def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
         for group in jammed:
             best, kept = self._cycles(tree), tree
+            failed: list[tuple[tuple[int, ...], bool]] = []
             for factors, masked in self._choices([self._length(at(tree, path)) for path in group]):
+                if any(m == masked and _covers(factors, less) for less, m in failed):
+                    continue  # more are no smaller
                 now = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
                 made = with_factors(tree, now, masked=masked)
                 cycles = self._cycles(made)
+                if cycles == math.inf:
+                    failed.append((factors, masked))
                 if cycles < best:
                     best, kept = cycles, made
             tree = kept
@@ -279,3 +286,17 @@ class _Climb:
                         expected = self.trips.get(dim.header, 16.0)
                         lengths[name] = expected + first.constant - limit.constant
         return lengths
+
+
+def _chosen(
+    jammed: list[tuple[Path, ...]], pair: tuple[int, int], single: int
+) -> Iterator[tuple[Path, int]]:
+    """Factors of loops that are jammed two at a time, and one."""
+    for group in jammed:
+        factors = pair if len(group) > 1 else (single,)
+        yield from ((path, f) for path, f in zip(group, factors, strict=True) if f > 1)
+
+
+def _covers(factors: tuple[int, ...], less: tuple[int, ...]) -> bool:
+    """Whether none of the factors is smaller than its counterpart."""
+    return all(f >= g for f, g in zip(factors, less, strict=True))

@@ -11,7 +11,8 @@ import islpy as isl
 
 from vividc.ssa.polyhedral.forms import ZERO, Form, symbol
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, grouped_schedule_of
+from vividc.ssa.polyhedral.schedule import grouped_schedule_of
+from vividc.ssa.polyhedral.trees import Loop
 from vividc.ssa.rewrite.refusal import Refusal
 
 _COMPARISONS: Final = {"eq": "==", "le": "<=", "lt": "<", "ge": ">=", "gt": ">"}
@@ -89,7 +90,11 @@ def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
     schedule, grouped = grouped_schedule_of(tree, relations)
     reader = _Reader(grouped.marks)
     try:
-        code = tuple(reader.code(build.node_from_schedule(schedule), {}))
+        node = build.node_from_schedule(schedule)
+    except isl.Error:  # "cannot handle void expression", of some triangles (lu)
+        return Refusal("isl finds no loops for it")
+    try:
+        code = tuple(reader.code(node, {}))
     except _Odd as reason:
         return Refusal(str(reason))
     return Loops(code, reader.quotients)

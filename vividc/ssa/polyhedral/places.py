@@ -177,6 +177,8 @@ class Places:
         for loop in chosen.values():
             conditions += [f"{loop.name} >= {one}" for one in loop.first]
             conditions += [f"{loop.name} < {one}" for one in loop.limit]
+            if loop.step > 1 and len(loop.first) == 1:
+                conditions.append(f"({loop.name} - ({loop.first[0]})) mod {loop.step} = 0")
         symbols = ", ".join((*self.scop.symbols, *self.loops.quotients))
         inside = f"[{', '.join(chosen)}] : {' and '.join(conditions)}"
         return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()

@@ -9,8 +9,9 @@ from dataclasses import replace
 from vividc.host import time_limit
 from vividc.ssa.polyhedral.forms import symbol
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.schedule import Loop, Tree, schedule_of, statements_in
+from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.trees import Loop, Tree, statements_in
 
 Path = tuple[int, ...]
 """Where a loop is in a tree: positions among children, from the root."""
