@@ -29,6 +29,9 @@ def plain(x: object) -> object:
         lambda: vividc.compile(KERNEL, time_limit_s="5"),  # type: ignore[arg-type]
         lambda: vividc.compile(KERNEL, time_limit_s=-1),
         lambda: vividc.compile(KERNEL, effort="all"),  # type: ignore[arg-type]
+        lambda: vividc.compile(KERNEL, like=3),  # type: ignore[arg-type]
+        lambda: vividc.compile(KERNEL, like={3: 3}),  # type: ignore[dict-item]
+        lambda: vividc.compile(KERNEL, like=(1, 2, 3, 4, 5, 6)),
         lambda: vividc.simulate("a.vivid"),  # type: ignore[arg-type]
         lambda: vividc.simulate(KERNEL),  # type: ignore[arg-type]
         lambda: vividc.mapper.map_dfg(GRAPH, "mesh-2x2"),  # type: ignore[arg-type]
