@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tests.fuzz.nests import random_nest_source
 from tests.fuzz.witnesses import judge
 
 
@@ -150,4 +151,10 @@ def program(c):
     return c[-2::-2, 1:-1].argmin() if c[-2::-2, 1:-1].size else 0
 """
     verdict = judge(source, 63, tmp_path, simulate="blocks")
+    assert verdict.kind == "agrees", verdict.text
+
+
+def test_a_size_is_a_number_when_isl_has_given_up_before(tmp_path: Path) -> None:
+    """The search for one pair of accesses may end anywhere; what it left half done is no size."""
+    verdict = judge(random_nest_source(214), 214, tmp_path)
     assert verdict.kind == "agrees", verdict.text

@@ -255,9 +255,10 @@ class Meetings:
         param = next((p for p in self.function.params if p.name == instr.array), None)
         if param is None or param.ndim != axes or param.dtype.size_bytes != instr.width:
             return self._values.constant(4 * MAX_ELEMENTS // instr.width)
-        size = self._values.of(Input(f"{instr.array}.shape{axis}"))
-        assert size is not None
-        return size
+        size = self.function.settled(Input(f"{instr.array}.shape{axis}"))
+        if isinstance(size, Const):
+            return self._values.constant(size.word)
+        return self._values.symbol(size)
 
 
 @dataclass(frozen=True, slots=True)
