@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import vividc
+from kernels.dot import dot
 from tests.dfg.passes.test_balance import loads, rec_mii
 from tests.dfg.test_passes_keep_meaning import run
 from tests.strategies import MEMORY_WORDS
@@ -101,18 +102,10 @@ def test_random_sums(seed: int) -> None:
     assert in_loop or height(made) <= height(dfg)
 
 
-@vividc.kernel("float32(float32[::1], float32[::1])")
-def dot(x, y):
-    total = np.float32(0.0)
-    for i in range(len(x)):
-        total += x[i] * y[i]
-    return total
-
-
 def test_a_dot_product_is_summed_in_parts_if_that_is_allowed() -> None:
     values = np.random.default_rng(0)
     x, y = (values.integers(-9, 9, 256).astype(np.float32) for _ in range(2))
-    strict = vividc.simulate(vividc.compile(dot), x, y)
-    free = vividc.simulate(vividc.compile(dot, reassociate=True), x, y)
-    assert strict.value == free.value == dot(x, y)
+    strict = vividc.simulate(vividc.compile(dot), x, y, 256)
+    free = vividc.simulate(vividc.compile(dot, reassociate=True), x, y, 256)
+    assert strict.value == free.value == dot(x, y, 256)
     assert 5 * free.cycles < strict.cycles

@@ -70,7 +70,6 @@ _STRAIGHT = 60
 stores of PEs (16 rows of a layer norm, whose divisions and roots have 1,779).
 """
 
-
 _FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
 """What orders are compared by: the first of these whose code fits into the contexts, of two loops
 and of one.
@@ -100,7 +99,8 @@ def restructured(
     most_operations: int,
 ) -> tuple[Restructured, ...] | Refusal:
     """The best loops for the part at `header`, none with more operations than `most_operations`;
-    before them, if they nearly fill the contexts, the best that leave a quarter of them.
+    before them, if they nearly fill the contexts or have a large straight region, the best that are
+    sure to be mapped.
     """
     scop = static_part(state, header)
     if isinstance(scop, Refusal):
@@ -143,7 +143,7 @@ class _Climb:
         self.larger = {name: _LARGER * length for name, length in self.symbols.items()}
 
     def best(self) -> tuple[Restructured, ...]:
-        """The tree with the fewest estimated cycles, and before it one that spares contexts."""
+        """The tree with the fewest estimated cycles, before it one that is sure to be mapped."""
         ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
         for order in orders(tree_of(self.scop), self.relations):
             tree, jammed = groups(order, self.relations)
@@ -167,9 +167,8 @@ class _Climb:
         """Whether it will be mapped, but for what is not foreseen."""
         fabric = self.estimator.fabric
         room = (1.0 - _SPARE) * fabric.controller.contexts
-        return estimate.contexts <= room and estimate.largest_straight <= _STRAIGHT * len(
-            fabric.pes
-        )
+        longest = _STRAIGHT * len(fabric.pes)
+        return estimate.contexts <= room and estimate.largest_straight <= longest
 
     def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
         for group in jammed:

@@ -19,7 +19,7 @@ import islpy as isl
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.trees import (
     Loop,
-    Place,
+    Site,
     Tiles,
     Tree,
     group_of,
@@ -32,7 +32,7 @@ from vividc.ssa.polyhedral.trees import (
 def schedule_of(tree: Loop, relations: Relations) -> isl.Schedule:
     """isl's schedule tree of all iterations."""
     domains = relations.domains(statements_in(tree))
-    child = _Ordering(relations, Tiles(relations)).node(tree, Place(domains, ()))
+    child = _Ordering(relations, Tiles(relations)).node(tree, Site(domains, ()))
     return _read(relations, domains, child)
 
 
@@ -68,7 +68,7 @@ def grouped_schedule_of(tree: Loop, relations: Relations) -> tuple[isl.Schedule,
     """
     grouped = Grouped()
     domains = relations.domains(statements_in(tree))
-    child = _Ordering(relations, Tiles(relations), grouped).node(tree, Place(domains, ()))
+    child = _Ordering(relations, Tiles(relations), grouped).node(tree, Site(domains, ()))
     return _read(relations, grouped.left, child), grouped
 
 
@@ -83,7 +83,7 @@ class _Ordering:
     tiles: Tiles
     grouped: Grouped | None = None
 
-    def node(self, tree: Tree, place: Place) -> str:
+    def node(self, tree: Tree, place: Site) -> str:
         """The tree as isl writes it; "" for a statement by itself."""
         if isinstance(tree, str):
             return self._points(tree, place)
@@ -110,14 +110,14 @@ class _Ordering:
             nodes.append((last, self.node(single, last)))
         return self._sequence(nodes)
 
-    def _groups(self, tree: Loop, place: Place) -> str:
+    def _groups(self, tree: Loop, place: Site) -> str:
         """A jammed loop over groups of iterations."""
         around, jammed = (*place.around, tree), (*place.jammed, tree)
         inside = self._inside(tree, replace(place, around=around, jammed=jammed))
         option = "separate" if is_in_order(tree) and not tree.masked else ""
         return self._band([(tree, group_of(tree))], place, inside, option)
 
-    def _once(self, tree: Loop, place: Place) -> str:
+    def _once(self, tree: Loop, place: Site) -> str:
         """A loop that is not jammed: what only some iterations of a group around it run comes
         before and after what all of them run, in its order.
         """
@@ -132,7 +132,7 @@ class _Ordering:
             nodes.append((part, self._band([(tree, "{0}")], part, inner, option)))
         return self._sequence(nodes)
 
-    def _inside(self, tree: Loop, place: Place) -> str:
+    def _inside(self, tree: Loop, place: Site) -> str:
         """The children of a loop, jammed, or in the order of the iterations of the groups."""
         place = replace(place, members=place.domains)
         if not (tree.in_order and place.jammed):
@@ -146,7 +146,7 @@ class _Ordering:
             nodes.append((rest, self._band(forms, rest, self._children(tree, single), "unroll")))
         return self._sequence(nodes)
 
-    def _in_order(self, place: Place, loops: tuple[Loop, ...]) -> Iterator[tuple[Place, str]]:
+    def _in_order(self, place: Site, loops: tuple[Loop, ...]) -> Iterator[tuple[Site, str]]:
         """What some iterations of a group run first, what all run, and what some run last, each
         with isl's option for its loop: few iterations are written out.
         """
@@ -160,7 +160,7 @@ class _Ordering:
                 few = not is_whole and self.tiles.is_short(part, loops)
                 yield part, "unroll" if few else "separate"
 
-    def _children(self, tree: Loop, place: Place) -> str:
+    def _children(self, tree: Loop, place: Site) -> str:
         nodes = []
         for child in tree.children:
             names = set(statements_in(child))
@@ -170,7 +170,7 @@ class _Ordering:
                 nodes.append((inside, self.node(child, inside)))
         return self._sequence(nodes)
 
-    def _sequence(self, nodes: list[tuple[Place, str]]) -> str:
+    def _sequence(self, nodes: list[tuple[Site, str]]) -> str:
         if len(nodes) <= 1:
             return "".join(node for _, node in nodes)
         filters = [
@@ -179,7 +179,7 @@ class _Ordering:
         ]
         return f"{{ sequence: [ {', '.join(filters)} ] }}"
 
-    def _points(self, name: str, place: Place) -> str:
+    def _points(self, name: str, place: Site) -> str:
         """The iterations of a group, one after another."""
         partly = place.jammed
         leaf = ""
@@ -205,7 +205,7 @@ class _Ordering:
         shape = tuple(factors.get(c, 1) for c in self.relations.scop.statement(name).coordinates)
         return f'{{ mark: "{grouped.mark(shape)}", child: {{ leaf }} }}'
 
-    def _full(self, name: str, place: Place) -> tuple[tuple[Loop, ...], tuple[Loop, ...]]:
+    def _full(self, name: str, place: Site) -> tuple[tuple[Loop, ...], tuple[Loop, ...]]:
         """Jammed loops, and the innermost of them whose groups are all full, apart."""
         jammed = place.jammed
         if not jammed:
@@ -216,7 +216,7 @@ class _Ordering:
             first -= 1
         return jammed[:first], jammed[first:]
 
-    def _band(self, members: list[tuple[Loop, str]], place: Place, child: str, option: str) -> str:
+    def _band(self, members: list[tuple[Loop, str]], place: Site, child: str, option: str) -> str:
         maps = []
         for loop, text in members:
             images = [

@@ -77,7 +77,7 @@ def is_in_order(tree: Tree) -> bool:
 
 
 @dataclass(frozen=True)
-class Place:
+class Site:
     """Where a tree stands.
 
     Attributes
@@ -118,7 +118,7 @@ class Tiles:
 
     relations: Relations
 
-    def differ(self, place: Place, tree: Loop) -> bool:
+    def differ(self, place: Site, tree: Loop) -> bool:
         """Whether jammed loops around a loop change its bounds."""
         loops = [loop for loop in place.jammed if not loop.masked]
         return any(self._is_bound_to(tree, loop, n) for n in place.domains for loop in loops)
@@ -131,7 +131,7 @@ class Tiles:
             both <= {dim.name, *dim.bounds[0].names, *dim.bounds[1].names} for dim in dims
         )
 
-    def split(self, place: Place, tree: Loop) -> tuple[Place, Place]:
+    def split(self, place: Site, tree: Loop) -> tuple[Site, Site]:
         """What fills whole groups of iterations, equally in all jammed iterations, and the rest."""
         limits = self._limits(place, tree)
         whole, rest = {}, {}
@@ -150,7 +150,7 @@ class Tiles:
             rest[name] = domain.subtract(inside).coalesce()
         return replace(place, domains=whole), replace(place, domains=rest)
 
-    def _limits(self, place: Place, tree: Loop) -> dict[str, str]:
+    def _limits(self, place: Site, tree: Loop) -> dict[str, str]:
         """Where the whole groups end, by statement, if all of them have the same bounds, jammed
         loops do not change these, and no loop around has bounds by what this one counts.
         """
@@ -176,7 +176,7 @@ class Tiles:
                 return {}
         return limits if len(seen) == 1 else {}
 
-    def together(self, tree: Loop, place: Place) -> Place:
+    def together(self, tree: Loop, place: Site) -> Site:
         """What comes first, jammed, of a loop whose groups run in order."""
         domains = {name: domain.subtract(domain) for name, domain in place.domains.items()}
         for child in tree.children:
@@ -192,7 +192,7 @@ class Tiles:
             break
         return replace(place, domains=domains)
 
-    def common(self, place: Place, loops: tuple[Loop, ...]) -> isl.Set:
+    def common(self, place: Site, loops: tuple[Loop, ...]) -> isl.Set:
         """The iterations of the innermost of loops that all iterations of a group around it run."""
         mates, own = self._begin(loops[:-1]), self.reached(place.domains, loops)
         mates = mates.apply_range(mates.reverse())
@@ -207,7 +207,7 @@ class Tiles:
         missing = every.intersect_domain(own).subtract_range(own).domain()
         return own.subtract(missing).coalesce()
 
-    def ragged(self, place: Place, rest: Place, tree: Loop) -> list[Place]:
+    def ragged(self, place: Site, rest: Site, tree: Loop) -> list[Site]:
         """Groups of which only some iterations run, the same beside each group of a jammed loop
         around them: the tiles that the edge of a triangle cuts.
         """
@@ -251,7 +251,7 @@ class Tiles:
         every = isl.Map.from_domain_and_range(shape.domain(), points)
         return bool(every.is_subset(shape))
 
-    def before(self, rest: Place, whole: Place, tree: Loop) -> Place:
+    def before(self, rest: Site, whole: Site, tree: Loop) -> Site:
         """What comes before whole groups of a loop."""
         if rest.is_empty or whole.is_empty:
             return replace(rest, domains={name: d.subtract(d) for name, d in rest.domains.items()})
@@ -260,16 +260,15 @@ class Tiles:
         earlier = self.behind(loops).intersect_range(groups).domain()
         return self.within(rest, loops, earlier)
 
-    def is_short(self, place: Place, loops: tuple[Loop, ...]) -> bool:
+    def is_short(self, place: Site, loops: tuple[Loop, ...]) -> bool:
         """Whether the innermost loop has fewer iterations than two groups, each time."""
         most = max(loop.factor for loop in (*place.jammed, *place.apart))
         reached = self.reached(place.domains, loops).apply(self._begin(loops))
-        names = ", ".join(f"t{position}" for position in range(len(loops) - 1))
-        around = f"[{names}, a] -> [{names}, b] : b >= a + {2 * most}"
-        far = isl.Map(f"{self.relations.parameters} -> {{ {around} }}")
+        names = ", ".join(_coordinates(loops[:-1]))
+        far = self._map(f"[{names}, a] -> [{names}, b] : b >= a + {2 * most}")
         return bool(far.intersect_domain(reached).intersect_range(reached).is_empty())
 
-    def within(self, place: Place, loops: tuple[Loop, ...], band: isl.Set) -> Place:
+    def within(self, place: Site, loops: tuple[Loop, ...], band: isl.Set) -> Site:
         """What is run in these iterations of loops."""
         domains = {
             name: domain.intersect(
@@ -290,14 +289,13 @@ class Tiles:
 
     def filled(self, band: isl.Set, loops: tuple[Loop, ...], loop: Loop) -> isl.Set:
         """The iterations whose whole group, along one loop, is in the band."""
-        names = [f"t{position}" for position in range(len(loops))]
+        names = _coordinates(loops)
         where = loops.index(loop)
         result = band
         for ahead in range(loop.factor):
             image = list(names)
             image[where] = f"{group_of(loop).format(names[where])} + {ahead}"
-            text = f"{{ [{', '.join(names)}] -> [{', '.join(image)}] }}"
-            move = isl.Map(f"{self.relations.parameters} -> {text}")
+            move = self._map(f"[{', '.join(names)}] -> [{', '.join(image)}]")
             result = result.intersect(move.intersect_range(band).domain())
         return result.remove_redundancies().coalesce()
 
@@ -329,7 +327,7 @@ class Tiles:
 
     def _to_loops(self, name: str, loops: tuple[Loop, ...]) -> isl.Map:
         image = ", ".join(loop.over[name] for loop in loops)
-        return isl.Map(f"{self.relations.parameters} -> {{ {self.named(name)} -> [{image}] }}")
+        return self._map(f"{self.named(name)} -> [{image}]")
 
     def named(self, name: str) -> str:
         """A statement with its coordinates, as isl reads it."""
@@ -340,7 +338,7 @@ class Tiles:
         return self.relations.scop.dimension(name, tree.over[name])
 
 
-def without(place: Place, taken: Place) -> Place:
+def without(place: Site, taken: Site) -> Site:
     """What is left to run without what is taken."""
     domains = {
         name: domain.subtract(taken.domains[name]).coalesce()
