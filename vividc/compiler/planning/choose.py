@@ -34,7 +34,7 @@ _GAIN = {
     "full unrolling": 0.97,
     "unroll-and-jam": 0.9,
     "unrolling": 0.9,
-    "flattening": 0.85,
+    "flattening": 0.95,
     "threads": 0.9,
     "restructuring": 0.9,
 }

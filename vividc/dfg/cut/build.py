@@ -6,12 +6,13 @@ outside loops is a variable that its predecessors write.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from vividc.dfg.cut.addresses import Address, fold_addresses
 from vividc.dfg.cut.build_loop import LoopParts, build_loop
 from vividc.dfg.cut.build_straight import build_straight
+from vividc.dfg.cut.entries import Entries, join_entries
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
@@ -22,6 +23,7 @@ from vividc.ssa.flow import Loop, pipelined_loops, preheader_of
 from vividc.ssa.ir import Block, Function, Ref, Value
 from vividc.ssa.polyhedral.distances import Meetings
 from vividc.ssa.rewrite.diamonds import merge_diamonds
+from vividc.ssa.rewrite.hoist import hoist_invariants
 from vividc.ssa.rewrite.hoist_loads import hoist_loads
 from vividc.ssa.rewrite.normalize import copy_exit_values, normalize
 
@@ -34,6 +36,7 @@ class _Plan:
     loops: dict[str, Loop]
     trips: dict[str, Trip | None]
     addresses: dict[str, dict[int, Address]]
+    entries: Entries
 
 
 SHAPING = (normalize, hoist_loads, merge_diamonds, copy_exit_values)
@@ -69,7 +72,17 @@ def _plan(function: Function) -> _Plan:
         preheader = preheader_of(function, loop)
         function, trips[header] = count_loop(function, loop, preheader)
         function, addresses[header] = fold_addresses(function, loop, preheader)
-    return _Plan(function, loops, trips, addresses)
+    function = hoist_invariants(function)
+    reads = {header: [*_read_besides(trips[header], addresses[header])] for header in loops}
+    return _Plan(function, loops, trips, addresses, join_entries(function, reads))
+
+
+def _read_besides(trip: Trip | None, addresses: Mapping[int, Address]) -> Iterator[Value]:
+    """What a loop takes from its preheader, apart from what its blocks name."""
+    if trip is not None:
+        yield trip.value
+    for address in addresses.values():
+        yield from (address.base, address.index)
 
 
 class _Cutter:
@@ -77,16 +90,17 @@ class _Cutter:
 
     def __init__(self, plan: _Plan) -> None:
         self.plan = plan
-        self.blocks = {block.name: block for block in plan.function.blocks}
+        self.function = plan.entries.function
+        self.blocks = self.function.by_name
         self.loop_of = {name: header for header, loop in plan.loops.items() for name in loop.blocks}
         self.order = [
             block.name
-            for block in plan.function.blocks
+            for block in self.function.blocks
             if block.name not in self.loop_of or block.name in plan.loops
         ]
         self.index = {name: position for position, name in enumerate(self.order)}
         self.read = self._values_read_elsewhere()
-        self.meetings = Meetings(plan.function)
+        self.meetings = Meetings(plan.entries.explained)
 
     def regions(self) -> list[Region]:
         """All regions; a loop stands where its header stood."""
@@ -104,10 +118,10 @@ class _Cutter:
     def _values_read_elsewhere(self) -> set[int]:
         """Ids of values that some region other than the defining one reads."""
         defined: dict[int, str] = {}
-        for block in self.plan.function.blocks:
+        for block in self.function.blocks:
             defined |= dict.fromkeys(defined_types(block), self._home(block.name))
         elsewhere: set[int] = set()
-        for block in self.plan.function.blocks:
+        for block in self.function.blocks:
             home = self._home(block.name)
             inside = block.name in self.loop_of
             for value in self._loop_reads(block) if inside else self._straight_reads(block):
@@ -164,12 +178,17 @@ class _Cutter:
 
     def _phi_writes(self, block: Block) -> list[tuple[int, Value]]:
         result: list[tuple[int, Value]] = []
+        if block.name in self.plan.entries.empty:
+            return result
         for target in dict.fromkeys(block.branch.successors):
             if target in self.plan.loops:
                 result += self._initial_exit_values(target)
-            else:
-                phis = self.blocks[target].phis
-                result += [(phi.id, incoming(phi, block.name)) for phi in phis]
+                continue
+            known = {phi.id: incoming(phi, block.name) for phi in self.blocks[target].phis}
+            result += known.items()
+            if target in self.plan.entries.empty:
+                starts = self._initial_exit_values(self.plan.entries.behind(target))
+                result += [(ident, _at_end(value, known)) for ident, value in starts]
         return result
 
     def _initial_exit_values(self, header: str) -> list[tuple[int, Value]]:
@@ -185,10 +204,13 @@ class _Cutter:
         ]
 
     def _trip_after(self, block: Block) -> Value | None:
+        if block.name in self.plan.entries.empty:
+            return None
         for target in block.branch.successors:
-            trip = self.plan.trips.get(target)
+            known = {phi.id: incoming(phi, block.name) for phi in self.blocks[target].phis}
+            trip = self.plan.trips.get(self.plan.entries.behind(target))
             if trip is not None:
-                return trip.value
+                return _at_end(trip.value, known)
         return None
 
     def _loop(self, header: str, position: int) -> Region:
@@ -206,6 +228,11 @@ class _Cutter:
             header=header,
             loc=self.blocks[header].branch.loc,
         )
+
+
+def _at_end(value: Value, known: Mapping[int, Value]) -> Value:
+    """`value` at the end of a block that knows what phis of the next are."""
+    return known.get(value.id, value) if isinstance(value, Ref) else value
 
 
 def _first_loc(block: Block) -> SourceLoc | None:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
 from vividc.machine.opcodes import ELEMENTARY, MEMORY, OPCODES, Opcode, Type
-from vividc.ssa.edit import incoming, next_id, with_blocks
+from vividc.ssa.edit import FreshIds, incoming, with_blocks
 from vividc.ssa.flow import blocks_of_pipelined_loops, predecessors
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Kind, Phi, Ref, Undefined, Value
 from vividc.ssa.rewrite.blocks import merge_chains
@@ -96,17 +96,16 @@ def _is_small(block: Block) -> bool:
 def _merged(function: Function, diamonds: Iterable[_Diamond]) -> Function:
     changed: dict[str, Block] = {}
     gone: set[str] = set()
-    free = next_id(function)
+    fresh = FreshIds(function)
     for diamond in diamonds:
-        edit = _Edit(free, [*diamond.top.instrs])
+        edit = Arms(fresh, [*diamond.top.instrs])
         changed |= _merged_blocks(diamond, edit)
         gone |= diamond.names - {diamond.top.name, diamond.bottom.name}
-        free = edit.free
     kept = tuple(block for block in function.blocks if block.name not in gone)
     return with_blocks(replace(function, blocks=kept), changed.values())
 
 
-def _merged_blocks(diamond: _Diamond, edit: _Edit) -> dict[str, Block]:
+def _merged_blocks(diamond: _Diamond, edit: Arms) -> dict[str, Block]:
     """The top, which now leads to the bottom only, and the bottom, by name."""
     top, bottom = diamond.top, diamond.bottom
     cond = top.branch.cond
@@ -115,7 +114,7 @@ def _merged_blocks(diamond: _Diamond, edit: _Edit) -> dict[str, Block]:
     for block, taken in ((diamond.then, True), (diamond.other, False)):
         sources.append(top.name if block is None else block.name)
         if block is not None:
-            edit.arm(block, cond, taken=taken)
+            edit.add(block, cond, taken=taken)
     phis = []
     for phi in bottom.phis:
         value = edit.choose(phi, cond, *(incoming(phi, source) for source in sources))
@@ -129,14 +128,14 @@ def _merged_blocks(diamond: _Diamond, edit: _Edit) -> dict[str, Block]:
 
 
 @dataclass
-class _Edit:
-    """The instructions of the merged block."""
+class Arms:
+    """The instructions of a block, and behind them those of arms of its branch."""
 
-    free: int
+    fresh: FreshIds
     instrs: list[Instr]
     inverted: Value | None = field(default=None)
 
-    def arm(self, block: Block, cond: Value, *, taken: bool) -> None:
+    def add(self, block: Block, cond: Value, *, taken: bool) -> None:
         """Appends an arm that runs if `cond` is `taken`."""
         for instr in block.instrs:
             if instr.op not in MEMORY:
@@ -165,6 +164,5 @@ class _Edit:
         self, op: Opcode, kind: Kind, operands: tuple[Value, ...], like: Phi | None = None
     ) -> Value:
         loc = None if like is None else like.loc
-        self.instrs.append(Instr(self.free, op, kind, operands, loc=loc))
-        self.free += 1
-        return Ref(self.free - 1)
+        self.instrs.append(Instr(self.fresh(), op, kind, operands, loc=loc))
+        return Ref(self.instrs[-1].id)
