@@ -114,7 +114,11 @@ class Expressions:
         """The signed word `value` in the iteration that computes it; None if it is not affine."""
         if value not in self._memo:
             self._memo[value] = None  # of a cycle through phis nothing is known but by `_header`
-            found = self._compute(value)
+            try:
+                found = self._compute(value)
+            except isl.Error:  # out of operations, which says nothing about the value
+                del self._memo[value]
+                raise
             if found is not None and found.aff.n_piece() > _MOST_PIECES:
                 found = None
             if found is None and self.is_fixed(value):
