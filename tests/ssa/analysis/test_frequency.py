@@ -43,5 +43,13 @@ def test_branches_go_either_way() -> None:
     assert set(runs.values()) <= {0.5, 1.0}
 
 
+def test_branches_go_where_they_are_said_to() -> None:
+    function = lower((If(0, 1, (Load(0, 0),), (Store(0, 1),)),))
+    branches = [block.branch for block in function.blocks if block.branch.cond is not None]
+    for target in branches[0].successors:
+        runs = frequencies(function, {}, {target: 0.75})
+        assert runs[target] == pytest.approx(0.75)
+
+
 def test_unknown_loops_get_an_assumed_length() -> None:
     assert SINGLE_LOOP_TRIPS > 1

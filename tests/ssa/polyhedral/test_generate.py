@@ -29,6 +29,7 @@ from vividc.ssa.polyhedral.search import (
     loops_in,
     orders,
     put,
+    skewed,
     with_factors,
 )
 from vividc.ssa.polyhedral.trees import Loop, tree_of
@@ -99,6 +100,8 @@ def test_sums_of_a_jammed_triangle_stay_in_registers() -> None:
 def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: int) -> list[Loop]:
     """Legal trees of a part, with random factors."""
     trees = orders(tree_of(scop), relations)
+    later = [tree for tree in skewed(chance.choice(trees)) if is_legal(tree, relations)]
+    trees += chance.sample(later, min(len(later), 2))
     chosen = []
     for tree in chance.sample(trees, min(most, len(trees))):
         chosen.append(tree)

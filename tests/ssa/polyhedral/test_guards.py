@@ -11,7 +11,16 @@ from vividc.ssa.flow import find_loops
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, both, guard_of, implies, is_maskable, masked
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, expected_trips, loops_of
+from vividc.ssa.polyhedral.loops import (
+    Code,
+    For,
+    If,
+    Loops,
+    Quotient,
+    Run,
+    expected_trips,
+    loops_of,
+)
 from vividc.ssa.polyhedral.loops import Test as Comparison
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.search import with_factors
@@ -72,6 +81,24 @@ def test_a_last_group_counts_half_of_what_it_may_lack() -> None:
     loop = For("c", (Form(),), (symbol("n"),), 8, ())
     assert expected_trips(Loops((loop,)), {"n": 16.0}) == {"c": (16 + 3.5) / 8}
     assert expected_trips(Loops((loop,)), {"n": 0.0}) == {"c": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("test", "chance"),
+    [
+        (Comparison(">=", symbol("n").plus(Form((), -16))), 0.95),
+        (Comparison(">", symbol("n").plus(Form((), -16))), 0.05),
+        (Comparison("<", symbol("c").plus(symbol("n"), -1)), 0.95),
+        (Comparison(">=", symbol("c").plus(Form((), -8))), 0.5),
+        (Comparison("==", symbol("r")), 0.25),
+    ],
+)
+def test_how_often_a_branch_is_taken(test: Comparison, chance: float) -> None:
+    """0.05 at least, and 0.95 at most; c is spread over 0 to 16, r over 0 to 3."""
+    branch = If(test, (Run("S", ()),), name="b")
+    loop = For("c", (Form(),), (symbol("n"),), 1, (branch,))
+    loops = Loops((loop,), {"r": Quotient(symbol("n"), 4, remainder=True)})
+    assert expected_trips(loops, {"n": 16.0})["b"] == pytest.approx(chance, abs=0.05)
 
 
 @vividc.kernel("void(float32[:, ::1], float32[::1], float32[::1])")

@@ -328,8 +328,9 @@ class _Chooser:
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
         limit = self._most_operations(base, candidate.kind)
-        if estimate.largest_loop > limit:
-            return f"a loop would have {estimate.largest_loop} operations, more than {limit}"
+        largest = estimate.largest_loop(len(self.estimator.fabric.pes))
+        if largest > limit:
+            return f"a loop would have {largest} operations, more than {limit}"
         if math.isinf(estimate.cycles):
             return f"it needs more than the {self.estimator.fabric.controller.contexts} contexts"
         share = _GAIN[candidate.kind]

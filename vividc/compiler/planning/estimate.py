@@ -29,6 +29,11 @@ from vividc.ssa.rewrite.normalize import normalize
 _ROUTING = 1.3
 """An iteration's span over its longest path: words travel, and operations wait for PEs."""
 
+_ROOMY = 0.5
+"""Of a loop's slots: as many operations are mapped within seconds (adi: 360 with an II of 49 in
+3 s; 540 are not).
+"""
+
 _NEVER = 1 << 20
 """Stands for the length of a region that no mapping exists for."""
 
@@ -88,10 +93,13 @@ class Estimate:
         """The fewest contexts that the regions take."""
         return sum(cost.shape.ii for cost in self.regions)
 
-    @property
-    def largest_loop(self) -> int:
-        """Operations of the largest modulo-scheduled loop."""
-        return max((r.shape.operations for r in self.regions if r.kind == "loop"), default=0)
+    def largest_loop(self, pes: int) -> int:
+        """Operations of the largest modulo-scheduled loop, those aside that half of the slots of so
+        many PEs suffice for: recurrences give a mapper room.
+        """
+        loops = [r.shape for r in self.regions if r.kind == "loop"]
+        crowded = [s.operations for s in loops if s.operations > _ROOMY * s.ii * pes]
+        return max(crowded, default=0)
 
     @property
     def largest_straight(self) -> int:
@@ -128,7 +136,8 @@ class Estimator:
         Parameters
         ----------
         hints
-            Iterations of loops by header, where the caller knows better.
+            Iterations of loops by header, where the caller knows better, and how often a branch
+            goes to a block.
         """
         function = self.prepared(function, hints)
         return self._estimate(function, hints)
@@ -160,7 +169,7 @@ class Estimator:
     ) -> Estimate:
         """The cycles of a normalised function's regions if they have these shapes."""
         trips = expected_trips(function, hints)
-        runs = frequencies(function, trips)
+        runs = frequencies(function, trips, hints)
         entries = _entries(function, runs)
         costs = tuple(
             RegionCost(r.header, r.kind, shape, entries[r.header], trips[r.header], r.loc)

@@ -25,6 +25,7 @@ from vividc.ssa.polyhedral.search import (
     describe,
     groups,
     has_masks,
+    has_skews,
     is_legal,
     orders,
     with_factors,
@@ -147,9 +148,13 @@ class _Climb:
         ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
         for order in orders(tree_of(self.scop), self.relations):
             tree, jammed = groups(order, self.relations)
+            if has_skews(tree):
+                jammed = [group[:1] for group in jammed]
             cycles = self._cycles(tree)
             for pair, single in _FIRST:
-                first = self._cycles(with_factors(tree, dict(_chosen(jammed, pair, single))))
+                first = self._cycles(
+                    with_factors(tree, dict(_chosen(jammed, pair, single)), masked=has_skews(tree))
+                )
                 cycles = min(cycles, first)
                 if first < math.inf:
                     break
@@ -175,6 +180,8 @@ class _Climb:
             best, kept = self._cycles(tree), tree
             failed: list[tuple[tuple[int, ...], bool]] = []
             for factors, masked in self._choices([self._length(at(tree, path)) for path in group]):
+                if has_skews(tree) and not masked:
+                    continue  # what some iterations of a group run would be long
                 if any(m == masked and _covers(factors, less) for less, m in failed):
                     continue  # more are no smaller
                 now = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
@@ -230,8 +237,9 @@ class _Climb:
         function = tidy(made.function)
         if sum(len(block.instrs) for block in function.blocks) > MOST_INSTRUCTIONS:
             return None
+        named = {new: loop.code.name for new, loop in made.loops.items()} | dict(made.branches)
         hints, more = (
-            {new: expected[loop.code.name] for new, loop in made.loops.items()}
+            {block: expected[name] for block, name in named.items()}
             for expected in (
                 expected_trips(loops, self.symbols),
                 expected_trips(loops, self.larger),
@@ -247,12 +255,12 @@ class _Climb:
         state = State(
             function,
             {**self.state.hints, **hints},
-            self.state.made | hints.keys(),
+            self.state.made | made.loops.keys(),
             {**self.state.origin, **origins},
             {**self.state.scale, **scale},
         )
         estimate = self.estimator.estimate(function, state.hints)
-        if estimate.largest_loop > self.most_operations:
+        if estimate.largest_loop(len(self.estimator.fabric.pes)) > self.most_operations:
             return None
         large = self.estimator.estimate(function, {**state.hints, **more})
         factor = max((loop.code.step for loop in made.loops.values()), default=1)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
@@ -24,6 +26,8 @@ edges of a node.
 """
 
 _MOST_EVALUATED = 64
+
+NO_CHANCES: Final[Mapping[str, float]] = MappingProxyType({})
 
 
 def expected_trips(function: Function, hints: Mapping[str, float]) -> dict[str, float]:
@@ -59,17 +63,20 @@ def _is_single(loop: Loop, loops: tuple[Loop, ...]) -> bool:
     return not any(o.header in loop.blocks or loop.header in o.blocks for o in others)
 
 
-def frequencies(function: Function, trips: Mapping[str, float]) -> dict[str, float]:
+def frequencies(
+    function: Function, trips: Mapping[str, float], chances: Mapping[str, float] = NO_CHANCES
+) -> dict[str, float]:
     """Runs of each block for one run of the function (Wagner et al. 1994).
 
     A branch that leaves a loop does so once in as many runs as its loop has iterations; other
-    branches go either way equally often. Blocks are all 1 if no branch ends some loop.
+    branches go to a block as often as `chances` says of it, or either way equally often. Blocks are
+    all 1 if no branch ends some loop.
     """
     index = {block.name: number for number, block in enumerate(function.blocks)}
     flow = np.eye(len(index))
     loops = find_loops(function)
     for block in function.blocks:
-        for target, probability in _edges(block, loops, trips):
+        for target, probability in _edges(block, loops, trips, chances):
             flow[index[target], index[block.name]] -= probability
     entry = np.zeros(len(index))
     entry[0] = 1.0
@@ -81,20 +88,28 @@ def frequencies(function: Function, trips: Mapping[str, float]) -> dict[str, flo
 
 
 def _edges(
-    block: Block, loops: tuple[Loop, ...], trips: Mapping[str, float]
+    block: Block,
+    loops: tuple[Loop, ...],
+    trips: Mapping[str, float],
+    chances: Mapping[str, float],
 ) -> Iterator[tuple[str, float]]:
     targets = tuple(dict.fromkeys(block.branch.successors))
     if len(targets) == 1:
         yield targets[0], 1.0
     elif targets:
-        first = _first_probability(block, targets, loops, trips)
+        first = _leaving(block, targets, loops, trips)
+        if first is None and targets[1] in chances:
+            first = 1.0 - chances[targets[1]]
+        if first is None:
+            first = chances.get(targets[0], 0.5)
         yield targets[0], first
         yield targets[1], 1.0 - first
 
 
-def _first_probability(
+def _leaving(
     block: Block, targets: tuple[str, ...], loops: tuple[Loop, ...], trips: Mapping[str, float]
-) -> float:
+) -> float | None:
+    """How often a branch goes to the first target, of one that leaves a loop."""
     for loop in loops:
         if block.name not in loop.blocks:
             continue
@@ -103,4 +118,4 @@ def _first_probability(
             runs = trips[loop.header] + (1.0 if block.name == loop.header else 0.0)
             leave = 1.0 / max(runs, 1.0)
             return 1.0 - leave if stays[0] else leave
-    return 0.5
+    return None

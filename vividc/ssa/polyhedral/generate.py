@@ -40,10 +40,13 @@ class Made:
 
 @dataclass(frozen=True)
 class Generated:
-    """A function with other loops in place of a part; `loops` are the new ones by header."""
+    """A function with other loops in place of a part; `loops` are the new ones by header, and
+    `branches` the names of branches by the block that runs where the test holds.
+    """
 
     function: Function
     loops: Mapping[str, Made]
+    branches: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,7 @@ class _Writer:
         self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
         self.known: dict[Place, _Known] = {}
         self.made: dict[str, Made] = {}
+        self.branches: dict[str, str] = {}
         self._taken = {block.name for block in scop.function.blocks}
         self._types = {i.id: i.type for block in scop.function.blocks for i in block.items}
         self._blocks: list[Block] = []
@@ -105,7 +109,7 @@ class _Writer:
         last = self._name
         self._close(Branch(scop.exit, loc=header.branch.loc))
         finals = {phi.id: self.known[Place(phi.id, ())].value for phi in carried}
-        return Generated(substitute(self._spliced(first, last), finals), self.made)
+        return Generated(substitute(self._spliced(first, last), finals), self.made, self.branches)
 
     def _spliced(self, first: str, last: str) -> Function:
         scop = self.scop
@@ -258,6 +262,7 @@ class _Writer:
         predicates = self._predicates
         then, otherwise, join = (self._fresh(f"part.{stem}") for stem in ("then", "else", "join"))
         self._close(Branch(then, condition, otherwise, loc=loc))
+        self.branches[then] = item.name
         ends = []
         for name, code in ((then, item.then), (otherwise, item.otherwise)):
             self._open(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
@@ -20,6 +21,7 @@ _JOINED: Final = {"and": "and", "and_then": "and", "or": "or", "or_else": "or"}
 _REMAINDERS: Final = ("pdiv_r", "zdiv_r")
 _OF_NEGATIVE: Final = ("fdiv_q", "zdiv_r")
 _MOST: Final = 1 << 30
+_RARE: Final = 0.05
 _QUOTIENTS: Final = ("fdiv_q", "pdiv_q", *_REMAINDERS)
 
 
@@ -53,11 +55,12 @@ class Test:
 
 @dataclass(frozen=True)
 class If:
-    """Code under a test."""
+    """Code under a test, with a name of its own."""
 
     test: Test
     then: tuple[Code, ...]
     otherwise: tuple[Code, ...] = ()
+    name: str = ""
 
 
 Code = Run | For | If
@@ -131,10 +134,13 @@ class _Reader:
             raise _Odd(f"isl's tree has a node of type {kind}")
 
     def _if(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
+        name = f"b{self.count}"
+        self.count += 1
         test = self.test(node.if_get_cond(), names)
         then = tuple(self.code(node.if_get_then_node(), names))
         has_else = node.if_has_else_node()
-        yield If(test, then, tuple(self.code(node.if_get_else_node(), names)) if has_else else ())
+        otherwise = tuple(self.code(node.if_get_else_node(), names)) if has_else else ()
+        yield If(test, then, otherwise, name)
 
     def _for(self, node: isl.AstNode, names: dict[str, Form]) -> Iterator[Code]:
         name = node.for_get_iterator().get_id().get_name()
@@ -264,41 +270,68 @@ def fors_in(code: Iterable[Code]) -> Iterator[For]:
 
 
 def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
-    """Iterations of each loop, by name, where symbols have these values: averages of what lengths
-    near them give, so that a remainder is half of what it may be.
+    """Iterations of each loop, by name, where symbols have these values, and how often the test of
+    each branch holds: averages of what lengths near them give, so that a remainder is half of what
+    it may be.
     """
-    values = dict(symbols)
-    trips: dict[str, float] = {}
+    return _Expected(loops, symbols).trips
 
-    def value(one: Form) -> float:
-        return one.constant + sum(factor * named(name) for name, factor in one.terms)
 
-    def named(name: str) -> float:
-        quotient = loops.quotients.get(name)
+class _Expected:
+    def __init__(self, loops: Loops, symbols: Mapping[str, float]) -> None:
+        self.quotients = loops.quotients
+        self.values = {name: (value, 0.0) for name, value in symbols.items()}
+        self.trips: dict[str, float] = {}
+        self._walk(loops.code)
+
+    def _of(self, one: Form) -> tuple[float, float]:
+        """A form's mean, and how far it is from that at most."""
+        named = [(self._named(name), factor) for name, factor in one.terms]
+        mean = one.constant + sum(factor * value for (value, _), factor in named)
+        return mean, sum(abs(factor) * spread for (_, spread), factor in named)
+
+    def _named(self, name: str) -> tuple[float, float]:
+        quotient = self.quotients.get(name)
         if quotient is None:
-            return values[name]
+            return self.values[name]
         half = (quotient.divisor - 1) / 2
-        return half if quotient.remainder else (value(quotient.dividend) - half) / quotient.divisor
+        if quotient.remainder:
+            return half, half
+        mean, spread = self._of(quotient.dividend)
+        return (mean - half) / quotient.divisor, spread / quotient.divisor
 
-    def whole(loop: For) -> bool:
+    def _is_whole(self, loop: For) -> bool:
         """Whether the limit is without the remainder of a step."""
-        taken = (loops.quotients.get(name) for one in loop.limit for name in one.names)
+        taken = (self.quotients.get(name) for one in loop.limit for name in one.names)
         return any(q is not None and q.divisor % loop.step == 0 for q in taken)
 
-    def walk(code: tuple[Code, ...]) -> None:
+    def _walk(self, code: tuple[Code, ...]) -> None:
         for item in code:
             if isinstance(item, For):
-                first = max(map(value, item.first))
-                limit = min(map(value, item.limit))
+                first = max(self._of(one)[0] for one in item.first)
+                limit = min(self._of(one)[0] for one in item.limit)
                 lacks = (item.step - 1) / 2 if limit > first else 0.0
-                if whole(item):
+                if self._is_whole(item):
                     lacks = (item.first[0].constant - item.limit[0].constant) % item.step
-                trips[item.name] = max(limit - first + lacks, 0.0) / item.step
-                values[item.name] = (first + limit) / 2
-                walk(item.body)
+                self.trips[item.name] = max(limit - first + lacks, 0.0) / item.step
+                self.values[item.name] = (first + limit) / 2, max(limit - first, 0.0) / 2
+                self._walk(item.body)
             elif isinstance(item, If):
-                walk(item.then)
-                walk(item.otherwise)
+                self.trips[item.name] = min(max(self._chance(item.test), _RARE), 1.0 - _RARE)
+                self._walk(item.then)
+                self._walk(item.otherwise)
 
-    walk(loops.code)
-    return trips
+    def _chance(self, test: Test) -> float:
+        """How often a test holds."""
+        parts = [self._chance(part) for part in test.parts]
+        if test.relation == "and":
+            return math.prod(parts)
+        if test.relation == "or":
+            return 1.0 - math.prod(1.0 - part for part in parts)
+        mean, spread = self._of(test.left)
+        if test.relation == "==":
+            return 1.0 / (2.0 * spread + 1.0) if abs(mean) <= spread else 0.0
+        if test.relation in ("<", "<="):
+            mean = -mean
+        mean += 0.5 if test.relation in ("<=", ">=") else -0.5
+        return min(max((mean + spread + 0.5) / (2.0 * spread + 1.0), 0.0), 1.0)

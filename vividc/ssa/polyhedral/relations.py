@@ -12,8 +12,10 @@ from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 
-LARGE = 1 << 30
-"""No other symbol is larger in a loop that ends; smaller ones count as its negative."""
+LARGE = 1 << 28
+"""No other symbol is larger in a loop that ends; smaller ones count as its negative: bounds of
+skewed loops are sums of up to four of them, which must not wrap.
+"""
 
 _LONGEST = 1 << 20
 """No dimension of an array is longer."""

@@ -142,7 +142,7 @@ class _Ordering:
         nodes = [] if whole.is_empty else [(whole, self._children(tree, whole))]
         if not rest.is_empty:
             single = replace(rest, jammed=(), apart=(*rest.apart, *rest.jammed))
-            forms = [(loop, f"{{0}} - ({group_of(loop)})") for loop in rest.jammed]
+            forms = [(loop, f"({{0}}) - ({group_of(loop)})") for loop in rest.jammed]
             nodes.append((rest, self._band(forms, rest, self._children(tree, single), "unroll")))
         return self._sequence(nodes)
 
@@ -188,7 +188,7 @@ class _Ordering:
             leaf = self._first_of(name, place.domains[name], full, self.grouped)
         if not partly:
             return leaf
-        forms = [(loop, f"{{0}} - ({group_of(loop)})") for loop in partly]
+        forms = [(loop, f"({{0}}) - ({group_of(loop)})") for loop in partly]
         return self._band(forms, place, leaf, "unroll")
 
     def _first_of(
@@ -208,8 +208,8 @@ class _Ordering:
     def _full(self, name: str, place: Site) -> tuple[tuple[Loop, ...], tuple[Loop, ...]]:
         """Jammed loops, and the innermost of them whose groups are all full, apart."""
         jammed = place.jammed
-        if not jammed:
-            return (), ()
+        if any(loop.skew for loop in place.around):
+            return jammed, ()  # its other iterations are not beside the first
         band = self.tiles.reached({name: place.domains[name]}, place.around)
         first = len(jammed)
         while first and band.is_subset(self.tiles.filled(band, place.around, jammed[first - 1])):
@@ -220,7 +220,7 @@ class _Ordering:
         maps = []
         for loop, text in members:
             images = [
-                f"{self.tiles.named(name)} -> [({text.format(loop.over[name])})]"
+                f"{self.tiles.named(name)} -> [({text.format(loop.counted(name))})]"
                 for name, domain in place.domains.items()
                 if not domain.is_empty()
             ]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from vividc.host import time_limit
-from vividc.ssa.polyhedral.forms import symbol
+from vividc.ssa.polyhedral.forms import ZERO, symbol
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
@@ -17,6 +17,9 @@ Path = tuple[int, ...]
 """Where a loop is in a tree: positions among children, from the root."""
 
 _MOST_ORDERS = 10
+
+_SKEWS = (1, 2)
+"""Iterations by which a loop starts later: a stencil of three rows needs 2 (its last neighbour)."""
 
 
 def orders(tree: Loop, relations: Relations) -> list[Loop]:
@@ -30,7 +33,15 @@ def orders(tree: Loop, relations: Relations) -> list[Loop]:
             if moved not in found and is_legal(moved, relations):
                 found.append(moved)
                 work.append(moved)
-    return found
+    later = [tree for base in found if not _has_rows(base, relations) for tree in skewed(base)]
+    return [*found, *(tree for tree in later if _has_rows(tree, relations))]
+
+
+def _has_rows(tree: Loop, relations: Relations) -> bool:
+    """Whether a loop around another one may be jammed."""
+    tree, jammed = groups(tree, relations)
+    outer = (at(tree, path) for group in jammed for path in group)
+    return any(isinstance(child, Loop) for loop in outer for child in loop.children)
 
 
 def is_legal(tree: Loop, relations: Relations) -> bool:
@@ -102,6 +113,21 @@ def _depth(children: tuple[Tree, ...]) -> int:
     return max((1 + _depth(c.children) for c in children if isinstance(c, Loop)), default=0)
 
 
+def skewed(tree: Loop) -> Iterator[Loop]:
+    """Trees in which the loops in one loop start later in each of its iterations."""
+    for path, loop in loops_in(tree):
+        if not any(isinstance(child, Loop) for child in loop.children):
+            continue
+        for factor in _SKEWS:
+            children = tuple(
+                replace(child, skew={n: symbol(loop.over[n]).times(factor) for n in child.over})
+                if isinstance(child, Loop)
+                else child
+                for child in loop.children
+            )
+            yield put(tree, path, replace(loop, children=children))
+
+
 def loops_in(tree: Tree, path: Path = ()) -> Iterator[tuple[Path, Loop]]:
     """All loops of a tree with their places, outermost first."""
     if isinstance(tree, Loop):
@@ -135,6 +161,11 @@ def with_factors(tree: Loop, factors: Mapping[Path, int], *, masked: bool = Fals
     for path, factor in factors.items():
         tree = put(tree, path, replace(at(tree, path), factor=factor, masked=masked))
     return tree
+
+
+def has_skews(tree: Tree) -> bool:
+    """Whether a loop of it is skewed."""
+    return any(loop.skew for _, loop in loops_in(tree))
 
 
 def has_masks(tree: Tree) -> bool:
@@ -199,6 +230,11 @@ def describe(tree: Loop) -> str:
         inside = ", ".join(map(text, node.children))
         factor = f"*{node.factor}{'?' if node.masked else ''}" if node.factor > 1 else ""
         order = " in order" if node.in_order else ""
-        return f"{'/'.join(sorted(set(node.over.values())))}{factor}{order}[{inside}]"
+        names = {name + "".join(_skew(node, s)) for s, name in node.over.items()}
+        return f"{'/'.join(sorted(names))}{factor}{order}[{inside}]"
+
+    def _skew(node: Loop, statement: str) -> Iterator[str]:
+        for name, factor in node.skew.get(statement, ZERO).terms:
+            yield f"+{factor}{name}"
 
     return f"{text(tree)} of {len(set(statements_in(tree)))}"

@@ -31,6 +31,9 @@ class Loop:
         In a group, its own or of loops around it, the statements before its first loop and what
         all iterations run of that loop come first, jammed; then, an iteration after another in
         their order, what is left.
+    skew
+        What is added to the coordinate, by statement: a form of coordinates of loops around, so
+        that it starts later in each of their iterations (Wolfe, "Loop skewing", 1986).
     """
 
     over: Mapping[str, str]
@@ -39,6 +42,11 @@ class Loop:
     base: Form = ZERO
     masked: bool = False
     in_order: bool = False
+    skew: Mapping[str, Form] = field(default_factory=dict)
+
+    def counted(self, name: str) -> Form:
+        """What it counts of a statement."""
+        return symbol(self.over[name]).plus(self.skew.get(name, ZERO))
 
 
 Tree = Loop | str
@@ -109,7 +117,7 @@ class Site:
 def group_of(loop: Loop) -> str:
     """Where the group of iterations begins that a coordinate, {0}, belongs to."""
     base = f"({loop.base})"
-    return f"{base} + {loop.factor}*floor(({{0}} - {base})/{loop.factor})"
+    return f"{base} + {loop.factor}*floor((({{0}}) - {base})/{loop.factor})"
 
 
 @dataclass(frozen=True)
@@ -125,6 +133,8 @@ class Tiles:
 
     def _is_bound_to(self, tree: Loop, other: Loop, name: str) -> bool:
         """Whether bounds of a statement tie what two loops count of it to each other."""
+        if other.over[name] in tree.skew.get(name, ZERO).names:
+            return True
         both = {tree.over[name], other.over[name]}
         dims = self.relations.scop.statement(name).dims
         return len(both) == 1 or any(
@@ -154,7 +164,7 @@ class Tiles:
         """Where the whole groups end, by statement, if all of them have the same bounds, jammed
         loops do not change these, and no loop around has bounds by what this one counts.
         """
-        if self.differ(place, tree):
+        if self.differ(place, tree) or any(loop.skew for loop in (*place.around, tree)):
             return {}
         seen = set()
         limits = {}
@@ -326,7 +336,7 @@ class Tiles:
         return isl.Map(f"{self.relations.parameters} -> {{ {text} }}")
 
     def _to_loops(self, name: str, loops: tuple[Loop, ...]) -> isl.Map:
-        image = ", ".join(loop.over[name] for loop in loops)
+        image = ", ".join(str(loop.counted(name)) for loop in loops)
         return self._map(f"{self.named(name)} -> [{image}]")
 
     def named(self, name: str) -> str:
