@@ -88,6 +88,12 @@ def by_an_argument(x, y, n):
         x[i] = y[i + 1] * TWO
 
 
+@vividc.kernel("void(float32[::1], float32[::1], uint32, uint32)")
+def named_as_symbols_are(x, y, iteration, inner):
+    for i in range(20):
+        x[np.uint32(i) + iteration] = y[np.uint32(3 * i) + inner]
+
+
 KERNELS = [one_stride, backwards, by_a_step, towards_each_other, three_back, two_counters]
 
 
@@ -117,6 +123,7 @@ def test_loops_compute_what_numba_does(kernel: Callable[..., object]) -> None:
         (columns, ()),
         (strides_of_arguments, (np.int32(3), np.int32(5))),
         (by_an_argument, (np.int32(7),)),
+        (named_as_symbols_are, (np.uint32(3), np.uint32(5))),
     ],
     ids=lambda item: getattr(item, "name", ""),
 )

@@ -18,8 +18,8 @@ from vividc.ssa.flow import Loop
 from vividc.ssa.ir import Const, Function, Input, Phi, Value, definition_of
 
 Monomial = tuple[Value, ...]
-ITERATION: Final = Input("iteration")
-"""Symbol of `LoopPolynomials` for the number of the loop's iteration, from 0."""
+ITERATION: Final = Input("%iteration")
+"""Symbol of `LoopPolynomials` for the number of the loop's iteration, from 0: no input's key."""
 _MAX_TERMS = 12
 _MAX_DEGREE = 4
 
