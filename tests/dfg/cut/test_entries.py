@@ -10,6 +10,7 @@ from hypothesis import given, settings
 
 import vividc
 from tests.dfg.cut.test_build import meaning, memory_after
+from tests.fuzz.witnesses import run_regions
 from tests.programs import (
     Access,
     Assign,
@@ -29,6 +30,7 @@ from vividc.host.watch import run_passes
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.check import check_function
 from vividc.ssa.interpret import interpret
+from vividc.ssa.rewrite.normalize import normalize
 
 
 @settings(max_examples=150)
@@ -125,3 +127,22 @@ def test_a_loop_behind_a_nest_starts_with_what_the_nest_leaves(count: int) -> No
     behind = For(1, 0, 2, (Assign(2, "add", 2, 0, None), Store(1, 2)))
     program: Program = (For(0, 0, count, (inner,)), behind)
     assert memory_after(build_kernel(lower(program))) == meaning(program)
+
+
+@vividc.kernel("void(int32[::1], int32[::1])")
+def handed_on(x, y):
+    """What one iteration computes in front of the inner loop is read by the next one alone."""
+    state = np.int32(1)
+    for i in range(len(x)):
+        before = state
+        state = np.int32(state * 5 + x[i])
+        for j in range(before & 3):
+            y[j] += before
+
+
+def test_what_only_the_next_iteration_reads_is_kept() -> None:
+    x = np.arange(7, dtype=np.int32)
+    mine, numbas = np.zeros(4, np.int32), np.zeros(4, np.int32)
+    run_regions(build_kernel(normalize(handed_on.lower())), [x, mine])
+    handed_on(x, numbas)
+    np.testing.assert_array_equal(mine, numbas)

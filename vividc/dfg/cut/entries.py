@@ -268,6 +268,7 @@ def _prepared(
     copies = {source: _copy(first, source, fresh) for source in ends.sources}
     others = (block for block in function.blocks if block.name != first.name)
     used = {v.id for block in others for v in read_values(block) if isinstance(v, Ref)}
+    used |= {v.id for phi in first.phis for _, v in phi.incoming if isinstance(v, Ref)}
     used |= {value.id for values in read.values() for value in values if isinstance(value, Ref)}
     types = {instr.id: instr.type for instr in first.instrs if instr.id in used}
     changed = [_with_arm(function.by_name[s], first.name, c, fresh) for s, c in copies.items()]
