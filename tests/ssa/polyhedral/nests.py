@@ -32,6 +32,8 @@ class _Builder:
     scalars: list[Value] = field(default_factory=lambda: [Const(3), Const(5)])
     ids: int = 0
     names: int = 0
+    in_bytes: random.Random = field(default_factory=lambda: random.Random(0))
+    """Decides whether indices count bytes, as of rows that LLVM knows."""
 
     def new(self) -> int:
         self.ids += 1
@@ -70,15 +72,17 @@ class _Builder:
             self.scalars[which] = self.emit(Opcode.ADD, value, self.chance.choice(self.counters))
             return
         array, index, offset, subscript = self.element()
-        base = Input(f"&{array}")
+        base, shift = Input(f"&{array}"), 2
+        if not subscript and self.in_bytes.random() < 0.2:
+            index, shift = self.emit(Opcode.MUL, index, Const(4)), 0
         if kind in ("load", "update"):
-            load = Instr(self.new(), Opcode.LOAD, Type.I32, (base, index), array, 2, offset)
+            load = Instr(self.new(), Opcode.LOAD, Type.I32, (base, index), array, shift, offset)
             load = replace(load, subscript=subscript)
             self.instrs.append(load)
             self.scalars[which] = self.emit(Opcode.ADD, self.scalars[which], Ref(load.id))
         if kind in ("store", "update"):
             operands = (base, index, self.scalars[which])
-            store = Instr(self.new(), Opcode.STORE, Type.NONE, operands, array, 2, offset)
+            store = Instr(self.new(), Opcode.STORE, Type.NONE, operands, array, shift, offset)
             self.instrs.append(replace(store, subscript=subscript))
 
     def element(self) -> tuple[str, Value, int, tuple[int | None, ...]]:
@@ -183,7 +187,7 @@ def settled(function: Function, n: Const) -> Function:
 
 def random_nest(seed: int) -> Function:
     """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays."""
-    builder = _Builder(random.Random(seed))
+    builder = _Builder(random.Random(seed), in_bytes=random.Random(seed))
     builder.body(0)
     for place, value in enumerate(builder.scalars):
         operands = (Input("&a"), Const(SIDE * SIDE - 1 - place), value)

@@ -17,6 +17,7 @@ from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
 from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
+from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.relations import Relations
@@ -166,3 +167,32 @@ def test_many_nests_are_parts() -> None:
 @pytest.mark.parametrize("seed", range(40, 1040))
 def test_more_random_trees(seed: int) -> None:
     demand_trees_mean_the_same(seed, most=10)
+
+
+@vividc.kernel("void(float32[:, ::1])", like={"v": (20, 20)})
+def upwards(v):
+    """Columns from their last row, which is known and so an index in bytes, to the first."""
+    for i in range(20):
+        v[19, i] = 1.0
+        for j in range(18, -1, -1):
+            v[j, i] += v[j + 1, i]
+
+
+def test_indices_in_bytes_and_in_elements_are_of_the_same_elements() -> None:
+    function = tidy(upwards.lower())
+    indices = {instr.shift for block in function.blocks for instr in block.instrs if instr.array}
+    assert indices == {0, 2}
+    [scop] = parts_of(function)
+    stores = [a for s in scop.statements for a in s.accesses.values() if a.is_store]
+    [last] = [access for access in stores if access.instr.shift == 0]
+    assert last.subscripts == (Form((), 19), symbol("i0"))
+    relations = Relations(scop)
+    tree = replace(tree_of(scop), factor=4)
+    loops = loops_of(tree, relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops)
+    assert not isinstance(made, Refusal)
+    mine, theirs = (np.random.default_rng(0).random((20, 20), dtype=np.float32) for _ in "12")
+    interpret(function, mine)
+    interpret(tidy(made.function), theirs)
+    assert np.array_equal(mine, theirs)

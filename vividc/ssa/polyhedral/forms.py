@@ -24,6 +24,13 @@ class Form:
         """factor * self."""
         return Form().plus(self, factor)
 
+    def divided(self, divisor: int) -> Form | None:
+        """The form of which this is `divisor` times; None if there is none."""
+        if self.constant % divisor or any(factor % divisor for _, factor in self.terms):
+            return None
+        terms = tuple((name, factor // divisor) for name, factor in self.terms)
+        return Form(terms, self.constant // divisor)
+
     def substituted(self, values: Mapping[str, Form]) -> Form:
         """The form with forms in place of names."""
         result = Form((), self.constant)

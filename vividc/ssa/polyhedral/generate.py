@@ -25,7 +25,7 @@ from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Ref, Value, pitch
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
 from vividc.ssa.polyhedral.places import Accessed, Place, Places
-from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.scop import Scop, element_bytes
 from vividc.ssa.polyhedral.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
 
@@ -386,11 +386,13 @@ class _Writer:
         rank = len(place.subscripts)
         pitches = tuple(pitch_of(instr.array, axis) for axis in range(1, rank))
         index = self.words.element(place.subscripts, pitches)
+        step = element_bytes(instr)
         made = replace(
             instr,
             id=self.words.ids(),
             operands=(instr.operands[0], index, *rest),
-            offset=place.subscripts[-1].constant << instr.shift,
+            shift=step.bit_length() - 1,
+            offset=place.subscripts[-1].constant * step,
             distinct="",
         )
         self.words.instrs.append(made)

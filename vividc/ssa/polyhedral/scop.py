@@ -65,6 +65,13 @@ class Access:
         return self.instr.op is Opcode.STORE
 
 
+def element_bytes(instr: Instr) -> int:
+    """Bytes from one element to the next, as subscripts of an access count them: its index may
+    count bytes, where LLVM has folded the constant rows of an array of known sizes.
+    """
+    return max(1 << instr.shift, WORD_BYTES)
+
+
 @dataclass(frozen=True)
 class Statement:
     """What one iteration of `dims` does between inner loops.
@@ -406,11 +413,13 @@ class _Raising:
         if len(instr.operands) > _OPERANDS[instr.op]:
             raise _NotStatic("an access is predicated")
         subscripts = subscripts_of(self.function).of(instr)
-        forms = [self._affine(one) for one in subscripts or ()]
-        if not forms or any(one is None for one in forms) or instr.offset % (1 << instr.shift):
+        step = element_bytes(instr)
+        moved = [self._affine(one) for one in subscripts or ()]
+        forms = [one and one.times(1 << instr.shift).divided(step) for one in moved]
+        if not forms or any(one is None for one in forms) or instr.offset % step:
             raise _NotStatic(f"a subscript of {instr.array} is not affine")
         known = [one for one in forms if one is not None]
-        known[-1] = known[-1].plus(Form((), instr.offset >> instr.shift))
+        known[-1] = known[-1].plus(Form((), instr.offset // step))
         if self.axes.setdefault(instr.array, len(known)) != len(known):
             raise _NotStatic(f"subscripts of {instr.array} are not known everywhere")
         self._check_element(instr)
