@@ -20,8 +20,8 @@ from vividc.mapper.problem import MapProblem
 _SLOW_MUL = {LatencyClass.IMUL: 3}
 
 
-def legal_schedule(problem: MapProblem) -> Mapping:
-    mapping = list_schedule(problem)
+def legal_schedule(problem: MapProblem, *, frugal: bool = False) -> Mapping:
+    mapping = list_schedule(problem, frugal=frugal)
     found = violations(
         problem.dfg,
         problem.fabric,
@@ -185,6 +185,22 @@ def test_resident_constants_leave_less_room() -> None:
     legal_schedule(MapProblem(dfg, fabric, resident={0: again, 1: full}))
     with pytest.raises(MappingFailed, match="constant store"):
         list_schedule(MapProblem(dfg, fabric, resident={0: full, 1: full}))
+
+
+def test_a_frugal_schedule_leaves_nearly_full_stores_alone() -> None:
+    """Rather later than with an entry in a store that regions behind may need."""
+    dfg = DFG(
+        "numbers",
+        (Node(0, Opcode.CONST, const=7), Node(1, Opcode.MOV), Node(2, Opcode.MOV)),
+        (Edge(0, 1, 0), Edge(0, 2, 0)),
+    )
+    fabric = tiny_fabric(1, 3, constants=16)
+    nearly = frozenset(("const", 100 + number) for number in range(fabric.pes[0].constants - 1))
+    problem = MapProblem(dfg, fabric, resident={0: nearly, 1: nearly})
+    pes = {place.pe for place in legal_schedule(problem).places.values()}
+    frugal = {place.pe for place in legal_schedule(problem, frugal=True).places.values()}
+    assert pes & {0, 1}
+    assert frugal == {2}
 
 
 def test_an_operation_that_no_pe_executes_is_refused_with_its_line() -> None:

@@ -101,19 +101,37 @@ def map_kernel(
         results = _map_loops(kernel, fabric, options, known, demanded, effort)
         if isinstance(results, Unmapped):
             return results
-        loops = {index: mapping_of(result) for index, result in results.items()}
-        homes = variable_homes(kernel, fabric, loops)
-        done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
-        regions = list(kernel.regions)
-        straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
-        pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
-        for index, region in straight:
-            ready = deliver(region, homes)
-            held = with_homes(residents(fabric, done), homes)
-            problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
-            results[index] = _map_straight(problem, options, pace)
-            regions[index] = replace(region, dfg=ready.dfg)
-            done.append((ready.dfg, mapping_of(results[index])))
+        try:
+            return _with_straight(kernel, fabric, options, results, frugal=False)
+        except MappingFailed:  # what the first ones took may be what the last ones need
+            return _with_straight(kernel, fabric, options, results, frugal=True)
+
+
+def _with_straight(
+    kernel: Kernel,
+    fabric: Fabric,
+    options: MapOptions,
+    results: dict[int, MapResult],
+    *,
+    frugal: bool,
+) -> tuple[Kernel, dict[int, MapResult]]:
+    """The kernel with deliveries, and the results of loops with those of straight regions; `frugal`
+    as in `list_schedule`.
+    """
+    results = dict(results)
+    loops = {index: mapping_of(result) for index, result in results.items()}
+    homes = variable_homes(kernel, fabric, loops)
+    done = [(kernel.regions[index].dfg, mapping) for index, mapping in loops.items()]
+    regions = list(kernel.regions)
+    straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
+    pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
+    for index, region in straight:
+        ready = deliver(region, homes)
+        held = with_homes(residents(fabric, done), homes)
+        problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
+        results[index] = _map_straight(problem, options, pace, frugal=frugal)
+        regions[index] = replace(region, dfg=ready.dfg)
+        done.append((ready.dfg, mapping_of(results[index])))
     return replace(kernel, regions=tuple(regions)), results
 
 
@@ -227,10 +245,12 @@ def _mapped_loop(
     return TimeLimit(text, loc=region.loc, hint=hint)
 
 
-def _map_straight(problem: MapProblem, options: MapOptions, pace: _Pace) -> MapResult:
+def _map_straight(
+    problem: MapProblem, options: MapOptions, pace: _Pace, *, frugal: bool
+) -> MapResult:
     start = time.monotonic()
     pace.begin(len(problem.dfg.placed))
-    mapping = list_schedule(problem, pace.leaves_time)
+    mapping = list_schedule(problem, pace.leaves_time, frugal=frugal)
     faults = violations(
         problem.dfg,
         problem.fabric,

@@ -28,15 +28,22 @@ __all__ = ["list_schedule", "straight_lower_bound"]
 
 _NODES_IN_ALL_TRIALS: Final = 1200
 _MAX_TRIALS: Final = 24
+_SPARED: Final = 12
+"""Entries of constant stores: a store or load, its address and a number take three."""
+
 _PATIENCE: Final = 8
 """Cycles by which a node may be late on one PE before the others are asked again."""
 
 
-def list_schedule(problem: MapProblem, goes_on: Callable[[], bool] = lambda: True) -> Mapping:
+def list_schedule(
+    problem: MapProblem, goes_on: Callable[[], bool] = lambda: True, *, frugal: bool = False
+) -> Mapping:
     """A legal schedule of a straight region; its `ii` is the length in cycles (1 or more).
 
     `goes_on`: whether a shorter one is to be tried for, asked when there is one. Deterministic
     but for that. The length is minimal when it equals `straight_lower_bound(problem).ii`.
+    `frugal`: rather longer than with entries in constant stores that are nearly full, which
+    regions scheduled later need.
 
     Raises
     ------
@@ -55,7 +62,8 @@ def list_schedule(problem: MapProblem, goes_on: Callable[[], bool] = lambda: Tru
     best: Mapping | None = None
     failure: _Stuck | None = None
     for trial in range(_trials(problem)):
-        schedule = _Schedule(problem, places, heights, _policy(trial, urgency, failure is not None))
+        policy = _policy(trial, urgency, failure is not None, frugal)
+        schedule = _Schedule(problem, places, heights, policy)
         try:
             mapping = schedule.run()
         except _Stuck as stuck:
@@ -137,17 +145,26 @@ class _Stuck(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Policy:
-    """How one trial decides. Above `pressure` parked words per register, readers go first."""
+    """How one trial decides. Above `pressure` parked words per register, readers go first; a store
+    with less than `spared` entries left is avoided by a cycle for each that is missing.
+    """
 
     urgency: dict[int, int]
     pressure: float
     affinity: int
     constants: int
+    spared: int
 
 
-def _policy(trial: int, urgency: dict[int, int], crowded: bool) -> _Policy:
+def _policy(trial: int, urgency: dict[int, int], crowded: bool, frugal: bool) -> _Policy:
     pressure = 0.0 if crowded and trial % 2 else 0.25 if crowded else 0.6
-    return _Policy(urgency, pressure, affinity=(2, 0, 4)[trial % 3], constants=8 if crowded else 1)
+    return _Policy(
+        urgency,
+        pressure,
+        affinity=(2, 0, 4)[trial % 3],
+        constants=8 if crowded or frugal else 1,
+        spared=_SPARED if frugal else 0,
+    )
 
 
 def _raised(
@@ -291,7 +308,8 @@ class _Schedule:
         for pe in self.problem.candidates(node):
             time = self._earliest(node, pe)
             if time < UNREACHABLE and self._constants_fit(node, pe):
-                queue.append((time + self.heights.after(node.id, pe), time, pe))
+                score = time + self.heights.after(node.id, pe) + self._crowding(node, pe)
+                queue.append((score, time, pe))
         heapq.heapify(queue)
         last_chance = self.horizon + 2 * self.grid.diameter + 2 * _PATIENCE
         best: _Option | None = None
@@ -444,6 +462,14 @@ class _Schedule:
         if entries <= self.constants[pe]:
             return True
         return len(entries | self.constants[pe]) <= self.fabric.pes[pe].constants
+
+    def _crowding(self, node: Node, pe: int) -> int:
+        """Cycles that a place may be later than one here, to leave a nearly full store alone."""
+        if not self.policy.spared:
+            return 0
+        new = frozenset(self.problem.constants_of(node)) - self.constants[pe]
+        left = self.fabric.pes[pe].constants - len(self.constants[pe]) - len(new)
+        return len(new) * max(self.policy.spared - left, 0)
 
     def _why_stuck(self, node: Node) -> str:
         candidates = self.problem.candidates(node)
