@@ -9,6 +9,7 @@ if sys.argv[:1] == ["-m"] and "vividc" in sys.orig_argv[1:4]:
     vividc_main.leave_on_interrupt()
 
 from vividc import arch, dfg, lang, launch, mapper, program
+from vividc.compiler.advice.advise import Hint, advise
 from vividc.compiler.driver import compile
 from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import VividcError, VividcWarning
@@ -21,6 +22,7 @@ from vividc.sim import Result
 __version__ = "0.1.0"
 
 __all__ = [
+    "Hint",
     "KernelFunction",
     "LLKernel",
     "LoopOptions",
@@ -29,6 +31,7 @@ __all__ = [
     "VividcError",
     "VividcWarning",
     "__version__",
+    "advise",
     "arch",
     "compile",
     "dfg",

@@ -100,3 +100,39 @@ def test_a_loop_cannot_be_both_flattened_and_left(file):
     result = run("compile", file, "--flatten", "6", "--no-flatten", "6")
     assert result.exit_code == 2
     assert "--flatten 6 and --no-flatten 6" in result.stderr
+
+
+CHAIN = """\
+import numpy as np
+import vividc
+
+
+@vividc.kernel("float32(float32[::1])")
+def total(x):
+    s = np.float32(0.0)
+    for i in range(len(x)):
+        s += x[i]
+    return s
+"""
+
+
+def test_what_would_save_cycles_is_told_in_json_and_in_a_table(tmp_path):
+    path = tmp_path / "k.py"
+    path.write_text(CHAIN)
+    output = path.with_suffix(".vivid")
+    result = run("compile", path, "-o", output, "--json", "--explain")
+    assert result.exit_code == 0, result.stderr
+    (hint,) = json.loads(result.stdout)["advice"]
+    assert hint["option"] == "--reassociate"
+    assert hint["loc"].endswith("k.py:8")
+    assert hint["saved"] == hint["before"] - hint["after"] > 0
+    result = run("compile", path, "-o", output, "--explain")
+    assert "What would save cycles" in result.stdout
+    assert f"{hint['saved']:,.0f}" in result.stdout
+    result = run("compile", path, "-o", output, "--explain", "--reassociate")
+    assert "no change is known that would save 3%" in result.stdout
+
+
+def test_without_explain_nothing_is_tried(file):
+    result = run("compile", file, "-o", file.with_suffix(".vivid"), "--json")
+    assert json.loads(result.stdout)["advice"] is None

@@ -21,7 +21,7 @@ from vividc.compiler.map_regions import (
     mapping_of,
 )
 from vividc.compiler.planning.budget import Budget
-from vividc.compiler.planning.choose import Stage, choose
+from vividc.compiler.planning.choose import Plan, Stage, choose
 from vividc.compiler.planning.estimate import Estimator, Shape
 from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import Outcome, settle
@@ -152,7 +152,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     ------
     ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit
     """
-    loaded = _checked(kernel, fabric, time_limit_s)
+    loaded = checked(kernel, fabric, time_limit_s)
     if like is not None:
         kernel = kernel.sized(like)
     demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
@@ -189,12 +189,12 @@ def _compiled(
 ) -> Program:
     """The program, with the warnings that were given."""
     wanted, strict_fp = options.loops, options.strict_fp
-    function, parallel, told = _lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
+    function, parallel, told = lowered(kernel, strict_fp, isinstance(loaded, Accelerator))
     for name in idle_names(dict(options.precision), function):
         text = f"{kernel.name} has no {name}: its precision changes nothing"
         warnings.warn(text, VividcWarning, stacklevel=2)
         told = (*told, text)
-    lines = _parallel_lines(kernel, wanted)
+    lines = parallel_lines(kernel, wanted)
     if isinstance(loaded, Accelerator) and parallel is None and wanted.threads is None:
         lines = frozenset()  # iterations that are not proved independent keep their order
     product = _product(kernel, loaded, options, mode)
@@ -206,7 +206,7 @@ def _compiled(
     return replace(program, warnings=warned, parallel=parallel, product=product)
 
 
-def _checked(
+def checked(
     kernel: object, fabric: str | Fabric | Accelerator, time_limit_s: float
 ) -> Fabric | Accelerator:
     """The machine to compile for, once all arguments are checked."""
@@ -265,7 +265,7 @@ def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
         return normalize(kernel.lower(strict_fp=strict_fp))
 
 
-def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> frozenset[int]:
+def parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> frozenset[int]:
     """Lines with loops over `prange`; threads demand one."""
     lines = kernel.prange_lines if isinstance(kernel, KernelFunction) else frozenset[int]()
     if not lines and (wanted.threads or 1) > 1:
@@ -277,7 +277,7 @@ def _parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> f
     return lines
 
 
-def _lowered(
+def lowered(
     kernel: KernelFunction | LLKernel, strict_fp: bool, spread: bool
 ) -> tuple[Function, Parallel | None, tuple[str, ...]]:
     """The kernel in SSA form, the loop to spread, and the warnings that the frontend gave."""
@@ -319,11 +319,8 @@ def compile_stages(
     function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
 ) -> Program:
     """The program of the plan's best stage that can be mapped."""
-    function = run_passes(_before_planning(options), function)
-    passes = PassOptions(False, options.reassociate, options.precision)
-    estimator = Estimator(fabric, passes)
-    choosing = partial(choose, function, estimator, options.loops, parallel)
-    plan = timed("choose", choosing)
+    estimator = estimator_for(fabric, options)
+    plan = planned(function, estimator, options, parallel)
     known: dict[DFG, MapResult] = {}
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
@@ -344,6 +341,19 @@ def compile_stages(
     ]
     loops = loop_reports(plan, settled)
     return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
+
+
+def estimator_for(fabric: Fabric, options: CompileOptions) -> Estimator:
+    """What estimates functions that are compiled so; contraction comes before."""
+    return Estimator(fabric, PassOptions(False, options.reassociate, options.precision))
+
+
+def planned(
+    function: Function, estimator: Estimator, options: CompileOptions, parallel: frozenset[int]
+) -> Plan:
+    """The plan for a lowered function: what is mapped first, and what instead."""
+    function = run_passes(_before_planning(options), function)
+    return timed("choose", partial(choose, function, estimator, options.loops, parallel))
 
 
 def _before_planning(options: CompileOptions) -> Iterator[Callable[[Function], Function]]:

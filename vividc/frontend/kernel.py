@@ -76,7 +76,7 @@ class KernelFunction(Callee):
         self._args, self._return_type = _parse(signature, self.loc)
         self.signature = Signature(self._return_type, self._args, None)
         self.params = _params(py_func, self._args, self.loc)
-        self._lowered: dict[tuple[tuple[Param, ...], bool, bool], Function] = {}
+        self._lowered: dict[tuple[object, ...], Function] = {}
 
     def sized(self, like: Like) -> KernelFunction:
         """The kernel for sizes that are known, as of `vividc.compile`.
@@ -130,7 +130,9 @@ class KernelFunction(Callee):
         """Name of a function that the kernel calls, with a loop over `prange`; "" if none has."""
         return calls_prange(self.py_func)
 
-    def lower(self, strict_fp: bool = False, spread: bool = False) -> Function:
+    def lower(
+        self, strict_fp: bool = False, spread: bool = False, words_at: frozenset[int] = frozenset()
+    ) -> Function:
         """The kernel as SSA words, once per option.
 
         Parameters
@@ -139,13 +141,16 @@ class KernelFunction(Callee):
             Refuse float64 arithmetic; else it runs in float32 with a warning for each line.
         spread
             Arrays may be long: a launch cuts them into pieces.
+        words_at
+            Lines whose integers of 64 bits are taken to be cast to int32: for an estimate of what
+            the casts would bring.
 
         Raises
         ------
         KernelError
             The kernel uses something that cannot be compiled; its file's path is not UTF-8.
         """
-        key = (self.params, strict_fp, spread)
+        key = (self.params, strict_fp, spread, words_at)
         if key not in self._lowered:
             demand_utf8_path(self.file, KernelError)
             longest = MAX_SPREAD if spread else 0
@@ -157,6 +162,7 @@ class KernelFunction(Callee):
                 self._return_type,
                 self.loc,
                 strict_fp=strict_fp,
+                words_at=words_at,
             )
         return self._lowered[key]
 

@@ -5,7 +5,7 @@ the user's.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -17,6 +17,7 @@ from vividc.frontend.advice import Advice
 from vividc.frontend.llvm.passes import ENTRY
 from vividc.frontend.llvm.reader import read_function
 from vividc.frontend.narrow.counting import word_parameters
+from vividc.frontend.narrow.in_words import in_words
 from vividc.frontend.narrow.narrow import narrow
 from vividc.frontend.numba.entry import optimised_ir
 from vividc.frontend.numba.length import refuse_long, refuse_long_code
@@ -66,6 +67,7 @@ def lower(
     loc: SourceLoc,
     *,
     strict_fp: bool = False,
+    words_at: Collection[int] = (),
 ) -> Function:
     """Lower a kernel.
 
@@ -79,6 +81,8 @@ def lower(
         Where the kernel is defined.
     strict_fp
         Refuse float64 arithmetic instead of warning about it.
+    words_at
+        Lines whose 64-bit integers are taken to be cast to int32, as of `in_words`.
 
     Raises
     ------
@@ -101,13 +105,13 @@ def lower(
         what = "a string" if kind.startswith("'") else kind
         raise KernelError(f"the kernel returns {what}", loc=place, hint=hint)
     with _in_python(loc, py_func.__name__), located(loc):
-        kernel, params = _read(module, params, loc)
+        kernel, params = _read(module, params, loc, words_at)
         returns = _RETURNS[module.return_type]
         return lower_words(kernel, name, params, returns, loc, strict_fp=strict_fp)
 
 
 def _read(
-    module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc
+    module: NumbaModule, params: tuple[Param, ...], loc: SourceLoc, words_at: Collection[int]
 ) -> tuple[Function, tuple[Param, ...]]:
     """The kernel without pointers, and its parameters with the words each needs."""
 
@@ -115,7 +119,7 @@ def _read(
         text = optimised_ir(module, params, loc)
         made = without_pointers(read_function(text, ENTRY, loc.file), text)
         refuse_long(made, loc)
-        return made
+        return in_words(made, words_at) if words_at else made
 
     params = tuple(replace(p, words=2) if p.dtype in WIDE_DTYPES else p for p in params)
     kernel = read()

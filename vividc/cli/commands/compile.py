@@ -13,10 +13,11 @@ from vividc.cli import options
 from vividc.cli.files import check_apart, check_output
 from vividc.cli.kernels import kernel_file, load_kernel
 from vividc.cli.loops import loop_options
-from vividc.cli.reports.loop import print_loops, print_product
+from vividc.cli.reports.loop import print_advice, print_loops, print_product
 from vividc.cli.reports.program import print_regions
 from vividc.cli.reports.report import print_json, progress
 from vividc.cli.stages import Look, look_options
+from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.modes import MODES
 from vividc.machine.params import sizes_text
 from vividc.program import Program
@@ -63,7 +64,12 @@ SCHEMA = "vividc.compile/1"
     callback=options.sizes,
     help="Shapes and integers, as in A=20x30,n=16, of every launch: they become constants.",
 )
-@click.option("--explain", is_flag=True, help="Say what was done to each loop, and why.")
+@click.option(
+    "--explain",
+    is_flag=True,
+    help="Say what was done to each loop, and why, and what would save cycles; takes up to as long "
+    "again.",
+)
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
 )
@@ -97,16 +103,36 @@ def command(
     if done.stopped:
         return
     program.save(path)
+    hints = _hints(function, fabric, program, how) if explain else None
     if as_json:
-        print_json(SCHEMA, _as_object(program, path))
+        print_json(SCHEMA, {**_as_object(program, path), "advice": _as_objects(hints)})
         return
     print_regions(program)
     if program.sizes:
         click.echo(f"for {sizes_text(program.sizes)} only")
-    if explain:
+    if hints is not None:
         print_loops(program)
         print_product(program, function, fabric)
+        print_advice(hints)
     click.echo(f"written: {path}")
+
+
+def _hints(
+    kernel: KernelFunction | LLKernel, fabric: str, program: Program, how: dict[str, Any]
+) -> tuple[vividc.Hint, ...]:
+    """What would save cycles; of the options those that a plan depends on."""
+    given = {name: value for name, value in how.items() if name not in ("mapper", "mode")}
+    with progress(f"planning {kernel.name} with other options") as report:
+        return vividc.advise(kernel, fabric, program=program, progress=report, **given)
+
+
+def _as_objects(hints: tuple[vividc.Hint, ...] | None) -> list[dict[str, object]] | None:
+    if hints is None:
+        return None
+    return [
+        {**asdict(hint), "loc": None if hint.loc is None else str(hint.loc), "saved": hint.saved}
+        for hint in hints
+    ]
 
 
 def _as_object(program: Program, path: Path) -> dict[str, object]:

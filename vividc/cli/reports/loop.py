@@ -9,6 +9,7 @@ import click
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.cli.reports.report import print_table
+from vividc.compiler.advice.advise import LEAST_GAIN, Hint
 from vividc.compiler.driver import why_no_product
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import explain
@@ -32,6 +33,30 @@ def print_loops(program: Program) -> None:
             tried,
             numeric=("line", "by", "before", "after"),
         )
+
+
+def print_advice(hints: tuple[Hint, ...]) -> None:
+    """Print what would save cycles, most first."""
+    if not hints:
+        click.echo(f"no change is known that would save {LEAST_GAIN:.0%} of the estimated cycles")
+        return
+    print_table(
+        f"What would save cycles, of {hints[0].before:,.0f} by estimate",
+        ("saves", "line", "do", "option", "if"),
+        (_hint(hint) for hint in hints),
+        numeric=("saves", "line"),
+    )
+
+
+def _hint(hint: Hint) -> tuple[object, ...]:
+    saved = f"{hint.saved:,.0f} ({hint.saved / hint.before:.0%})"
+    return (
+        f"up to {saved}" if hint.at_most else saved,
+        None if hint.loc is None else hint.loc.line,
+        hint.action,
+        hint.option or None,
+        hint.condition or None,
+    )
 
 
 def print_product(program: Program, kernel: KernelFunction | LLKernel, fabric: str) -> None:

@@ -50,6 +50,9 @@ _FACTORS = (2, 4, 8)
 _SHARE = 0.4
 """Of the time, for the choice."""
 
+MAY_MEET = "iterations may meet in"
+"""Before an array's name: why threads were not tried."""
+
 _SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
 
 
@@ -228,7 +231,7 @@ class _Chooser:
         if array is None:
             self._climb("threads", header)
             return
-        reason = f"iterations may meet in {array}: ask for threads if they do not"
+        reason = f"{MAY_MEET} {array}: ask for threads if they do not"
         self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
 
     def _restructure(self, header: str) -> None:
