@@ -13,6 +13,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType
 from vividc.ssa.interpret import interpret as run
 from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.tidy import tidy
 
 KERNELS = [item for item in vars(wide_kernels).values() if isinstance(item, KernelFunction)]
 BY_NAME = {item.name: item for item in KERNELS}
@@ -148,3 +149,22 @@ def test_divisions_by_constants_take_no_estimate() -> None:
     for name in ("divides_by_constants", "modular_product"):
         ops = [i.op for block in BY_NAME[name].lower().blocks for i in block.instrs]
         assert Opcode.UITOFP not in ops
+
+
+@kernel("void(int32[:, ::1])")
+def shortest_paths(paths):
+    """The sum of two words is a word and its carry; the least of it and a word is a word."""
+    for k in range(len(paths)):
+        for i in range(len(paths)):
+            for j in range(len(paths)):
+                paths[i, j] = min(paths[i, j], paths[i, k] + paths[k, j])
+
+
+def test_a_word_is_compared_with_the_low_word_of_a_sum() -> None:
+    """The word that a loop carries takes part in one comparison, a choice of its result, and the
+    choice of the lesser.
+    """
+    blocks = tidy(shortest_paths.lower()).blocks
+    ops = [instr.op for block in blocks for instr in block.instrs]
+    assert Opcode.ICMP_ULT not in ops  # no carry
+    assert ops.count(Opcode.SELECT) == 2

@@ -112,6 +112,33 @@ def orders(a, b):
     )
 
 
+@kernel("int32(int32, int32, int32)")
+def sums_against_words(a, b, c):
+    """Sums and differences that a word does not hold, by what a word does."""
+    more, less = a + b, a - b
+    return (
+        (more < c)
+        + 2 * (more <= c)
+        + 4 * (c < more)
+        + 8 * (c <= more)
+        + 16 * (less < c)
+        + 32 * (less <= c)
+        + 64 * (c < less)
+        + 128 * (c <= less)
+        + 256 * (more < less)
+    )
+
+
+@kernel("int64(int32[::1], int32)")
+def extremes_of_sums(x, a):
+    low = high = first = x[0]
+    for i in range(len(x) - 1):
+        low = min(low, x[i] + x[i + 1])
+        high = max(high, x[i] - x[i + 1])
+        first = np.int32(min(first, x[i] + a))
+    return low ^ (high << 8) ^ first
+
+
 @kernel("int64(int64, int64)")
 def extremes(a, b):
     return max(a, b) - min(a, b) + abs(a) - max(a - b, 0)

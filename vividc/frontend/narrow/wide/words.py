@@ -99,13 +99,13 @@ class Words:
             self.choose(condition, yes.low, no.low), self.choose(condition, *_highs(yes, no))
         )
 
-    def choose(self, condition: Value, yes: Value, no: Value) -> Value:
-        """One of two words."""
+    def choose(self, condition: Value, yes: Value, no: Value, *, type_: Type = Type.I32) -> Value:
+        """One of two words, or of two predicates."""
         if yes == no:
             return yes
         if isinstance(condition, Const):
             return yes if condition.word else no
-        return self.op(Opcode.SELECT, condition, yes, no)
+        return self.emitter.helper(self._op, Opcode.SELECT, condition, yes, no, type_=type_)
 
     def add(self, a: Pair, b: Pair) -> Pair:
         """a + b modulo 2**64."""
