@@ -13,6 +13,7 @@ import pytest
 from fabrics import grid
 from tiny_fabrics import tiny_fabric
 
+from tests.mapper.graphs import GraphBuilder
 from tests.mapper.random_graphs import random_loop
 from vividc import arch
 from vividc.arch.fabric import Fabric, Routing
@@ -151,6 +152,22 @@ def test_words_that_wait_longer_than_an_ii_change_registers() -> None:
         assert verify(dfg, TILE, mapping) == []
         found += any(len(route) > ii for route in mapping.routes.values())
     assert found
+
+
+@pytest.mark.parametrize("length", [12, 20, 28])
+@pytest.mark.parametrize(("name", "ii"), [("vivid-tile", 6), ("openedge", 8)])
+def test_a_word_that_lives_longest_has_a_way(name: str, ii: int, length: int) -> None:
+    """Read at once and after a chain of operations: the room that is left for its way was compared
+    with all cycles of its life, also those in which it is there already.
+    """
+    g, fabric = GraphBuilder("long"), unrotated({**FABRICS, **OPTIONS}[name])
+    first = value = g.op(Opcode.MOV, g.source(Opcode.IV))
+    for _ in range(length):
+        value = g.op(Opcode.FMUL, value, value)
+    g.op(Opcode.FADD, value, first)
+    mapping = negotiated(g.build(), ii, 1, fabric)
+    assert mapping is not None
+    assert verify(g.build(), fabric, mapping) == []
 
 
 def test_the_same_seed_gives_the_same_mapping() -> None:

@@ -275,9 +275,9 @@ def _graft(router: Router, aim: Aim, best: int) -> int:
     """
     graph, traffic, scratch = router.graph, router.traffic, router.scratch
     producer, ii = aim.producer, router.task.array.ii
-    if traffic.size[producer, 0] + aim.cycles + 1 > traffic.cell.shape[1]:
+    joins, cells = _joins(router, best, aim.cycles)
+    if traffic.size[producer, 0] + cells > traffic.cell.shape[1]:
         return _NO_WAY
-    joins = _joins(router, best, aim.cycles)
     location, cycle, outcome = best, aim.cycles, _WHOLE
     if aim.cycles - joins > 2 * ii:
         outcome = _PART
@@ -306,14 +306,17 @@ def _graft(router: Router, aim: Aim, best: int) -> int:
 
 
 @inlined
-def _joins(router: Router, location: int, cycle: int) -> int:
-    """The last cycle of a way that is in the tree already; -1: it begins at the result."""
-    scratch = router.scratch
+def _joins(router: Router, location: int, cycle: int) -> tuple[int, int]:
+    """The last cycle of a way that is in the tree already, -1 where it begins at the result; and
+    how many cells it adds.
+    """
+    scratch, cells = router.scratch, 0
     while location >= 0 and not scratch.mark[cycle, location] & IN_TREE:
         before = scratch.before[cycle, location]
         cycle -= _takes_a_cycle(router.graph, before, location)
         location = before
-    return cycle
+        cells += 1
+    return cycle, cells
 
 
 @inlined
