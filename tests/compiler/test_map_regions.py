@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import vividc
+from vividc import arch
+from vividc.arch.fabric import Fabric
 from vividc.compiler import map_regions
+from vividc.compiler.driver import lower
+from vividc.compiler.map_regions import MapOptions, map_kernel
+from vividc.dfg.regions import Kernel
 from vividc.errors import MappingFailed
+from vividc.mapper import all_bounds, mii
 from vividc.mapper.engines.list_schedule import list_schedule
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
@@ -46,3 +53,40 @@ def test_straight_regions_that_leave_no_room_are_scheduled_again(
     a = np.arange(12, dtype=np.float32).reshape(3, 4)
     vividc.simulate(program, a)
     assert a[:, 0].tolist() == [6.0, 22.0, 38.0]
+
+
+@vividc.kernel("void(float32[::1], float32[::1], float32[:, ::1], float32, float32)")
+def small_before_large(x, y, a, p, q):
+    for i in range(len(x)):
+        x[i] = x[i] * p + q
+    for j in range(a.shape[1]):
+        y[j] = a[0, j] + a[1, j] + a[2, j] + a[3, j] + a[4, j] + a[5, j] + a[6, j] + a[7, j]
+
+
+def machine(constants: int) -> Fabric:
+    """A tile whose stores have so many entries."""
+    tile = arch.load("vivid-tile")
+    assert isinstance(tile, Fabric)
+    return replace(tile, pes=tuple(replace(pe, constants=constants) for pe in tile.pes))
+
+
+def loops_of(kernel: Kernel) -> list[int]:
+    return [index for index, region in enumerate(kernel.regions) if region.kind == "loop"]
+
+
+@pytest.mark.parametrize(("constants", "largest_first"), [(32, False), (6, True)])
+def test_the_largest_loop_comes_first_where_entries_are_scarce(
+    constants: int, largest_first: bool
+) -> None:
+    kernel, fabric, told = lower(small_before_large), machine(constants), []
+    made = map_kernel(kernel, fabric, MapOptions(progress=told.append))
+    assert isinstance(made, tuple)
+    small, large = (kernel.regions[index] for index in loops_of(kernel))
+    assert len(small.dfg.placed) < len(large.dfg.placed)
+    begun = list(dict.fromkeys(line.split(":")[0] for line in told))
+    order = [name for name in begun if name in (small.name, large.name)]
+    assert order == ([large.name, small.name] if largest_first else [small.name, large.name])
+    assert list(made[1])[:2] == loops_of(kernel)
+    if largest_first:  # nothing that another loop holds has raised its bound
+        alone = mii(all_bounds(MapProblem(large.dfg, fabric)))
+        assert made[1][loops_of(kernel)[1]].lower_bound == alone

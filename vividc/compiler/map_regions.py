@@ -5,7 +5,7 @@ time limit.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -182,7 +182,7 @@ def _map_loops(
     demanded: frozenset[str],
     effort: Deadline,
 ) -> dict[int, MapResult] | Unmapped:
-    loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
+    loops = _in_order(kernel, fabric)
     nodes = sum(len(region.dfg.placed) for region in kernel.regions if region.kind != "loop")
     left_s = time_limit.remaining_s()
     reserve_s = min(nodes * _STRAIGHT_NODE_S, _STRAIGHT_SHARE * left_s)
@@ -194,9 +194,9 @@ def _map_loops(
         problem = MapProblem(region.dfg, fabric, {}, residents(fabric, done))
         result: MapResult | MappingFailed | TimeLimit | None = _still_good(problem, known)
         if result is None:
-            left = len(loops) - number
-            with guarded((until - time_limit.now()) / left):
-                result = _mapped_loop(region, problem, options, effort.remaining_s / left)
+            share = _share(loops[number:])
+            with guarded((until - time_limit.now()) * share):
+                result = _mapped_loop(region, problem, options, effort.remaining_s * share)
         if isinstance(result, MapResult):
             known[region.dfg] = result
             results[index] = result
@@ -205,7 +205,32 @@ def _map_loops(
         failed[region.header] = result
         if region.header in demanded:
             break
-    return Unmapped(tuple(failed), next(iter(failed.values()))) if failed else results
+    if failed:
+        return Unmapped(tuple(failed), next(iter(failed.values())))
+    return dict(sorted(results.items()))
+
+
+def _in_order(kernel: Kernel, fabric: Fabric) -> list[tuple[int, Region]]:
+    """Loops as they are mapped, with their indices. Entries of constant stores are left to those
+    that come last: where one store might not hold what all loops need, the largest come first.
+    """
+    loops = [(i, region) for i, region in enumerate(kernel.regions) if region.kind == "loop"]
+    problems = [MapProblem(region.dfg, fabric) for _, region in loops]
+    keys = {
+        key
+        for problem in problems
+        for node in problem.dfg.placed
+        for key in problem.constants_of(node)
+    }
+    if len(keys) <= min(pe.constants for pe in fabric.pes):
+        return loops
+    return sorted(loops, key=lambda loop: -len(loop[1].dfg.placed))
+
+
+def _share(left: Sequence[tuple[int, Region]]) -> float:
+    """The first loop's part of what is left: as much as each, and more if it is larger."""
+    sizes = [len(region.dfg.placed) for _, region in left]
+    return max(1 / len(sizes), sizes[0] / max(1, sum(sizes)))
 
 
 def _still_good(problem: MapProblem, known: dict[DFG, MapResult]) -> MapResult | None:
