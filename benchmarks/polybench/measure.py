@@ -42,8 +42,8 @@ class Row:
     error
         Largest difference from numba, as a share of the greatest number in the array.
     predicted
-        Cycles by the estimate's formula, with the II and span of each region and how often the run
-        entered it and went round.
+        Cycles by the estimate's formula, with the II, span and expected stalls of each region and
+        how often the run entered it and went round.
     explained
         The estimate of the program that was chosen, as `--explain` tells it: with assumed trips.
     stalls, straight, fill
@@ -196,10 +196,8 @@ def predicted(program: Program, stats: Stats) -> float:
         runs = region["entries"]
         trips = region["iterations"] / runs if runs and row.kind == "loop" else 1.0
         span = row.span if row.kind == "loop" else row.ii
-        cost = RegionCost(
-            report.name, row.kind, Shape(row.ii, span, report.operations), runs, trips
-        )
-        total += cost.cycles
+        shape = Shape(row.ii, span, report.operations, stalls=report.stalls)
+        total += RegionCost(report.name, row.kind, shape, runs, trips).cycles
     return total
 
 

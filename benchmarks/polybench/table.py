@@ -47,8 +47,8 @@ is made; the newest of each kernel is shown.
 - / operations, / floor: cycles over operations / 16, and over the larger of it and the floor.
 - / by hand: cycles / operations over the study's figure for loops restructured by hand (in
   brackets): with exact dependences where it was tried with them, at its size, by its count.
-- predicted: the estimate's formula, with IIs and spans as mapped and the trips of the run, over the
-  cycles. It knows no bank stalls.
+- predicted: the estimate's formula, with IIs, spans and expected bank stalls as mapped and the
+  trips of the run, over the cycles.
 - explained: the estimate that `--explain` tells, made before mapping for trips that it assumes,
   over the cycles.
 - hot loop: the loop region with most cycles. RecMII with a `?` rests on accesses that were not

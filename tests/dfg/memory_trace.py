@@ -1,4 +1,6 @@
-"""Which accesses met in memory when a kernel was interpreted, and are kept in order by no path."""
+"""Which accesses met in memory when a kernel was interpreted, and are kept in order by no path; and
+whether they went where their address forms say.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +8,10 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from vividc.dfg.interpret.interpreter import Watch
-from vividc.dfg.ir import DFG, Node
+from vividc.dfg.ir import CHANGES, DFG, Node
 from vividc.dfg.regions import Kernel
 from vividc.machine.opcodes import Opcode
+from vividc.ssa.analysis.polynomial import ITERATION
 
 
 @dataclass
@@ -18,9 +21,12 @@ class Trace(Watch):
     kernel: Kernel
     iteration: int = 0
     problems: set[str] = field(default_factory=set)
+    misplaced: set[str] = field(default_factory=set)
     _now: list[tuple[Node, int]] = field(default_factory=list)
     _last: dict[int, dict[int, int]] = field(default_factory=dict)
     """Of each byte: the last iteration in which each node touched it."""
+    _rests: dict[frozenset[object], int] = field(default_factory=dict)
+    """What sums of unknown words are, of a run of the region."""
 
     def __post_init__(self) -> None:
         self._graph = {id(n): r.dfg for r in self.kernel.regions for n in r.dfg.nodes}
@@ -30,6 +36,7 @@ class Trace(Watch):
         """A region begins."""
         self.iteration = 0
         self._last.clear()
+        self._rests.clear()
         self._now.clear()
 
     def access(self, node: Node, byte: int) -> None:
@@ -41,6 +48,7 @@ class Trace(Watch):
         for node, byte in self._now:
             if not (exited and node.unless_exit):
                 self._touch(node, byte)
+                self._place(node, byte)
         self._now.clear()
         self.iteration += 1
 
@@ -52,8 +60,21 @@ class Trace(Watch):
                 self._meet(dfg, dfg.by_id[other], node, self.iteration - iteration)
             before[node.id] = self.iteration
 
+    def _place(self, node: Node, byte: int) -> None:
+        """Where two addresses differ by a number, by their forms, they must."""
+        steps = {(): 1, (ITERATION.key,): self.iteration}
+        terms = dict(node.address or ())
+        known = sum(terms.pop(words, 0) * times for words, times in steps.items())
+        words = {word for words in terms for word in words}
+        if ITERATION.key in words or any(word.startswith(CHANGES) for word in words):
+            terms[f"iteration {self.iteration}",] = 1
+        rest = (byte - known) % (1 << 32)
+        if self._rests.setdefault(frozenset(terms.items()), rest) != rest:
+            self.misplaced.add(f"{node.op.value} {node.id} at {node.loc}: {node.address}")
+
     def demand_order(self) -> None:
-        """Fails if accesses met that are not kept in order."""
+        """Fails if accesses met that are not kept in order, or went where they should not."""
+        assert not self.misplaced, f"not where their forms say: {self.misplaced}"
         assert not self.problems, f"met in memory, and not ordered: {self.problems}"
 
     def _meet(self, dfg: DFG, first: Node, second: Node, later: int) -> None:

@@ -394,12 +394,18 @@ def _map_stage(
     mapped, results = made
     mappings = {index: mapping_of(result) for index, result in results.items()}
     encoding = partial(
-        encode, mapped, estimator.fabric, mappings, reports=results, options=_provenance(options)
+        encode,
+        mapped,
+        estimator.fabric,
+        mappings,
+        reports=results,
+        options=_provenance(options),
+        iterations=estimator.iterations(function, mapped, stage.state.hints),
     )
     program = watched("encode", encoding)
     shapes = [
-        Shape(row.ii, row.span, len(region.dfg.operations))
-        for row, region in zip(program.table, mapped.regions, strict=True)
+        Shape(report.ii, report.span, report.operations, stalls=report.stalls)
+        for report in program.regions
     ]
     achieved = estimator.priced(function, mapped, shapes, stage.state.hints)
     return Outcome(stage, mapped, results, program, achieved, sequential)

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
+from typing import Final
 
 from vividc.errors import SourceLoc
 from vividc.machine.foreign_names import CLASS_OF_NAME
@@ -35,6 +36,14 @@ class EdgeKind(Enum):
     DATA = "data"
     ORDER = "order"
     CONTROL = "control"
+
+
+AddressForm = tuple[tuple[tuple[str, ...], int], ...]
+"""A byte address as a sum of products of words, each with its factor: the number of the iteration
+(`polynomial.ITERATION`), inputs by key, words that no iteration changes by any name, and words that
+each iteration has anew by names that begin with `CHANGES`.
+"""
+CHANGES: Final = "~"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +71,9 @@ class Node:
         What the file that the node comes from calls it, for messages; not in the text form.
     lane
         The thread of the tile that the node belongs to, if it is one's own; not in the text form.
+    address
+        Memory operations: the address that every iteration has, where it is known; it tells which
+        accesses meet in a bank, decides nothing else, and is not in the text form.
     """
 
     id: int
@@ -77,6 +89,7 @@ class Node:
     loc: SourceLoc | None = field(default=None, compare=False)
     label: str = field(default="", compare=False)
     lane: Lane | None = field(default=None, compare=False)
+    address: AddressForm | None = field(default=None, compare=False)
 
     @property
     def info(self) -> OpInfo:

@@ -119,6 +119,8 @@ class RegionReport:
         Share of the FU issue slots that the region takes, 0 .. 1 (`mapper.utilization`).
     wall_s
         Seconds the mapper spent; None in a loaded program, as files are reproducible.
+    stalls
+        Expected cycles of an iteration in which the tile stands still as accesses meet in a bank.
     """
 
     name: str
@@ -136,6 +138,7 @@ class RegionReport:
     refuted: tuple[RefutationReport, ...] = ()
     loc: SourceLoc | None = None
     wall_s: float | None = field(default=None, compare=False)
+    stalls: float = 0.0
 
     @property
     def rests_on_assumed(self) -> bool:

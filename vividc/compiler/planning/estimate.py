@@ -19,6 +19,7 @@ from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.banks import Traffic
 from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.ssa.analysis.frequency import expected_trips, frequencies
 from vividc.ssa.flow import find_loops, preheader_of
@@ -42,13 +43,15 @@ _NEVER = 1 << 20
 class Shape:
     """A region's time by itself: cycles between iterations, cycles of one, and what binds the II.
 
-    `ii` of a straight region is its length, as is `span`.
+    `ii` of a straight region is its length, as is `span`. `stalls`: cycles of an iteration in which
+    accesses are expected to meet in a bank.
     """
 
     ii: int
     span: int
     operations: int
     bound: Bound | None = None
+    stalls: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,12 @@ class RegionCost:
     def cycles(self) -> float:
         """Cycles over the whole run, region switches aside."""
         rest = max(self.trips - 1.0, 0.0) * self.shape.ii
-        return self.runs * (min(self.trips, 1.0) * self.shape.span + rest)
+        return self.runs * (min(self.trips, 1.0) * self.shape.span + rest) + self.stalls
+
+    @property
+    def stalls(self) -> float:
+        """Cycles of them in which accesses meet in a bank."""
+        return self.runs * self.trips * self.shape.stalls
 
     @property
     def allowance(self) -> float:
@@ -84,9 +92,10 @@ class Estimate:
 
     @property
     def least(self) -> float:
-        """Cycles that no mapping can save: spans without an allowance for routing."""
+        """Cycles that no mapping can save: no allowance for routing, no stalls."""
         loops = [cost for cost in self.regions if cost.kind == "loop"]
-        return self.cycles - sum(cost.allowance for cost in loops)
+        stalls = sum(cost.stalls for cost in self.regions)
+        return self.cycles - stalls - sum(cost.allowance for cost in loops)
 
     @property
     def contexts(self) -> int:
@@ -183,6 +192,14 @@ class Estimator:
         is_too_long = estimate.contexts > self.fabric.controller.contexts
         return replace(estimate, cycles=math.inf) if is_too_long else estimate
 
+    def iterations(
+        self, function: Function, kernel: Kernel, hints: Mapping[str, float]
+    ) -> tuple[float, ...]:
+        """How many of each region of a normalised function a run is expected to have."""
+        shapes = [Shape(1, 1, 0)] * len(kernel.regions)
+        costs = self.priced(function, kernel, shapes, hints).regions
+        return tuple(cost.runs * cost.trips for cost in costs)
+
     def contexts(self, kernel: Kernel) -> int:
         """The fewest contexts that the kernel's regions take; a loop that cannot be mapped as one
         counts nothing.
@@ -195,8 +212,8 @@ class Estimator:
         if dfg not in self._shapes:
             time_limit.step("regions were estimated")
             problem = MapProblem(dfg, self.fabric)
-            shape = _loop_shape if region.kind == "loop" else _straight_shape
-            self._shapes[dfg] = shape(problem)
+            shape = (_loop_shape if region.kind == "loop" else _straight_shape)(problem)
+            self._shapes[dfg] = replace(shape, stalls=_stalls(problem, shape.ii))
         return self._shapes[dfg]
 
     def optimized(self, dfg: DFG) -> DFG:
@@ -250,6 +267,11 @@ def _loop_shape(problem: MapProblem) -> Shape:
     ends = (start + problem.fabric.latency(problem.dfg.by_id[n]) for n, start in starts.items())
     span = math.ceil(max(ends, default=1) * _ROUTING)
     return Shape(ii, max(span, ii), operations, bounds[0] if bounds else None)
+
+
+def _stalls(problem: MapProblem, ii: int) -> float:
+    """Of an iteration whose accesses may start in any of its cycles."""
+    return 0.0 if ii >= _NEVER else Traffic.of(problem.dfg, problem.fabric.scratchpad, ii).stalls()
 
 
 def _straight_shape(problem: MapProblem) -> Shape:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from vividc.dfg.builder import GraphBuilder, Operand
+from vividc.dfg.cut.address_forms import AddressForms
 from vividc.dfg.cut.addresses import Address
 from vividc.dfg.cut.build_straight import variable
 from vividc.dfg.cut.if_convert import Body, Predicates, merge_phi
@@ -107,6 +108,7 @@ class _LoopEmitter:
         self.parts = parts
         loop = parts.loop
         self.builder = GraphBuilder(name)
+        self.forms = AddressForms(parts.function, loop)
         self.body = Body(
             parts.function, loop.blocks, loop.header, loop.latches[0], parts.loop.exits
         )
@@ -235,6 +237,7 @@ class _LoopEmitter:
                 unless_exit=unless_exit,
                 loc=instr.loc,
                 lane=instr.lane,
+                address=self.forms.of(instr),
             ),
             [index, *(self.value(item) for item in instr.operands[2:end])],
             pred,

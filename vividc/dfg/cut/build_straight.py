@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from vividc.dfg.builder import GraphBuilder, Operand
+from vividc.dfg.cut.address_forms import AddressForms
 from vividc.dfg.cut.memory_order import Access, order_accesses
-from vividc.dfg.ir import DFG, Control, Node
+from vividc.dfg.ir import DFG, AddressForm, Control, Node
 from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE
 from vividc.machine.opcodes import MEMORY, OPCODES, Opcode
-from vividc.ssa.ir import Block, Const, Input, Instr, Ref, Value
+from vividc.ssa.ir import Block, Const, Input, Ref, Value
 from vividc.ssa.polyhedral.distances import Meetings, Place
 
 
@@ -27,6 +28,7 @@ def build_straight(
     trip count.
     """
     builder = GraphBuilder(name)
+    forms = AddressForms(meetings.function)
     own: dict[int, Operand] = {}
 
     def value(item: Value) -> Operand:
@@ -41,7 +43,8 @@ def build_straight(
     accesses: list[Access] = []
     for instr in block.instrs:
         operands = [value(item) for item in instr.operands]
-        own[instr.id] = _emit(builder, block.name, instr, operands, accesses)
+        address = forms.of(instr) if instr.op in MEMORY else None
+        own[instr.id] = _emit(builder, Place(instr, block.name), operands, address, accesses)
     order_accesses(builder, accesses, meetings)
     branch = block.branch
     if branch.cond is not None:
@@ -66,11 +69,12 @@ def _write(builder: GraphBuilder, name: str, operand: Operand) -> None:
 
 def _emit(
     builder: GraphBuilder,
-    block: str,
-    instr: Instr,
+    place: Place,
     operands: list[Operand],
+    address: AddressForm | None,
     accesses: list[Access],
 ) -> Operand:
+    instr = place.instr
     if instr.op not in MEMORY:
         return builder.add(instr.opcode, operands, instr.loc, instr.lane)
     base, index, *rest = operands
@@ -91,10 +95,11 @@ def _emit(
             signed=instr.signed,
             loc=instr.loc,
             lane=instr.lane,
+            address=address,
         ),
         [index, *rest],
         pred,
         base,
     )
-    accesses.append(Access(node, Place(instr, block)))
+    accesses.append(Access(node, place))
     return node

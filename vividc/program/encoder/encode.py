@@ -19,7 +19,7 @@ from vividc.errors import InternalError, KernelError
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapResult
-from vividc.program.encoder.banks import choose_banks
+from vividc.program.encoder.banks import choose_banks, expected_stalls, traffic_of
 from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
 from vividc.program.encoder.constants import allocate, return_high, return_home
 from vividc.program.encoder.lower import LoweredRegion, lower_region
@@ -46,6 +46,7 @@ def encode(
     reports: ReadOnly[int, MapResult] | None = None,
     options: ReadOnly[str, str | int | float | bool | None] | None = None,
     warnings: Sequence[str] = (),
+    iterations: Sequence[float] = (),
 ) -> Program:
     """Configuration words and tables of a mapped kernel.
 
@@ -59,6 +60,8 @@ def encode(
         The compiler's options, for the provenance.
     warnings
         Messages the compiler gave.
+    iterations
+        How many of each region a run is expected to have; where they are many, banks count.
 
     Raises
     ------
@@ -75,7 +78,12 @@ def encode(
     check_contexts(kernel, fabric, sum(row.ii for row in table))
     _check_locals(kernel, fabric)
     rows = _reports(kernel, fabric, table, mappings, reports or {})
-    program = _program(kernel, fabric, mappings, table, rows, _provenance(kernel, options or {}))
+    traffic = traffic_of(kernel, fabric, mappings, iterations)
+    banks = choose_banks(kernel, traffic)
+    stalls = expected_stalls(traffic, banks)
+    rows = tuple(replace(row, stalls=wait) for row, wait in zip(rows, stalls, strict=True))
+    provenance = _provenance(kernel, options or {})
+    program = _program(kernel, fabric, mappings, table, banks, rows, provenance)
     return replace(program, warnings=tuple(warnings))
 
 
@@ -84,6 +92,7 @@ def _program(
     fabric: Fabric,
     mappings: ReadOnly[int, Mapping],
     table: tuple[RegionRow, ...],
+    banks: dict[str, int],
     regions: tuple[RegionReport, ...],
     provenance: Provenance,
 ) -> Program:
@@ -107,7 +116,7 @@ def _program(
         launch=stores.launch(),
         return_home=return_home(kernel, mappings, stores),
         return_high=return_high(kernel, mappings, stores),
-        banks=choose_banks(kernel, fabric, mappings),
+        banks=banks,
         debug=tuple(row for region in lowered for row in region.debug),
         regions=regions,
         provenance=provenance,

@@ -1,0 +1,133 @@
+"""Expected bank stalls: against what is counted over all words, and against runs."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import vividc
+from vividc.arch.fabric import Scratchpad
+from vividc.dfg.ir import DFG, AddressForm, Edge, Node
+from vividc.machine.opcodes import PRED, Opcode
+from vividc.mapper.resources.banks import Traffic, best_starts
+
+PAD = Scratchpad(4096, 4)
+ITERATION = ("%iteration",)
+
+
+def graph(*forms: AddressForm, guarded: tuple[int, ...] = ()) -> DFG:
+    """Loads of these addresses, of arrays named a, b, c, ...; some with a predicate."""
+    loads = [
+        Node(n, Opcode.LOAD, name="abcdef"[n - 1], address=form) for n, form in enumerate(forms, 1)
+    ]
+    nodes = (Node(0, Opcode.LIVE_IN, name="p"), *loads)
+    return DFG("loop", nodes, tuple(Edge(0, n, PRED) for n in guarded))
+
+
+def at(start: int, **steps: int) -> AddressForm:
+    """A byte address: a number, and factors of words."""
+    return (((), start), *(((f"%{word}",), factor) for word, factor in steps.items()))
+
+
+def counted(forms: tuple[AddressForm, ...], times: tuple[int, ...], ii: int) -> float:
+    """The mean stalls over all banks that unknown words may be in."""
+    names = sorted({word for form in forms for words, _ in form for word in words})
+    total = runs = 0
+    for values in product(range(4 * PAD.banks), repeat=len(names)):
+        slots: dict[int, list[int]] = {}
+        for form, time in zip(forms, times, strict=True):
+            known = dict(zip(names, values, strict=True))
+            known["%iteration"] = known.get("%iteration", 0) - time // ii
+            byte = sum(factor * int(np.prod([known[w] for w in words])) for words, factor in form)
+            slots.setdefault(time % ii, []).append(byte // 4 % PAD.banks)
+        total += sum(max(map(slot.count, slot)) - 1 for slot in slots.values())
+        runs += 1
+    return total / runs
+
+
+FORM = st.builds(
+    lambda start, step, other: at(4 * start, iteration=4 * step, x=4 * other),
+    st.integers(-9, 9),
+    st.integers(-3, 5),
+    st.integers(0, 4),
+)
+
+
+@given(st.lists(st.tuples(FORM, st.integers(0, 7)), min_size=2, max_size=5), st.integers(1, 3))
+def test_the_mean_of_all_words(accesses: list[tuple[AddressForm, int]], ii: int) -> None:
+    forms, times = zip(*accesses, strict=True)
+    traffic = Traffic.of(graph(*forms), PAD, ii, dict(enumerate(times, 1)))
+    assert traffic.stalls() == pytest.approx(counted(forms, times, ii), abs=0.35)
+
+
+@pytest.mark.parametrize(
+    ("forms", "times", "stalls"),
+    [
+        ((at(0, iteration=4), at(4, iteration=4)), (0, 0), 0.0),
+        ((at(0, iteration=4), at(16, iteration=4)), (0, 0), 1.0),
+        ((at(0, iteration=4), at(16, iteration=4)), (0, 1), 0.0),
+        ((at(0, iteration=4), at(4, iteration=4)), (0, 2), 1.0),  # one iteration behind
+        ((at(0, iteration=4), at(4, iteration=4)), (2, 0), 0.0),
+        ((at(0, x=16), at(8, y=16)), (0, 0), 0.0),
+        ((at(0, x=16), at(0, y=16), at(16)), (0, 0, 2), 2.0),
+    ],
+)
+def test_addresses_that_are_known(
+    forms: tuple[AddressForm, ...], times: tuple[int, ...], stalls: float
+) -> None:
+    traffic = Traffic.of(graph(*forms), PAD, 2, dict(enumerate(times, 1)))
+    assert traffic.stalls() == stalls
+
+
+def test_what_is_predicated_stalls_less() -> None:
+    forms = (at(0), at(16), at(32))
+    times = dict.fromkeys((1, 2, 3), 0)
+    always = Traffic.of(graph(*forms), PAD, 1, times).stalls()
+    sometimes = Traffic.of(graph(*forms, guarded=(2, 3)), PAD, 1, times).stalls()
+    assert always == 2.0
+    assert sometimes == pytest.approx(1.5, abs=0.1)
+
+
+def test_arrays_start_where_they_do_not_meet() -> None:
+    steps = [(((("&" + name,), 1)), (ITERATION, 4)) for name in "abcd"]
+    together = Traffic.of(graph(*steps), PAD, 1, dict.fromkeys((1, 2, 3, 4), 0))
+    assert sorted(best_starts([together], "abcd").values()) == [0, 1, 2, 3]
+    behind = Traffic.of(graph(*steps), PAD, 1, {1: 0, 2: 1, 3: 2, 4: 3})
+    starts = best_starts([behind], "abcd")
+    assert behind.stalls({f"&{name}": 4 * bank for name, bank in starts.items()}) == 0.0
+
+
+@vividc.kernel("void(float32[:,::1], float32[::1], float32[::1])")
+def rows_of_four(a, x, y):
+    for i in range(a.shape[0]):
+        y[i] = a[i, 0] * x[i] + a[i, 1] * x[i + 1] + a[i, 2] * x[i + 2] + a[i, 3] * x[i + 3]
+
+
+@vividc.kernel("void(int32[::1], int32[::1], int32[::1])")
+def by_eight(a, b, c):
+    for i in range(40):
+        c[8 * i] = a[8 * i] + b[8 * i] + a[8 * i + 16]
+
+
+@pytest.mark.parametrize("kernel", [rows_of_four, by_eight], ids=lambda kernel: kernel.name)
+def test_a_program_tells_the_stalls_of_its_loops(kernel: vividc.KernelFunction) -> None:
+    random = np.random.default_rng(2)
+    if kernel is rows_of_four:
+        like: tuple[object, ...] = tuple(
+            random.standard_normal(n).astype(np.float32) for n in ((40, 8), 44, 40)
+        )
+    else:
+        like = tuple(np.zeros(400, np.int32) for _ in range(3))
+    program = vividc.compile(kernel, loops=vividc.LoopOptions(auto=False), like=like)
+    result = vividc.simulate(program, *like)
+    pairs = [
+        (report.stalls * region["iterations"], region["stalls"]["bank_conflict"])
+        for report, region in zip(program.regions, result.stats["regions"], strict=True)
+    ]
+    expected, actual = (sum(column) for column in zip(*pairs, strict=True))
+    assert actual > 30
+    assert expected == pytest.approx(actual, rel=0.15)

@@ -1,0 +1,166 @@
+"""How long a tile stands still as accesses of one cycle meet in a bank: what is expected.
+
+Where accesses lie is known as far as their addresses are (`Node.address`), relative to each other
+by the words that they have in common. A word of which nothing is known is drawn many times, the
+same ones in every run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from random import Random
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.arch.fabric import Scratchpad
+from vividc.dfg.ir import CHANGES, DFG, Node
+from vividc.machine.opcodes import PRED
+from vividc.machine.words import WORD_BYTES
+from vividc.ssa.analysis.polynomial import ITERATION
+
+_DRAWN: Final = 512
+"""Times that each unknown word is drawn: a mean of 1 stall an iteration is within 0.05."""
+
+_IDLE: Final = 4
+"""One of so many times, all accesses that have a predicate are idle: groups at an edge of a tiled
+loop, and arms of branches.
+"""
+
+_GAIN: Final = 0.2
+"""Share of the stalls that a start has to save to be taken instead of one before it."""
+
+_Draws = NDArray[np.int64]
+Words = Mapping[str, int]
+"""Words of addresses by name, as far as they are known."""
+NOTHING: Final[Words] = {}
+
+
+@dataclass(frozen=True)
+class Traffic:
+    """The accesses of a region.
+
+    Attributes
+    ----------
+    ii
+        Cycles between iterations; of straight code, its length.
+    times
+        When each access starts, by id; None: any time.
+    weight
+        How often an iteration runs, compared with those of other regions.
+    """
+
+    accesses: tuple[Node, ...]
+    predicated: frozenset[int]
+    banks: int
+    ii: int
+    times: Mapping[int, int] | None = None
+    weight: float = 1.0
+    _known: dict[object, _Draws] = field(init=False, compare=False, default_factory=dict)
+
+    @staticmethod
+    def of(
+        dfg: DFG,
+        scratchpad: Scratchpad,
+        ii: int,
+        times: Mapping[int, int] | None = None,
+        weight: float = 1.0,
+    ) -> Traffic:
+        """That of a graph."""
+        accesses = tuple(node for node in dfg.nodes if node.is_memory)
+        predicated = {n.id for n in accesses if dfg.operand(n.id, PRED) is not None}
+        return Traffic(accesses, frozenset(predicated), scratchpad.banks, ii, times, weight)
+
+    def stalls(self, known: Words = NOTHING, among: Collection[str] | None = None) -> float:
+        """Cycles of an iteration in which the tile stands still, the mean of what is drawn; of the
+        accesses to the arrays `among` only.
+        """
+        accesses = [node for node in self.accesses if among is None or node.name in among]
+        if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
+            return 0.0
+        buckets = self.ii * self.banks
+        places = np.stack([self._places(node, known) for node in accesses])
+        places += np.arange(_DRAWN) * (buckets + 1)  # the one more: for what is idle
+        counts = np.bincount(places.ravel(), minlength=_DRAWN * (buckets + 1))
+        counts = counts.reshape(_DRAWN, buckets + 1)[:, :-1].reshape(-1, self.banks)
+        return float(np.maximum(counts.max(axis=1) - 1, 0).sum()) / _DRAWN
+
+    def touches(self, array: str) -> bool:
+        """Whether one of the accesses is to an array."""
+        return any(node.name == array for node in self.accesses)
+
+    def _places(self, node: Node, known: Words) -> _Draws:
+        """Slot and bank of an access, as one number."""
+        words = _words_of(node)
+        key = (node.id, tuple(known.get(word) for word in words))
+        if key not in self._known:
+            self._known[key] = self._found(node, known)
+        return self._known[key]
+
+    def _found(self, node: Node, known: Words) -> _Draws:
+        if self.times is None:
+            slot, stage = _drawn(f"slot {node.id}", self.ii), 0
+        else:
+            stage, fixed = divmod(self.times[node.id], self.ii)
+            slot = np.full(_DRAWN, fixed)
+        places = slot * self.banks + _bank(node, stage, self.banks, known)
+        if node.id not in self.predicated:
+            return places
+        return np.where(_drawn("predicate", _IDLE) == 0, self.ii * self.banks, places)
+
+
+def best_starts(traffic: Sequence[Traffic], arrays: Sequence[str]) -> dict[str, int]:
+    """The bank that each array should start in, for few stalls.
+
+    One after the other, each where fewest are expected of the arrays so far; in equal cases, one
+    bank behind the array before.
+    """
+    banks = traffic[0].banks if traffic else 1
+    known: dict[str, int] = {}
+    for number, array in enumerate(arrays):
+        word, among = f"&{array}", arrays[: number + 1]
+        touched = [one for one in traffic if one.touches(array)]
+        least = math.inf
+        for start in ((number + more) % banks for more in range(banks)):
+            here = {**known, word: WORD_BYTES * start}
+            stalls = sum(one.weight * one.stalls(here, among) for one in touched)
+            if stalls < (1.0 - _GAIN) * least:
+                known[word], least = WORD_BYTES * start, stalls
+            if not touched:
+                break
+    return {array: known[f"&{array}"] // WORD_BYTES for array in arrays}
+
+
+def _words_of(node: Node) -> tuple[str, ...]:
+    return tuple(word for words, _ in node.address or () for word in words)
+
+
+def _bank(node: Node, stage: int, banks: int, known: Words) -> _Draws:
+    """The bank of an access while the newest iteration is `stage` ahead of its own."""
+    around = WORD_BYTES * banks
+    if node.address is None:
+        return _drawn(f"access {node.id}", banks)
+    total = np.zeros(_DRAWN, np.int64)
+    for words, factor in node.address:
+        product = np.full(_DRAWN, factor % around)
+        for word in words:
+            value = known[word] if word in known else _drawn(word, around)
+            if word.startswith(CHANGES):
+                value = _drawn(f"{word} {stage}", around)
+            if word == ITERATION.key:
+                value = value - stage
+            elif word.startswith("&"):  # arrays start at whole words
+                value = value // WORD_BYTES * WORD_BYTES
+            product = product * value % around
+        total += product
+    return total % around // WORD_BYTES
+
+
+@cache
+def _drawn(word: str, below: int) -> _Draws:
+    """What an unknown word is, each time."""
+    return np.array(Random(word).choices(range(below), k=_DRAWN), np.int64)
