@@ -1,6 +1,10 @@
 """Published figures, each made by a command of this package."""
 
+import os
 from typing import Final
 
 PATIENCE: Final = 10.0
 """Times a limit that the clock allows: a busy machine makes the same tables, but for seconds."""
+
+os.environ.setdefault("VIVIDC_CACHE_PROGRAMS", "0")
+"""What is measured is compiled, and not taken from an earlier run."""

@@ -33,6 +33,7 @@ def own_cache(
     _copy_machine_code(code, entries)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("VIVIDC_CACHE_DIR", str(folder / "cache"))
+        patch.setenv("VIVIDC_CACHE_PROGRAMS", "0")  # a test is of the compiler that it patches
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
         yield
     _copy_machine_code(entries, code)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
@@ -29,3 +30,17 @@ def test_a_change_in_any_file_of_a_room_or_above_is_another_source(
     (tmp_path / "other" / "a.py").write_text("1")
     assert kept.source_digest.__wrapped__("room") == last
     assert len(seen) == 5
+
+
+@dataclass(frozen=True)
+class _Other:
+    """Equal to all of its kind."""
+
+    number: int = field(compare=False)
+
+
+def test_other_values_are_other_texts() -> None:
+    values = (1, "1", 1.0, -0.0, 0.0, True, None, (1,), (1, 2), ((1, 2),), frozenset({1}), {1: 2})
+    texts = [kept.text_of(value) for value in (*values, _Other(1), _Other(2))]
+    assert len(set(texts)) == len(texts)
+    assert kept.text_of({"b": 1, "a": 2}) == kept.text_of({"a": 2, "b": 1})

@@ -12,6 +12,7 @@ from typing import Unpack
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
+from vividc.compiler.kept_programs import Place, place_of
 from vividc.compiler.map_regions import (
     MapOptions,
     Progress,
@@ -110,6 +111,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     progress: Progress | None = None,
     mode: str = AUTO,
     like: Like | None = None,
+    cache: bool = True,
     **flat: Unpack[FlatLoopOptions],
 ) -> Program:
     """Compiles `kernel` for a tile, or for the tiles of an accelerator.
@@ -145,6 +147,9 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         like={"A": (20, 30), "n": 16}: shapes of arrays and values of integers become constants,
         and a launch with others is refused (docs/known-sizes.md). None: as the kernel says, mostly
         any.
+    cache
+        Take the program from the user's cache if the same was compiled before, and keep it there
+        (docs/caching.md).
     **flat
         Deprecated: `transform`, and the fields of `LoopOptions` as keywords.
 
@@ -156,6 +161,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     if like is not None:
         kernel = kernel.sized(like)
     demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
+    demand_type(cache, bool, "cache", "give True or False")
     demand_callable(progress, "progress")
     check_effort(effort)
     check_kernel_mode(mode)
@@ -173,7 +179,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     )
     grace_s = _GRACE_S + _GRACE_SHARE * time_limit_s
     with time_limit.limited(time_limit_s, kernel.name, kernel.loc, grace_s=grace_s) as limit:
-        program = _compiled(kernel, loaded, options, mode)
+        program = _compiled(kernel, loaded, options, mode, cache)
     texts = [f"{kernel.loc}: {what} took too long and {CUT_SHORT}" for what in limit.cut]
     for text in texts:
         warnings.warn(text, VividcWarning, stacklevel=2)
@@ -186,6 +192,7 @@ def _compiled(
     loaded: Fabric | Accelerator,
     options: CompileOptions,
     mode: str,
+    cache: bool,
 ) -> Program:
     """The program, with the warnings that were given."""
     wanted, strict_fp = options.loops, options.strict_fp
@@ -197,13 +204,22 @@ def _compiled(
     lines = parallel_lines(kernel, wanted)
     if isinstance(loaded, Accelerator) and parallel is None and wanted.threads is None:
         lines = frozenset()  # iterations that are not proved independent keep their order
-    product = _product(kernel, loaded, options, mode)
-    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-    program = compile_stages(function, machine, options, lines)
-    for text in program.warnings:
+    how = (replace(options, progress=None), lines, parallel, mode)
+    place = place_of(function, loaded, options.mapper, *how) if cache else Place(function)
+    program = place.read()
+    if program is None:
+        product = _product(kernel, loaded, options, mode)
+        machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
+        program = compile_stages(function, machine, options, lines)
+        everything = (*told, *program.warnings)
+        program = replace(program, warnings=everything, parallel=parallel, product=product)
+        place.write(program)
+    warned = tuple(
+        dict.fromkeys((*told, *program.warnings))
+    )  # a kernel is lowered, and tells, once
+    for text in warned[len(told) :]:
         warnings.warn(text, VividcWarning, stacklevel=2)
-    warned = (*told, *program.warnings)
-    return replace(program, warnings=warned, parallel=parallel, product=product)
+    return replace(program, warnings=warned)
 
 
 def checked(

@@ -26,7 +26,7 @@ VARIABLE: Final = "VIVIDC_CACHE_DIR"
 SIZE_VARIABLE: Final = "VIVIDC_CACHE_MB"
 DEFAULT_MB: Final = 256
 _ENTRIES: Final = "entries"
-_PACKAGES: Final = ("vividc", "llvmlite", "numba", "numpy", "ortools")
+_PACKAGES: Final = ("vividc", "islpy", "llvmlite", "networkx", "numba", "numpy", "ortools")
 
 
 def folder() -> Path | None:

@@ -3,13 +3,31 @@
 from __future__ import annotations
 
 import zlib
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from functools import cache as once
 from hashlib import sha256
 from pathlib import Path
+from typing import Final
 
 from vividc.errors import BundleError
 from vividc.host import cache
 from vividc.program import Program, from_bytes
+
+COMPILER: Final = (
+    "arch",
+    "dfg",
+    "frontend",
+    "gemm",
+    "host",
+    "lang",
+    "machine",
+    "mapper",
+    "compiler",
+    "program",
+    "ssa",
+)
+"""Rooms whose code decides what a kernel becomes."""
 
 
 def read_program(kind: str, key: str) -> Program | None:
@@ -44,3 +62,20 @@ def source_digest(*rooms: str) -> str:
         digest.update(file.relative_to(package).as_posix().encode())
         digest.update(file.read_bytes())
     return digest.hexdigest()
+
+
+def text_of(value: object) -> str:
+    """A value as text, the same in each process, and another one for another value: of dataclasses
+    every field, and sets, which have no order of their own, sorted.
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        inner = (f"{f.name}={text_of(getattr(value, f.name))}" for f in fields(value))
+        return f"{type(value).__name__}({', '.join(inner)})"
+    if isinstance(value, Mapping):
+        items = sorted(f"{text_of(k)}: {text_of(v)}" for k, v in value.items())
+        return f"{{{', '.join(items)}}}"
+    if isinstance(value, frozenset | set):
+        return f"{{{', '.join(sorted(map(text_of, value)))}}}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(text_of, value))}]"
+    return repr(value)

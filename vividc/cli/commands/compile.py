@@ -23,6 +23,8 @@ from vividc.machine.params import sizes_text
 from vividc.program import Program
 
 SCHEMA = "vividc.compile/1"
+_NOT_PLANNED = ("mapper", "mode", "cache")
+"""Options that no plan depends on."""
 
 
 @click.command("compile")
@@ -73,6 +75,11 @@ SCHEMA = "vividc.compile/1"
 @click.option(
     "-o", "--output", type=options.FILE, metavar="OUT.vivid", help="[default: KERNEL.vivid]"
 )
+@click.option(
+    "--cache/--no-cache",
+    default=True,
+    help="Take the program from the cache if the same was compiled before, and keep it there.",
+)
 @look_options
 @options.as_json
 def command(
@@ -121,7 +128,7 @@ def _hints(
     kernel: KernelFunction | LLKernel, fabric: str, program: Program, how: dict[str, Any]
 ) -> tuple[vividc.Hint, ...]:
     """What would save cycles; of the options those that a plan depends on."""
-    given = {name: value for name, value in how.items() if name not in ("mapper", "mode")}
+    given = {name: value for name, value in how.items() if name not in _NOT_PLANNED}
     with progress(f"planning {kernel.name} with other options") as report:
         return vividc.advise(kernel, fabric, program=program, progress=report, **given)
 

@@ -6,7 +6,7 @@ import importlib.util
 import sys
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -19,19 +19,6 @@ from vividc.program import kept
 from vividc.render.errors import SceneError
 
 _PACKAGE: Final = Path(vividc.__file__).resolve().parent
-_COMPILER: Final = (
-    "arch",
-    "dfg",
-    "frontend",
-    "lang",
-    "gemm",
-    "machine",
-    "mapper",
-    "compiler",
-    "program",
-    "ssa",
-)
-"""Rooms whose code decides what a kernel becomes."""
 _KIND: Final = "stage"
 
 _LATE: Final = "the clock ended the search for a mapping"
@@ -122,6 +109,7 @@ class Programs:
                 compiled: vividc.Program = vividc.compile(
                     kernel,
                     self.machine,
+                    cache=False,  # it is kept here, for all tiles of a kind
                     **options,  # type: ignore[arg-type]
                 )
         return compiled
@@ -130,9 +118,9 @@ class Programs:
         """Return the cache key of a program."""
         parts = (
             function,
-            _text(self.machine.fabric),
+            kept.text_of(self.machine.fabric),
             repr(sorted(options.items())),
-            kept.source_digest(*_COMPILER),
+            kept.source_digest(*kept.COMPILER),
         )
         digest = sha256("\n".join(parts).encode())
         digest.update(_source(file))
@@ -166,20 +154,6 @@ def kernel_module(file: Path) -> ModuleType:
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module
-
-
-def _text(value: object) -> str:
-    """Return a text that is the same in each process: sets have no order of their own."""
-    if is_dataclass(value) and not isinstance(value, type):
-        inner = (f"{f.name}={_text(getattr(value, f.name))}" for f in fields(value))
-        return f"{type(value).__name__}({', '.join(inner)})"
-    if isinstance(value, Mapping):
-        return f"{{{', '.join(sorted(f'{_text(k)}: {_text(v)}' for k, v in value.items()))}}}"
-    if isinstance(value, frozenset | set):
-        return f"{{{', '.join(sorted(map(_text, value)))}}}"
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_text, value))}]"
-    return repr(value)
 
 
 def _source(file: Path) -> bytes:
