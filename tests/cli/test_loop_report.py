@@ -136,3 +136,42 @@ def test_what_would_save_cycles_is_told_in_json_and_in_a_table(tmp_path):
 def test_without_explain_nothing_is_tried(file):
     result = run("compile", file, "-o", file.with_suffix(".vivid"), "--json")
     assert json.loads(result.stdout)["advice"] is None
+
+
+MEETING = """\
+import vividc
+
+
+@vividc.kernel("void(float32[::1], int32[::1])")
+def chain(x, places):
+    for i in range(2, len(x)):
+        a = x[i - 2]
+        x[i] = a * a
+        {store}
+"""
+
+
+@pytest.mark.parametrize(
+    ("store", "told", "assumed"),
+    [
+        ("pass", "known: accesses at {file}:7 and {file}:8 meet 2 iterations later", False),
+        (
+            "x[places[i]] = a",
+            "{file}:8 and {file}:9 may meet",
+            True,
+        ),
+    ],
+)
+def test_recurrences_through_memory_are_known_or_assumed(tmp_path, store, told, assumed):
+    path = tmp_path / "k.py"
+    path.write_text(MEETING.format(store=store))
+    result = run("compile", path, "-o", path.with_suffix(".vivid"), "--json", "--no-transform")
+    assert result.exit_code == 0, result.stderr
+    made = json.loads(result.stdout)
+    (loop,) = made["loops"]
+    assert loop["binds"].endswith(told.format(file=path))
+    assert ("; assumed: accesses at " in loop["binds"]) == assumed
+    assert loop["memory_order_assumed"] == assumed
+    assert made["regions"][-1]["memory_order_assumed"] == assumed
+    table = run("compile", path, "-o", path.with_suffix(".vivid"), "--explain").stdout
+    assert ("memory order assumed" in " ".join(table.split())) == assumed

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vividc.errors import SourceLoc
-from vividc.mapper.bounds.refutations import IF_THEY_MEET, rests_on_assumed
+from vividc.mapper.bounds.refutations import ASSUMED, IF_THEY_MEET, rests_on_assumed
 
 RegionKind = Literal["loop", "straight"]
 
@@ -232,3 +232,8 @@ class LoopReport:
     binds: str = ""
     notes: tuple[str, ...] = ()
     transforms: tuple[TransformReport, ...] = ()
+
+    @property
+    def rests_on_assumed(self) -> bool:
+        """What binds is a recurrence through accesses not proved apart."""
+        return ASSUMED in self.binds

@@ -162,12 +162,17 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
                     {"name": bound.name, "ii": bound.ii, "reason": bound.reason}
                     for bound in region.bounds
                 ],
+                "memory_order_assumed": region.rests_on_assumed,
                 "wall_s": region.wall_s,
             }
             for region in program.regions
         ],
         "loops": [
-            {**asdict(loop), "loc": None if loop.loc is None else str(loop.loc)}
+            {
+                **asdict(loop),
+                "loc": None if loop.loc is None else str(loop.loc),
+                "memory_order_assumed": loop.rests_on_assumed,
+            }
             for loop in program.loops
         ],
         "sizes": program.sizes,

@@ -12,14 +12,14 @@ from collections.abc import Iterable, Sequence
 
 import networkx as nx
 
-from vividc.dfg.ir import Node
+from vividc.dfg.ir import EdgeKind, Node
 from vividc.dfg.order import partial_order
 from vividc.errors import printable
 from vividc.host.once import once_each
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds.pressure import pressure_bounds
 from vividc.mapper.bounds.reach import island_bounds, operand_bounds, unreachable_bounds
-from vividc.mapper.bounds.refutations import ASSUMED
+from vividc.mapper.bounds.refutations import ASSUMED, KNOWN
 from vividc.mapper.mapping import Bound
 from vividc.mapper.problem import ConstantKey, MapProblem, constant_key
 from vividc.mapper.resources.dependences import (
@@ -171,28 +171,39 @@ def _recurrence(problem: MapProblem, edges: Sequence[Dependence]) -> Bound | Non
         return None
     impossible = sum(max(edge.separation, 0) for edge in edges)
     cycle = positive_cycle(nodes, edges, impossible if least is None else least - 1)
-    assumed = _assumed_text(problem, cycle)
+    memory = _memory_text(problem, cycle)
     if least is None:
-        reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}{assumed}"
+        reason = f"cycle of distance 0: {_cycle_text(problem, cycle)}{memory}"
         return _recurrence_bound(no_ii(problem), reason, cycle)
     latency = sum(edge.separation for edge in cycle)
     distance = sum(edge.distance for edge in cycle)
-    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}{assumed}"
+    reason = f"{latency} cycles over distance {distance}: {_cycle_text(problem, cycle)}{memory}"
     return _recurrence_bound(least, reason, cycle)
 
 
-def _assumed_text(problem: MapProblem, cycle: Sequence[Dependence]) -> str:
-    """The pairs of accesses on the cycle that nothing proves apart."""
+def _memory_text(problem: MapProblem, cycle: Sequence[Dependence]) -> str:
+    """The pairs of accesses on the cycle: those that nothing proves apart, else those that meet."""
     by_id = problem.dfg.by_id
-    pairs = [
-        sorted(_place(by_id[end]) for end in (edge.src, edge.dst))
-        for edge in cycle
-        if problem.dfg.edges[edge.index].assumed
-    ]
-    if not pairs:
-        return ""
-    texts = dict.fromkeys(f"{one} and {other}" for one, other in pairs)
-    return f"; {ASSUMED}accesses at {', '.join(texts)} may meet"
+    assumed: dict[str, None] = {}
+    known: dict[str, None] = {}
+    for edge in cycle:
+        order = problem.dfg.edges[edge.index]
+        if order.kind is not EdgeKind.ORDER:
+            continue
+        pair = " and ".join(sorted(_place(by_id[end]) for end in (edge.src, edge.dst)))
+        if order.assumed:
+            assumed[pair] = None
+        else:
+            known[f"{pair} meet {_after(edge.distance)}"] = None
+    if assumed:
+        return f"; {ASSUMED}accesses at {', '.join(assumed)} may meet"
+    return f"; {KNOWN}accesses at {', '.join(known)}" if known else ""
+
+
+def _after(iterations: int) -> str:
+    if iterations == 0:
+        return "in one iteration"
+    return "1 iteration later" if iterations == 1 else f"{iterations} iterations later"
 
 
 def _place(node: Node) -> str:

@@ -16,6 +16,11 @@ WITHIN_ADDED: Final = " with the added constraints"
 ASSUMED: Final = "assumed: "
 """In the reason of a recurrence through accesses that could not be proved apart."""
 
+KNOWN: Final = "known: "
+"""The same through accesses that meet, with the iterations after which they do: as it was proved,
+or as a graph that was given says.
+"""
+
 
 IF_THEY_MEET: Final = " if accesses that could not be proved apart meet"
 """After a claim whose bound is such a recurrence."""
