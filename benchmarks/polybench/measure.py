@@ -26,7 +26,6 @@ by so much of the greatest number in its array. Integers are equal.
 """
 
 _FUS: Final = 16
-_LOOPS: Final = vividc.LoopOptions(restructure=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +112,7 @@ def measured(step: str, name: str, size: str, known: bool = False) -> Row:
         warnings.simplefilter("ignore")  # what is not as in numba shows in the results
         try:
             start = os.times().user
-            program = vividc.compile(case.kernel, fabric=FABRICS[size], loops=_LOOPS, like=like)
+            program = vividc.compile(case.kernel, fabric=FABRICS[size], like=like)
             took = round(os.times().user - start, 2)
             return _ran(replace(row, compile_s=took, hurried=program.hurried), case, program)
         except VividcError as error:

@@ -31,9 +31,9 @@ HEADER: Final = (
 NOTES: Final = f"""\
 PolyBench 4.2 in Python (`benchmarks/polybench/kernels`), in float32, floyd-warshall and nussinov in
 int32; sizes are in `benchmarks/polybench/suite.py`. `mini` and `small` run on `vivid-tile` and fit
-its scratchpad, `medium` runs on `vivid`. All are compiled with `--restructure`; rows of the steps
-before *restructured*, which had no such option, without a flag. A row is kept in `{ROWS}` when it
-is made; the newest of each kernel is shown.
+its scratchpad, `medium` runs on `vivid`. All are compiled without a flag; nests of the steps
+before *restructured* were not, those up to *in order, masked* by `--restructure`. A row is kept in
+`{ROWS}` when it is made; the newest of each kernel is shown.
 
 - right: floats differ from numba's by at most {RTOL:g} of the greatest number in their array, as
   FMAs round once; integers are equal.

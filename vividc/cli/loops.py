@@ -71,8 +71,9 @@ _OPTIONS: Final = (
     click.option(
         "--restructure/--no-restructure",
         "restructure",
-        default=False,
-        help="Give nests of affine loops another order and tiles for registers, where it pays.",
+        default=True,
+        help="Give nests of affine loops another order and tiles for registers, where it pays.  "
+        "[default: --restructure]",
     ),
 )
 

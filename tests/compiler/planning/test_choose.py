@@ -7,7 +7,7 @@ import pytest
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.choose import Plan, choose
+from vividc.compiler.planning.choose import Plan, Stage, choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
@@ -49,8 +49,13 @@ def plan(kernel: vividc.KernelFunction, **given: object) -> Plan:
 
 
 def chosen(kernel: vividc.KernelFunction, **given: object) -> list[tuple[str, int]]:
-    decisions = (stage.decision for stage in plan(kernel, **given).stages)
-    return [(item.kind, item.factor) for item in decisions if item is not None]
+    return made(plan(kernel, **given).stages[-1])
+
+
+def made(stage: Stage) -> list[tuple[str, int]]:
+    """What made a stage, in order."""
+    decisions = [one.decision for one in stage.lineage()]
+    return [(item.kind, item.factor) for item in reversed(decisions) if item is not None]
 
 
 def line_of(kernel: vividc.KernelFunction, text: str) -> int:
@@ -67,7 +72,7 @@ def test_short_constant_loops_are_unrolled() -> None:
 
 
 def test_accumulations_of_rows_run_side_by_side() -> None:
-    (kind, factor), *_ = chosen(product)
+    (kind, factor), *_ = chosen(product, restructure=False)
     assert kind == "unroll-and-jam"
     assert factor >= 4
 
@@ -81,17 +86,31 @@ def multiplied(c, a, b):
                 c[i, j] += a[i, k] * b[k, j]
 
 
-def test_a_nest_is_restructured_if_that_is_asked_for() -> None:
-    assert "restructuring" not in [kind for kind, _ in chosen(multiplied)]
-    stages = plan(multiplied, restructure=True).stages
-    assert "restructuring" in [stage.decision.kind for stage in stages if stage.decision]
+def test_a_nest_is_restructured_unless_that_is_ruled_out() -> None:
+    assert "restructuring" not in [kind for kind, _ in chosen(multiplied, restructure=False)]
+    stages = plan(multiplied).stages
+    assert [kind for kind, _ in made(stages[-1])] == ["restructuring"]
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
+
+
+def test_what_pays_without_other_loops_is_planned_too_and_the_better_comes_last() -> None:
+    """A product of a matrix and a vector is as well jammed."""
+    for kernel in (product, multiplied):
+        plain = plan(kernel, restructure=False).stages
+        both = plan(kernel).stages
+        kinds = {kind for stage in both for kind, _ in made(stage)}
+        assert "restructuring" in kinds
+        assert set(map(str, (stage.decision for stage in plain))) <= set(
+            map(str, (stage.decision for stage in both))
+        )
+        last = both[-1].estimate.cycles
+        assert last == min(stage.estimate.cycles for stage in both) <= plain[-1].estimate.cycles
 
 
 def test_tiles_fill_a_nest_of_known_sizes() -> None:
     """It is restructured before its constant loops are unrolled, and no rest is left behind."""
     sized = multiplied.sized({"c": (20, 25), "a": (20, 30), "b": (30, 25)})
-    stages = plan(sized, restructure=True).stages
+    stages = plan(sized).stages
     decision = stages[-1].decision
     assert decision is not None
     assert decision.kind == "restructuring"
@@ -110,8 +129,8 @@ def shortest(paths):
 
 
 def test_rows_share_the_latency_of_a_recurrence_along_them() -> None:
-    stages = plan(shortest, restructure=True).stages
-    assert [stage.decision.kind for stage in stages if stage.decision] == ["restructuring"]
+    stages = plan(shortest).stages
+    assert [kind for kind, _ in made(stages[-1])] == ["restructuring"]
     first, last = (stage.estimate.loop(stage.estimate.hottest) for stage in (stages[0], stages[-1]))
     assert first is not None
     assert last is not None
@@ -138,7 +157,7 @@ def layer_norm(x, y):
 
 def test_rows_with_several_reductions_run_side_by_side() -> None:
     """What may be too large for the stores of PEs has a smaller form in reserve."""
-    first, *others = plan(layer_norm, restructure=True).stages
+    first, *others = plan(layer_norm).stages
     kinds = [stage.decision.kind for stage in others if stage.decision is not None]
     assert kinds == ["restructuring"] * 2
     reserve, best = others
@@ -158,8 +177,8 @@ def smoothed(steps, a):
 
 def test_rows_that_start_later_share_the_latency_of_a_recurrence() -> None:
     """A row needs the end of the one before: together they run if each is two elements behind."""
-    stages = plan(smoothed, restructure=True).stages
-    assert [stage.decision.kind for stage in stages if stage.decision] == ["restructuring"]
+    stages = plan(smoothed).stages
+    assert [kind for kind, _ in made(stages[-1])] == ["restructuring"]
     first, last = (stage.estimate.loop(stage.estimate.hottest) for stage in (stages[0], stages[-1]))
     assert first is not None
     assert last is not None

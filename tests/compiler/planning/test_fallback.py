@@ -118,7 +118,8 @@ def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
         return real(kernel, *rest, **options)
 
     monkeypatch.setattr(driver, "map_kernel", fails_if_jammed)
-    program = driver.compile(product, MACHINE)
+    loops = vividc.LoopOptions(restructure=False)
+    program = driver.compile(product, MACHINE, loops=loops)
     assert [region.kind for region in program.regions].count("loop") == 1
     reasons = [item.reason for loop in program.loops for item in loop.transforms]
     assert any("no time" in reason for reason in reasons)
@@ -185,12 +186,14 @@ def nested(a, b, y):
 def test_time_out_of_transformed_stages_leaves_enough_for_the_kernel_as_written(
     slow_mapper: str,
 ) -> None:
-    assert len(plan(nested).stages) > 1
+    assert len(plan(nested, restructure=False).stages) > 1
     arrays = [np.ones((24, 24), np.float32), np.ones((24, 24), np.float32), np.zeros(24, "f4")]
     written = vividc.compile(
         nested, MACHINE, slow_mapper, 4.0, loops=vividc.LoopOptions(auto=False)
     )
-    program = vividc.compile(nested, MACHINE, slow_mapper, 4.0)
+    program = vividc.compile(
+        nested, MACHINE, slow_mapper, 4.0, loops=vividc.LoopOptions(restructure=False)
+    )
     assert program.warnings == written.warnings == ()
     assert [r.ii for r in program.regions] == [r.ii for r in written.regions]
     cycles = vividc.simulate(program, *arrays).cycles

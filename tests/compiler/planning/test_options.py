@@ -119,7 +119,7 @@ CASES: list[tuple[tuple[str, ...], dict[str, Any]]] = [
     (("--jam", "8=2"), {"jam": {8: 2}}),
     (("--flatten", "5", "--no-flatten", "9"), {"flatten": {5: True, 9: False}}),
     (("--threads", "4"), {"threads": 4}),
-    (("--restructure",), {"restructure": True}),
+    (("--no-restructure",), {"restructure": False}),
 ]
 
 

@@ -82,7 +82,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class Stage:
-    """A function to map, its estimate, and the decision that made it of a stage before.
+    """A function to map, its estimate, and the decision that made it of the stage `base`.
 
     `reserve`: the next stage is better by estimate; this one takes fewer contexts, and is for when
     that cannot be mapped.
@@ -91,14 +91,22 @@ class Stage:
     state: State
     estimate: Estimate
     decision: Decision | None = None
+    base: Stage | None = None
     reserve: bool = False
+
+    def lineage(self) -> Iterator[Stage]:
+        """The stage, the one that it was made of, and so on to the first."""
+        yield self
+        if self.base is not None:
+            yield from self.base.lineage()
 
 
 @dataclass(frozen=True)
 class Plan:
     """Stages from the kernel as it was to the most transformed one, and what was decided.
 
-    `asked` is the last stage that the user asks for.
+    `asked` is the last stage that the user asks for. If nests are restructured, stages without that
+    are among those before it, or behind it where they are the better ones.
     """
 
     stages: tuple[Stage, ...]
@@ -181,16 +189,34 @@ class _Chooser:
             time_limit.left_out("the choice of loop transformations")
 
     def improve(self) -> None:
+        """Applies what pays. Where nests are restructured, what pays without that is tried too, so
+        that no kernel is slower for it: the better stages come last.
+        """
+        start, first = self.now, len(self.stages)
+        self._improve(restructure=self.options.restructure)
+        made = self.stages[first:]
+        if not any(s.decision and s.decision.kind == "restructuring" for s in made):
+            return
+        self.now = start
+        del self.stages[first:]
+        try:
+            self._improve(restructure=False)
+        finally:
+            ways = [self.stages[first:], made]
+            ways.sort(key=lambda way: -way[-1].estimate.cycles if way else -math.inf)
+            self.stages[first:] = [stage for way in ways for stage in way]
+
+    def _improve(self, *, restructure: bool) -> None:
         """Applies what pays: full unrolling, then threads, then jamming, then flattening of what is
         still a nest, then unrolling of innermost loops.
         """
-        self._unroll_fully(self._awaited() if self.options.restructure else frozenset())
+        self._unroll_fully(self._awaited() if restructure else frozenset())
         if self.options.threads is None:
             for header in self._parallel():
                 self._climb_threads(header)
-        for header in self._outermost() if self.options.restructure else ():
+        for header in self._outermost() if restructure else ():
             self._restructure(header)
-        if self.options.restructure:
+        if restructure:
             self._unroll_fully(self.now.state.made)
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
@@ -249,7 +275,7 @@ class _Chooser:
             decision = self._note(base, candidate, done.estimate, reason)
             if not reason:
                 is_reserve = done is not found[-1]
-                self._accept(Stage(done.state, done.estimate, decision, is_reserve))
+                self._accept(Stage(done.state, done.estimate, decision, base, is_reserve))
 
     def _outermost(self) -> list[str]:
         """Headers of loops in no other one, with nothing in them that the user decided."""
@@ -327,7 +353,7 @@ class _Chooser:
         estimate = self.estimator.estimate(state.function, state.hints)
         reason = self._objection(base, candidate, estimate)
         decision = self._note(base, candidate, estimate, reason)
-        return None if reason else Stage(state, estimate, decision)
+        return None if reason else Stage(state, estimate, decision, base)
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
         limit = self._most_operations(base, candidate.kind)
@@ -450,4 +476,4 @@ class _Chooser:
         estimate = self.estimator.estimate(state.function, state.hints)
         decision = self._note(base, candidate, estimate, "")
         self.fixed |= state.made - base.state.made
-        self._accept(Stage(state, estimate, decision))
+        self._accept(Stage(state, estimate, decision, base))

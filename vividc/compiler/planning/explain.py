@@ -15,6 +15,8 @@ from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 
+_OTHER = "another form was chosen"
+
 
 def loop_reports(plan: Plan, settled: Settled) -> tuple[LoopReport, ...]:
     """A report for each loop of the kernel as written, innermost first."""
@@ -120,27 +122,26 @@ class _Teller:
             yield f"{len(invariants)} values that do not change in it are computed before it"
 
     def _transforms(self, header: str) -> Iterator[TransformReport]:
-        for decision in self.plan.decisions:
-            if decision.origin != header:
-                continue
-            reason = self._reason(decision)
-            yield TransformReport(
-                decision.kind,
-                decision.factor,
-                not reason,
-                decision.before,
-                decision.after,
-                reason,
-            )
+        """What was done to a loop, and what was not; nothing twice, though it is tried in each way
+        to the kernel that is kept.
+        """
+        own = [(one, self._reason(one)) for one in self.plan.decisions if one.origin == header]
+        done = {(one.kind, one.factor) for one, reason in own if not reason}
+        for one, reason in own:
+            if not reason or (one.kind, one.factor) not in done:
+                yield TransformReport(
+                    one.kind, one.factor, not reason, one.before, one.after, reason
+                )
 
     def _reason(self, decision: Decision) -> str:
         if decision.reason:
             return decision.reason
+        kept = self.settled.outcome.stage
+        if any(stage.decision is decision for stage in kept.lineage()):
+            return ""
         for index, stage in enumerate(self.plan.stages):
             if stage.decision is decision:
-                if stage.reserve and index < self.settled.index:
-                    return "another form was chosen"
-                return "" if index <= self.settled.index else self._dropped(index)
+                return self._dropped(index) if index > self.settled.index else _OTHER
         return "another factor was chosen"
 
     def _dropped(self, index: int) -> str:

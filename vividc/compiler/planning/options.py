@@ -37,7 +37,7 @@ class LoopOptions:
         loops and exits of its own. None: as many as the estimate says pay, if `auto`.
     restructure
         Give nests of affine loops another order, and tiles for registers, where the estimate says
-        that it pays, if `auto`. Choosing takes seconds more.
+        that it pays, if `auto`. Choosing takes a second or more for a nest; False: it takes less.
 
     Raises
     ------
@@ -50,7 +50,7 @@ class LoopOptions:
     jam: Mapping[int, int] = field(default_factory=dict)
     flatten: Mapping[int, bool] = field(default_factory=dict)
     threads: int | None = None
-    restructure: bool = False
+    restructure: bool = True
 
     def __post_init__(self) -> None:
         demand_type(self.auto, bool, "auto", "give True or False")

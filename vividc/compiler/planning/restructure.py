@@ -34,15 +34,25 @@ from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
-_PAIRS = ((4, 4), (5, 5), (8, 4), (4, 8), (8, 2), (2, 8), (1, 4), (1, 8), (4, 1), (8, 1))
-_SINGLES = (4, 8, 2, 16)
-"""Factors that are tried of one loop, and of a loop and one inside it: a PE array of 4x4 has no use
-for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
+_FACTORS = ((4, 4), (4,))
+_LARGER_FACTORS = {
+    (4, 4): ((5, 5), (8, 4), (4, 8)),
+    (1, 4): ((1, 8),),
+    (4, 1): ((8, 1),),
+    (4,): ((8,),),
+    (8,): ((16,),),
+}
+_SMALLER_FACTORS = {(4, 4): ((1, 4), (4, 1), (2, 2)), (4,): ((2,),)}
+_PAYS = 2.0
+"""Factors that are tried of a loop and one inside it, and of one loop; then larger ones of those
+that are faster than none, and smaller ones of those that are not so many times as fast. A PE array
+of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
 """
 
-_MASKED_PAIRS = ((4, 4), (8, 4), (4, 1), (8, 1))
-_MASKED_SINGLES = ((8,), (4,), (16,))
-"""Those that are tried with what does not fill a group masked, instead of behind the others."""
+_BOTH = 2
+"""So many of the best factors are tried with what does not fill a group masked, and with it behind
+the others; factors before, as it is better for the first of them.
+"""
 
 _LARGEST = 16
 _MOST_TOGETHER = 50
@@ -53,7 +63,10 @@ _MOST_FILLING = 5
 """So many of those are tried: the ones with the largest products."""
 
 _ORDERS = 2
-"""So many orders of loops are tried with all factors: those that 4 by 4, or 8, makes fastest."""
+_NEAR = 1.5
+"""So many orders of loops are tried with several factors: those that 4 by 4, or 8, makes fastest,
+if the second is not so much slower.
+"""
 
 _MOST_TRIES = 40
 """Trees of one part; each takes 0.1 to 0.3 s."""
@@ -151,18 +164,13 @@ class _Climb:
             if has_skews(tree):
                 jammed = [group[:1] for group in jammed]
             cycles = self._cycles(tree)
-            for pair, single in _FIRST:
-                first = self._cycles(
-                    with_factors(tree, dict(_chosen(jammed, pair, single)), masked=has_skews(tree))
-                )
-                cycles = min(cycles, first)
-                if first < math.inf:
-                    break
+            cycles = min(cycles, self._first(tree, jammed))
             if cycles < math.inf:
                 ranked.append((cycles, len(ranked), tree, jammed))
         ranked.sort(key=lambda one: one[:2])
-        for _, _, tree, jammed in ranked[:_ORDERS]:
-            self._climb(tree, jammed)
+        for cycles, _, tree, jammed in ranked[:_ORDERS]:
+            if cycles <= _NEAR * ranked[0][0]:
+                self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
         made.sort(key=lambda one: one.cycles)
         spare = next((n for n, one in enumerate(made) if self._is_sure(one.estimate)), 0)
@@ -175,32 +183,60 @@ class _Climb:
         longest = _STRAIGHT * len(fabric.pes)
         return estimate.contexts <= room and estimate.largest_straight <= longest
 
-    def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
-        for group in jammed:
-            best, kept = self._cycles(tree), tree
-            failed: list[tuple[tuple[int, ...], bool]] = []
-            for factors, masked in self._choices([self._length(at(tree, path)) for path in group]):
-                if has_skews(tree) and not masked:
-                    continue  # what some iterations of a group run would be long
-                if any(m == masked and _covers(factors, less) for less, m in failed):
-                    continue  # more are no smaller
-                now = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
-                made = with_factors(tree, now, masked=masked)
-                cycles = self._cycles(made)
-                if cycles == math.inf:
-                    failed.append((factors, masked))
-                if cycles < best:
-                    best, kept = cycles, made
-            tree = kept
+    def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
+        """Cycles with the first factors whose code fits into the contexts."""
+        for pair, single in _FIRST:
+            factors = dict(_chosen(jammed, pair, single))
+            kinds = (True,) if has_skews(tree) else (False, True)
+            tried = [self._cycles(with_factors(tree, factors, masked=kind)) for kind in kinds]
+            if min(tried) < math.inf:
+                return min(tried)
+        return math.inf
 
-    def _choices(self, lengths: list[int | None]) -> Iterator[tuple[tuple[int, ...], bool]]:
-        """Factors of loops of these lengths (None: unknown), and whether the rest is masked."""
-        several = len(lengths) > 1
-        factors = _PAIRS if several else [(factor,) for factor in _SINGLES]
-        yield from ((one, False) for one in dict.fromkeys((*_filling(lengths), *factors)))
-        for one in _MASKED_PAIRS if several else _MASKED_SINGLES:
-            if any(n is None or n % factor for n, factor in zip(lengths, one, strict=True)):
-                yield one, True
+    def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
+        """Gives groups of loops factors, one group after the other."""
+        for group in jammed:
+            tree = self._jammed(tree, group)
+
+    def _jammed(self, tree: Loop, group: tuple[Path, ...]) -> Loop:
+        """The tree with the best factors of a group of its loops, or none."""
+        plain = self._cycles(tree)
+        lengths = [self._length(at(tree, path)) for path in group]
+        first = _FACTORS[len(group) == 1]
+        kinds = sorted((False, True), key=lambda one: self._jam(tree, group, first, masked=one)[0])
+        found: dict[tuple[int, ...], float] = {}
+        work = [*_filling(lengths), first]
+        while work:
+            factors = work.pop(0)
+            failed = (f for f, cycles in found.items() if cycles == math.inf)
+            if factors in found or any(_covers(factors, less) for less in failed):
+                continue  # more are no smaller
+            cycles, _ = self._jam(tree, group, factors, masked=kinds[0])
+            found[factors] = cycles
+            if cycles < plain:
+                work += _LARGER_FACTORS.get(factors, ())
+            if cycles * _PAYS > plain:
+                work += _SMALLER_FACTORS.get(factors, ())
+        made = [self._jam(tree, group, factors, masked=kinds[0]) for factors in found]
+        best = sorted(found, key=lambda one: found[one])[:_BOTH]
+        made += [self._jam(tree, group, factors, masked=kinds[1]) for factors in best]
+        cycles, jammed = min(made, key=lambda one: one[0])
+        return jammed if cycles < plain else tree
+
+    def _jam(
+        self, tree: Loop, group: tuple[Path, ...], factors: tuple[int, ...], *, masked: bool
+    ) -> tuple[float, Loop]:
+        """The tree with factors of a group of its loops, and its cycles; what does not fill a group
+        is masked, or behind the others.
+        """
+        given = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
+        lengths = {path: self._length(at(tree, path)) for path in given}
+        if masked and not any(n is None or n % given[path] for path, n in lengths.items()):
+            return math.inf, tree  # nothing is
+        if has_skews(tree) and not masked:
+            return math.inf, tree  # what some iterations of a group run would be long
+        made = with_factors(tree, given, masked=masked)
+        return self._cycles(made), made
 
     def _length(self, loop: Loop) -> int | None:
         """How many iterations a loop has each time, if that is known."""
