@@ -49,11 +49,6 @@ that are faster than none, and smaller ones of those that are not so many times 
 of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
 """
 
-_BOTH = 2
-"""So many of the best factors are tried with what does not fill a group masked, and with it behind
-the others; factors before, as it is better for the first of them.
-"""
-
 _LARGEST = 16
 _MOST_TOGETHER = 50
 """Of factors that fill loops of known lengths, which leave no rest: each, and their product.
@@ -61,12 +56,6 @@ _MOST_TOGETHER = 50
 
 _MOST_FILLING = 5
 """So many of those are tried: the ones with the largest products."""
-
-_ORDERS = 2
-_NEAR = 1.5
-"""So many orders of loops are tried with several factors: those that 4 by 4, or 8, makes fastest,
-if the second is not so much slower.
-"""
 
 _MOST_TRIES = 40
 """Trees of one part; each takes 0.1 to 0.3 s."""
@@ -163,14 +152,11 @@ class _Climb:
             tree, jammed = groups(order, self.relations)
             if has_skews(tree):
                 jammed = [group[:1] for group in jammed]
-            cycles = self._cycles(tree)
-            cycles = min(cycles, self._first(tree, jammed))
-            if cycles < math.inf:
-                ranked.append((cycles, len(ranked), tree, jammed))
-        ranked.sort(key=lambda one: one[:2])
-        for cycles, _, tree, jammed in ranked[:_ORDERS]:
-            if cycles <= _NEAR * ranked[0][0]:
-                self._climb(tree, jammed)
+            cycles = min(self._cycles(tree), self._first(tree, jammed))
+            ranked.append((cycles, len(ranked), tree, jammed))
+        cycles, _, tree, jammed = min(ranked, key=lambda one: one[:2])
+        if cycles < math.inf:
+            self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
         made.sort(key=lambda one: one.cycles)
         spare = next((n for n, one in enumerate(made) if self._is_sure(one.estimate)), 0)
@@ -186,12 +172,38 @@ class _Climb:
     def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
         """Cycles with the first factors whose code fits into the contexts."""
         for pair, single in _FIRST:
-            factors = dict(_chosen(jammed, pair, single))
-            kinds = (True,) if has_skews(tree) else (False, True)
-            tried = [self._cycles(with_factors(tree, factors, masked=kind)) for kind in kinds]
-            if min(tried) < math.inf:
-                return min(tried)
+            given = dict(_chosen(jammed, pair, single))
+            cycles = self._cycles(self._with(tree, given, self._is_better_masked(tree, given)))
+            if cycles < math.inf:
+                return cycles
         return math.inf
+
+    def _is_better_masked(self, tree: Loop, given: Mapping[Path, int]) -> bool:
+        """Whether what does not fill a group is masked, instead of behind the others: it takes less
+        code, but for triangles, of which both are made.
+        """
+        if has_skews(tree):
+            return True  # what some iterations of a group run would be long
+        masked = self._cycles(self._with(tree, given, True))
+        if masked < math.inf and not self._is_triangle(tree, given):
+            return True
+        return masked < self._cycles(with_factors(tree, given))
+
+    def _with(self, tree: Loop, given: Mapping[Path, int], masked: bool) -> Loop:
+        """The tree with factors; nothing is masked where they divide lengths that are known."""
+        lengths = {path: self._length(at(tree, path)) for path in given}
+        needed = any(n is None or n % given[path] for path, n in lengths.items())
+        return with_factors(tree, given, masked=masked and needed)
+
+    def _is_triangle(self, tree: Loop, given: Mapping[Path, int]) -> bool:
+        """Whether bounds of a loop change from one iteration of these loops to the next."""
+        loops = [at(tree, path) for path in given]
+        for statement in self.scop.statements:
+            counted = {loop.over.get(statement.name) for loop in loops}
+            bounds = (bound for dim in statement.dims for bound in dim.bounds)
+            if any(bound.names & counted for bound in bounds):
+                return True
+        return False
 
     def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
         """Gives groups of loops factors, one group after the other."""
@@ -201,42 +213,28 @@ class _Climb:
     def _jammed(self, tree: Loop, group: tuple[Path, ...]) -> Loop:
         """The tree with the best factors of a group of its loops, or none."""
         plain = self._cycles(tree)
-        lengths = [self._length(at(tree, path)) for path in group]
         first = _FACTORS[len(group) == 1]
-        kinds = sorted((False, True), key=lambda one: self._jam(tree, group, first, masked=one)[0])
-        found: dict[tuple[int, ...], float] = {}
-        work = [*_filling(lengths), first]
+        masked = self._is_better_masked(tree, _of(group, first))
+        found: dict[tuple[int, ...], Loop] = {}
+        failed: list[tuple[int, ...]] = []
+        work = [*_filling([self._length(at(tree, path)) for path in group]), first]
         while work:
             factors = work.pop(0)
-            failed = (f for f, cycles in found.items() if cycles == math.inf)
             if factors in found or any(_covers(factors, less) for less in failed):
                 continue  # more are no smaller
-            cycles, _ = self._jam(tree, group, factors, masked=kinds[0])
-            found[factors] = cycles
+            found[factors] = self._with(tree, _of(group, factors), masked)
+            cycles = self._cycles(found[factors])
+            if cycles == math.inf:
+                failed.append(factors)
             if cycles < plain:
                 work += _LARGER_FACTORS.get(factors, ())
             if cycles * _PAYS > plain:
                 work += _SMALLER_FACTORS.get(factors, ())
-        made = [self._jam(tree, group, factors, masked=kinds[0]) for factors in found]
-        best = sorted(found, key=lambda one: found[one])[:_BOTH]
-        made += [self._jam(tree, group, factors, masked=kinds[1]) for factors in best]
-        cycles, jammed = min(made, key=lambda one: one[0])
-        return jammed if cycles < plain else tree
-
-    def _jam(
-        self, tree: Loop, group: tuple[Path, ...], factors: tuple[int, ...], *, masked: bool
-    ) -> tuple[float, Loop]:
-        """The tree with factors of a group of its loops, and its cycles; what does not fill a group
-        is masked, or behind the others.
-        """
-        given = {path: f for path, f in zip(group, factors, strict=True) if f > 1}
-        lengths = {path: self._length(at(tree, path)) for path in given}
-        if masked and not any(n is None or n % given[path] for path, n in lengths.items()):
-            return math.inf, tree  # nothing is
-        if has_skews(tree) and not masked:
-            return math.inf, tree  # what some iterations of a group run would be long
-        made = with_factors(tree, given, masked=masked)
-        return self._cycles(made), made
+        made = [tree, *found.values()]
+        if not has_skews(tree):
+            best = min(found, key=lambda one: self._cycles(found[one]))
+            made.append(self._with(tree, _of(group, best), not masked))
+        return min(made, key=self._cycles)
 
     def _length(self, loop: Loop) -> int | None:
         """How many iterations a loop has each time, if that is known."""
@@ -338,6 +336,11 @@ def _chosen(
     for group in jammed:
         factors = pair if len(group) > 1 else (single,)
         yield from ((path, f) for path, f in zip(group, factors, strict=True) if f > 1)
+
+
+def _of(group: tuple[Path, ...], factors: tuple[int, ...]) -> dict[Path, int]:
+    """The factors of a group's loops that are not 1."""
+    return {path: f for path, f in zip(group, factors, strict=True) if f > 1}
 
 
 def _covers(factors: tuple[int, ...], less: tuple[int, ...]) -> bool:
