@@ -241,6 +241,8 @@ class _Raising:
 
     def _nest(self, level: Level, around: tuple[Dimension, ...]) -> Nest:
         loop = level.loop
+        if not loop.exits:
+            raise _NotStatic("a loop never ends")
         if len(loop.latches) != 1 or loop.exits != ((loop.header, loop.exits[0][1]),):
             raise _NotStatic("a loop has exits in its body")
         dim = self._dimension(level, around)
