@@ -19,7 +19,7 @@ FASTER = {
     "crc32_table": 2.0,
     "gemv": 1.5,
     "lookup": 1.2,
-    "queens": 1.5,
+    "queens": 1.25,
     "saxpy": 1.5,
 }
 """Least gain in cycles of the kernels that the quick tests transform."""
@@ -127,5 +127,5 @@ def test_reports_say_what_was_done() -> None:
     assert inner.cycles_after is not None
     assert inner.cycles_after < 4
     assert "RecMII" in inner.binds
-    assert [item.kind for item in outer.transforms if item.chosen] == ["unroll-and-jam"]
+    assert [item.kind for item in outer.transforms if item.chosen] == ["restructuring"]
     assert not any(item.chosen for loop in plain.loops for item in loop.transforms)

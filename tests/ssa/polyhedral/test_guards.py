@@ -19,6 +19,7 @@ from vividc.ssa.polyhedral.loops import (
     Quotient,
     Run,
     expected_trips,
+    iterations_of,
     loops_of,
 )
 from vividc.ssa.polyhedral.loops import Test as Comparison
@@ -81,6 +82,19 @@ def test_a_last_group_counts_half_of_what_it_may_lack() -> None:
     loop = For("c", (Form(),), (symbol("n"),), 8, ())
     assert expected_trips(Loops((loop,)), {"n": 16.0}) == {"c": (16 + 3.5) / 8}
     assert expected_trips(Loops((loop,)), {"n": 0.0}) == {"c": 0.0}
+
+
+@pytest.mark.parametrize(("limit", "trips"), [(24, 3.0), (25, 4.0), (31, 4.0), (1, 1.0), (0, 0.0)])
+def test_a_last_group_of_a_known_length_counts_whole(limit: int, trips: float) -> None:
+    loop = For("c", (Form(),), (Form((), limit),), 8, ())
+    assert expected_trips(Loops((loop,)), {}) == {"c": trips}
+
+
+def test_iterations_of_tiles_stand_for_all_that_run_together() -> None:
+    inner = For("k", (Form(),), (symbol("n"),), 1, ())
+    columns = For("j", (Form(),), (symbol("n"),), 8, (If(Comparison(">", symbol("n")), (inner,)),))
+    rows = For("i", (Form(),), (symbol("n"),), 4, (columns,))
+    assert iterations_of((rows,)) == {"i": 4, "j": 32, "k": 32}
 
 
 @pytest.mark.parametrize(

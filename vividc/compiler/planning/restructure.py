@@ -16,7 +16,14 @@ from vividc.host import time_limit
 from vividc.machine.opcodes import MEMORY
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.polyhedral.generate import generate
-from vividc.ssa.polyhedral.loops import Loops, expected_trips, fors_in, loops_of, runs_in
+from vividc.ssa.polyhedral.loops import (
+    Loops,
+    expected_trips,
+    fors_in,
+    iterations_of,
+    loops_of,
+    runs_in,
+)
 from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import (
@@ -282,8 +289,9 @@ class _Climb:
         origins = {
             new: self.state.origin.get(loop.origin, loop.origin) for new, loop in made.loops.items()
         }
+        together = iterations_of(loops.code)
         scale = {
-            new: self.state.scale.get(loop.origin, 1) * loop.code.step
+            new: self.state.scale.get(loop.origin, 1) * together[loop.code.name]
             for new, loop in made.loops.items()
         }
         state = State(

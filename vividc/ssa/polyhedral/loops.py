@@ -269,6 +269,20 @@ def fors_in(code: Iterable[Code]) -> Iterator[For]:
             yield from fors_in((*item.then, *item.otherwise))
 
 
+def iterations_of(code: Iterable[Code], around: int = 1) -> dict[str, int]:
+    """How many of the source's iterations one of each loop stands for, by name: those that run
+    together in it, of the loops around it too.
+    """
+    found: dict[str, int] = {}
+    for item in code:
+        if isinstance(item, For):
+            found[item.name] = around * item.step
+            found |= iterations_of(item.body, found[item.name])
+        elif isinstance(item, If):
+            found |= iterations_of((*item.then, *item.otherwise), around)
+    return found
+
+
 def expected_trips(loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
     """Iterations of each loop, by name, where symbols have these values, and how often the test of
     each branch holds: averages of what lengths near them give, so that a remainder is half of what
@@ -311,7 +325,9 @@ class _Expected:
                 first = max(self._of(one)[0] for one in item.first)
                 limit = min(self._of(one)[0] for one in item.limit)
                 lacks = (item.step - 1) / 2 if limit > first else 0.0
-                if self._is_whole(item):
+                if not any(one.terms for one in (*item.first, *item.limit)):
+                    lacks = (first - limit) % item.step if limit > first else 0.0
+                elif self._is_whole(item):
                     lacks = (item.first[0].constant - item.limit[0].constant) % item.step
                 self.trips[item.name] = max(limit - first + lacks, 0.0) / item.step
                 self.values[item.name] = (first + limit) / 2, max(limit - first, 0.0) / 2
