@@ -27,11 +27,6 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
         "_counters: (second.limit, second.initial) -> (second.initial, second.limit)",
     ): "whether one of them varies does not depend on the order",
     (
-        "parallel/products",
-        "_Matcher._result: ((outer, middle), (middle, outer))"
-        " -> ((middle, outer), (outer, middle))",
-    ): "the result is transposed in one of the two orders",
-    (
         "rewrite/normalize",
         "_add_one_preheader: not is_entry and len(outside) == 1 -> len(outside) == 1",
     ): "nothing that is reached leads to a loop at the entry from outside",

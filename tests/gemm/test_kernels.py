@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 import vividc
 from vividc import arch
 from vividc.errors import ArgumentError, KernelError, SimulationError
-from vividc.gemm.kernels import choose_for, explain
+from vividc.gemm.kernels import KernelChoice, choose_for, explain
 from vividc.gemm.passes import with_arrays
-from vividc.gemm.systolic import SystolicError
+from vividc.gemm.sequence import Launch
 from vividc.program import Program
 
 RNG = np.random.default_rng(5)
@@ -29,7 +29,19 @@ def random(*shape: int) -> Matrix:
     return RNG.standard_normal(shape).astype(np.float32)
 
 
-@vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[::1], float32[:, ::1])")
+LAYER = "void(float32[:, ::1], float32[:, ::1], float32[::1], float32[:, ::1])"
+
+
+def layer_over_prange(a, w, bias, c):
+    for i in prange(a.shape[0]):
+        for j in range(w.shape[0]):
+            total = bias[j]
+            for k in range(a.shape[1]):
+                total += a[i, k] * w[j, k]
+            c[i, j] = max(total, np.float32(0))
+
+
+@vividc.kernel(LAYER)
 def layer(a, w, bias, c):
     for i in range(a.shape[0]):
         for j in range(w.shape[0]):
@@ -54,8 +66,8 @@ def program() -> Program:
 
 
 def in_mode(program: Program, mode: str) -> Program:
-    assert program.product is not None
-    return replace(program, product=replace(program.product, mode=mode))
+    assert program.products is not None
+    return replace(program, products=replace(program.products, mode=mode))
 
 
 def arguments(rows: int = 50, depth: int = 5, cols: int = 9) -> tuple[Matrix, ...]:
@@ -78,49 +90,73 @@ def test_modes_give_the_same_bits(program: Program) -> None:
 
 def test_a_program_keeps_its_product_in_its_file(program: Program, tmp_path: Path) -> None:
     program.save(tmp_path / "layer.vivid")
-    assert vividc.load(tmp_path / "layer.vivid").product == program.product
+    assert vividc.load(tmp_path / "layer.vivid").products == program.products
 
 
-def test_auto_takes_the_mode_with_fewest_cycles(program: Program) -> None:
-    auto = in_mode(program, "auto")
-    assert auto.product is not None
-    small = choose_for(auto, auto.product, (4, 4, 4), VIVID)
-    large = choose_for(auto, auto.product, (4096, 64, 64), VIVID)
+def chosen(program: Program, *args: Matrix) -> KernelChoice:
+    """The mode of a launch with these arrays, all parameters."""
+    assert program.products is not None
+    names = [param.name for param in program.params]
+    arrays = dict(zip(names, args, strict=True))
+    words = {
+        f"{name}.shape{n}": size for name, x in arrays.items() for n, size in enumerate(x.shape)
+    }
+    return choose_for(program, Launch(program.products, arrays, words), VIVID)
+
+
+@pytest.fixture(scope="module")
+def automatic() -> Program:
+    return vividc.compile(layer, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+
+
+def test_auto_takes_the_mode_with_fewest_cycles(automatic: Program) -> None:
+    small, large = (
+        chosen(automatic, *arguments(4, 4, 4)),
+        chosen(automatic, *arguments(4096, 64, 64)),
+    )
     assert small.mode == "gpu"
     assert large.mode == "tpu-unified"
     assert set(large.cycles) == {"gpu", "tpu-unified", "tpu-partitioned"}
     a, w, bias, c = arguments(3, 2, 2)
-    result = vividc.simulate(auto, a, w, bias, c, fabric="vivid")
+    result = vividc.simulate(automatic, a, w, bias, c, fabric="vivid")
     assert {event.program for event in result.events if event.kind == "run"} == {"layer"}
-    deep = choose_for(auto, auto.product, (4096, 64, 600), VIVID)
-    assert deep.mode == "gpu"
-    assert "tpu-unified not: an inner dimension of 600" in deep.reason
 
 
-def test_explain_says_why(program: Program) -> None:
-    text = explain(in_mode(program, "auto"), VIVID)
+def test_a_layer_of_known_sizes_takes_the_mode_that_one_of_unknown_sizes_takes() -> None:
+    """With known sizes the tiles' estimate saw neither stalls in banks nor starts of loops nor the
+    configuration, and a dense layer of 256x32x48 ran on the tiles, in 31,258 cycles, not 14,474.
+    """
+    args = arguments(256, 32, 48)
+    kernel = vividc.kernel(LAYER)(layer_over_prange)
+    known = vividc.compile(kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False), like=args)
+    choice = chosen(known, *args)
+    assert choice.mode != "gpu"
+    measured = vividc.simulate(in_mode(known, "gpu"), *args, fabric="vivid").cycles
+    assert choice.cycles["gpu"] == pytest.approx(measured, rel=0.15)
+
+
+def test_explain_says_why(program: Program, automatic: Program) -> None:
+    text = explain(automatic, VIVID)
     assert text.startswith("matrix product c = max(a w^T + bias, 0): 4096x64 by 64x64: mode tpu-")
     assert "fewest cycles predicted: gpu (1 tile)" in text
     assert "asked for" in explain(program, VIVID)
 
 
-def test_operands_whose_products_may_overflow_run_on_the_tiles(program: Program) -> None:
-    a, w, bias, c = arguments()
-    a[3, 2] = np.nan
-    with pytest.raises(ArgumentError, match="an operand is not finite"):
-        vividc.simulate(program, a, w, bias, c, fabric="vivid")
-    a[3, 2] = np.float32(3e38)
-    with pytest.raises(ArgumentError, match="might overflow"):
-        vividc.simulate(program, a, w, bias, c, fabric="vivid")
-    vividc.simulate(in_mode(program, "auto"), a, w, bias, c, fabric="vivid")
+def test_sums_that_may_be_no_numbers_are_made_positive_on_the_tiles(program: Program) -> None:
+    a, w, bias, c = arguments(20, 3, 5)
+    a[3, 2], w[1, 0] = np.nan, np.inf
+    tiles = np.zeros_like(c)
+    vividc.simulate(in_mode(program, "gpu"), a, w, bias, tiles, fabric="vivid")
+    vividc.simulate(program, a, w, bias, c, fabric="vivid")
+    np.testing.assert_array_equal(c, tiles)
 
 
-def test_loops_over_a_part_of_an_array_are_told(program: Program) -> None:
+def test_loops_over_more_than_an_array_are_told(program: Program) -> None:
     a, w, bias, c = arguments()
-    with pytest.raises(ArgumentError, match="do not run over all of c, 51x9"):
-        vividc.simulate(program, a, w, bias, np.zeros((51, 9), np.float32), fabric="vivid")
-    with pytest.raises(ArgumentError, match="do not run over all of bias"):
-        vividc.simulate(program, a, w, random(10), c, fabric="vivid")
+    with pytest.raises(ArgumentError, match="run over more than c, 49x9"):
+        vividc.simulate(program, a, w, bias, np.zeros((49, 9), np.float32), fabric="vivid")
+    with pytest.raises(ArgumentError, match="run over more than bias, 8"):
+        vividc.simulate(program, a, w, random(8), c, fabric="vivid")
     empty = (random(0, 5), w, bias, np.zeros((0, 9), np.float32))
     with pytest.raises(ArgumentError, match="nothing to compute"):
         vividc.simulate(program, *empty, fabric="vivid")
@@ -129,7 +165,7 @@ def test_loops_over_a_part_of_an_array_are_told(program: Program) -> None:
 def test_modes_that_are_not_possible() -> None:
     with pytest.raises(ArgumentError, match="unknown mode 'tpu'"):
         vividc.compile(layer, fabric="vivid", mode="tpu")
-    with pytest.raises(KernelError, match="doubled cannot run in mode tpu-unified: it has 2 loops"):
+    with pytest.raises(KernelError, match="mode tpu-unified: no loop adds products to sums"):
         vividc.compile(doubled, fabric="vivid", mode="tpu-unified")
     with pytest.raises(KernelError, match="the fabric is one tile"):
         vividc.compile(layer, mode="tpu-unified")
@@ -137,10 +173,12 @@ def test_modes_that_are_not_possible() -> None:
         vividc.compile(layer, fabric="vivid", mode="tpu-unified", contract=False)
 
 
-def test_a_product_that_does_not_fit_is_told(program: Program) -> None:
+def test_an_inner_dimension_that_fits_no_memory_is_cut_and_sums_go_on(program: Program) -> None:
     a, w, bias, c = random(4, 600), random(3, 600), random(3), np.zeros((4, 3), np.float32)
-    with pytest.raises(SystolicError, match="takes 602 contexts"):
-        vividc.simulate(program, a, w, bias, c, fabric="vivid")
+    tiles = np.zeros_like(c)
+    vividc.simulate(in_mode(program, "gpu"), a, w, bias, tiles, fabric="vivid")
+    vividc.simulate(program, a, w, bias, c, fabric="vivid")
+    np.testing.assert_array_equal(c, tiles)
 
 
 def test_a_run_past_the_cycle_limit_is_told(program: Program) -> None:
@@ -156,6 +194,86 @@ def test_an_observer_watches_one_tile(program: Program) -> None:
 
 
 SQUARE = "void(float32[:, ::1], float32[:, ::1], float32[:, ::1])"
+SCALED = "void(float32, float32, float32[:, ::1], float32[:, ::1], float32[:, ::1])"
+
+
+def scaled(alpha, beta, a, b, c):
+    for i in range(c.shape[0]):
+        for j in range(c.shape[1]):
+            c[i, j] *= beta
+        for k in range(a.shape[1]):
+            for j in range(c.shape[1]):
+                c[i, j] += alpha * a[i, k] * b[k, j]
+
+
+def scaled_at_the_end(alpha, beta, a, b, c):
+    for i in range(c.shape[0]):
+        for j in range(c.shape[1]):
+            total = np.float32(0)
+            for k in range(a.shape[1] - 1, -1, -1):
+                total += a[i, k] * b[k, j]
+            c[i, j] = alpha * total + beta * c[i, j]
+
+
+def lower_half(alpha, beta, a, b, c):
+    for i in range(a.shape[0]):
+        for j in range(i + 1):
+            c[i, j] = c[i, j] * beta + alpha
+        for k in range(a.shape[1]):
+            for j in range(i + 1):
+                c[i, j] -= a[i, k] * a[j, k]
+
+
+def twice(alpha, beta, a, b, c):
+    """The right operand, and what is added to, are results."""
+    for i in range(c.shape[0]):
+        for j in range(c.shape[1]):
+            c[i, j] = np.float32(0)
+            for k in range(a.shape[1]):
+                c[i, j] += a[i, k] * b[k, j]
+    for k in range(a.shape[0]):
+        for i in range(b.shape[0]):
+            for j in range(c.shape[1]):
+                b[i, j] += a[k, i] * c[k, j]
+
+
+ORDERED = (scaled, scaled_at_the_end, lower_half, twice)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("function", ORDERED, ids=lambda function: function.__name__)
+@pytest.mark.parametrize("sizes", [(3, 2, 5), (17, 19, 9), (8, 24, 16)], ids=str)
+def test_all_modes_give_the_same_bits(
+    function: Callable[..., None], sizes: tuple[int, int, int]
+) -> None:
+    """Floats, whose sums depend on their order."""
+    kernel = vividc.kernel(SCALED)(function)
+    rows, cols, depth = sizes
+    a, b = random(rows, depth), random(depth, cols)
+    c = random(rows, rows if function is lower_half else cols)
+    args = (np.float32(1.5), np.float32(-0.7), a, b, c)
+    program = vividc.compile(kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+    host = [x.copy() for x in args]
+    kernel(*host)
+    runs = {}
+    for mode in ("gpu", "tpu-partitioned"):
+        runs[mode] = [x.copy() for x in args]
+        vividc.simulate(in_mode(program, mode), *runs[mode], fabric="vivid")
+        for found, wanted in zip(runs[mode][2:], host[2:], strict=True):
+            np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-4)
+    for found, wanted in zip(*(run[2:] for run in runs.values()), strict=True):
+        np.testing.assert_array_equal(found, wanted)
+
+
+def test_what_fits_no_tile_runs_on_the_arrays() -> None:
+    """128x128 needs 192 KiB, and a tile has 32."""
+    kernel = vividc.kernel(SCALED)(scaled)
+    program = vividc.compile(kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+    a, b, c = (RNG.integers(-3, 4, (128, 128)).astype(np.float32) for _ in range(3))
+    wanted = 2 * a @ b + c
+    result = vividc.simulate(program, np.float32(2), np.float32(1), a, b, c, fabric="vivid")
+    np.testing.assert_array_equal(c, wanted)
+    assert result.cycles < 80_000
 
 
 def columns_in_parallel(a, b, c):

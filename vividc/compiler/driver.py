@@ -47,7 +47,7 @@ from vividc.gemm.modes import MODES as GEMM_MODES
 from vividc.host import compiled_files, time_limit, watch
 from vividc.host.watch import run_passes, timed, watched
 from vividc.machine.parallel import Parallel
-from vividc.machine.product import Product
+from vividc.machine.product import Products
 from vividc.mapper import EffortLevel, MapResult, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.program import CUT_SHORT, Program, encode
@@ -63,9 +63,9 @@ from vividc.ssa.formats.precision import (
 )
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.cut import cut_parallel_loop
-from vividc.ssa.parallel.products import recognise
+from vividc.ssa.parallel.products import Found, recognise
 from vividc.ssa.rewrite.contract import contract as contract_products
-from vividc.ssa.rewrite.normalize import normalize
+from vividc.ssa.rewrite.normalize import canonical_loops
 
 _GRACE_S, _GRACE_SHARE = 0.5, 0.05
 """Work that misses its limit by no more than this is finished: seconds, and a share of it."""
@@ -208,11 +208,13 @@ def _compiled(
     place = place_of(function, loaded, options.mapper, *how) if cache else Place(function)
     program = place.read()
     if program is None:
-        product = _product(kernel, loaded, options, mode)
+        products = _products(kernel, loaded, options, mode)
         machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
         program = compile_stages(function, machine, options, lines)
         everything = (*told, *program.warnings)
-        program = replace(program, warnings=everything, parallel=parallel, product=product)
+        program = replace(program, warnings=everything, parallel=parallel, products=products)
+        if isinstance(loaded, Accelerator):
+            program = priced(program, loaded)
         place.write(program)
     warned = tuple(
         dict.fromkeys((*told, *program.warnings))
@@ -236,49 +238,45 @@ def checked(
     return machine
 
 
-def _product(
+def _products(
     kernel: KernelFunction | LLKernel,
     machine: Fabric | Accelerator,
     options: CompileOptions,
     mode: str,
-) -> Product | None:
-    """The matrix product that the kernel computes, if any; TPU-like modes demand one.
+) -> Products | None:
+    """The matrix products that the kernel is made of, if it is; TPU-like modes demand them.
 
     Raises
     ------
     KernelError
         The mode is TPU-like, and the kernel or the machine has no such mode.
     """
-    product: Product | str = "the fabric is one tile: give an accelerator, as vivid"
+    reason = "the fabric is one tile: give an accelerator, as vivid"
     if isinstance(machine, Accelerator):
-        function = _whole(kernel, options.strict_fp)
-        product = recognise(function)
         if not options.contract:
-            product = "its sums are chains of FMAs, which --no-contract forbids"
+            reason = "its sums are chains of FMAs, which --no-contract forbids"
         elif options.precision:
-            product = "formats of its arithmetic or functions are chosen by --precision"
-        if isinstance(product, Product):
-            estimator = Estimator(machine.fabric, PassOptions(options.contract))
-            return replace(priced(product, function, estimator, options.loops), mode=mode)
+            reason = "formats of its arithmetic or functions are chosen by --precision"
+        else:
+            found = products_of(kernel, options.strict_fp)
+            if not found.reason:
+                return Products(found.steps, found.strides, mode)
+            reason = found.reason
     if mode in GEMM_MODES:
         raise KernelError(
-            f"{kernel.name} cannot run in mode {mode}: {product}",
-            hint="a matrix product is three loops, as in docs/gemm.md; or choose the mode gpu",
+            f"{kernel.name} cannot run in mode {mode}: {reason}",
+            hint="what is recognised as matrix products stands in docs/gemm.md; or choose the "
+            "mode gpu",
         )
     return None
 
 
-def why_no_product(kernel: KernelFunction | LLKernel) -> str:
-    """Why a kernel is no matrix product; "": it is one."""
-    product = recognise(_whole(kernel, strict_fp=False))
-    return product if isinstance(product, str) else ""
-
-
-def _whole(kernel: KernelFunction | LLKernel, strict_fp: bool) -> Function:
-    """The kernel in SSA form, loops over `prange` as any other."""
+def products_of(kernel: KernelFunction | LLKernel, strict_fp: bool = False) -> Found:
+    """The matrix products of a kernel, and why it is not made of such, if it is not."""
     with warnings.catch_warnings(), watch.aside():
         warnings.simplefilter("ignore", VividcWarning)  # they are told of elsewhere
-        return normalize(kernel.lower(strict_fp=strict_fp))
+        function = kernel.lower(strict_fp=strict_fp)  # loops over `prange` as any other
+    return recognise(canonical_loops(contract_products(function)))
 
 
 def parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> frozenset[int]:

@@ -1,11 +1,12 @@
-"""Activations that the edges of a systolic array cannot compute: the tiles do, in GPU-like mode.
+"""What the edges of a systolic array cannot compute of each element: the tiles do, as GPUs do.
 
 exp and sigmoid take FMAs, which the load/store units at the edge have none of; the job switches the
-tiles to a program of one loop over the results.
+tiles to a program of one loop over the results. So do kernels' own expressions.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import nullcontext
 from functools import lru_cache
 from typing import Final
@@ -26,6 +27,7 @@ from vividc.launch import At, Job
 from vividc.launch.turns import Turns
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType, Param
+from vividc.machine.product import CONST, INPUT, SUM, Term, View
 from vividc.mapper import MapResult
 from vividc.mapper.api import map_dfg
 from vividc.program import WORD_BYTES, Program
@@ -51,24 +53,93 @@ def elementwise_steps(
     -------
     The steps that must be done before `values` is read.
     """
+    return loop_steps(job, elementwise_program(kind), {"x": values}, "x", {}, before)
+
+
+def loop_steps(
+    job: Job,
+    program: Program,
+    arrays: Mapping[str, NDArray[np.float32]],
+    stored: str,
+    scalars: Mapping[str, object],
+    before: tuple[int, ...],
+) -> tuple[int, ...]:
+    """Add to a job: a program of one loop over n elements of contiguous arrays in DRAM, all of one
+    size, of which it writes one.
+
+    Parameters
+    ----------
+    scalars
+        Further arguments.
+    before
+        Steps that write the others.
+
+    Returns
+    -------
+    The steps that must be done before what is stored is read.
+    """
     machine = job.accelerator
-    program = elementwise_program(kind)
     tiles = range(len(machine.tiles))
-    flat = values.reshape(-1)
-    most = machine.fabric.scratchpad.words // _PARTS
-    size = min(most, -(-flat.size // (len(tiles) * _PARTS)))
-    starts = range(0, flat.size, size)
+    flat = {name: values.reshape(-1) for name, values in arrays.items()}
+    total = flat[stored].size
+    most = machine.fabric.scratchpad.words // (_PARTS * len(flat))
+    size = min(most, -(-total // (len(tiles) * _PARTS)))
+    starts = range(0, total, size)
     job.configure(tiles[: len(starts)], program)
     turns, done = Turns(tiles, _PARTS), []
     for start in starts:
         tile, part, freed = turns.take()
-        chunk = flat[start : start + size]
-        place = part * most * WORD_BYTES
-        moved = job.move_in(tile, chunk, place, after=[*before, *freed])
-        ran = job.run(tile, program, after=[moved], x=At(place, chunk.shape), n=chunk.size)
-        done.append(job.move_out(tile, place, chunk, after=[ran]))
+        chunks = {name: values[start : start + size] for name, values in flat.items()}
+        count = chunks[stored].size
+        first = part * len(flat) * most
+        places = {name: (first + n * most) * WORD_BYTES for n, name in enumerate(flat)}
+        moved = [
+            job.move_in(tile, chunk, places[name], after=[*before, *freed])
+            for name, chunk in chunks.items()
+            if name in program.loaded_arrays
+        ]
+        given = {name: At(place, (count,)) for name, place in places.items()}
+        after = moved or [*before, *freed]
+        ran = job.run(tile, program, after=after, n=count, **given, **scalars)
+        done.append(job.move_out(tile, places[stored], chunks[stored], after=[ran]))
         turns.free(tile, part, done[-1])
     return tuple(done)
+
+
+@lru_cache(maxsize=32)
+def term_program(term: Term, views: tuple[View, ...]) -> Program:
+    """A loop that makes y[i] of the elements i of `x0`, `x1`, ... in place of `views`, of `s` in
+    place of the sum, and of scalars, which are its parameters.
+    """
+    builder = GraphBuilder("elementwise")
+    shift = WORD_BYTES.bit_length() - 1
+    loaded: dict[str, Operand] = {}
+
+    def element(name: str) -> Operand:
+        if name not in loaded:
+            node = Node(0, Opcode.LOAD, name=name, shift=shift)
+            base = builder.live_in(f"&{name}")
+            loaded[name] = builder.add_node(node, [builder.iv()], base=base)
+        return loaded[name]
+
+    def made(one: Term) -> Operand:
+        if one.view is not None:
+            return element(f"x{views.index(one.view)}")
+        if one.op == SUM:
+            return element("s")
+        if one.op == INPUT:
+            return builder.live_in(one.key)
+        if one.op == CONST:
+            return builder.const(one.word)
+        return builder.add(Opcode(one.op), [made(arg) for arg in one.args])
+
+    value = made(term)
+    node = Node(0, Opcode.STORE, name="y", shift=shift)
+    builder.add_node(node, [builder.iv(), value], base=builder.live_in("&y"))
+    arrays = (*loaded, "y")
+    params = [Param(name, DType.F32, 1) for name in arrays]
+    params += [Param(key, DType.F32) for key in dict.fromkeys(term.keys)]
+    return loop_program("elementwise", builder.build(), (*params, Param("n", DType.I32)))
 
 
 @lru_cache(maxsize=8)

@@ -8,18 +8,19 @@ from dataclasses import dataclass, replace
 from typing import Final, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.errors import ArchError, ArgumentError, demand_type, quoted
-from vividc.gemm.job import mlp_job
-from vividc.gemm.layer import Layer, Matrix
-from vividc.gemm.modes import MODES, LayerShape, Mode, check_mode
-from vividc.gemm.passes import lay_out, with_arrays
+from vividc.gemm.layer import Matrix
+from vividc.gemm.modes import MODES, check_mode
+from vividc.gemm.passes import with_arrays
+from vividc.gemm.sequence import Launch, Unfit
+from vividc.gemm.sequence import Sequence as Steps
 from vividc.gemm.systolic import SystolicError
-from vividc.launch import JobResult, spread
-from vividc.machine.product import Factor, Product, Size
+from vividc.launch import Job, JobResult, spread
+from vividc.machine.params import DType
+from vividc.machine.product import ENDLESS
 from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
@@ -30,8 +31,6 @@ AUTO: Final = "auto"
 GPU: Final = "gpu"
 ASSUMED: Final = (4096, 64, 64)
 """Rows, columns and inner indices where a launch decides them, for what is said before it."""
-
-_LARGEST: Final = float(np.finfo(np.float32).max) / 4
 
 Machine = str | os.PathLike[str] | Accelerator
 
@@ -68,61 +67,78 @@ def check_kernel_mode(mode: str) -> None:
         raise ArgumentError(f"unknown mode {quoted(mode)}", hint=f"modes: {', '.join(known)}")
 
 
-def choose_for(
-    program: Program,
-    product: Product,
-    sizes: tuple[int, int, int],
-    machine: Accelerator,
-) -> KernelChoice:
-    """The mode in which a product of this size (rows, columns, inner indices) runs.
+def choose_for(program: Program, launch: Launch, machine: Accelerator) -> KernelChoice:
+    """The mode in which a launch of products runs.
 
     Raises
     ------
-    SystolicError
-        The program asks for a TPU-like mode, and the product does not fit its arrays.
+    SystolicError, Unfit
+        The program asks for a TPU-like mode, and the products do not fit its arrays.
     """
-    rows, cols, depth = sizes
-    shape = LayerShape(depth, cols, product.relu)
-    if product.mode != AUTO:
-        cycles = {}
-        if product.mode != GPU:
-            asked = check_mode(product.mode)
-            cycles = {product.mode: lay_out(rows, [shape], asked, machine).cycles}
-        return KernelChoice(product.mode, "asked for", cycles)
+    products = launch.products
+    if products.mode == GPU:
+        return KernelChoice(GPU, "asked for", {})
+    if products.mode != AUTO:
+        launch.check()
+        asked = check_mode(products.mode)
+        cycles = Steps(launch, asked, machine).cycles()
+        return KernelChoice(asked, "asked for", {asked: cycles})
     tiles = 1 if program.parallel is None else len(machine.tiles)
-    terms = rows * cols * depth
-    costs = {GPU: int(terms * product.cycles_a_term / tiles)}
+    costs = {GPU: _on_tiles(program, launch, machine, tiles)}
     refused = ""
     for mode in MODES:
         try:
-            costs[mode] = lay_out(rows, [shape], mode, machine).cycles
-        except SystolicError as error:
+            launch.check()
+            costs[mode] = Steps(launch, mode, machine).cycles()
+        except (SystolicError, Unfit) as error:
             refused += f"; {mode} not: {error.reason}"
     best = min(costs, key=lambda mode: costs[mode])
-    listed = ", ".join(f"{mode} {count} cycles" for mode, count in costs.items())
+    listed = ", ".join(f"{mode} {_told(count)}" for mode, count in costs.items())
     on = f" ({tiles} tile{'s' if tiles > 1 else ''})"
     listed = listed.replace(f"{GPU} ", f"{GPU}{on} ", 1)
     return KernelChoice(best, f"fewest cycles predicted: {listed}{refused}", costs)
 
 
+def _told(cycles: int) -> str:
+    return "does not fit" if cycles >= ENDLESS else f"{cycles} cycles"
+
+
+def _on_tiles(program: Program, launch: Launch, machine: Accelerator, tiles: int) -> int:
+    """Cycles in GPU-like mode: runs, as they were measured, transfers and configuration."""
+    products = launch.products
+    if products.cycles_a_term >= ENDLESS:
+        return int(ENDLESS)
+    terms = sum(launch.sizes(product).terms for product in products.products)
+    moved = sum(array.nbytes for array in launch.arrays.values())
+    entries = tiles * len(program.fabric.pes) * len(program.words)
+    return int(
+        terms * products.cycles_a_term / tiles
+        + moved / machine.dram.bytes_per_cycle
+        + entries / machine.configuration.entries_per_cycle
+    )
+
+
 def explain(program: Program, machine: Accelerator) -> str:
-    """What a program's matrix product is, and how it would run with assumed sizes; "" if none."""
-    product = program.product
-    if product is None:
+    """What a program's matrix products are, and how they would run with assumed sizes; "" if it
+    has none.
+    """
+    products = program.products
+    if products is None:
         return ""
-    wanted = (product.rows, product.cols, product.depth)
-    sizes = [
-        size if isinstance(size, int) else assumed
-        for size, assumed in zip(wanted, ASSUMED, strict=True)
-    ]
-    rows, cols, depth = sizes
+    words = assumed_words(program, ASSUMED)
+    launch = Launch(products, assumed_arrays(program, words), words)
     try:
-        choice = choose_for(program, product, (rows, cols, depth), with_arrays(machine))
+        choice = choose_for(program, launch, with_arrays(machine))
         how = f"mode {choice.mode}, {choice.reason}"
-    except (ArchError, SystolicError) as error:
+    except (ArchError, SystolicError, Unfit) as error:
         how = f"mode {GPU}: {error.reason}"
-    order = "" if product.starts else "; in TPU-like modes the sum starts from the bias"
-    return f"matrix product {product.text}: {rows}x{depth} by {depth}x{cols}: {how}{order}"
+    sizes = (launch.sizes(product) for product in products.products)
+    told = "; ".join(
+        f"{product.text}: {size.rows}x{size.depth} by {size.depth}x{size.cols}"
+        for product, size in zip(products.products, sizes, strict=True)
+    )
+    several = "s" if len(products.products) > 1 else ""
+    return f"matrix product{several} {told}: {how}"
 
 
 @overload
@@ -202,10 +218,8 @@ def simulate(
             **kwargs,
         )
     _check_spread(program, fabric, observer)
-    if program.product is not None:
-        result = _simulate_product(
-            program, program.product, args, kwargs, fabric, engine, cycle_limit
-        )
+    if program.products is not None:
+        result = _simulate_products(program, args, kwargs, fabric, engine, cycle_limit)
         if result is not None:
             return result
     return spread(program, args, kwargs, fabric).simulate(engine=engine, cycle_limit=cycle_limit)
@@ -229,9 +243,8 @@ def _check_spread(program: object, fabric: object, observer: Observer | None) ->
         )
 
 
-def _simulate_product(
+def _simulate_products(
     program: Program,
-    product: Product,
     args: Sequence[object],
     kwargs: Mapping[str, object],
     fabric: Machine,
@@ -239,101 +252,78 @@ def _simulate_product(
     cycle_limit: int,
 ) -> JobResult | None:
     """The launch in a TPU-like mode; None: it runs in GPU-like mode."""
-    if product.mode == GPU:
+    products = program.products
+    assert products is not None
+    if products.mode == GPU:
         return None
     machine = fabric if isinstance(fabric, Accelerator) else arch.load_accelerator(fabric)
     arrays, inputs = arguments(program, args, kwargs)
-    launch = _Launch(product, arrays, inputs)
-    reason = launch.refusal()
+    floats = {
+        name: array.view(np.float32) for name, array in arrays.items() if array.dtype == np.float32
+    }
+    launch = Launch(products, floats, inputs)
     try:
         machine = with_arrays(machine)
-    except ArchError as error:
-        reason = error.reason
-    if reason:
-        if product.mode == AUTO:
+        launch.check()
+    except (ArchError, Unfit) as error:
+        if products.mode == AUTO:
             return None
         raise ArgumentError(
-            f"{program.name} cannot run in mode {product.mode}: {reason}",
+            f"{program.name} cannot run in mode {products.mode}: {error.reason}",
             hint="compile it with mode gpu, or auto",
-        )
-    mode = choose_for(program, product, launch.sizes, machine).mode
-    return None if mode == GPU else launch.run(check_mode(mode), machine, engine, cycle_limit)
+        ) from error
+    mode = choose_for(program, launch, machine).mode
+    if mode == GPU:
+        return None
+    steps = Steps(launch, check_mode(mode), machine)
+    job = Job(machine)
+    steps.add(job)
+    result = job.simulate(engine=engine, cycle_limit=cycle_limit)
+    steps.write()
+    return replace(result, value=None)
 
 
-class _Launch:
-    """A product with its arguments."""
+def assumed_words(program: Program, sizes: Sequence[int]) -> dict[str, int]:
+    """Launch words with these rows, columns and inner indices where nothing is known of them.
 
-    def __init__(
-        self,
-        product: Product,
-        arrays: Mapping[str, NDArray[np.generic]],
-        inputs: Mapping[str, int],
-    ) -> None:
-        self._product = product
-        self._arrays = arrays
-        self._inputs = inputs
+    What a coordinate of a product goes up to is taken to be of its size; sizes that are equal where
+    all run over whole arrays, equal.
+    """
+    assert program.products is not None
+    words: dict[str, int] = {}
+    for param in program.params:
+        known = param.known or (0,) * max(param.ndim, 1)
+        keys = [f"{param.name}.shape{n}" for n in range(param.ndim)] or [param.name]
+        words |= dict(zip(keys, known, strict=True))
+    for product in program.products.products:
+        for one, size in zip(product.ranges, sizes, strict=True):
+            for key, _ in one.limit.terms:
+                words[key] = words.get(key) or size
+    words |= {key: size or sizes[0] for key, size in words.items()}
+    return _with_whole_arrays(program, words)
 
-    @property
-    def sizes(self) -> tuple[int, int, int]:
-        """Rows, columns and inner indices."""
-        product = self._product
-        return self._size(product.rows), self._size(product.cols), self._size(product.depth)
 
-    def refusal(self) -> str:
-        """Return why no TPU-like mode is possible; "": one is."""
-        product = self._product
-        rows, cols, depth = self.sizes
-        if min(rows, cols, depth) < 1:
-            return f"nothing to compute: the sizes are {rows}, {cols} and {depth}"
-        wanted = {
-            product.left: (rows, depth),
-            product.right: (depth, cols),
-            product.result: (rows, cols),
-        }
-        for factor, sizes in wanted.items():
-            shape = self._arrays[factor.array].shape
-            if shape != (sizes[::-1] if factor.transposed else sizes):
-                return f"the loops do not run over all of {factor.array}, {shape[0]}x{shape[1]}"
-            if self._size(factor.stride) != shape[1]:
-                return f"{factor.array} is not indexed by its own rows"
-        if product.bias and self._arrays[product.bias].shape != (cols,):
-            return f"the loops do not run over all of {product.bias}"
-        return self._overflow() if product.relu else ""
+def _with_whole_arrays(program: Program, words: dict[str, int]) -> dict[str, int]:
+    """Words with arrays as large as the steps need them, where their sizes are not known."""
+    assert program.products is not None
+    fixed = {f"{p.name}.shape{n}" for p in program.params if p.known for n in range(p.ndim)}
+    for step in program.products.steps:
+        fixed |= {key for one in step.ranges for key, _ in (*one.first.terms, *one.limit.terms)}
+    for step in program.products.steps:
+        for view in (step.result, *step.views):
+            for number, axis in enumerate(view.axes):
+                key = f"{view.array}.shape{number}"
+                if key not in fixed and axis.coordinate >= 0:
+                    one = step.ranges[axis.coordinate]
+                    ends = [axis.factor * n for n in (one.first.at(words), one.limit.at(words) - 1)]
+                    words[key] = max(ends) + axis.offset.at(words) + 1
+    return words
 
-    def run(self, mode: Mode, machine: Accelerator, engine: str, cycle_limit: int) -> JobResult:
-        """The result, written into its array, and the job."""
-        product = self._product
-        bias = self._array(product.bias) if product.bias else None
-        layer = Layer(self._matrix(product.right), bias, "relu" if product.relu else "none")
-        x = self._matrix(product.left)
-        done = mlp_job(
-            x, [layer], mode=mode, accelerator=machine, engine=engine, cycle_limit=cycle_limit
-        )
-        self._arrays[product.result.array][...] = done.values
-        return replace(done.job, value=None)
 
-    def _overflow(self) -> str:
-        """Return why a sum could be NaN, of which the array makes 0; "": none can."""
-        depth = self.sizes[2]
-        names = {*self._product.arrays} - {self._product.result.array}
-        if not all(np.isfinite(self._array(name)).all() for name in names):
-            return "an operand is not finite, and max(x, 0) of a NaN would be 0"
-        left, right = self._matrix(self._product.left), self._matrix(self._product.right)
-        most = float(np.abs(left).max()) * float(np.abs(right).max()) * depth
-        if self._product.bias:
-            most += float(np.abs(self._array(self._product.bias)).max())
-        return "" if most < _LARGEST else "a sum might overflow, and max(x, 0) of a NaN would be 0"
-
-    def _size(self, size: Size) -> int:
-        if isinstance(size, int):
-            return size
-        word = self._inputs[size]
-        return word - ((word >> 31) << 32)
-
-    def _array(self, name: str) -> Matrix:
-        array: Matrix = self._arrays[name].astype(np.float32, copy=False)
-        return array
-
-    def _matrix(self, factor: Factor) -> Matrix:
-        array = self._array(factor.array)
-        return np.ascontiguousarray(array.T if factor.transposed else array)
+def assumed_arrays(program: Program, words: Mapping[str, int]) -> dict[str, Matrix]:
+    """Arrays of zeros of these sizes."""
+    return {
+        p.name: np.zeros([words[f"{p.name}.shape{n}"] for n in range(p.ndim)], np.float32)
+        for p in program.params
+        if p.ndim and p.dtype is DType.F32
+    }

@@ -177,6 +177,10 @@ class Job:
         self._held.update({tile: (program, number) for tile in where})
         return number
 
+    def holds(self, tiles: Sequence[int], program: Program) -> bool:
+        """Whether these tiles hold a program after the steps so far."""
+        return all(tile in self._held and self._held[tile][0] is program for tile in tiles)
+
     def run(
         self, tile: int, program: Program, *, after: Sequence[int] = (), **arguments: object
     ) -> int:

@@ -26,7 +26,7 @@ from vividc.host.files import write_whole
 from vividc.host.inputs import BUNDLE_BYTES, demand_few_values, read_bytes
 from vividc.machine.parallel import Parallel
 from vividc.machine.params import DType, LocalArray, Param
-from vividc.machine.product import Product
+from vividc.machine.product import Products
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -90,7 +90,7 @@ class Manifest:
     locals: Rows[LocalArray] = ()
     loops: Rows[LoopReport] = ()
     parallel: Parallel | None = None
-    product: Product | None = None
+    products: Products | None = None
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

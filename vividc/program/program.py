@@ -18,7 +18,7 @@ from vividc.arch.fabric import Fabric
 from vividc.errors import BundleError, VividcError, demand_type
 from vividc.machine.parallel import Parallel, is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
-from vividc.machine.product import Product
+from vividc.machine.product import Product, Products
 from vividc.program.bundle import SCHEMA, SIZED, BundleReader, Manifest, bundle_bytes, write_bundle
 from vividc.program.tables import (
     DebugRow,
@@ -71,9 +71,9 @@ class Program:
         What became of the loops of the source, innermost first (`vividc compile --explain`).
     parallel
         The loop that a launch spreads over the tiles of an accelerator, if there is one.
-    product
-        The matrix product that the kernel is, if it is one: an accelerator may run it in a TPU-like
-        mode instead.
+    products
+        The matrix products that the kernel is made of, if it is: an accelerator may run it in a
+        TPU-like mode instead.
     """
 
     name: str
@@ -95,7 +95,7 @@ class Program:
     locals: tuple[LocalArray, ...] = ()
     loops: tuple[LoopReport, ...] = ()
     parallel: Parallel | None = None
-    product: Product | None = None
+    products: Products | None = None
 
     @property
     def fabric_name(self) -> str:
@@ -224,7 +224,7 @@ def _manifest(program: Program) -> Manifest:
         locals=program.locals,
         loops=program.loops,
         parallel=program.parallel,
-        product=program.product,
+        products=program.products,
     )
 
 
@@ -273,7 +273,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         locals=manifest.locals,
         loops=manifest.loops,
         parallel=manifest.parallel,
-        product=manifest.product,
+        products=manifest.products,
     )
 
 
@@ -324,20 +324,28 @@ def _parallel_faults(program: Program) -> Iterator[str]:
 
 
 def _product_faults(program: Program) -> Iterator[str]:
-    """What the description of a matrix product names must be there."""
-    product = program.product
-    if product is None:
+    """What the description of matrix products names must be there."""
+    products = program.products
+    if products is None:
         return
     keys = _input_keys(program.params)
-    factors = (product.left, product.right, product.result)
-    sizes = (product.rows, product.cols, product.depth, *(factor.stride for factor in factors))
-    if any(isinstance(size, str) and size not in keys for size in sizes):
-        yield "its matrix product has a size that is no input"
-    ndims = {param.name: param.ndim for param in program.params}
-    if any(ndims.get(factor.array) != 2 for factor in factors):  # noqa: PLR2004 - matrices
-        yield "its matrix product is not one of matrices that it has"
-    if product.bias and ndims.get(product.bias) != 1:
-        yield "the bias of its matrix product is not one of its arrays"
+    ndims = {param.name: param.ndim for param in program.params if param.dtype is DType.F32}
+    if any(key not in keys for size in products.sizes for key, _ in size.terms):
+        yield "its matrix products have a size that is no input"
+    if any(ndims.get(name) != 2 for name, _ in products.strides):  # noqa: PLR2004 - matrices
+        yield "rows of its matrix products are not those of matrices that it has"
+    for step in products.steps:
+        views = (step.result, *step.views)
+        if any(ndims.get(view.array) != len(view.axes) for view in views):
+            yield "its matrix products are not of arrays that it has"
+        if len(step.ranges) != (3 if isinstance(step, Product) else 2):
+            yield "a matrix product of its has too many coordinates, or too few"
+        if any(axis.coordinate >= len(step.ranges) for view in views for axis in view.axes):
+            yield "a matrix product of its has a coordinate that it has not"
+        if not keys.issuperset(key for term in step.terms for key in term.keys):
+            yield "its matrix products use a scalar that is no input"
+        if not all(term.is_sound for term in step.terms):
+            yield "an expression of its matrix products is not one that tiles compute"
 
 
 def _store_faults(program: Program) -> Iterator[str]:

@@ -176,7 +176,7 @@ def _as_object(program: Program, path: Path) -> dict[str, object]:
             for loop in program.loops
         ],
         "sizes": program.sizes,
-        "product": None if program.product is None else asdict(program.product),
+        "products": None if program.products is None else asdict(program.products),
         "stopped_by_clock": program.hurried,
         "warnings": [str(warning) for warning in program.warnings],
     }

@@ -10,7 +10,7 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.cli.reports.report import print_table
 from vividc.compiler.advice.advise import LEAST_GAIN, Hint
-from vividc.compiler.driver import why_no_product
+from vividc.compiler.driver import products_of
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.kernels import explain
 from vividc.program import Program
@@ -60,13 +60,22 @@ def _hint(hint: Hint) -> tuple[object, ...]:
 
 
 def print_product(program: Program, kernel: KernelFunction | LLKernel, fabric: str) -> None:
-    """Print in which mode an accelerator runs a kernel that is a matrix product, or why it is
-    none.
+    """Print in which mode an accelerator runs a kernel that is made of matrix products, or why it
+    is not.
     """
     machine = arch.load(fabric)
     if not isinstance(machine, Accelerator):
         return
-    click.echo(explain(program, machine) or f"no matrix product: {why_no_product(kernel)}")
+    told = explain(program, machine)
+    if not told:
+        found = products_of(kernel)
+        told = f"no matrix product: {found.reason}"
+        if found.products:
+            text = "; ".join(product.text for product in found.products)
+            told = (
+                f"matrix product {text}, on the tiles: the kernel is more than that: {found.reason}"
+            )
+    click.echo(told)
 
 
 def _loop(loop: LoopReport) -> tuple[object, ...]:

@@ -1,31 +1,53 @@
-"""Estimated cycles of a recognised matrix product on one tile."""
+"""What a term of a program's matrix products costs a tile: measured on a launch."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
+from typing import Final
 
-from vividc.compiler.planning.choose import choose
-from vividc.compiler.planning.estimate import Estimator
-from vividc.compiler.planning.options import LoopOptions
-from vividc.machine.product import Product
-from vividc.ssa.analysis.frequency import expected_trips
-from vividc.ssa.flow import find_loops
-from vividc.ssa.ir import Function
+from vividc.arch import Accelerator
+from vividc.errors import ArgumentError
+from vividc.gemm.kernels import AUTO, assumed_arrays, assumed_words
+from vividc.gemm.sequence import Launch, Unfit
+from vividc.launch import spread
+from vividc.machine.params import DType
+from vividc.machine.product import ENDLESS, Products
+from vividc.program import Program
 
-_ENDLESS = 1e15
-"""Cycles of what cannot be mapped, by estimate: a number that a file can hold."""
+_SIZES: Final = (32, 32, 32)
+"""Rows, columns and inner indices of the launch where they are not known: pitches of so many words
+meet in banks, as those of most matrices do.
+"""
+_MOST_TERMS: Final = 1 << 22
+"""More take seconds to measure."""
 
 
-def priced(
-    product: Product, function: Function, estimator: Estimator, wanted: LoopOptions
-) -> Product:
-    """A product with the cycles that a tile takes for each of its terms: of the plan that is tried
-    first, by its estimate with assumed sizes.
+def priced(program: Program, machine: Accelerator) -> Program:
+    """A program that knows what its products cost in GPU-like mode, if a launch may choose: with
+    the stalls in banks and the starts of loops, which an estimate does not see.
     """
-    plan = choose(function, estimator, wanted)
-    last = plan.stages[-1]
-    trips = expected_trips(function, {})
-    terms = math.prod(trips[loop.header] for loop in find_loops(function))
-    cycles = min(last.estimate.cycles, _ENDLESS)
-    return replace(product, cycles_a_term=cycles / terms)
+    products = program.products
+    if products is None or products.mode != AUTO:
+        return program
+    cost = _measured(program, products, machine)
+    return replace(program, products=replace(products, cycles_a_term=cost))
+
+
+def _measured(program: Program, products: Products, machine: Accelerator) -> float:
+    words = assumed_words(program, _SIZES)
+    arrays = assumed_arrays(program, words)
+    launch = Launch(products, arrays, words)
+    try:
+        launch.check()
+        terms = sum(launch.sizes(product).terms for product in products.products)
+        if terms > _MOST_TERMS:
+            return ENDLESS
+        given = {
+            p.name: 1.0 if p.dtype is DType.F32 else words[p.name]
+            for p in program.params
+            if not p.ndim
+        }
+        job = spread(program, (), {**arrays, **given}, machine)
+        return job.simulate().stats["tile_cycles"] / terms
+    except (ArgumentError, Unfit):
+        return ENDLESS  # it fits no tile

@@ -54,12 +54,15 @@ class Form:
     results
         Format of what is stored: the drains round it and put neighbouring columns into a word, as
         the next product reads them.
+    added
+        Sums start from the elements of a matrix, and not from a bias.
     """
 
     depth: int
     relu: bool = False
     precision: Precision = "f32"
     results: Precision = "f32"
+    added: bool = False
 
 
 def lanes(precision: Precision) -> int:

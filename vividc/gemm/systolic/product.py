@@ -101,7 +101,7 @@ def plan(
     depth, results = form.depth, form.results
     if depth < 1:
         raise SystolicError(f"an inner dimension of {depth}", hint="give 1 or more")
-    ii = least_ii(array, depth, activated=form.relu)
+    ii = least_ii(array, depth, activated=form.relu, added=form.added)
     op = PRODUCTS[form.precision]
     fault = array.missing_product(op)
     if fault is not None:
@@ -117,7 +117,7 @@ def plan(
             loc=array.fabric.name,
             hint="choose the precision f32 for the next layer",
         )
-    schedule = SystolicSchedule(array, depth, ii, form.relu, op, lanes(results))
+    schedule = SystolicSchedule(array, depth, ii, form.relu, op, lanes(results), form.added)
     room = array.fabric.scratchpad.words if words is None else words
     layout = BlockLayout(array.rows, array.cols, depth, room)
     _demand_room(array, schedule, layout)
@@ -174,7 +174,7 @@ class _Construction:
             place = self._place(Stream.C, where)
             for i in rows:
                 columns = cols[first : first + count]
-                totals = [self._accumulate(i, j, a[i], b[j]) for j in columns]
+                totals = [self._accumulate(i, j, a[i], *b[j]) for j in columns]
                 self._leave(i, first, totals, place)
 
     def _row(self, i: int) -> list[Operand]:
@@ -187,16 +187,32 @@ class _Construction:
             for k, time in enumerate(times)
         ]
 
-    def _column(self, j: int) -> list[Operand]:
-        """B(k, j) for all k, and the bias last."""
+    def _column(self, j: int) -> tuple[list[Operand], list[Operand]]:
+        """B(k, j) for all k, and what the sum of each row starts from."""
         pe = self._array.north(j)
         place = self._place(Stream.B, Place(pe, self._schedule.place_b(j)))
         times = [self._schedule.load_b(j, k) for k in range(self._layout.depth)]
-        times.append(self._schedule.load_bias(j))
-        return [
+        if not self._schedule.added:
+            times.append(self._schedule.load_start(0, j))
+        made = [
             self._load(Stream.B, self._layout.b(j, k), place, Place(pe, time))
             for k, time in enumerate(times)
         ]
+        if not self._schedule.added:
+            return made[:-1], made[-1:] * self._layout.rows
+        place = self._place(Stream.TABLE, Place(pe, self._schedule.place_start(j)))
+        registers = range(self._array.fabric.pes[pe].registers)[::-1]
+        starts = [
+            self._load(
+                Stream.B,
+                self._layout.b(j, i),
+                place,
+                Place(pe, self._schedule.load_start(i, j)),
+                registers,
+            )
+            for i in range(self._layout.rows)
+        ]
+        return made, starts
 
     def _place(self, stream: Stream, where: Place) -> Operand:
         """Where the iteration's block of a matrix lies, from the table."""
@@ -205,18 +221,27 @@ class _Construction:
         base = self._base(Stream.TABLE, 0)
         return self._add(node, [self.builder.iv()], where, base=base)
 
-    def _load(self, stream: Stream, element: int, index: Operand, where: Place) -> Operand:
+    def _load(
+        self,
+        stream: Stream,
+        element: int,
+        index: Operand,
+        where: Place,
+        registers: range | None = None,
+    ) -> Operand:
         base, offset = self._address(stream, element)
         node = Node(0, Opcode.LOAD, name=BUFFER, offset=offset)
-        return self._add(node, [index], where, [self._held(index, where)], base)
+        return self._add(node, [index], where, [self._held(index, where, registers)], base)
 
-    def _accumulate(self, i: int, j: int, a: list[Operand], b: list[Operand]) -> Operand:
-        total = b[-1]
+    def _accumulate(
+        self, i: int, j: int, a: list[Operand], b: list[Operand], starts: list[Operand]
+    ) -> Operand:
+        total = starts[i]
         pe = self._array.multiplier(i, j)
-        for k, (left, right) in enumerate(zip(a, b[:-1], strict=True)):
+        for k, (left, right) in enumerate(zip(a, b, strict=True)):
             east = self._eastward(i, j, self._schedule.load_a(i, k))
             south = self._southward(i, j, self._schedule.load_b(j, k))
-            kept = self._kept(i, j, k) if k else self._bias(i, j)
+            kept = self._kept(i, j, k) if k else self._start(i, j)
             where = Place(pe, self._schedule.multiply(i, j, k))
             node = Node(0, self._schedule.op)
             total = self._add(node, [left, right, total], where, [east, south, kept])
@@ -308,19 +333,23 @@ class _Construction:
             for number, (src, dst) in enumerate(hops)
         )
 
-    def _held(self, word: Operand, reader: Place) -> tuple[Step, ...]:
-        """A loaded word on its PE. It leaves each register for the next before that iteration's
-        word comes; as each stay is a cycle shorter than the II, no two moves share a slot.
+    def _held(
+        self, word: Operand, reader: Place, registers: range | None = None
+    ) -> tuple[Step, ...]:
+        """A loaded word on its PE, in some of its registers (None: from the first on). It leaves
+        each register for the next before that iteration's word comes; as each stay is a cycle
+        shorter than the II, no two moves share a slot.
         """
         ready = self.places[word.node].time + self._array.latency(LatencyClass.LOAD)
+        registers = registers or range(self._array.fabric.pes[reader.pe].registers)
         return tuple(
-            Step("reg", reader.pe, (time - ready) // (self._schedule.ii - 1), time)
+            Step("reg", reader.pe, registers[(time - ready) // (self._schedule.ii - 1)], time)
             for time in range(ready, reader.time + 1)
         )
 
-    def _bias(self, i: int, j: int) -> tuple[Step, ...]:
-        """The bias waits in the last register for the first FMA."""
-        way = self._southward(i, j, self._schedule.load_bias(j))
+    def _start(self, i: int, j: int) -> tuple[Step, ...]:
+        """What a sum starts from waits in the last register for the first FMA."""
+        way = self._southward(i, j, self._schedule.load_start(i, j))
         pe = self._array.multiplier(i, j)
         register = self._array.fabric.pes[pe].registers - 1
         waits = range(way[-1].time + 1, self._schedule.multiply(i, j, 0) + 1)

@@ -16,13 +16,15 @@ from vividc.gemm.systolic.array import SystolicArray
 from vividc.machine.opcodes import OPCODES, LatencyClass, Opcode
 
 
-def least_ii(array: SystolicArray, depth: int, *, activated: bool) -> int:
+def least_ii(array: SystolicArray, depth: int, *, activated: bool, added: bool = False) -> int:
     """Least II of a block with inner dimension `depth`.
 
     A PE issues `depth` FMAs a block, and a PE in the north as many loads, one of the bias and one
-    of the place where the block's columns of B lie. The bound of a drain is in `drain_slot`.
+    of the place where the block's columns of B lie; if sums are added to a matrix (`added`), one of
+    each of its rows instead of the bias, and one of their place. The bound of a drain is in
+    `drain_slot`.
     """
-    ii = max(depth + 2, array.rows, array.cols)
+    ii = max(depth + 1 + (array.rows + 1 if added else 1), array.rows, array.cols)
     while drain_slot(array, ii, activated=activated) is None:
         ii += 1
     return ii
@@ -57,6 +59,8 @@ class SystolicSchedule:
     op: Opcode = Opcode.FMA
     lanes: int = 1
     """Results to a word: 1, 2 or 4, of neighbouring columns."""
+    added: bool = False
+    """Whether sums start from the elements of a matrix, not from a bias."""
 
     @property
     def product_latency(self) -> int:
@@ -65,8 +69,8 @@ class SystolicSchedule:
 
     def step(self, k: int) -> int:
         """Cycles from a PE's first FMA of a block to its FMA k: the least that give each k a slot
-        of its own, an FMA's latency or one cycle more apart. Those of `depth` and `depth` + 1 are
-        slots that no FMA has.
+        of its own, an FMA's latency or one cycle more apart. Those of `depth` and more are slots
+        that no FMA has.
         """
         return self.product_latency * k + self.turn(k)
 
@@ -102,9 +106,15 @@ class SystolicSchedule:
         latest = first + self.activated - self._load
         return latest - (latest - first - slot) % self.ii
 
-    def load_bias(self, j: int) -> int:
-        """The bias goes the way of B(0, j) in a slot that B leaves free, before it."""
-        return self.load_b(j, 0) - self._bias_lead
+    def place_start(self, j: int) -> int:
+        """As `place_a`, before the first of what the sums of column j start from."""
+        return self.load_b(j, 0) - self._start_lead
+
+    def load_start(self, i: int, j: int) -> int:
+        """The bias, or what the sum of row i starts from, goes the way of B(0, j) in a slot that B
+        leaves free, before it.
+        """
+        return self.load_b(j, 0) - self._lead(i)
 
     def result(self, i: int, j: int) -> int:
         """The result is in the output register, and on the link to the north."""
@@ -150,18 +160,27 @@ class SystolicSchedule:
     def _load(self) -> int:
         return self.array.latency(LatencyClass.LOAD)
 
+    def _lead(self, i: int) -> int:
+        return self.ii - self.step(self.depth + 1 + (i if self.added else 0)) % self.ii
+
     @property
-    def _bias_lead(self) -> int:
-        return self.ii - self.step(self.depth + 1) % self.ii
+    def _longest_lead(self) -> int:
+        return max(map(self._lead, range(self.array.rows)))
 
     @property
     def _place_lead(self) -> int:
-        latest = -self._bias_lead - self._load
+        latest = (0 if self.added else -self._longest_lead) - self._load
         return (latest - self.step(self.depth)) % self.ii - latest
+
+    @property
+    def _start_lead(self) -> int:
+        latest = -self._longest_lead - self._load
+        return (latest - self.step(self.depth + 1 + self.array.rows)) % self.ii - latest
 
     @property
     def _origin(self) -> int:
         """PE (0, 0)'s first FMA: early enough that nothing is issued before cycle 0."""
-        fed = self._load + 1 + self._place_lead
+        lead = max(self._place_lead, self._start_lead if self.added else 0)
+        fed = self._load + 1 + lead
         drained = self.ii + self._load - self.step(self.depth - 1)
         return max(fed, drained)
