@@ -39,21 +39,64 @@ def hoist_loads(function: Function) -> Function:
 
 
 @dataclass
-class _Hoister:
+class Preface:
+    """What is to come at the end of a loop's preheader; `blocks` are those of the loop."""
+
     function: Function
     loop: Loop
     before: list[Instr] = field(default_factory=list)
 
     def __post_init__(self) -> None:
+        """Finds what the loop computes."""
         self.blocks = {b.name: b for b in self.function.blocks if b.name in self.loop.blocks}
         self.inside = {i for block in self.blocks.values() for i in defined_types(block)}
+        self.free = next_id(self.function)
+
+    def preheader(self) -> Block:
+        """The preheader with it."""
+        block = block_of(self.function, preheader_of(self.function, self.loop))
+        return replace(block, instrs=(*block.instrs, *self.before))
+
+    def entered(self, header: Block) -> Value | None:
+        """The header's test in the first iteration, 1 if it stays; None if it reads memory."""
+        assert header.branch.cond is not None
+        test = self._first(header, header.branch.cond)
+        if test is None or header.branch.target in self.loop.blocks:
+            return test
+        return self.emit(Instr(0, Opcode.XOR, Type.PRED, (test, Const(1)), loc=header.branch.loc))
+
+    def _first(self, header: Block, value: Value) -> Value | None:
+        """A value of the header in the first iteration."""
+        if not isinstance(value, Ref) or value.id not in self.inside:
+            return value
+        preheader = preheader_of(self.function, self.loop)
+        for phi in header.phis:
+            if phi.id == value.id:
+                return incoming(phi, preheader)
+        instr = next((i for i in header.instrs if i.id == value.id), None)
+        if instr is None or instr.op in MEMORY:
+            return None
+        operands = [self._first(header, operand) for operand in instr.operands]
+        known = tuple(operand for operand in operands if operand is not None)
+        return self.emit(replace(instr, operands=known)) if len(known) == len(operands) else None
+
+    def emit(self, instr: Instr) -> Value:
+        """The result of an instruction, under a number of its own."""
+        self.before.append(replace(instr, id=self.free))
+        self.free += 1
+        return Ref(self.free - 1)
+
+
+@dataclass
+class _Hoister(Preface):
+    def __post_init__(self) -> None:
+        super().__post_init__()
         self.stores = [
             instr
             for block in self.blocks.values()
             for instr in block.instrs
             if instr.op is Opcode.STORE
         ]
-        self.free = next_id(self.function)
 
     def run(self) -> Function:
         """The function with the loads before the loop, or as it was."""
@@ -67,16 +110,14 @@ class _Hoister:
             replace(block, instrs=tuple(i for i in block.instrs if i.id not in moved))
             for block in self.blocks.values()
         ]
-        preheader = block_of(self.function, preheader_of(self.function, self.loop))
-        preheader = replace(preheader, instrs=(*preheader.instrs, *self.before))
-        return with_blocks(self.function, [*changed, preheader])
+        return with_blocks(self.function, [*changed, self.preheader()])
 
     def _guarded(self, load: Instr, guard: Value | None) -> tuple[Value, ...]:
         """Operands of a load that runs under `guard` only, and under its own predicate if any."""
         plain, own = load.operands[:_PREDICATE], load.operands[_PREDICATE:]
         if guard is None or not own:
             return load.operands if guard is None else (*plain, guard)
-        return (*plain, self._emit(Instr(0, Opcode.AND, Type.PRED, (own[0], guard), loc=load.loc)))
+        return (*plain, self.emit(Instr(0, Opcode.AND, Type.PRED, (own[0], guard), loc=load.loc)))
 
     def _loads(self) -> Iterator[tuple[Instr, Value | None]]:
         """Loads to move, each with the predicate under which the first iteration runs it."""
@@ -101,7 +142,7 @@ class _Hoister:
             if len(block.branch.successors) > 1:
                 if block.name != self.loop.header or within[0] == self.loop.header:
                     return
-                guard = self._entered(block)
+                guard = self.entered(block)
                 if guard is None:
                     return
             block = self.blocks[within[0]]
@@ -113,31 +154,3 @@ class _Hoister:
             store.array == load.array and not different_elements(store.subscript, load.subscript)
             for store in self.stores
         )
-
-    def _entered(self, header: Block) -> Value | None:
-        """The header's test in the first iteration, 1 if it stays; None if it reads memory."""
-        assert header.branch.cond is not None
-        test = self._first(header, header.branch.cond)
-        if test is None or header.branch.target in self.loop.blocks:
-            return test
-        return self._emit(Instr(0, Opcode.XOR, Type.PRED, (test, Const(1)), loc=header.branch.loc))
-
-    def _first(self, header: Block, value: Value) -> Value | None:
-        """A value of the header in the first iteration."""
-        if not isinstance(value, Ref) or value.id not in self.inside:
-            return value
-        preheader = preheader_of(self.function, self.loop)
-        for phi in header.phis:
-            if phi.id == value.id:
-                return incoming(phi, preheader)
-        instr = next((i for i in header.instrs if i.id == value.id), None)
-        if instr is None or instr.op in MEMORY:
-            return None
-        operands = [self._first(header, operand) for operand in instr.operands]
-        known = tuple(operand for operand in operands if operand is not None)
-        return self._emit(replace(instr, operands=known)) if len(known) == len(operands) else None
-
-    def _emit(self, instr: Instr) -> Value:
-        self.before.append(replace(instr, id=self.free))
-        self.free += 1
-        return Ref(self.free - 1)

@@ -145,7 +145,7 @@ def _overflow(w: Words, operand: Value) -> Value | None:
     made = w.emitter.function.definitions.get(operand.id) if isinstance(operand, Ref) else None
     if not isinstance(made, Instr) or made.op not in ("add", "sub") or w.emitter.signed(operand):
         return None
-    if not all(_is_plain(w, word) for word in made.operands):
+    if not w.emitter.signed(*made.operands):
         return None
     low, one, other = map(w.emitter.value, (operand, *made.operands))
     changed = w.op(Opcode.XOR, one, low)
