@@ -131,3 +131,15 @@ def test_a_program_tells_the_stalls_of_its_loops(kernel: vividc.KernelFunction) 
     expected, actual = (sum(column) for column in zip(*pairs, strict=True))
     assert actual > 30
     assert expected == pytest.approx(actual, rel=0.15)
+
+
+def test_what_is_not_mapped_yet_counts_as_if_starts_and_iterations_were_chosen() -> None:
+    """Other arrays, and elements of one array some iterations apart, need not meet."""
+    here = ((("&a",), 1), ((*ITERATION,), 4))
+    there = ((("&b",), 1), ((*ITERATION,), 4))
+    behind = (((), 8), *here)
+    assert Traffic.of(graph(here, there), PAD, 1).stalls() == 0.0
+    assert Traffic.of(graph(here, behind), PAD, 1).stalls() == 0.0
+    fixed = (((), 16), (("&a",), 1))
+    assert Traffic.of(graph(fixed, ((("&a",), 1),)), PAD, 1).stalls() == 1.0
+    assert Traffic.of(graph(here, there), PAD, 1, {1: 0, 2: 0}).stalls() == pytest.approx(0.25, 0.3)

@@ -26,6 +26,14 @@ from vividc.ssa.analysis.polynomial import ITERATION
 _DRAWN: Final = 512
 """Times that each unknown word is drawn: a mean of 1 stall an iteration is within 0.05."""
 
+_CHOICES: Final = 8
+"""So many ways are drawn to map what is not mapped yet, and to place its arrays: the best counts,
+as a compiler chooses.
+"""
+
+_STAGES: Final = 8
+"""Accesses of what is not mapped yet are up to so many iterations apart."""
+
 _IDLE: Final = 4
 """One of so many times, all accesses that have a predicate are idle: groups at an edge of a tiled
 loop, and arms of branches.
@@ -77,7 +85,7 @@ class Traffic:
 
     def stalls(self, known: Words = NOTHING, among: Collection[str] | None = None) -> float:
         """Cycles of an iteration in which the tile stands still, the mean of what is drawn; of the
-        accesses to the arrays `among` only.
+        accesses to the arrays `among` only. Without times: the fewest of several choices.
         """
         accesses = [node for node in self.accesses if among is None or node.name in among]
         if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
@@ -87,7 +95,9 @@ class Traffic:
         places += np.arange(_DRAWN) * (buckets + 1)  # the one more: for what is idle
         counts = np.bincount(places.ravel(), minlength=_DRAWN * (buckets + 1))
         counts = counts.reshape(_DRAWN, buckets + 1)[:, :-1].reshape(-1, self.banks)
-        return float(np.maximum(counts.max(axis=1) - 1, 0).sum()) / _DRAWN
+        waits = np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, self.ii).sum(axis=1)
+        tried = 1 if self.times is not None else _CHOICES
+        return float(waits.reshape(tried, -1).mean(axis=1).min())
 
     def touches(self, array: str) -> bool:
         """Whether one of the accesses is to an array."""
@@ -103,11 +113,12 @@ class Traffic:
 
     def _found(self, node: Node, known: Words) -> _Draws:
         if self.times is None:
-            slot, stage = _drawn(f"slot {node.id}", self.ii), 0
+            slot, stage = (_chosen(f"{n} {node.id}", n) for n in (self.ii, _STAGES))
         else:
-            stage, fixed = divmod(self.times[node.id], self.ii)
-            slot = np.full(_DRAWN, fixed)
-        places = slot * self.banks + _bank(node, stage, self.banks, known)
+            stage, fixed = (np.full(_DRAWN, n) for n in divmod(self.times[node.id], self.ii))
+            slot = fixed
+        bank = _bank(node, stage, self.banks, known, is_mapped=self.times is not None)
+        places = slot * self.banks + bank
         if node.id not in self.predicated:
             return places
         return np.where(_drawn("predicate", _IDLE) == 0, self.ii * self.banks, places)
@@ -139,7 +150,7 @@ def _words_of(node: Node) -> tuple[str, ...]:
     return tuple(word for words, _ in node.address or () for word in words)
 
 
-def _bank(node: Node, stage: int, banks: int, known: Words) -> _Draws:
+def _bank(node: Node, stage: _Draws, banks: int, known: Words, *, is_mapped: bool) -> _Draws:
     """The bank of an access while the newest iteration is `stage` ahead of its own."""
     around = WORD_BYTES * banks
     if node.address is None:
@@ -148,12 +159,14 @@ def _bank(node: Node, stage: int, banks: int, known: Words) -> _Draws:
     for words, factor in node.address:
         product = np.full(_DRAWN, factor % around)
         for word in words:
-            value = known[word] if word in known else _drawn(word, around)
-            if word.startswith(CHANGES):
-                value = _drawn(f"{word} {stage}", around)
+            value = known.get(word, _drawn(word, around))
+            if word.startswith(CHANGES) and is_mapped:
+                value = _drawn(f"{word} {stage[0]}", around)
             if word == ITERATION.key:
                 value = value - stage
             elif word.startswith("&"):  # arrays start at whole words
+                if not (word in known or is_mapped):
+                    value = _chosen(word, around)
                 value = value // WORD_BYTES * WORD_BYTES
             product = product * value % around
         total += product
@@ -164,3 +177,8 @@ def _bank(node: Node, stage: int, banks: int, known: Words) -> _Draws:
 def _drawn(word: str, below: int) -> _Draws:
     """What an unknown word is, each time."""
     return np.array(Random(word).choices(range(below), k=_DRAWN), np.int64)
+
+
+def _chosen(what: str, below: int) -> _Draws:
+    """What a compiler is free to choose: the same in all draws of one choice."""
+    return np.repeat(_drawn(what, below)[:_CHOICES], _DRAWN // _CHOICES)
