@@ -11,7 +11,7 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc import LoopOptions
+from vividc import LoopOptions, arch
 from vividc.compiler.advice.advise import LEAST_GAIN, Hint, advise
 
 F = np.float32
@@ -45,6 +45,16 @@ def rowsums(a, y):
         y[i] = total
 
 
+@vividc.kernel("void(float32[:, ::1], float32[::1])")
+def rowsums_in_parallel(a, y):
+    """The same on all tiles."""
+    for i in prange(a.shape[0]):
+        total = F(0.0)
+        for j in range(a.shape[1]):
+            total += a[i, j]
+        y[i] = total
+
+
 @vividc.kernel("void(float32[::1], float32[::1])")
 def doubled(x, y):
     """A loop that pays to unroll."""
@@ -61,6 +71,20 @@ def running(x, y, z):
         z[i] = total
     for i in range(len(x)):
         y[i] = F(2.0) * x[i]
+
+
+@vividc.kernel("void(float32[::1], float32[::1], float32[:, ::1], float32[::1])")
+def running_rows(x, z, a, y):
+    """A long chain, and behind it a nest that is a small part of the time."""
+    total = F(0.0)
+    for i in range(len(x)):
+        total = ((((total * x[i] + x[i]) * x[i] + x[i]) * x[i] + x[i]) * x[i] + x[i]) * x[i]
+        z[i] = total
+    for i in range(a.shape[0]):
+        some = F(0.0)
+        for j in range(a.shape[1]):
+            some += a[i, j]
+        y[i] = some
 
 
 @vividc.kernel("void(float32[::1], float32[::1], int32[::1])")
@@ -194,6 +218,19 @@ def _segments() -> tuple[Any, ...]:
     return _floats(64), _lengths(24, 30), np.arange(24, dtype=np.int32), np.zeros(24, F)
 
 
+def _long_matrix() -> tuple[Any, ...]:
+    return _floats(256, 24), np.zeros(256, F)
+
+
+def _chain_and_rows() -> tuple[Any, ...]:
+    return _floats(200), np.zeros(200, F), _floats(16, 16), np.zeros(16, F)
+
+
+def _jammed(hint: Hint) -> dict[str, Any]:
+    line, factor = map(int, hint.option.removeprefix("--jam ").split("="))
+    return {"loops": LoopOptions(jam={line: factor}, restructure=False)}
+
+
 def _unrolled(hint: Hint) -> dict[str, Any]:
     line, factor = map(int, hint.option.removeprefix("--unroll ").split("="))
     return {"loops": LoopOptions(unroll={line: factor})}
@@ -204,6 +241,9 @@ def _threaded(hint: Hint) -> dict[str, Any]:
 
 
 ALONE = {"loops": LoopOptions(unroll={doubled.line + 3: 1})}
+SLOW_FMA = {
+    "fabric": arch.load_text(arch.load("vivid-tile").source.replace("fma: 4", "fma: 8"), "slow-fma")
+}
 PLAIN = {"loops": LoopOptions(auto=False)}
 UNSTRUCTURED = {"loops": LoopOptions(restructure=False)}
 RESTRUCTURED = {"loops": LoopOptions(restructure=True)}
@@ -216,6 +256,31 @@ CASES = {
         exact=False,
     ),
     "contract": Case("--contract", sum_of_products, _chain, given={"contract": False}, exact=False),
+    "no contract": Case(
+        "--no-contract",
+        dot,
+        lambda: (_floats(256), _floats(256)),
+        given=SLOW_FMA,
+        then={**SLOW_FMA, "contract": False},
+        exact=False,
+    ),
+    "jam": Case("--jam", running_rows, _chain_and_rows, given=UNSTRUCTURED, then=_jammed),
+    "one thread": Case(
+        "--transform",
+        roots_in_parallel,
+        _rows,
+        "leave out --threads",
+        given={"loops": LoopOptions(threads=1)},
+    ),
+    "tiles": Case(
+        "",
+        rowsums,
+        _long_matrix,
+        "write prange",
+        given={"fabric": "vivid", **UNSTRUCTURED},
+        then={"fabric": "vivid", **UNSTRUCTURED},
+        changed=rowsums_in_parallel,
+    ),
     "transform": Case("--transform", rowsums, _matrix, given=PLAIN),
     "restructure": Case("--restructure", rowsums, _matrix, given=UNSTRUCTURED, then=RESTRUCTURED),
     "sizes": Case(

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.compiler.advice.changes import Change, changes_of
-from vividc.compiler.advice.request import Planner, Request, final, is_finite, saved_at
+from vividc.compiler.advice.request import (
+    Planner,
+    Request,
+    final,
+    is_finite,
+    saved_at,
+    with_lengths_of,
+)
 from vividc.compiler.advice.search import Searched, longer_search
 from vividc.compiler.driver import CompileOptions, checked, parallel_lines
 from vividc.compiler.map_regions import Progress
@@ -156,8 +163,8 @@ def _tried(change: Change, plan: Plan, planner: Planner) -> Hint | None:
     if not is_finite(changed):
         return None
     before, after = final(plan).cycles, final(changed).cycles * change.share
-    if change.scaled:  # other lengths than were assumed: as many as before, but for what it brings
-        after *= plan.stages[0].estimate.cycles / changed.stages[0].estimate.cycles
+    if change.scaled:
+        after *= before / with_lengths_of(plan, changed, planner.estimator(change.request))
     loc = change.loc or saved_at(final(plan), final(changed))
     at_most = change.share < 1.0
     return Hint(change.action, change.option, loc, before, after, change.condition, at_most)

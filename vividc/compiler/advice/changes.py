@@ -46,7 +46,7 @@ class Change:
     share
         The part of the kernel that a tile runs then.
     scaled
-        The sizes are other ones: only how much the transformations bring can be compared.
+        Loops may have other lengths: what it saves is compared at those.
     """
 
     request: Request
@@ -107,9 +107,6 @@ def _automatic(wanted: LoopOptions) -> Iterator[tuple[LoopOptions, str, str]]:
     if wanted.auto and not wanted.restructure:
         action = "let the compiler restructure nests of loops"
         yield replace(wanted, restructure=True), action, "--restructure"
-    if wanted.auto and wanted.restructure:
-        action = "keep the order of loops as written"
-        yield replace(wanted, restructure=False), action, "--no-restructure"
 
 
 def _without_factors(wanted: LoopOptions) -> Iterator[tuple[LoopOptions, str, str]]:
@@ -152,9 +149,6 @@ def _other_factors(base: Request, plan: Plan) -> Iterator[Change]:
             loops = replace(wanted, jam={**wanted.jam, line: factor})
             action = f"run {factor} iterations together in the loop inside"
             option = f"--jam {line}={factor}"
-        elif decision.kind == "flattening":
-            loops = replace(wanted, flatten={**wanted.flatten, line: True})
-            action, option = "make one loop of it and the loop inside", f"--flatten {line}"
         else:
             continue
         yield Change(_with_loops(base, loops), action, option, loc=loc)

@@ -6,18 +6,21 @@ import math
 import warnings
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.compiler.advice.apart import reading_apart
 from vividc.compiler.driver import CompileOptions, estimator_for, planned
+from vividc.compiler.planning.candidates import State
 from vividc.compiler.planning.choose import Plan
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import KernelError, SourceLoc, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.host import watch
+from vividc.ssa.analysis.frequency import expected_trips
+from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.cut import cut_parallel_loop
 
@@ -100,6 +103,28 @@ def final(plan: Plan) -> Estimate:
 def is_finite(plan: Plan) -> bool:
     """Whether the kernel as written and what is mapped first fit the fabric."""
     return math.isfinite(plan.stages[0].estimate.cycles) and math.isfinite(final(plan).cycles)
+
+
+def with_lengths_of(plan: Plan, other: Plan, estimator: Estimator) -> float:
+    """Cycles of a plan's last stage if its loops had the lengths that those of another plan have,
+    line by line.
+    """
+    assumed, wanted = _lengths(plan.stages[0].state), _lengths(other.stages[0].state)
+    state = plan.stages[-1].state
+    first = plan.stages[0].state
+    places = {loop.header: first.loc(loop.header) for loop in find_loops(first.function)}
+    hints = dict(state.hints)
+    for header, trips in expected_trips(state.function, state.hints).items():
+        loc = places.get(state.origin.get(header, header))
+        if loc in assumed and loc in wanted:
+            hints[header] = trips * wanted[loc] / assumed[loc]
+    return estimator.estimate(replace(state.function), hints).cycles
+
+
+def _lengths(state: State) -> dict[SourceLoc, float]:
+    """Iterations of the loop on each line that has one."""
+    trips = expected_trips(state.function, state.hints)
+    return {loc: trips[header] for header in trips if (loc := state.loc(header)) is not None}
 
 
 def saved_at(before: Estimate, after: Estimate) -> SourceLoc | None:
