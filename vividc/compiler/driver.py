@@ -28,6 +28,7 @@ from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
 from vividc.compiler.planning.price import priced
+from vividc.compiler.planning.spacing import spaced
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
@@ -210,7 +211,8 @@ def _compiled(
     if program is None:
         products = _products(kernel, loaded, options, mode)
         machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-        program = compile_stages(function, machine, options, lines)
+        spaces = not isinstance(loaded, Accelerator)  # whose moves lay rows end to end
+        program = compile_stages(function, machine, options, lines, spaces)
         everything = (*told, *program.warnings)
         program = replace(program, warnings=everything, parallel=parallel, products=products)
         if isinstance(loaded, Accelerator):
@@ -330,10 +332,16 @@ def _cut(
 
 
 def compile_stages(
-    function: Function, fabric: Fabric, options: CompileOptions, parallel: frozenset[int]
+    function: Function,
+    fabric: Fabric,
+    options: CompileOptions,
+    parallel: frozenset[int],
+    spaces: bool,
 ) -> Program:
-    """The program of the plan's best stage that can be mapped."""
-    estimator = estimator_for(fabric, options)
+    """The program of the plan's best stage that can be mapped; `spaces`: rows of matrices may lie
+    further apart than they are long.
+    """
+    estimator = replace(estimator_for(fabric, options), spaces=spaces)
     plan = planned(function, estimator, options, parallel)
     known: dict[DFG, MapResult] = {}
 
@@ -395,6 +403,8 @@ def _map_stage(
         if sequential:
             function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
+        if estimator.spaces:
+            function = spaced(function, estimator, stage.state.hints)
         kernel = _kernel_of(function, estimator)
         mapping = partial(map_kernel, kernel, estimator.fabric, options, known, demanded=demanded)
         made = watched("map", mapping)

@@ -52,7 +52,7 @@ class Kernel:
     again. A returned scalar is the variable `RETURN_VARIABLE` when the program ends, and an integer
     of 64 bits that one word may not hold has its high word in `RETURN_HIGH`. Within a region, every
     read of a variable sees the word from before the region (a straight region's writes take effect
-    after its reads; a loop never reads a variable that it writes).
+    after its reads; a loop never reads a variable that it writes). `spaced`: as of `ssa.Function`.
     """
 
     name: str
@@ -61,6 +61,7 @@ class Kernel:
     returns: DType | None = None
     file: str = ""
     locals: tuple[LocalArray, ...] = ()
+    spaced: frozenset[str] = frozenset()
 
 
 def is_variable(name: str) -> bool:

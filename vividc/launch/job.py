@@ -21,7 +21,7 @@ from vividc.launch.memory import Buffers
 from vividc.launch.own_arrays import OwnArrays
 from vividc.launch.simulate import JobResult, simulate_steps
 from vividc.launch.steps import Configure, Execute, Step, Transfer
-from vividc.program import WORD_BYTES, Program
+from vividc.program import WORD_BYTES, Program, pitch_words, pitches_of
 from vividc.program.encoder.reflect import reflected_program
 from vividc.sim.bind import refuse_other_sizes, scalar_inputs
 from vividc.sim.footprint.footprint import whole_loop
@@ -398,6 +398,7 @@ def _bound(
     scalars = {name: value for name, value in arguments.items() if not isinstance(value, At)}
     inputs = scalar_inputs(program, scalars)
     extents: dict[str, tuple[int, int]] = {}
+    shapes: dict[str, Sequence[int]] = {}
     for param in program.params:
         if not param.ndim:
             continue
@@ -410,6 +411,8 @@ def _bound(
         size = math.prod(place.shape) * param.dtype.size_bytes
         extents[param.name] = (place.address, place.address + size)
         inputs |= _array_words(param.name, place)
+        shapes[param.name] = place.shape
+    inputs |= pitch_words(pitches_of(program.pitches, shapes))
     refuse_other_sizes(program, inputs)
     if program.parallel is not None:
         inputs |= whole_loop(program.parallel, inputs)

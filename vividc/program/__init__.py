@@ -9,7 +9,7 @@ from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray,
 from vividc.machine.words import WORD_BYTES
 from vividc.program.disasm import disassemble
 from vividc.program.encoder.encode import encode
-from vividc.program.memory import place_arrays, trapped
+from vividc.program.memory import pitch_words, pitches_of, place_arrays, trapped
 from vividc.program.program import CUT_SHORT, Program, from_bytes, load
 from vividc.program.tables import (
     BoundReport,
@@ -62,6 +62,8 @@ __all__ = [
     "joined",
     "load",
     "pack",
+    "pitch_words",
+    "pitches_of",
     "place_arrays",
     "trapped",
     "unpack",

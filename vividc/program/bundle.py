@@ -12,7 +12,7 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
 from typing import Annotated, Final, TypeVar
@@ -91,6 +91,7 @@ class Manifest:
     loops: Rows[LoopReport] = ()
     parallel: Parallel | None = None
     products: Products | None = None
+    pitches: dict[str, int] = field(default_factory=dict)
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

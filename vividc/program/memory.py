@@ -10,6 +10,7 @@ from vividc.arch.fabric import Scratchpad
 from vividc.errors import ArgumentError
 from vividc.machine.params import TRAP
 from vividc.machine.words import WORD_BYTES
+from vividc.ssa.ir import pitch_of
 
 
 def trapped(array: str) -> str | None:
@@ -17,6 +18,26 @@ def trapped(array: str) -> str | None:
     if not array.startswith(TRAP):
         return None
     return array.removeprefix(TRAP).replace(".", ": ").replace("_", " ")
+
+
+def pitches_of(
+    wishes: ReadOnly[str, int],
+    shapes: ReadOnly[str, Sequence[int]],
+    scratchpad: Scratchpad | None = None,
+) -> dict[str, int]:
+    """Words from one row to the next of each matrix of `wishes`: the least that is as wished modulo
+    the banks; without a scratchpad, what the rows take.
+    """
+    columns = {name: shapes[name][1] for name in wishes}
+    if scratchpad is None:
+        return columns
+    banks = scratchpad.banks
+    return {name: n + (wishes[name] - n) % banks for name, n in columns.items()}
+
+
+def pitch_words(pitches: ReadOnly[str, int]) -> dict[str, int]:
+    """Pitches as launch words."""
+    return {pitch_of(name, 1).key: pitch for name, pitch in pitches.items()}
 
 
 def place_arrays(

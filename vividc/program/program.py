@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Final
@@ -32,6 +32,7 @@ from vividc.program.tables import (
 from vividc.program.words.decode import decode
 from vividc.program.words.entry import Entry
 from vividc.program.words.layout import OPCODE_NUMBERS, word_layout
+from vividc.ssa.ir import pitch_of
 
 CUT_SHORT: Final = (
     "was cut short by the clock; on an idle machine, or with a longer --time-limit, the program "
@@ -61,6 +62,9 @@ class Program:
         Entries that hold the returned scalar at the end, and the high word of one of two words.
     banks
         Bank in which each array should start, so that the hot loops' accesses meet in no bank.
+    pitches
+        How far apart the rows of a matrix should lie at least, in words modulo the banks; of those
+        whose launch words have a pitch besides their shape.
     debug
         What each configuration entry was made from.
     regions
@@ -96,6 +100,7 @@ class Program:
     loops: tuple[LoopReport, ...] = ()
     parallel: Parallel | None = None
     products: Products | None = None
+    pitches: ReadOnly[str, int] = field(default_factory=dict)
 
     @property
     def fabric_name(self) -> str:
@@ -217,6 +222,7 @@ def _manifest(program: Program) -> Manifest:
         return_home=program.return_home,
         return_high=program.return_high,
         banks=dict(program.banks),
+        pitches=dict(program.pitches),
         debug=program.debug,
         regions=program.regions,
         provenance=program.provenance,
@@ -266,6 +272,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         return_home=manifest.return_home,
         return_high=manifest.return_high,
         banks=manifest.banks,
+        pitches=manifest.pitches,
         debug=manifest.debug,
         regions=manifest.regions,
         provenance=manifest.provenance,
@@ -287,7 +294,7 @@ def _faults(program: Program) -> Iterator[str]:
     for index, row in enumerate(program.table):
         yield from _row_faults(index, row, contexts, rows)
     yield from _store_faults(program)
-    unknown = {item.key for item in program.launch} - _input_keys(program.params)
+    unknown = {item.key for item in program.launch} - _input_keys(program)
     unknown -= {f"&{local.name}" for local in program.locals}
     unknown -= frozenset() if program.parallel is None else program.parallel.input_keys
     if not all(map(_may_be_known, program.params)):
@@ -328,7 +335,7 @@ def _product_faults(program: Program) -> Iterator[str]:
     products = program.products
     if products is None:
         return
-    keys = _input_keys(program.params)
+    keys = _input_keys(program)
     ndims = {param.name: param.ndim for param in program.params if param.dtype is DType.F32}
     if any(key not in keys for size in products.sizes for key, _ in size.terms):
         yield "its matrix products have a size that is no input"
@@ -365,14 +372,22 @@ def _store_faults(program: Program) -> Iterator[str]:
         not 0 <= bank < program.fabric.scratchpad.banks for bank in program.banks.values()
     ):
         yield "its memory layout does not fit its parameters"
+    matrices = {param.name for param in program.params if param.ndim == 2}  # noqa: PLR2004
+    if not matrices.issuperset(program.pitches) or any(
+        not 0 <= pitch < program.fabric.scratchpad.banks for pitch in program.pitches.values()
+    ):
+        yield "the pitches of its matrices do not fit its parameters"
     if any(local.words < len(local.contents or ()) for local in program.locals):
         yield "its constant tables are larger than their places"
 
 
-def _input_keys(params: tuple[Param, ...]) -> set[str]:
+def _input_keys(program: Program) -> set[str]:
+    params = program.params
     keys = {param.name for param in params if not param.ndim}
     keys |= {param.name + HIGH_SUFFIX for param in params if param.words > 1}
     for param in params:
+        if param.name in program.pitches:
+            keys.add(pitch_of(param.name, 1).key)
         if param.ndim:
             keys |= {f"&{param.name}", *(f"{param.name}.shape{k}" for k in range(param.ndim))}
     return keys

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from struct import Struct
 from typing import Final
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 from numpy.typing import NDArray
 
 from vividc.errors import ArgumentError
@@ -21,6 +22,8 @@ from vividc.program import (
     LocalArray,
     Param,
     Program,
+    pitch_words,
+    pitches_of,
     place_arrays,
 )
 from vividc.sim.footprint.footprint import whole_loop
@@ -57,6 +60,8 @@ class Bound:
         The caller's arrays by parameter name; byte addresses of these and of the kernel's own.
     locals
         The kernel's own arrays.
+    pitches
+        Words from one row to the next, of matrices whose rows lie further apart than they are long.
     """
 
     memory: NDArray[np.uint32]
@@ -64,11 +69,14 @@ class Bound:
     arrays: Mapping[str, Array]
     addresses: Mapping[str, int]
     locals: tuple[LocalArray, ...] = ()
+    pitches: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def extents(self) -> dict[str, tuple[int, int]]:
         """First byte and end of each array in the scratchpad."""
         sizes = {name: _size_bytes(array) for name, array in self.arrays.items()}
+        for name, pitch in self.pitches.items():
+            sizes[name] = WORD_BYTES * _words(self.arrays[name], pitch)
         sizes |= {local.name: WORD_BYTES * local.words for local in self.locals}
         return {
             name: (self.addresses[name], self.addresses[name] + size)
@@ -80,8 +88,8 @@ class Bound:
         for name, array in self.arrays.items():
             if name in stored:
                 start = self.addresses[name]
-                raw = memory.view(np.uint8)[start : start + _size_bytes(array)]
-                array[...] = _elements(raw, array)
+                rows = _rows(memory, start, array, self.pitches.get(name))
+                array[...] = _elements(rows.reshape(-1), array)
 
 
 def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object]) -> Bound:
@@ -95,18 +103,31 @@ def bind(program: Program, args: Sequence[object], kwargs: Mapping[str, object])
         of range; arrays that do not fit the scratchpad.
     """
     arrays, inputs = arguments(program, args, kwargs)
-    sizes = [(name, -(-_size_bytes(array) // WORD_BYTES)) for name, array in arrays.items()]
     locals_ = tuple(local.at_launch(inputs) for local in program.locals)
-    sizes += [(local.name, local.words) for local in locals_]
-    addresses = place_arrays(sizes, program.fabric.scratchpad, program.banks)
+    addresses, pitches = _layout(program, arrays, locals_)
+    inputs |= pitch_words(pitches)
     memory = np.zeros(program.fabric.scratchpad.words, np.uint32)
     for name, array in arrays.items():
-        raw = _bytes(name, array)
-        memory.view(np.uint8)[addresses[name] : addresses[name] + raw.size] = raw
+        rows = _rows(memory, addresses[name], array, pitches.get(name))
+        rows[...] = _bytes(name, array).reshape(rows.shape)
         inputs[f"&{name}"] = addresses[name]
     for local in locals_:
         _place_local(local, addresses[local.name], memory, inputs)
-    return Bound(memory, inputs, arrays, addresses, locals_)
+    return Bound(memory, inputs, arrays, addresses, locals_, pitches)
+
+
+def _layout(
+    program: Program, arrays: Mapping[str, Array], locals_: Sequence[LocalArray]
+) -> tuple[dict[str, int], dict[str, int]]:
+    """First byte of each array, and the pitches of matrices: as wished if they fit so."""
+    pad = program.fabric.scratchpad
+    shapes = {name: array.shape for name, array in arrays.items()}
+    for pitches in (pitches_of(program.pitches, shapes, pad), pitches_of(program.pitches, shapes)):
+        sizes = [(name, _words(array, pitches.get(name))) for name, array in arrays.items()]
+        sizes += [(local.name, local.words) for local in locals_]
+        if sum(words for _, words in sizes) <= pad.words:
+            break
+    return place_arrays(sizes, pad, program.banks), pitches
 
 
 def arguments(
@@ -308,6 +329,27 @@ def _refuse_overlap(arrays: Mapping[str, Array], stored: Container[str]) -> None
                 "own copy in the scratchpad, so a write to one would not show in the other",
                 hint=f"pass {read}.copy()",
             )
+
+
+def _words(array: Array, pitch: int | None) -> int:
+    """Words of the array in the scratchpad; of a matrix with a pitch, from its first to its last
+    element.
+    """
+    if pitch is None or not array.size:
+        return -(-_size_bytes(array) // WORD_BYTES)
+    rows, columns = array.shape
+    return int((rows - 1) * pitch + columns)
+
+
+def _rows(
+    memory: NDArray[np.uint32], start: int, array: Array, pitch: int | None
+) -> NDArray[np.uint8]:
+    """The bytes of an array in the scratchpad: in one row, or in those of a matrix with a pitch."""
+    raw = memory.view(np.uint8)[start:]
+    if pitch is None or not array.size:
+        return raw[: _size_bytes(array)]
+    rows, columns = array.shape
+    return as_strided(raw, (rows, WORD_BYTES * columns), (WORD_BYTES * pitch, 1))
 
 
 def _size_bytes(array: Array) -> int:

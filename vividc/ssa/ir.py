@@ -336,6 +336,9 @@ class Function:
         LLVM's: key and type of each parameter.
     result
         LLVM's: the type that is returned.
+    spaced
+        Matrices whose rows a launch may lay further apart than they are long: their pitches stay
+        inputs.
     """
 
     name: str
@@ -347,6 +350,7 @@ class Function:
     locals: tuple[LocalArray, ...] = ()
     inputs: tuple[tuple[str, str], ...] = ()
     result: str = ""
+    spaced: frozenset[str] = frozenset()
 
     @property
     def is_llvm(self) -> bool:
@@ -365,11 +369,16 @@ class Function:
         return words
 
     def settled(self, value: Value) -> Value:
-        """An operand as the back end has it: a constant if it is a known input, and no pitch."""
+        """An operand as the back end has it: a constant if it is a known input, and no pitch but of
+        what is spaced.
+        """
         if not isinstance(value, Input):
             return value
         word = self.known.get(value.key)
-        return without_pitch(value) if word is None else Const(word)
+        if word is not None:
+            return Const(word)
+        spaced = is_pitch(value) and value.key.rsplit(_PITCH, 1)[0] in self.spaced
+        return value if spaced else without_pitch(value)
 
     @cached_property
     def by_name(self) -> dict[str, Block]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
 from vividc.dfg.cut.build import build_kernel
-from vividc.dfg.ir import DFG
+from vividc.dfg.ir import DFG, AddressForm
 from vividc.dfg.pipeline import PassOptions, optimize, optimize_kernel, pipeline
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
@@ -52,6 +52,11 @@ class Shape:
     operations: int
     bound: Bound | None = None
     stalls: float = 0.0
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether no bound rules out every mapping."""
+        return self.ii < _NEVER
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,18 +131,24 @@ class Estimate:
         return next((r for r in self.regions if r.header == header and r.kind == "loop"), None)
 
 
+_Graph = tuple[DFG, tuple[AddressForm | None, ...]]
+"""A graph without a name, and where its accesses go, which makes no other graph of it."""
+
+
 @dataclass
 class Estimator:
     """Estimates functions on one fabric; regions seen before cost nothing again."""
 
     fabric: Fabric
     options: PassOptions
+    spaces: bool = False
+    """Whether rows of matrices may lie further apart than they are long."""
     _prepared: dict[int, tuple[Function, Function]] = field(default_factory=dict)
     _built: dict[int, tuple[Function, Kernel]] = field(default_factory=dict)
     """Both by the identity of the function, which is kept so that nothing else gets it."""
-    _optimized: dict[DFG, tuple[DFG, DFG]] = field(default_factory=dict)
+    _optimized: dict[_Graph, tuple[DFG, DFG]] = field(default_factory=dict)
     """A graph and what the passes made of it, by an equal graph without a name."""
-    _shapes: dict[DFG, Shape] = field(default_factory=dict)
+    _shapes: dict[_Graph, Shape] = field(default_factory=dict)
 
     def estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
         """The estimate; infinite if a region cannot be mapped or the contexts do not suffice.
@@ -209,25 +220,26 @@ class Estimator:
     def shape(self, region: Region) -> Shape:
         """The region's shape by its bounds."""
         dfg = self.optimized(region.dfg)
-        if dfg not in self._shapes:
+        graph = _graph(dfg)
+        if graph not in self._shapes:
             time_limit.step("regions were estimated")
             problem = MapProblem(dfg, self.fabric)
             shape = (_loop_shape if region.kind == "loop" else _straight_shape)(problem)
-            self._shapes[dfg] = replace(shape, stalls=_stalls(problem, shape.ii))
-        return self._shapes[dfg]
+            self._shapes[graph] = replace(shape, stalls=_stalls(problem, shape.ii))
+        return self._shapes[graph]
 
     def optimized(self, dfg: DFG) -> DFG:
         """The region's graph after the passes, unchecked and nameless: an equal one is found
         again.
         """
-        nameless = replace(dfg, name="")
-        if nameless not in self._optimized:
-            done = nameless
+        graph = _graph(dfg)
+        if graph not in self._optimized:
+            done = graph[0]
             for step in pipeline(self.options):
                 time_limit.step("regions were optimised")
                 done = step(done)
-            self._optimized[nameless] = dfg, done
-        return self._optimized[nameless][1]
+            self._optimized[graph] = dfg, done
+        return self._optimized[graph][1]
 
     def built(self, function: Function) -> Kernel:
         """The regions of a prepared function; whoever looks on sees how they are made."""
@@ -245,10 +257,14 @@ class Estimator:
         return replace(kernel, regions=tuple(regions))
 
     def _checked(self, dfg: DFG) -> DFG:
-        known, done = self._optimized.get(replace(dfg, name=""), (None, dfg))
+        known, done = self._optimized.get(_graph(dfg), (None, dfg))
         if known is not dfg or check(done):  # an equal one may have other source lines
             return optimize(dfg, self.options)
         return replace(done, name=dfg.name)
+
+
+def _graph(dfg: DFG) -> _Graph:
+    return replace(dfg, name=""), tuple(n.address for n in dfg.nodes if n.is_memory)
 
 
 def _entries(function: Function, runs: Mapping[str, float]) -> dict[str, float]:

@@ -62,6 +62,7 @@ def build_kernel(function: Function) -> Kernel:
         function.returns,
         function.file,
         function.locals,
+        function.spaced,
     )
 
 

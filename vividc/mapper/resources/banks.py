@@ -8,7 +8,7 @@ same ones in every run.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from random import Random
@@ -22,6 +22,7 @@ from vividc.dfg.ir import CHANGES, DFG, Node
 from vividc.machine.opcodes import PRED
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import ITERATION
+from vividc.ssa.ir import pitch_of
 
 _DRAWN: Final = 512
 """Times that each unknown word is drawn: a mean of 1 stall an iteration is within 0.05."""
@@ -41,6 +42,9 @@ loop, and arms of branches.
 
 _GAIN: Final = 0.2
 """Share of the stalls that a start has to save to be taken instead of one before it."""
+
+_NOISE: Final = 0.05
+"""The same of a pitch."""
 
 _Draws = NDArray[np.int64]
 Words = Mapping[str, int]
@@ -124,14 +128,33 @@ class Traffic:
         return np.where(_drawn("predicate", _IDLE) == 0, self.ii * self.banks, places)
 
 
-def best_starts(traffic: Sequence[Traffic], arrays: Sequence[str]) -> dict[str, int]:
-    """The bank that each array should start in, for few stalls.
+def best_pitches(traffic: Sequence[Traffic], matrices: Iterable[str]) -> dict[str, int]:
+    """How far apart rows should lie, in words modulo the banks, for few stalls: one matrix after
+    the other, the others' as chosen, or any.
+    """
+    banks = traffic[0].banks if traffic else 1
+    known: dict[str, int] = {}
+    for matrix in matrices:
+        word = pitch_of(matrix, 1).key
+        touched = [one for one in traffic if one.touches(matrix)]
+        least = math.inf
+        for pitch in (n % banks for n in range(1, banks + 1)):
+            stalls = sum(one.weight * one.stalls({**known, word: pitch}) for one in touched)
+            if stalls < (1.0 - _NOISE) * least:
+                known[word], least = pitch, stalls
+    return {matrix: known[pitch_of(matrix, 1).key] for matrix in matrices}
+
+
+def best_starts(
+    traffic: Sequence[Traffic], arrays: Sequence[str], pitches: Mapping[str, int] = NOTHING
+) -> dict[str, int]:
+    """The bank that each array should start in, for few stalls; `pitches` of matrices are known.
 
     One after the other, each where fewest are expected of the arrays so far; in equal cases, one
     bank behind the array before.
     """
     banks = traffic[0].banks if traffic else 1
-    known: dict[str, int] = {}
+    known = words_of({}, pitches)
     for number, array in enumerate(arrays):
         word, among = f"&{array}", arrays[: number + 1]
         touched = [one for one in traffic if one.touches(array)]
@@ -144,6 +167,12 @@ def best_starts(traffic: Sequence[Traffic], arrays: Sequence[str]) -> dict[str, 
             if not touched:
                 break
     return {array: known[f"&{array}"] // WORD_BYTES for array in arrays}
+
+
+def words_of(banks: Mapping[str, int], pitches: Mapping[str, int]) -> dict[str, int]:
+    """What is known of addresses, if arrays start in these banks and rows lie so far apart."""
+    starts = {f"&{name}": WORD_BYTES * bank for name, bank in banks.items()}
+    return starts | {pitch_of(name, 1).key: pitch for name, pitch in pitches.items()}
 
 
 def _words_of(node: Node) -> tuple[str, ...]:

@@ -1,4 +1,5 @@
-"""Which bank each array should start in, so that the accesses of one cycle meet in few banks.
+"""Which bank each array should start in, and how far apart its rows should lie, so that accesses of
+one cycle meet in few banks.
 
 In a modulo schedule, an access of stage s sees the iteration index s less than one of stage 0 in
 the same cycle. Accesses that step through their arrays alike therefore stay a fixed number of banks
@@ -7,13 +8,12 @@ apart, and the start of the arrays decides it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.regions import Kernel
-from vividc.machine.words import WORD_BYTES
 from vividc.mapper.mapping import Mapping as RegionMapping
-from vividc.mapper.resources.banks import Traffic, best_starts
+from vividc.mapper.resources.banks import Traffic, best_pitches, best_starts
 
 _LOOP = 16.0
 """Iterations of a loop for each run of straight code, where nothing is known of either."""
@@ -42,13 +42,15 @@ def traffic_of(
     )
 
 
-def choose_banks(kernel: Kernel, traffic: Sequence[Traffic]) -> dict[str, int]:
+def choose_pitches(kernel: Kernel, traffic: Sequence[Traffic]) -> dict[str, int]:
+    """How far apart the rows of each spaced matrix should lie, in words modulo the banks."""
+    spaced = [param.name for param in kernel.params if param.name in kernel.spaced]
+    return best_pitches(traffic, spaced)
+
+
+def choose_banks(
+    kernel: Kernel, traffic: Sequence[Traffic], pitches: Mapping[str, int]
+) -> dict[str, int]:
     """The start bank of each array parameter and each array of the kernel's own, by name."""
     arrays = [param.name for param in kernel.params if param.ndim]
-    return best_starts(traffic, [*arrays, *(local.name for local in kernel.locals)])
-
-
-def expected_stalls(traffic: Sequence[Traffic], banks: Mapping[str, int]) -> Iterator[float]:
-    """Of each region, cycles of an iteration in which the tile stands still."""
-    known = {f"&{name}": WORD_BYTES * bank for name, bank in banks.items()}
-    return (one.stalls(known) for one in traffic)
+    return best_starts(traffic, [*arrays, *(local.name for local in kernel.locals)], pitches)

@@ -17,9 +17,10 @@ from vividc.dfg.ir import Control
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, KernelError
 from vividc.mapper.mapping import Mapping
+from vividc.mapper.resources.banks import words_of
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapResult
-from vividc.program.encoder.banks import choose_banks, expected_stalls, traffic_of
+from vividc.program.encoder.banks import choose_banks, choose_pitches, traffic_of
 from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
 from vividc.program.encoder.constants import allocate, return_high, return_home
 from vividc.program.encoder.lower import LoweredRegion, lower_region
@@ -79,12 +80,13 @@ def encode(
     _check_locals(kernel, fabric)
     rows = _reports(kernel, fabric, table, mappings, reports or {})
     traffic = traffic_of(kernel, fabric, mappings, iterations)
-    banks = choose_banks(kernel, traffic)
-    stalls = expected_stalls(traffic, banks)
+    pitches = choose_pitches(kernel, traffic)
+    banks = choose_banks(kernel, traffic, pitches)
+    stalls = (one.stalls(words_of(banks, pitches)) for one in traffic)
     rows = tuple(replace(row, stalls=wait) for row, wait in zip(rows, stalls, strict=True))
     provenance = _provenance(kernel, options or {})
     program = _program(kernel, fabric, mappings, table, banks, rows, provenance)
-    return replace(program, warnings=tuple(warnings))
+    return replace(program, pitches=pitches, warnings=tuple(warnings))
 
 
 def _program(

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 from vividc.host.once import once_within
 from vividc.machine.opcodes import MEMORY
+from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
-from vividc.ssa.ir import Function, Instr, Phi, Ref, Value, is_pitch, pitch_of
+from vividc.ssa.ir import Function, Input, Instr, Phi, Ref, Value, is_pitch, pitch_of
 
 
 @dataclass
@@ -61,6 +62,38 @@ class Subscripts:
 def subscripts_of(function: Function) -> Subscripts:
     """Those of a function, found once for it."""
     return Subscripts(function)
+
+
+def may_be_spaced(function: Function) -> tuple[str, ...]:
+    """Matrices of words whose elements are all accessed by two subscripts, so that their rows may
+    lie further apart than they are long.
+    """
+    found = {
+        param.name: None
+        for param in function.params
+        if param.ndim == 2 and not param.flat and not param.known  # noqa: PLR2004 - rows, columns
+        if param.dtype.size_bytes == WORD_BYTES
+    }
+    for item in (item for block in function.blocks for item in block.items):
+        if isinstance(item, Phi):
+            reads = tuple(value for _, value in item.incoming)
+        else:
+            reads = item.operands[_is_spaceable(function, item) :]
+        touched = {value.key for value in reads if isinstance(value, Input)}
+        for name in [name for name in found if f"&{name}" in touched]:
+            del found[name]
+    return tuple(found)
+
+
+def _is_spaceable(function: Function, access: Instr) -> bool:
+    """Whether it is an access by two subscripts of a matrix: by its pitch, or in its first row."""
+    parts = subscripts_of(function).of(access) if access.op in MEMORY else None
+    if parts is None or access.operands[0] != Input(f"&{access.array}"):
+        return False
+    in_first_row = not parts[0].terms and access.subscript[:1] == (0,)
+    length = Input(f"{access.array}.shape1")
+    values = {value for part in parts for monomial in part.terms for value in monomial}
+    return len(parts) > 1 and (bool(parts[0].terms) or in_first_row) and length not in values
 
 
 def _from_pitches(function: Function) -> set[Value]:

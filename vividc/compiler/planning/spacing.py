@@ -1,0 +1,49 @@
+"""Matrices whose rows should lie further apart than they are long, so that fewer accesses meet in a
+bank: 24 columns on 8 banks are a bank each, 25 are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from vividc.compiler.planning.estimate import Estimator
+from vividc.host import watch
+from vividc.mapper.resources.banks import Traffic, best_pitches, words_of
+from vividc.ssa.ir import Function
+from vividc.ssa.polyhedral.subscripts import may_be_spaced
+
+_PAYS = 0.02
+"""Share of a run's cycles that a matrix has to save: its pitch is one more word that loops read."""
+
+
+def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float]) -> Function:
+    """The same prepared function, with the matrices spaced for which it is expected to pay."""
+    matrices = may_be_spaced(function)
+    if not matrices:
+        return function
+    with watch.aside():
+        made = replace(function, spaced=frozenset(matrices))
+        kernel = estimator.built(made)
+        iterations = estimator.iterations(made, kernel, hints)
+        shapes = [estimator.shape(region) for region in kernel.regions]
+        total = estimator.priced(made, kernel, shapes, hints).cycles
+        pad = estimator.fabric.scratchpad
+        traffic = [
+            Traffic.of(estimator.optimized(region.dfg), pad, shape.ii, None, runs)
+            for region, shape, runs in zip(kernel.regions, shapes, iterations, strict=True)
+            if region.kind == "loop" and shape.is_possible
+        ]
+        pitches = best_pitches(traffic, matrices)
+        all_spaced = _stalls(traffic, pitches)
+        pays = frozenset(
+            matrix
+            for matrix in matrices
+            if _stalls(traffic, {name: n for name, n in pitches.items() if name != matrix})
+            > all_spaced + _PAYS * total
+        )
+    return replace(function, spaced=pays) if pays else function
+
+
+def _stalls(traffic: list[Traffic], pitches: Mapping[str, int]) -> float:
+    return sum(one.weight * one.stalls(words_of({}, pitches)) for one in traffic)
