@@ -2,7 +2,9 @@
 against the kernel as written to the bit.
 
 An iteration writes its own elements only, and reads those and arrays that nobody writes. In it are
-nested loops whose lengths depend on data, exits, and an array of its own.
+nested loops whose lengths depend on data, exits, and an array of its own. With a loop over `range`
+instead, iterations may also touch each other's elements: they run side by side where they prove
+not to.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from vividc.ssa.edit import block_of
 from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.threads.make import thread
+from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.normalize import normalize
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -47,8 +50,10 @@ def program(x, u, y, v, w, n, m):
 class _Writer:
     """Statements of one kernel."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, loop: str = "prange") -> None:
         self.random = Random(seed)
+        self.loop_over = loop
+        self.is_apart = loop == "prange" or self.random.random() < 0.7
         self.lines: list[str] = []
         self.counters = 0
         self.own_array = self.random.random() < 0.25
@@ -67,7 +72,7 @@ class _Writer:
             outer = 2
         self.say(
             outer,
-            f"for i in prange({start}, {bound}):" if start != "0" else f"for i in prange({bound}):",
+            f"for i in {self.loop_over}({start + ', ' if start != '0' else ''}{bound}):",
         )
         inside = outer + 1
         for name in "abc":
@@ -162,15 +167,25 @@ class _Writer:
 
     def store(self, depth: int) -> None:
         place = self.random.choice(["0", "1", "2", "3", "(a & 3)"])
+        own = self.own(place)
         stores = [
-            f"y[4 * i + {place}] = {self.integer()}",
-            f"y[4 * i + {place}] += np.int32(b & 7)",
-            f"v[4 * i + {place}] = {self.real()}",
+            f"y[{own}] = {self.integer()}",
+            f"y[{own}] += np.int32(b & 7)",
+            f"v[{own}] = {self.real()}",
             f"w[i, {place}] = {self.integer()}",
         ]
+        if not self.is_apart:
+            stores += [f"y[4 * i + {place} + 1] = {self.integer()}", f"w[a & 3, i & 3] = {place}"]
         if self.own_array:
             stores.append(f"t[{place}] = {self.integer()}")
         self.say(depth, self.random.choice(stores))
+
+    def own(self, place: object) -> str:
+        """The index of one of four elements; one without a sign where it is to be seen that all are
+        the iteration's own.
+        """
+        index = f"4 * i + {place}"
+        return index if self.loop_over == "prange" else f"np.uint32({index})"
 
     def integer(self) -> str:
         a, b = self.random.choice("abc"), self.random.choice("abc")
@@ -178,9 +193,11 @@ class _Writer:
             f"x[({a} + {b}) & 63]",
             f"x[{a} & 63]",
             "x[m & 63]",
-            f"y[4 * i + ({b} & 3)]",
+            f"y[{self.own(f'({b} & 3)')}]",
             f"w[i, {a} & 3]",
         ]
+        if not self.is_apart:
+            loaded += ["y[4 * i + 2 - (b & 1)]", "w[i & 3, 1]"]
         if self.own_array:
             loaded += [f"t[{a} & 3]"] * 2
         forms = [
@@ -199,7 +216,7 @@ class _Writer:
             f"np.float32({f} * np.float32(0.5) + {g})",
             f"np.float32({f} - u[{a} & 63])",
             f"np.float32({f} * np.float32(0.25) + u[({a} + i) & 63])",
-            f"np.float32({f} * np.float32(0.125) + v[4 * i + 1])",
+            f"np.float32({f} * np.float32(0.125) + v[{self.own(1)}])",
             f"max({f}, np.float32({g} * np.float32(0.5)))",
         ]
         return self.random.choice(forms)
@@ -222,6 +239,11 @@ def random_parallel_source(seed: int) -> str:
     return _Writer(seed).source()
 
 
+def random_serial_source(seed: int) -> str:
+    """The same with a loop over `range`, of which nothing is promised."""
+    return _Writer(seed, "range").source()
+
+
 def arguments(seed: int, trial: int) -> list[object]:
     """Random arguments; the second trial has few iterations, or none."""
     rng = np.random.default_rng([seed, trial])
@@ -239,14 +261,22 @@ def arguments(seed: int, trial: int) -> list[object]:
 
 
 def threaded(kernel: KernelFunction, count: int) -> Function | Refusal:
-    """The kernel's function with threads of its outermost loop over `prange`."""
+    """The kernel's function with threads of its outermost loop over `prange`; without one, of the
+    outermost loop whose iterations prove to be independent.
+    """
     function = tidy(kernel.lower())
     for loop in reversed(find_loops(function)):
+        if not kernel.prange_lines:
+            if meeting_array(function, loop.header) is None:
+                done = thread(function, loop.header, count)
+                if not isinstance(done, Refusal):
+                    return done.function
+            continue
         loc = block_of(function, loop.header).branch.loc
         if loc is not None and loc.line in kernel.prange_lines:
             done = thread(function, loop.header, count)
             return done if isinstance(done, Refusal) else done.function
-    return Refusal("the loop is gone")
+    return Refusal("no loop is there whose iterations are independent")
 
 
 def judge_threads(source: str, seed: int, folder: Path, *, simulate: bool = False) -> str:

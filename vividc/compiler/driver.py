@@ -22,11 +22,12 @@ from vividc.compiler.map_regions import (
     mapping_of,
 )
 from vividc.compiler.planning.budget import Budget
-from vividc.compiler.planning.choose import Plan, Stage, choose
+from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator, Shape
 from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
+from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.price import priced
 from vividc.compiler.planning.spacing import spaced
 from vividc.dfg.cut.build import build_kernel

@@ -47,7 +47,7 @@ def rowsums(a, y):
 
 @vividc.kernel("void(float32[:, ::1], float32[::1])")
 def rowsums_in_parallel(a, y):
-    """The same on all tiles."""
+    """The same side by side, or on all tiles."""
     for i in prange(a.shape[0]):
         total = F(0.0)
         for j in range(a.shape[1]):
@@ -123,18 +123,8 @@ def counted(bins, places):
 
 
 @vividc.kernel("void(float32[:, ::1], int32[::1], float32[::1])")
-def roots(x, lengths, y):
-    """Rows that end by themselves, one after the other."""
-    for i in range(len(y)):
-        total = F(0.0)
-        for j in range(lengths[i]):
-            total = total * F(0.5) + x[i, j]
-        y[i] = total
-
-
-@vividc.kernel("void(float32[:, ::1], int32[::1], float32[::1])")
 def roots_in_parallel(x, lengths, y):
-    """The same, side by side."""
+    """Rows that end by themselves, side by side."""
     for i in prange(len(y)):
         total = F(0.0)
         for j in range(lengths[i]):
@@ -293,7 +283,9 @@ CASES = {
     "unroll": Case("--unroll", running, _chain, "unroll by", then=_unrolled),
     "left alone": Case("--transform", doubled, _pair, "leave out --unroll", given=ALONE),
     "threads": Case("--threads 8", segments, _segments, then=_threaded),
-    "prange": Case("", roots, _rows, "write prange", changed=roots_in_parallel),
+    "prange": Case(
+        "", rowsums, _matrix, "write prange", UNSTRUCTURED, UNSTRUCTURED, rowsums_in_parallel
+    ),
     "arrays": Case(
         "", scattered, _scattered, "read x from an array of its own", {}, {}, gathered, _gathered
     ),

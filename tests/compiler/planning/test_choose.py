@@ -7,9 +7,10 @@ import pytest
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.choose import Plan, Stage, choose
+from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.plan import Plan, Stage
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import KernelError
 from vividc.ssa.flow import find_loops

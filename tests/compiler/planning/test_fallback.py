@@ -11,9 +11,9 @@ import vividc
 from tests.compiler.planning.test_choose import MACHINE, plan, product
 from vividc.compiler import driver
 from vividc.compiler.map_regions import Unmapped
-from vividc.compiler.planning.choose import Plan, Stage
 from vividc.compiler.planning.estimate import Estimate, RegionCost, Shape
 from vividc.compiler.planning.fallback import Outcome, settle
+from vividc.compiler.planning.plan import Plan, Stage
 from vividc.dfg.ir import DFG
 from vividc.errors import MappingFailed, TimeLimit
 from vividc.mapper import MapProblem, MapResult

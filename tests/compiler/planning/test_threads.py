@@ -7,11 +7,11 @@ from numba import prange
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.choose import Plan, choose
+from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.plan import Plan
 from vividc.dfg.pipeline import PassOptions
-from vividc.ssa.analysis.levels import level_of, with_own_latches
 from vividc.ssa.flow import find_loops
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.tidy import tidy
@@ -95,9 +95,7 @@ def next_one(x):
 
 def meeting(kernel: vividc.KernelFunction) -> str | None:
     function = tidy(kernel.lower())
-    header = find_loops(function)[-1].header
-    function = with_own_latches(function, header)
-    return meeting_array(function, level_of(function, header))
+    return meeting_array(function, find_loops(function)[-1].header)
 
 
 def test_iterations_that_write_elements_of_their_own() -> None:

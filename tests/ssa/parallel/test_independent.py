@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS
-from vividc.ssa.analysis.levels import level_of
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.independent import meeting_array
 
 
 def run(function: Function) -> str:
-    return meeting_array(function, level_of(function, "b1")) or "none"
+    return meeting_array(function, "b1") or "none"
 
 
 @cases(__file__)

@@ -11,11 +11,11 @@ from vividc.arch import Accelerator
 from vividc.compiler.advice.apart import separable
 from vividc.compiler.advice.request import Planner, Request
 from vividc.compiler.advice.sizes import sizes_option, stand_in_sizes
-from vividc.compiler.planning.choose import MAY_MEET, Plan
+from vividc.compiler.planning.candidates import MAY_MEET
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.plan import Plan
 from vividc.errors import SourceLoc
 from vividc.frontend import KernelFunction
-from vividc.ssa.analysis.levels import level_of, with_own_latches
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.independent import meeting_array
@@ -218,8 +218,7 @@ def _independent(function: Function) -> Iterator[Loop]:
     for loop in sorted(find_loops(function), key=lambda loop: -len(loop.blocks)):
         if any(loop.header in outer.blocks for outer in found):
             continue
-        own = with_own_latches(function, loop.header)
-        if meeting_array(own, level_of(own, loop.header)) is None:
+        if meeting_array(function, loop.header) is None:
             found.append(loop)
             yield loop
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from vividc.compiler.planning.choose import Plan, Stage
 from vividc.compiler.planning.estimate import RegionCost
+from vividc.compiler.planning.plan import Plan, Stage
 from vividc.errors import SourceLoc
 from vividc.mapper import EFFORT_LEVELS
 from vividc.program import Program

@@ -16,20 +16,31 @@ from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest
 from vividc.ssa.loops.jam import jam
 from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.loops.unroll import unroll
+from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.normalize import canonical_loops
 from vividc.ssa.rewrite.peel import peel
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 Kind = Literal[
-    "full unrolling", "unrolling", "unroll-and-jam", "flattening", "threads", "restructuring"
+    "full unrolling",
+    "unrolling",
+    "unroll-and-jam",
+    "flattening",
+    "threads",
+    "interleaving",
+    "restructuring",
 ]
+"""`threads` are of a loop over `prange`; `interleaving` makes them of any other one."""
 
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""
 
 MOST_INSTRUCTIONS = 1500
 """No transformation makes more: estimating it would take too long."""
+
+MAY_MEET = "iterations may meet in"
+"""Before an array's name: why threads were not tried."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +110,8 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     if size > MOST_INSTRUCTIONS:
         return Refusal(f"it would make {size} instructions")
     rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
+    if candidate.kind == "interleaving":
+        return _interleaved(state, candidate, trips)
     if candidate.kind == "threads":
         return _threaded(state, candidate, trips)
     made = _unrolled if candidate.kind == "unrolling" else _jammed
@@ -133,15 +146,30 @@ def _jammed(
     return _next(state, tidy(both.function), hints, derived, factor)
 
 
+def _interleaved(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
+    """Runs iterations as threads that prove to be independent."""
+    array = meeting_array(state.function, candidate.header)
+    if array is not None:
+        return Refusal(f"{MAY_MEET} {array}")
+    return _threaded(state, candidate, trips)
+
+
 def _threaded(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
-    """Runs iterations of a parallel loop as threads; loops inside it last as long as before."""
+    """Runs iterations of a parallel loop as threads. A loop inside it lasts as long as the longest
+    of theirs: as lengths are assumed to be evenly spread from 0, the mean of the longest of n is
+    2n / (n + 1) times the mean.
+    """
     done = thread(state.function, candidate.header, candidate.factor)
     if isinstance(done, Refusal):
         return done
     derived = {done.main: candidate.header, **dict(done.loops)}
+    count = candidate.factor
     hints = {new: trips[old] for new, old in derived.items()}
-    hints[done.main] = math.ceil(trips[candidate.header] / candidate.factor)
-    return _next(state, tidy(done.function), hints, derived, candidate.factor)
+    for new, old in done.loops:
+        if new in done.free and not _constant(state, old):
+            hints[new] *= 2 * count / (count + 1)
+    hints[done.main] = math.ceil(trips[candidate.header] / count)
+    return _next(state, tidy(done.function), hints, derived, count)
 
 
 def _flattened(state: State, header: str, trips: Mapping[str, float]) -> State | Refusal:

@@ -4,19 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from vividc.compiler.planning.candidates import MOST_ITERATIONS, Candidate, Kind, State, apply
+from vividc.compiler.planning.candidates import (
+    MAY_MEET,
+    MOST_ITERATIONS,
+    Candidate,
+    Kind,
+    State,
+    apply,
+)
 from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.plan import Decision, Plan, Stage
 from vividc.compiler.planning.restructure import restructured, static_part
 from vividc.errors import KernelError, SourceLoc, TimeLimit
 from vividc.host import time_limit
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.frequency import expected_trips
-from vividc.ssa.analysis.levels import level_of, with_own_latches
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
+from vividc.ssa.loops.threads.make import MOST_THREADS
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -36,11 +45,14 @@ _GAIN = {
     "unrolling": 0.9,
     "flattening": 0.95,
     "threads": 0.9,
+    "interleaving": 0.9,
     "restructuring": 0.9,
 }
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
 """
+
+_SIDE_BY_SIDE = ("threads", "interleaving")
 
 _STEP = 0.95
 """A factor must do so much better than half of it."""
@@ -50,68 +62,7 @@ _FACTORS = (2, 4, 8)
 _SHARE = 0.4
 """Of the time, for the choice."""
 
-MAY_MEET = "iterations may meet in"
-"""Before an array's name: why threads were not tried."""
-
 _SHORT = "its length is unknown, and it is entered often: the rest could cost more than is gained"
-
-
-@dataclass(frozen=True, slots=True)
-class Decision:
-    """One transformation that was tried.
-
-    Attributes
-    ----------
-    header, origin
-        The loop, and the loop of the source that it comes from.
-    before, after
-        Estimated cycles of one run of the kernel; `after` is None if it was refused.
-    reason
-        Why it was refused or does not pay; else empty.
-    """
-
-    kind: Kind
-    header: str
-    origin: str
-    factor: int
-    loc: SourceLoc | None
-    before: float
-    after: float | None = None
-    reason: str = ""
-
-
-@dataclass(frozen=True)
-class Stage:
-    """A function to map, its estimate, and the decision that made it of the stage `base`.
-
-    `reserve`: the next stage is better by estimate; this one takes fewer contexts, and is for when
-    that cannot be mapped.
-    """
-
-    state: State
-    estimate: Estimate
-    decision: Decision | None = None
-    base: Stage | None = None
-    reserve: bool = False
-
-    def lineage(self) -> Iterator[Stage]:
-        """The stage, the one that it was made of, and so on to the first."""
-        yield self
-        if self.base is not None:
-            yield from self.base.lineage()
-
-
-@dataclass(frozen=True)
-class Plan:
-    """Stages from the kernel as it was to the most transformed one, and what was decided.
-
-    `asked` is the last stage that the user asks for. If nests are restructured, stages without that
-    are among those before it, or behind it where they are the better ones.
-    """
-
-    stages: tuple[Stage, ...]
-    decisions: tuple[Decision, ...] = ()
-    asked: int = 0
 
 
 def choose(
@@ -202,15 +153,20 @@ class _Chooser:
         try:
             self._improve(restructure=False)
         finally:
-            ways = [self.stages[first:], made]
-            ways.sort(key=lambda way: -way[-1].estimate.cycles if way else -math.inf)
-            self.stages[first:] = [stage for way in ways for stage in way]
+            self._better_last(first, made)
+
+    def _better_last(self, first: int, others: list[Stage]) -> None:
+        """Keeps other stages beside those from `first` on, of the two ways the better one last."""
+        ways = [self.stages[first:], others]
+        ways.sort(key=lambda way: -way[-1].estimate.cycles if way else -math.inf)
+        self.stages[first:] = [stage for way in ways for stage in way]
 
     def _improve(self, *, restructure: bool) -> None:
-        """Applies what pays: full unrolling, then threads, then jamming, then flattening of what is
-        still a nest, then unrolling of innermost loops.
+        """Applies what pays: full unrolling, then threads, then interleaving and jamming, then
+        flattening of what is still a nest, then unrolling of innermost loops.
         """
         self._unroll_fully(self._awaited() if restructure else frozenset())
+        unrolled = self.now.state.made
         if self.options.threads is None:
             for header in self._parallel():
                 self._climb_threads(header)
@@ -218,6 +174,32 @@ class _Chooser:
             self._restructure(header)
         if restructure:
             self._unroll_fully(self.now.state.made)
+        self._shorten(self.now.state.made - unrolled)
+
+    def _shorten(self, taken: Collection[str]) -> None:
+        """Jams, flattens and unrolls, with and without interleaving before.
+
+        Parameters
+        ----------
+        taken
+            Headers of loops whose nests are not to be interleaved.
+        """
+        start, first = self.now, len(self.stages)
+        self._interleave(taken)
+        is_interleaved = self.now is not start
+        self._jam_and_flatten()
+        if not is_interleaved:
+            return
+        made = self.stages[first:]
+        self.now = start
+        del self.stages[first:]
+        try:
+            self._jam_and_flatten()
+        finally:
+            self._better_last(first, made)
+
+    def _jam_and_flatten(self) -> None:
+        """Jams what pays, flattens what is still a nest, unrolls innermost loops."""
         for header in [loop.header for loop in self._outer()]:
             self._climb("unroll-and-jam", header)
         self._flatten()
@@ -252,13 +234,39 @@ class _Chooser:
         """Threads where iterations prove to be independent: on one tile a loop over `prange` whose
         iterations are not has run one after the other so far.
         """
-        function = with_own_latches(self.now.state.function, header)
-        array = meeting_array(function, level_of(function, header))
+        array = meeting_array(self.now.state.function, header)
         if array is None:
             self._climb("threads", header)
             return
         reason = f"{MAY_MEET} {array}: ask for threads if they do not"
         self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
+
+    def _interleave(self, taken: Collection[str]) -> None:
+        """Runs iterations of loops side by side where loops inside them wait, from the outside in;
+        nests with loops in `taken` have what they need.
+        """
+        tried = set(self._parallel())  # they have threads if any
+        pes = len(self.estimator.fabric.pes)
+        while True:
+            base = self.now
+            near = {*taken, *self.fixed}
+            header = next(loops_around_waiting(base.state, base.estimate, pes, near, tried), None)
+            if header is None:
+                return
+            tried.add(header)
+            self._interleave_at(header)
+            taken = {*taken, *(self.now.state.made - base.state.made)}
+
+    def _interleave_at(self, header: str) -> None:
+        found = self._ascent("interleaving", header)
+        if not found:
+            return
+        jammed = self._ascent("unroll-and-jam", header)
+        if jammed and jammed[-1].estimate.cycles <= found[-1].estimate.cycles:
+            found = jammed
+        for stage in found[-2:-1]:
+            self._accept(replace(stage, reserve=True))
+        self._accept(found[-1])
 
     def _restructure(self, header: str) -> None:
         """Gives the loops of a static-control part another order, and tiles for registers."""
@@ -308,22 +316,27 @@ class _Chooser:
         return loc is not None and self.options.flatten.get(loc.line) is False
 
     def _climb(self, kind: Kind, header: str) -> None:
-        """The factor up to which the estimate falls."""
-        base, best = self.now, None
+        """Applies the factor up to which the estimate falls."""
+        for stage in self._ascent(kind, header)[-1:]:
+            self._accept(stage)
+
+    def _ascent(self, kind: Kind, header: str) -> list[Stage]:
+        """The factors up to the one up to which the estimate falls."""
+        base = self.now
+        found: list[Stage] = []
         if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
-            return  # what an earlier transformation left over
+            return []  # what an earlier transformation left over
         if kind == "unrolling" and self._is_short_perhaps(header):
             self._note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
-            return
+            return []
         for factor in _FACTORS:
             stage = self._evaluate(base, Candidate(kind, header, factor))
             if stage is None:
                 break
-            if best is not None and stage.estimate.cycles > _STEP * best.estimate.cycles:
+            if found and stage.estimate.cycles > _STEP * found[-1].estimate.cycles:
                 break
-            best = stage
-        if best is not None:
-            self._accept(best)
+            found.append(stage)
+        return found
 
     def _is_short_perhaps(self, header: str) -> bool:
         """A loop of unknown length inside another: entered often, it pays for a remainder often."""
@@ -371,7 +384,7 @@ class _Chooser:
 
     def _most_operations(self, base: Stage, kind: Kind) -> int:
         """Of a loop: more take too long to map, unless a region has more already."""
-        per_pe = OPERATIONS_OF_THREADS if kind == "threads" else OPERATIONS_PER_PE
+        per_pe = OPERATIONS_OF_THREADS if kind in _SIDE_BY_SIDE else OPERATIONS_PER_PE
         known = max((r.shape.operations for r in base.estimate.regions), default=0)
         return max(per_pe * len(self.estimator.fabric.pes), known)
 
@@ -461,11 +474,10 @@ class _Chooser:
         base = self.now
         trips = expected_trips(base.state.function, base.state.hints)
         candidate = Candidate(kind, header, factor)
-        if kind == "unrolling" and trips[header] <= factor:
-            full = Candidate("full unrolling", header)
-            done = apply(base.state, full, trips)
-            candidate = full if isinstance(done, State) else candidate
         state = apply(base.state, candidate, trips)
+        for other in _in_its_place(candidate, trips[header], is_possible=isinstance(state, State)):
+            done = apply(base.state, other, trips)
+            candidate, state = (other, done) if isinstance(done, State) else (candidate, state)
         if isinstance(state, Refusal):
             what = f"{kind} by {factor}" if factor else kind
             if kind == "threads":
@@ -477,3 +489,12 @@ class _Chooser:
         decision = self._note(base, candidate, estimate, "")
         self.fixed |= state.made - base.state.made
         self._accept(Stage(state, estimate, decision, base))
+
+
+def _in_its_place(candidate: Candidate, trips: float, *, is_possible: bool) -> Iterator[Candidate]:
+    """What does as the user asks where the transformation of this name does not, or does less."""
+    header, factor = candidate.header, candidate.factor
+    if candidate.kind == "unrolling" and trips <= factor:
+        yield Candidate("full unrolling", header)
+    if candidate.kind == "unroll-and-jam" and not is_possible and factor <= MOST_THREADS:
+        yield Candidate("interleaving", header, factor)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from vividc.compiler.planning.choose import Decision, Plan
 from vividc.compiler.planning.fallback import Settled
+from vividc.compiler.planning.plan import Decision, Plan
 from vividc.dfg.ir import Control
 from vividc.dfg.regions import Region, is_variable
 from vividc.machine.opcodes import Opcode

@@ -7,8 +7,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from vividc.compiler.planning.choose import Plan, Stage
 from vividc.compiler.planning.estimate import Estimate
+from vividc.compiler.planning.plan import Plan, Stage
 from vividc.dfg.regions import Kernel
 from vividc.errors import VividcError
 from vividc.mapper.result import MapResult

@@ -29,7 +29,8 @@ class LoopOptions:
         Factors by line, as in {12: 4}: 4 iterations of the loop on line 12 become one. A factor is
         a power of two up to 64; 1 leaves the loop as it is.
     jam
-        Factors by line: so many iterations of the loop run together in the loop inside it.
+        Factors by line: so many iterations of the loop run together in the loop inside it. Where
+        that one has a length of its own in each, they are interleaved, 8 at most.
     flatten
         Whether the loop on a line and the loop inside it become one, as in {12: True}.
     threads

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 from vividc.machine.opcodes import MEMORY, Opcode
-from vividc.ssa.analysis.counters import defined_in
+from vividc.machine.words import signed
+from vividc.ssa.analysis.counters import counter_of, defined_in
 from vividc.ssa.analysis.induction import constant_step
-from vividc.ssa.analysis.levels import Level
-from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
-from vividc.ssa.ir import Function, Input, Instr, Ref, Value
+from vividc.ssa.analysis.levels import Level, level_of, with_own_latches
+from vividc.ssa.analysis.polynomial import Monomial, Polynomial, Polynomials, constant
+from vividc.ssa.flow import Loop
+from vividc.ssa.ir import Const, Function, Input, Instr, Ref, Value, definition_of
 from vividc.ssa.loops.threads.make import private_arrays
+from vividc.ssa.rewrite.normalize import canonical_loops
 
 
-def meeting_array(function: Function, level: Level) -> str | None:
-    """An array in which two iterations may meet, one of them writing; None if there is none.
+def meeting_array(function: Function, header: str) -> str | None:
+    """An array in which two iterations of the loop at `header` may meet, one of them writing; None
+    if there is none.
 
-    Iterations stay apart where all indices are a counter times a constant, plus what is fixed, plus
-    constants that differ by less; and where they are in the row of the counter's number, whatever
-    the column: a subscript outside its dimension is undefined.
+    Iterations stay apart where all places are a counter times a constant, plus what is fixed, plus
+    what differs by less: constants, counters of inner loops, masked words; and where they are in
+    the row of the counter's number, whatever the column: a subscript outside its dimension is
+    undefined.
     """
+    function = with_own_latches(canonical_loops(function), header)
+    level = level_of(function, header)
     own = set(private_arrays(function, level))
     accesses = [i for block in level.blocks.values() for i in block.instrs if i.op in MEMORY]
     written = {i.array: None for i in accesses if i.op is Opcode.STORE}
@@ -40,25 +47,67 @@ class _Proof:
         self.function = function
         self.known = Polynomials(function)
         self.varying: set[Value] = {Ref(i) for i in defined_in(function, level.loop)}
+        self.loops = [inner.loop for inner in level.all_levels() if inner is not level]
+        self.home = {i.id: name for name, block in level.blocks.items() for i in block.instrs}
 
     def in_windows(self, group: list[Instr], counter: int, step: int) -> bool:
-        """Whether all accesses of iteration i lie in a window that moves on by its own length."""
+        """Whether all bytes of iteration i lie in a window that moves on by its own length."""
         forms = set()
-        places = []
+        touched: list[int] = []
         for instr in group:
             parts = self._parts(instr, counter)
-            if parts is None or parts[0].constant is None or instr.offset % (1 << instr.shift):
+            if parts is None or parts[0].constant is None:
                 return False
-            slope, rest = parts
-            fixed = tuple(sorted(((m, c) for m, c in rest.terms.items() if m), key=repr))
-            if any(value in self.varying for monomial, _ in fixed for value in monomial):
+            element = 1 << instr.shift
+            window = self._window(instr, parts[1])
+            if window is None:
                 return False
-            forms.add((slope.constant, fixed, instr.shift, instr.width == 1 << instr.shift))
-            places.append(rest.coefficient() + instr.offset // (1 << instr.shift))
-        if len(forms) != 1:
-            return False
-        [(factor, _, _, whole)] = forms
-        return whole and factor is not None and max(places) - min(places) < abs(factor * step)
+            rest = parts[1].times(constant(element)).terms.items()
+            fixed = tuple(sorted((term for term in rest if self._is_fixed(term[0])), key=repr))
+            forms.add((parts[0].constant * element, fixed))
+            first, last = (end * element + instr.offset for end in window)
+            touched += (first, last + instr.width - 1)
+        [*slopes] = {slope for slope, _ in forms}
+        return len(forms) == 1 and max(touched) - min(touched) < abs(signed(slopes[0] * step))
+
+    def _is_fixed(self, monomial: Monomial) -> bool:
+        """Whether a product of values, not of none, is the same in all iterations."""
+        return bool(monomial) and not any(value in self.varying for value in monomial)
+
+    def _window(self, instr: Instr, rest: Polynomial) -> tuple[int, int] | None:
+        """The least and the greatest sum of what is not fixed in a part of an index."""
+        least = most = rest.coefficient()
+        for monomial, factor in rest.terms.items():
+            if not monomial or self._is_fixed(monomial):
+                continue
+            ends = self._extent(monomial[0], instr) if len(monomial) == 1 else None
+            if ends is None:
+                return None
+            least += min(factor * end for end in ends)
+            most += max(factor * end for end in ends)
+        return least, most
+
+    def _extent(self, value: Value, instr: Instr) -> tuple[int, int] | None:
+        """The least and the greatest word of a value where an instruction reads it, if known."""
+        item = definition_of(self.function, value)
+        if isinstance(item, Instr) and item.op is Opcode.AND:
+            masks = [signed(v.word) for v in item.operands if isinstance(v, Const)]
+            return (0, masks[0]) if masks and masks[0] >= 0 else None
+        loop = next((loop for loop in self.loops if self._counts(loop, value)), None)
+        if loop is None or self.home[instr.id] not in loop.blocks - {loop.header}:
+            return None
+        counter = counter_of(self.function, loop)
+        assert counter is not None
+        ends = [self.function.settled(end) for end in (counter.initial, counter.limit)]
+        known = [signed(end.word) for end in ends if isinstance(end, Const)]
+        if len(known) < len(ends):
+            return None
+        first, last = known[0], known[1] - (1 if counter.step > 0 else -1)
+        return min(first, last), max(first, last)
+
+    def _counts(self, loop: Loop, value: Value) -> bool:
+        counter = counter_of(self.function, loop)
+        return counter is not None and value == Ref(counter.phi.id)
 
     def in_rows(self, group: list[Instr], counter: int) -> bool:
         """Whether all accesses are to elements (i, ...) of an array of several dimensions."""

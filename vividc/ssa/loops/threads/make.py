@@ -2,8 +2,9 @@
 
 The copies of an iteration are merged into straight code under predicates, and each loop of theirs
 into one loop, which runs until all threads have left theirs; one that has is masked. The loop's
-iterations are independent by contract (`numba.prange`), so nothing is asked of memory. What all
-threads have in common is computed once, loads of one address included. Every word is what it was.
+iterations are independent, by contract (`numba.prange`) or as the caller has proved: nothing is
+asked of memory here. What all threads have in common is computed once, loads of one address
+included. Every word is what it was.
 
 Thread coarsening (Magni, Dubach and O'Boyle 2013) by unroll-and-jam, with the predicated execution
 of divergent threads (Lorie and Strong 1984).
@@ -38,7 +39,7 @@ from vividc.ssa.flow import find_loops, preheader_of
 from vividc.ssa.ir import Branch, Const, Function, Input, Instr, Phi, Ref, Value
 from vividc.ssa.loops.threads.body import Body, Group
 from vividc.ssa.loops.threads.chain import Chain
-from vividc.ssa.loops.threads.loop import ThreadLoop
+from vividc.ssa.loops.threads.loop import Form, ThreadLoop
 from vividc.ssa.rewrite.normalize import canonical_loops
 from vividc.ssa.rewrite.refusal import Refusal
 
@@ -48,12 +49,13 @@ MOST_THREADS = 8
 @dataclass(frozen=True)
 class Threaded:
     """`main` is the header of the loop over groups, `loops` those of its inner loops: each with the
-    header of the loop that it was.
+    header of the loop that it was. The threads of those in `free` leave them one by one.
     """
 
     function: Function
     main: str
     loops: tuple[tuple[str, str], ...]
+    free: frozenset[str] = frozenset()
 
 
 def thread(function: Function, header: str, count: int) -> Threaded | Refusal:
@@ -173,6 +175,7 @@ class _Threads:
         self.main = self.fresh(f"{self.level.loop.header}.groups")
         inner = [item for item in self.level.all_levels() if item is not self.level]
         self.headers = {i.loop.header: self.fresh(f"{i.loop.header}.threads") for i in inner}
+        self.free: set[str] = set()
         regions = (self.main, *self.headers.values())
         chain = Chain(next_id(self.function), regions)
         private = tuple(self._private_names(t) for t in range(self.count))
@@ -277,6 +280,8 @@ class _Threads:
             new = self.headers[node]
             loop = ThreadLoop(self.group, child, enters, new, self.fresh, self._rest)
             loop.write()
+            if loop.form is Form.FREE:
+                self.free.add(new)
             for thread in self.group.threads:
                 body.paths[thread].left_by.update(loop.edges[thread])
 
@@ -312,7 +317,8 @@ class _Threads:
         blocks = (*function.blocks[:at], *self.chain.blocks(), *function.blocks[at:])
         own = tuple(self._private_arrays())
         function = replace(function, blocks=blocks, locals=(*function.locals, *own))
-        return Threaded(function, self.main, tuple((new, old) for old, new in self.headers.items()))
+        loops = tuple((new, old) for old, new in self.headers.items())
+        return Threaded(function, self.main, loops, frozenset(self.free))
 
     def _own_loads(self) -> frozenset[int]:
         """Loads that are written thread by thread, and perhaps not for all of them."""
