@@ -12,8 +12,9 @@ import pytest
 import vividc
 from benchmarks.polybench import table
 from benchmarks.polybench.measure import RTOL, Row, largest_error, measured, predicted
-from benchmarks.polybench.suite import CASES, IMAGES, MEDIUM, MINI, POLYBENCH, SMALL
+from benchmarks.polybench.suite import CASES, IMAGES, MINI, POLYBENCH, SMALL
 from vividc import arch
+from vividc.errors import KernelError
 
 SCRATCHPAD = arch.load("vivid-tile").scratchpad.size_bytes
 
@@ -48,8 +49,12 @@ def test_a_prediction_counts_runs_iterations_and_switches() -> None:
     assert predicted(program, result.stats) == pytest.approx(result.cycles, rel=0.1)
 
 
-def test_a_refusal_is_a_row() -> None:
-    made = measured("baseline", "gemm", MEDIUM)
+def test_a_refusal_is_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise KernelError("its arrays need more than the scratchpad")
+
+    monkeypatch.setattr(vividc, "compile", refuse)
+    made = measured("baseline", "gemm", MINI)
     assert made.cycles is None
     assert "scratchpad" in made.refused
     assert "refused" in table.line(made)

@@ -22,6 +22,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "arch/cost/tables.py": ("costs", "costs of a run"),
     "arch/yaml/layers.py": ("fabric", "base of a fabric", "fabric of a map"),
     "arch/yaml/load_machine.py": ("accelerator", "base of an accelerator"),
+    "compiler/kept_programs.py": ("kernel",),
     "cli/arrays.py": ("arguments", "npy as arguments"),
     "cli/main.py": (OWN,),
     "cli/kernels.py": ("kernel", "kernel in C"),

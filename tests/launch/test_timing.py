@@ -288,7 +288,7 @@ def test_bank_conflicts_known_by_hand() -> None:
     from tests.e2e.test_prange import same_bank  # noqa: PLC0415
 
     code = vividc.compile(
-        same_bank, fabric="vivid", time_limit_s=20, loops=vividc.LoopOptions(threads=1)
+        same_bank, fabric="vivid", time_limit_s=20, loops=vividc.LoopOptions(auto=False)
     )
     loop = next(row for row in code.table if row.kind == "loop" and row.ii == 1)
     issues = [e.issue for e in code.entries[loop.context] if e.issue is not None]
