@@ -84,7 +84,7 @@ def wishing(kernel: vividc.KernelFunction, pitch: int) -> Program:
 @pytest.fixture(autouse=True)
 def always_spaced(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every matrix that may be spaced is, whether it pays or not."""
-    monkeypatch.setattr("vividc.compiler.planning.spacing._PAYS", -1.0)
+    monkeypatch.setattr("vividc.compiler.planning.spacing.PAYS", -1.0)
 
 
 @pytest.mark.parametrize("pitch", [0, 1, 6])

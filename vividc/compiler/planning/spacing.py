@@ -13,7 +13,7 @@ from vividc.mapper.resources.banks import Traffic, best_pitches, words_of
 from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.subscripts import may_be_spaced
 
-_PAYS = 0.02
+PAYS = 0.02
 """Share of a run's cycles that a matrix has to save: its pitch is one more word that loops read."""
 
 
@@ -40,7 +40,7 @@ def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float])
             matrix
             for matrix in matrices
             if _stalls(traffic, {name: n for name, n in pitches.items() if name != matrix})
-            > all_spaced + _PAYS * total
+            > all_spaced + PAYS * total
         )
     return replace(function, spaced=pays) if pays else function
 
