@@ -2,5 +2,6 @@
 
 In order: `options`, `budget`, `estimate`, `candidates`, `plan`, `restructure` (nests of affine
 loops), `interleave` (loops whose iterations may run side by side), `choose`, `price` (matrix
-products), `fallback` (from a plan to the stage that maps), `explain`.
+products), `spacing` (how far apart rows lie), `fallback` (from a plan to the stage that maps),
+`explain`.
 """
