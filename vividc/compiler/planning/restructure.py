@@ -70,6 +70,9 @@ _MOST_TRIES = 40
 _LARGER = 3
 """Symbols may be so many times as large as they are expected."""
 
+_FAR = 1.5
+"""Times the contexts: what takes more is not tried in other ways."""
+
 _SPARE = 0.25
 """Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
 512), and may need more registers than there are (covariance).
@@ -146,6 +149,8 @@ class _Climb:
     trips: Mapping[str, float]
     most_operations: int
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
+    _smaller: int = 0
+    """So many of the first factors take too many contexts in an order that was tried."""
 
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
@@ -178,11 +183,12 @@ class _Climb:
 
     def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
         """Cycles with the first factors whose code fits into the contexts."""
-        for pair, single in _FIRST:
+        for pair, single in _FIRST[self._smaller :]:
             given = dict(_chosen(jammed, pair, single))
             cycles = self._cycles(self._with(tree, given, self._is_better_masked(tree, given)))
             if cycles < math.inf:
                 return cycles
+            self._smaller = min(self._smaller + 1, len(_FIRST) - 1)
         return math.inf
 
     def _is_better_masked(self, tree: Loop, given: Mapping[Path, int]) -> bool:
@@ -191,6 +197,8 @@ class _Climb:
         """
         if has_skews(tree):
             return True  # what some iterations of a group run would be long
+        if self._is_far_too_long(self._with(tree, given, True)):
+            return True
         masked = self._cycles(self._with(tree, given, True))
         if masked < math.inf and not self._is_triangle(tree, given):
             return True
@@ -201,6 +209,12 @@ class _Climb:
         lengths = {path: self._length(at(tree, path)) for path in given}
         needed = any(n is None or n % given[path] for path, n in lengths.items())
         return with_factors(tree, given, masked=masked and needed)
+
+    def _is_far_too_long(self, tree: Loop) -> bool:
+        """Whether it would take so many contexts that no such groups can fit."""
+        made = self._try(tree)
+        contexts = self.estimator.fabric.controller.contexts
+        return made is not None and made.estimate.contexts > _FAR * contexts
 
     def _is_triangle(self, tree: Loop, given: Mapping[Path, int]) -> bool:
         """Whether bounds of a loop change from one iteration of these loops to the next."""
