@@ -39,6 +39,9 @@ from vividc.program import WORD_BYTES
 
 Stacks = NDArray[np.float32]
 
+_WAITS = 4
+"""Transfers that each part of the inner dimension waits for one after the other."""
+
 _PARTS_OF_DEPTH = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64)
 """Parts of the inner dimension that are tried."""
 
@@ -154,7 +157,8 @@ class Tiling:
 
     def cycles(self, machine: Accelerator) -> int:
         """About how many the job takes: runs hide behind transfers, or transfers behind runs."""
-        total = configured = 0
+        wait = machine.dma.setup_cycles + machine.dram.latency + machine.noc.latency
+        total, configured = _WAITS * wait * len(self.depths), 0
         arrays = FABRICS[self.mode][1]
         for part in range(len(self.depths)):
             busy, moved = self._spent(part, machine)

@@ -42,6 +42,19 @@ def test_every_depth_gives_a_legal_mapping(rows: int, cols: int, depth: int, rel
 
 
 @pytest.mark.parametrize("relu", [False, True])
+@pytest.mark.parametrize("depth", [1, 2, 5, 8, 13, 16])
+@pytest.mark.parametrize(("rows", "cols"), [(1, 1), (2, 3), (4, 4)])
+def test_sums_that_start_from_a_matrix_give_a_legal_mapping(
+    rows: int, cols: int, depth: int, relu: bool
+) -> None:
+    array = SystolicArray.of(small(rows, cols))
+    region = gemm_region(array, Form(depth, relu, added=True))
+    assert not list(check(region.dfg))
+    assert violations(region.dfg, array.fabric, region.mapping) == []
+    assert region.mapping.ii == least_ii(array, depth, activated=relu, added=True)
+
+
+@pytest.mark.parametrize("relu", [False, True])
 @pytest.mark.parametrize("depth", [1, 2, 5, 8, 9, 13])
 @pytest.mark.parametrize("results", ["f16", "e4m3", "e5m2"])
 def test_packed_results_give_a_legal_mapping(results: Precision, depth: int, relu: bool) -> None:
