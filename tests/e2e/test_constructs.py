@@ -59,6 +59,7 @@ def interpreted(construct: Construct, args: tuple[object, ...]) -> object:
     """Run the optimised graphs, before any mapping; arrays are updated in place."""
     kernel = lower(construct.kernel)
     launch = SimpleNamespace(
+        pitches={},
         parallel=None,
         name=kernel.name,
         params=kernel.params,

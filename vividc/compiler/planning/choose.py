@@ -425,6 +425,11 @@ class _Chooser:
             if len(inside) == 1 and loop.header not in self.fixed:
                 yield loop
 
+    def _is_around_a_loop(self, header: str) -> bool:
+        blocks = self.now.state.loop(header).blocks
+        loops = find_loops(self.now.state.function)
+        return any(loop.header in blocks and loop.header != header for loop in loops)
+
     def _at_line(self, line: int) -> list[str]:
         state = self.now.state
         headers = [
@@ -475,7 +480,8 @@ class _Chooser:
         trips = expected_trips(base.state.function, base.state.hints)
         candidate = Candidate(kind, header, factor)
         state = apply(base.state, candidate, trips)
-        for other in _in_its_place(candidate, trips[header], is_possible=isinstance(state, State)):
+        is_done = isinstance(state, State) or not self._is_around_a_loop(header)
+        for other in _in_its_place(candidate, trips[header], is_possible=is_done):
             done = apply(base.state, other, trips)
             candidate, state = (other, done) if isinstance(done, State) else (candidate, state)
         if isinstance(state, Refusal):
