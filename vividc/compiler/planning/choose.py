@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from vividc.compiler.planning.candidates import (
     MAY_MEET,
@@ -14,18 +14,18 @@ from vividc.compiler.planning.candidates import (
     State,
     apply,
 )
+from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.plan import Decision, Plan, Stage
+from vividc.compiler.planning.plan import Plan, Planner, Stage
 from vividc.compiler.planning.restructure import restructured, static_part
-from vividc.errors import KernelError, SourceLoc, TimeLimit
+from vividc.errors import TimeLimit
 from vividc.host import time_limit
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
-from vividc.ssa.loops.threads.make import MOST_THREADS
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -93,7 +93,7 @@ def choose(
         return Plan((first,))
     chooser = _Chooser(estimator, options, [first], frozenset(parallel))
     chooser.start(State(tidied, hints))
-    chooser.obey()
+    obey(chooser)
     asked = len(chooser.stages) - 1
     if options.auto:
         chooser.improve_in_time()
@@ -101,35 +101,7 @@ def choose(
 
 
 @dataclass
-class _Chooser:
-    estimator: Estimator
-    options: LoopOptions
-    stages: list[Stage]
-    parallel: frozenset[int] = frozenset()
-    decisions: list[Decision] = field(default_factory=list)
-    fixed: set[str] = field(default_factory=set)
-
-    def start(self, state: State) -> None:
-        """`state` is what transformations begin with; it is no stage of its own."""
-        self.now = Stage(state, self.estimator.estimate(state.function, state.hints))
-
-    def obey(self) -> None:
-        """Applies what the user asks for."""
-        if self.options.threads is not None:
-            self._thread(self.options.threads)
-        asked: list[tuple[Kind, int, int]] = [
-            ("unroll-and-jam", line, factor) for line, factor in self.options.jam.items()
-        ]
-        asked += [
-            ("flattening", line, 0) for line, wanted in self.options.flatten.items() if wanted
-        ]
-        asked += [("unrolling", line, factor) for line, factor in self.options.unroll.items()]
-        for kind, line, factor in asked:
-            for header in self._at_line(line):
-                self.fixed.add(header)
-                if factor != 1:
-                    self._force(kind, header, factor, line)
-
+class _Chooser(Planner):
     def improve_in_time(self) -> None:
         """As `improve`; what it has found by the end of its time is kept."""
         try:
@@ -168,7 +140,7 @@ class _Chooser:
         self._unroll_fully(self._awaited() if restructure else frozenset())
         unrolled = self.now.state.made
         if self.options.threads is None:
-            for header in self._parallel():
+            for header in self.over_prange():
                 self._climb_threads(header)
         for header in self._outermost() if restructure else ():
             self._restructure(header)
@@ -239,13 +211,13 @@ class _Chooser:
             self._climb("threads", header)
             return
         reason = f"{MAY_MEET} {array}: ask for threads if they do not"
-        self._note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
+        self.note(self.now, Candidate("threads", header, _FACTORS[0]), None, reason)
 
     def _interleave(self, taken: Collection[str]) -> None:
         """Runs iterations of loops side by side where loops inside them wait, from the outside in;
         nests with loops in `taken` have what they need.
         """
-        tried = set(self._parallel())  # they have threads if any
+        tried = set(self.over_prange())  # they have threads if any
         pes = len(self.estimator.fabric.pes)
         while True:
             base = self.now
@@ -265,8 +237,8 @@ class _Chooser:
         if jammed and jammed[-1].estimate.cycles <= found[-1].estimate.cycles:
             found = jammed
         for stage in found[-2:-1]:
-            self._accept(replace(stage, reserve=True))
-        self._accept(found[-1])
+            self.accept(replace(stage, reserve=True))
+        self.accept(found[-1])
 
     def _restructure(self, header: str) -> None:
         """Gives the loops of a static-control part another order, and tiles for registers."""
@@ -275,15 +247,15 @@ class _Chooser:
         most = self._most_operations(base, "restructuring")
         found = restructured(base.state, header, self.estimator, trips, most)
         if isinstance(found, Refusal):
-            self._note(base, Candidate("restructuring", header), None, found.reason)
+            self.note(base, Candidate("restructuring", header), None, found.reason)
             return
         for done in found:
             candidate = Candidate("restructuring", header, done.factor)
             reason = self._objection(base, candidate, done.estimate)
-            decision = self._note(base, candidate, done.estimate, reason)
+            decision = self.note(base, candidate, done.estimate, reason)
             if not reason:
                 is_reserve = done is not found[-1]
-                self._accept(Stage(done.state, done.estimate, decision, base, is_reserve))
+                self.accept(Stage(done.state, done.estimate, decision, base, is_reserve))
 
     def _outermost(self) -> list[str]:
         """Headers of loops in no other one, with nothing in them that the user decided."""
@@ -318,7 +290,7 @@ class _Chooser:
     def _climb(self, kind: Kind, header: str) -> None:
         """Applies the factor up to which the estimate falls."""
         for stage in self._ascent(kind, header)[-1:]:
-            self._accept(stage)
+            self.accept(stage)
 
     def _ascent(self, kind: Kind, header: str) -> list[Stage]:
         """The factors up to the one up to which the estimate falls."""
@@ -327,7 +299,7 @@ class _Chooser:
         if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
             return []  # what an earlier transformation left over
         if kind == "unrolling" and self._is_short_perhaps(header):
-            self._note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
+            self.note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
             return []
         for factor in _FACTORS:
             stage = self._evaluate(base, Candidate(kind, header, factor))
@@ -349,11 +321,7 @@ class _Chooser:
     def _try(self, candidate: Candidate) -> None:
         stage = self._evaluate(self.now, candidate)
         if stage is not None:
-            self._accept(stage)
-
-    def _accept(self, stage: Stage) -> None:
-        self.now = stage
-        self.stages.append(stage)
+            self.accept(stage)
 
     def _evaluate(self, base: Stage, candidate: Candidate) -> Stage | None:
         """The stage after the candidate if it pays; the decision is noted."""
@@ -361,11 +329,11 @@ class _Chooser:
         trips = expected_trips(base.state.function, base.state.hints)
         state = apply(base.state, candidate, trips)
         if isinstance(state, Refusal):
-            self._note(base, candidate, None, state.reason)
+            self.note(base, candidate, None, state.reason)
             return None
         estimate = self.estimator.estimate(state.function, state.hints)
         reason = self._objection(base, candidate, estimate)
-        decision = self._note(base, candidate, estimate, reason)
+        decision = self.note(base, candidate, estimate, reason)
         return None if reason else Stage(state, estimate, decision, base)
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
@@ -388,23 +356,6 @@ class _Chooser:
         known = max((r.shape.operations for r in base.estimate.regions), default=0)
         return max(per_pe * len(self.estimator.fabric.pes), known)
 
-    def _note(
-        self, base: Stage, candidate: Candidate, estimate: Estimate | None, reason: str
-    ) -> Decision:
-        header = candidate.header
-        decision = Decision(
-            candidate.kind,
-            header,
-            base.state.origin.get(header, header),
-            candidate.factor,
-            base.state.loc(header),
-            base.estimate.cycles,
-            None if estimate is None or math.isinf(estimate.cycles) else estimate.cycles,
-            reason,
-        )
-        self.decisions.append(decision)
-        return decision
-
     def _next_full(self, tried: set[str]) -> Loop | None:
         for loop in find_loops(self.now.state.function):
             if loop.header not in tried and loop.header not in self.fixed:
@@ -424,83 +375,3 @@ class _Chooser:
             inside = [o for o in loops if o.header in loop.blocks and o.header != loop.header]
             if len(inside) == 1 and loop.header not in self.fixed:
                 yield loop
-
-    def _is_around_a_loop(self, header: str) -> bool:
-        blocks = self.now.state.loop(header).blocks
-        loops = find_loops(self.now.state.function)
-        return any(loop.header in blocks and loop.header != header for loop in loops)
-
-    def _at_line(self, line: int) -> list[str]:
-        state = self.now.state
-        headers = [
-            loop.header
-            for loop in find_loops(state.function)
-            if (loc := state.loc(loop.header)) is not None and loc.line == line
-        ]
-        if not headers:
-            locs = (state.loc(loop.header) for loop in find_loops(state.function))
-            lines = sorted({loc.line for loc in locs if loc is not None})
-            hint = f"lines with loops: {', '.join(map(str, lines)) or 'none'}"
-            file = state.function.file
-            raise KernelError("no loop starts on this line", loc=SourceLoc(file, line), hint=hint)
-        return headers
-
-    def _parallel(self) -> list[str]:
-        """Headers of the loops over `prange` that are in no other one."""
-        state = self.now.state
-        chosen: list[Loop] = []
-        for loop in reversed(find_loops(state.function)):
-            loc = state.loc(loop.header)
-            marked = loc is not None and loc.file == state.function.file
-            if loc is None or not marked or loc.line not in self.parallel:
-                continue
-            if loop.header not in self.fixed and not any(loop.header in o.blocks for o in chosen):
-                chosen.append(loop)
-        return [loop.header for loop in chosen]
-
-    def _thread(self, count: int) -> None:
-        """Makes threads of the loops over `prange`, as the user asks."""
-        headers = self._parallel()
-        file = self.now.state.function.file
-        if count > 1 and not headers:
-            line = min(self.parallel, default=0)
-            raise KernelError(
-                "the loop over prange is gone: it runs once at most",
-                loc=SourceLoc(file, line) if line else None,
-                hint="leave threads out",
-            )
-        for header in headers:
-            loc = self.now.state.loc(header)
-            if count > 1:
-                self.fixed.add(header)
-                self._force("threads", header, count, 0 if loc is None else loc.line)
-
-    def _force(self, kind: Kind, header: str, factor: int, line: int) -> None:
-        base = self.now
-        trips = expected_trips(base.state.function, base.state.hints)
-        candidate = Candidate(kind, header, factor)
-        state = apply(base.state, candidate, trips)
-        is_done = isinstance(state, State) or not self._is_around_a_loop(header)
-        for other in _in_its_place(candidate, trips[header], is_possible=is_done):
-            done = apply(base.state, other, trips)
-            candidate, state = (other, done) if isinstance(done, State) else (candidate, state)
-        if isinstance(state, Refusal):
-            what = f"{kind} by {factor}" if factor else kind
-            if kind == "threads":
-                what = f"running {factor} iterations as threads"
-            text = f"{what} is not possible here: {state.reason}"
-            hint = "leave the factor out, or see what --explain says of this loop"
-            raise KernelError(text, loc=SourceLoc(base.state.function.file, line), hint=hint)
-        estimate = self.estimator.estimate(state.function, state.hints)
-        decision = self._note(base, candidate, estimate, "")
-        self.fixed |= state.made - base.state.made
-        self._accept(Stage(state, estimate, decision, base))
-
-
-def _in_its_place(candidate: Candidate, trips: float, *, is_possible: bool) -> Iterator[Candidate]:
-    """What does as the user asks where the transformation of this name does not, or does less."""
-    header, factor = candidate.header, candidate.factor
-    if candidate.kind == "unrolling" and trips <= factor:
-        yield Candidate("full unrolling", header)
-    if candidate.kind == "unroll-and-jam" and not is_possible and factor <= MOST_THREADS:
-        yield Candidate("interleaving", header, factor)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from vividc.compiler.planning.candidates import Kind, State
-from vividc.compiler.planning.estimate import Estimate
+from vividc.compiler.planning.candidates import Candidate, Kind, State
+from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import SourceLoc
+from vividc.ssa.flow import Loop, find_loops
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,3 +69,67 @@ class Plan:
     stages: tuple[Stage, ...]
     decisions: tuple[Decision, ...] = ()
     asked: int = 0
+
+
+@dataclass
+class Planner:
+    """A plan in the making.
+
+    Attributes
+    ----------
+    stages, decisions
+        So far.
+    parallel
+        Lines of the function's file in which a loop over `prange` begins.
+    fixed
+        Headers of loops of which the user has decided.
+    now
+        The stage to go on from.
+    """
+
+    estimator: Estimator
+    options: LoopOptions
+    stages: list[Stage]
+    parallel: frozenset[int] = frozenset()
+    decisions: list[Decision] = field(default_factory=list)
+    fixed: set[str] = field(default_factory=set)
+
+    def start(self, state: State) -> None:
+        """`state` is what transformations begin with; it is no stage of its own."""
+        self.now = Stage(state, self.estimator.estimate(state.function, state.hints))
+
+    def accept(self, stage: Stage) -> None:
+        """Goes on from a stage."""
+        self.now = stage
+        self.stages.append(stage)
+
+    def note(
+        self, base: Stage, candidate: Candidate, estimate: Estimate | None, reason: str
+    ) -> Decision:
+        """Keeps what was decided of a candidate."""
+        header = candidate.header
+        decision = Decision(
+            candidate.kind,
+            header,
+            base.state.origin.get(header, header),
+            candidate.factor,
+            base.state.loc(header),
+            base.estimate.cycles,
+            None if estimate is None or math.isinf(estimate.cycles) else estimate.cycles,
+            reason,
+        )
+        self.decisions.append(decision)
+        return decision
+
+    def over_prange(self) -> list[str]:
+        """Headers of the loops over `prange` that are in no other one."""
+        state = self.now.state
+        chosen: list[Loop] = []
+        for loop in reversed(find_loops(state.function)):
+            loc = state.loc(loop.header)
+            marked = loc is not None and loc.file == state.function.file
+            if loc is None or not marked or loc.line not in self.parallel:
+                continue
+            if loop.header not in self.fixed and not any(loop.header in o.blocks for o in chosen):
+                chosen.append(loop)
+        return [loop.header for loop in chosen]
