@@ -127,7 +127,7 @@ def test_an_interrupt_stops_the_solver() -> None:
     prepare(print)  # numba swallows interrupts while it compiles
     # A shell's background job ignores interrupts: so would the simulated one.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer = threading.Timer(0.7, _thread.interrupt_main)
+    timer = threading.Timer(0.1, _thread.interrupt_main)
     timer.start()
     began = time.monotonic()
     try:
