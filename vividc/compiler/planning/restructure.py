@@ -78,9 +78,10 @@ _SPARE = 0.25
 512), and may need more registers than there are (covariance).
 """
 
-_STRAIGHT = 60
-"""Operations of a straight region, times the PEs: the constants of larger ones may not fit into the
-stores of PEs (16 rows of a layer norm, whose divisions and roots have 1,779).
+_STRAIGHT = 40
+"""Operations of a straight region, times the PEs: larger ones may need more constants than the
+stores of PEs hold (16 rows of a layer norm, whose divisions and roots have 1,779), or more
+registers than there are (939 for 25 divisions at the end of a tile of covariance).
 """
 
 _FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
