@@ -157,14 +157,16 @@ def layer_norm(x, y):
 
 
 def test_rows_with_several_reductions_run_side_by_side() -> None:
-    """What may be too large for the stores of PEs has a smaller form in reserve."""
+    """What may be too large for the stores of PEs has smaller forms in reserve."""
     first, *others = plan(layer_norm).stages
     kinds = [stage.decision.kind for stage in others if stage.decision is not None]
-    assert kinds == ["restructuring"] * 2
-    reserve, best = others
-    assert (reserve.reserve, best.reserve) == (True, False)
-    assert reserve.estimate.largest_straight < 1000 < best.estimate.largest_straight
-    assert 4 * reserve.estimate.cycles < first.estimate.cycles
+    assert kinds == ["restructuring"] * 3
+    sure, likely, _ = others
+    assert [stage.reserve for stage in others] == [True, True, False]
+    sizes = [stage.estimate.largest_straight for stage in others]
+    assert sizes[0] <= 40 * 16 < sizes[1] <= 60 * 16 < sizes[2]
+    assert 3 * sure.estimate.cycles < first.estimate.cycles
+    assert 4 * likely.estimate.cycles < first.estimate.cycles
 
 
 @vividc.kernel("void(int32, float32[:, ::1])")

@@ -78,10 +78,11 @@ _SPARE = 0.25
 512), and may need more registers than there are (covariance).
 """
 
-_STRAIGHT = 40
-"""Operations of a straight region, times the PEs: larger ones may need more constants than the
-stores of PEs hold (16 rows of a layer norm, whose divisions and roots have 1,779), or more
-registers than there are (939 for 25 divisions at the end of a tile of covariance).
+_STRAIGHT = (40, 60)
+"""Operations of a straight region, times the PEs, that are sure and likely to be mapped: larger
+ones may need more registers than there are (939 for 25 divisions at the end of a tile of
+covariance), or more constants than the stores of PEs hold (16 rows of a layer norm, whose divisions
+and roots have 1,779; 8 rows are mapped).
 """
 
 _FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
@@ -114,7 +115,7 @@ def restructured(
 ) -> tuple[Restructured, ...] | Refusal:
     """The best loops for the part at `header`, none with more operations than `most_operations`;
     before them, if they nearly fill the contexts or have a large straight region, the best that are
-    sure to be mapped.
+    sure to be mapped, and likely.
     """
     scop = static_part(state, header)
     if isinstance(scop, Refusal):
@@ -172,15 +173,20 @@ class _Climb:
             self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
         made.sort(key=lambda one: one.cycles)
-        spare = next((n for n, one in enumerate(made) if self._is_sure(one.estimate)), 0)
-        return (made[spare], made[0]) if spare else tuple(made[:1])
+        kept = dict.fromkeys((*(self._most_likely(made, most) for most in _STRAIGHT), 0))
+        return tuple(made[place] for place in kept if made)
 
-    def _is_sure(self, estimate: Estimate) -> bool:
-        """Whether it will be mapped, but for what is not foreseen."""
+    def _most_likely(self, made: list[Restructured], straight: int) -> int:
+        """The place of the best of these whose contexts and straight regions (operations a PE) give
+        a mapper room; 0 if none's do.
+        """
         fabric = self.estimator.fabric
         room = (1.0 - _SPARE) * fabric.controller.contexts
-        longest = _STRAIGHT * len(fabric.pes)
-        return estimate.contexts <= room and estimate.largest_straight <= longest
+        longest = straight * len(fabric.pes)
+        for place, one in enumerate(made):
+            if one.estimate.contexts <= room and one.estimate.largest_straight <= longest:
+                return place
+        return 0
 
     def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
         """Cycles with the first factors whose code fits into the contexts."""
