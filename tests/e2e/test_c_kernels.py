@@ -26,7 +26,7 @@ from vividc.sim.bind import bind
 from vividc.sim.engine import Launch
 
 BY_NAME = {workload.name: workload for workload in WORKLOADS}
-SLOW = {"sha256_rounds", "mandelbrot", "count_ends"}
+SLOW = {"sha256_rounds", "count_ends"}
 NAMES = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in BY_NAME]
 
 

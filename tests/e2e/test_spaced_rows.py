@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numba import prange
 
 import vividc
 from vividc.launch import At, Job
@@ -101,6 +102,29 @@ def test_results_are_numbas(kernel: vividc.KernelFunction, pitch: int) -> None:
             vividc.simulate(program, *ours, engine=engine)
             for got, expected in zip(ours, theirs, strict=True):
                 np.testing.assert_array_equal(got, expected)
+
+
+@vividc.kernel("void(int32[:,::1], int32[:,::1])")
+def searching(a, b):
+    """Rows of `a` that are searched side by side: a load ahead tests whether it is in the array."""
+    for i in prange(a.shape[0]):
+        k = 0
+        while k < a.shape[1] and a[i, k] > 0:
+            k += 1 + (a[i, k] & 3)
+        b[i, 0] = k
+
+
+def test_an_address_that_is_tested_is_of_rows_end_to_end() -> None:
+    loops = vividc.LoopOptions(threads=4)
+    program = vividc.compile(searching, loops=loops, time_limit_s=60.0)
+    assert "threads" in {t.kind for one in program.loops for t in one.transforms if t.chosen}
+    program = replace(program, pitches=dict.fromkeys(program.pitches, 7))
+    mine = [np.random.default_rng(0).integers(1, 99, (24, 24), dtype=np.int32) for _ in range(2)]
+    theirs = deepcopy(mine)
+    searching(*theirs)
+    vividc.simulate(program, *mine)
+    for got, expected in zip(mine, theirs, strict=True):
+        np.testing.assert_array_equal(got, expected)
 
 
 @pytest.mark.parametrize(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from vividc.host.once import once_within
-from vividc.machine.opcodes import MEMORY
+from vividc.machine.opcodes import MEMORY, Type
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.ir import Function, Input, Instr, Phi, Ref, Value, is_pitch, pitch_of
@@ -66,7 +67,7 @@ def subscripts_of(function: Function) -> Subscripts:
 
 def may_be_spaced(function: Function) -> tuple[str, ...]:
     """Matrices of words whose elements are all accessed by two subscripts, so that their rows may
-    lie further apart than they are long.
+    lie further apart than they are long; no address is compared with what it is without that.
     """
     found = {
         param.name: None
@@ -82,7 +83,18 @@ def may_be_spaced(function: Function) -> tuple[str, ...]:
         touched = {value.key for value in reads if isinstance(value, Input)}
         for name in [name for name in found if f"&{name}" in touched]:
             del found[name]
-    return tuple(found)
+    return tuple(name for name in found if not _is_compared(function, pitch_of(name, 1)))
+
+
+def _is_compared(function: Function, pitch: Value) -> bool:
+    """Whether a number computed from a pitch decides something."""
+    derived = _from(function, lambda value: value == pitch)
+    return any(
+        item.type is Type.PRED and (pitch in item.operands or not derived.isdisjoint(item.operands))
+        for block in function.blocks
+        for item in block.items
+        if isinstance(item, Instr) and item.op not in MEMORY
+    )
 
 
 def _is_spaceable(function: Function, access: Instr) -> bool:
@@ -98,6 +110,11 @@ def _is_spaceable(function: Function, access: Instr) -> bool:
 
 def _from_pitches(function: Function) -> set[Value]:
     """Values computed from pitches; not what is loaded where they lead."""
+    return _from(function, is_pitch)
+
+
+def _from(function: Function, is_first: Callable[[Value], bool]) -> set[Value]:
+    """Values computed from the first ones; not what is loaded where they lead."""
     reads: dict[Value, list[Value]] = {}
     for block in function.blocks:
         for item in block.items:
@@ -111,7 +128,7 @@ def _from_pitches(function: Function) -> set[Value]:
             for value in operands:
                 reads.setdefault(value, []).append(Ref(item.id))
     found: set[Value] = set()
-    work = [value for value in reads if is_pitch(value)]
+    work = [value for value in reads if is_first(value)]
     while work:
         for reader in reads.get(work.pop(), ()):
             if reader not in found:

@@ -265,7 +265,7 @@ def can_test_address(function: Function, instr: Instr) -> bool:
     plain = instr.width == element and instr.offset % element == 0 and len(instr.operands) == 2  # noqa: PLR2004
     if not plain or instr.operands[0] != Input(f"&{instr.array}"):
         return False
-    param = next((p for p in function.params if p.name == instr.array), None)
+    param = next((p for p in function.params if p.name == instr.array and not p.flat), None)
     local = next((a for a in function.locals if a.name == instr.array), None)
     return param is not None or (local is not None and local.words > 0)
 
