@@ -11,7 +11,7 @@ operands reads the same and makes the others.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil
 
@@ -256,24 +256,11 @@ def _filled(tiling: Tiling) -> Iterator[Tiling]:
         rows = min(rows, share)
         if left < 0 or rows < 1:
             continue
-        made.append(_with(tiling, rows, bands))
+        made.append(replace(tiling, rows=rows, bands=bands))
         half = ceil(share / ceil(share / rows) / 2)
         if half < rows:
-            made.append(_with(tiling, half, bands))
+            made.append(replace(tiling, rows=half, bands=bands))
     return iter(made)
-
-
-def _with(tiling: Tiling, rows: int, bands: int) -> Tiling:
-    return Tiling(
-        tiling.mode,
-        tiling.sizes,
-        tiling.depths,
-        rows,
-        bands,
-        tiling.parts,
-        tiling.relu,
-        tiling.added,
-    )
 
 
 def _pieces(length: int, size: int) -> list[tuple[int, int]]:

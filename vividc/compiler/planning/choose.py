@@ -18,7 +18,7 @@ from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.plan import Plan, Planner, Stage
+from vividc.compiler.planning.plan import Draft, Plan, Stage
 from vividc.compiler.planning.restructure import restructured, static_part
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
@@ -101,7 +101,7 @@ def choose(
 
 
 @dataclass
-class _Chooser(Planner):
+class _Chooser(Draft):
     def improve_in_time(self) -> None:
         """As `improve`; what it has found by the end of its time is kept."""
         try:

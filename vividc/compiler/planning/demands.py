@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
-from vividc.compiler.planning.plan import Planner, Stage
+from vividc.compiler.planning.plan import Draft, Stage
 from vividc.errors import KernelError, SourceLoc
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops
@@ -13,7 +13,7 @@ from vividc.ssa.loops.threads.make import MOST_THREADS
 from vividc.ssa.rewrite.refusal import Refusal
 
 
-def obey(planner: Planner) -> None:
+def obey(draft: Draft) -> None:
     """Applies what the user asks for.
 
     Raises
@@ -22,44 +22,44 @@ def obey(planner: Planner) -> None:
         A factor is asked for a line without a loop, or of a loop that cannot be transformed so; or
         threads, and there is no loop over `prange`.
     """
-    if planner.options.threads is not None:
-        _thread(planner, planner.options.threads)
+    if draft.options.threads is not None:
+        _thread(draft, draft.options.threads)
     asked: list[tuple[Kind, int, int]] = [
-        ("unroll-and-jam", line, factor) for line, factor in planner.options.jam.items()
+        ("unroll-and-jam", line, factor) for line, factor in draft.options.jam.items()
     ]
-    asked += [("flattening", line, 0) for line, wanted in planner.options.flatten.items() if wanted]
-    asked += [("unrolling", line, factor) for line, factor in planner.options.unroll.items()]
+    asked += [("flattening", line, 0) for line, wanted in draft.options.flatten.items() if wanted]
+    asked += [("unrolling", line, factor) for line, factor in draft.options.unroll.items()]
     for kind, line, factor in asked:
-        for header in _at_line(planner, line):
-            planner.fixed.add(header)
+        for header in _at_line(draft, line):
+            draft.fixed.add(header)
             if factor != 1:
-                _force(planner, kind, header, factor, line)
+                _force(draft, kind, header, factor, line)
 
 
-def _thread(planner: Planner, count: int) -> None:
+def _thread(draft: Draft, count: int) -> None:
     """Makes threads of the loops over `prange`, as the user asks."""
-    headers = planner.over_prange()
-    file = planner.now.state.function.file
+    headers = draft.over_prange()
+    file = draft.now.state.function.file
     if count > 1 and not headers:
-        line = min(planner.parallel, default=0)
+        line = min(draft.parallel, default=0)
         raise KernelError(
             "the loop over prange is gone: it runs once at most",
             loc=SourceLoc(file, line) if line else None,
             hint="leave threads out",
         )
     for header in headers:
-        loc = planner.now.state.loc(header)
+        loc = draft.now.state.loc(header)
         if count > 1:
-            planner.fixed.add(header)
-            _force(planner, "threads", header, count, 0 if loc is None else loc.line)
+            draft.fixed.add(header)
+            _force(draft, "threads", header, count, 0 if loc is None else loc.line)
 
 
-def _force(planner: Planner, kind: Kind, header: str, factor: int, line: int) -> None:
-    base = planner.now
+def _force(draft: Draft, kind: Kind, header: str, factor: int, line: int) -> None:
+    base = draft.now
     trips = expected_trips(base.state.function, base.state.hints)
     candidate = Candidate(kind, header, factor)
     state = apply(base.state, candidate, trips)
-    is_done = isinstance(state, State) or not _is_around_a_loop(planner, header)
+    is_done = isinstance(state, State) or not _is_around_a_loop(draft, header)
     for other in _in_its_place(candidate, trips[header], is_possible=is_done):
         done = apply(base.state, other, trips)
         candidate, state = (other, done) if isinstance(done, State) else (candidate, state)
@@ -70,20 +70,20 @@ def _force(planner: Planner, kind: Kind, header: str, factor: int, line: int) ->
         text = f"{what} is not possible here: {state.reason}"
         hint = "leave the factor out, or see what --explain says of this loop"
         raise KernelError(text, loc=SourceLoc(base.state.function.file, line), hint=hint)
-    estimate = planner.estimator.estimate(state.function, state.hints)
-    decision = planner.note(base, candidate, estimate, "")
-    planner.fixed |= state.made - base.state.made
-    planner.accept(Stage(state, estimate, decision, base))
+    estimate = draft.estimator.estimate(state.function, state.hints)
+    decision = draft.note(base, candidate, estimate, "")
+    draft.fixed |= state.made - base.state.made
+    draft.accept(Stage(state, estimate, decision, base))
 
 
-def _is_around_a_loop(planner: Planner, header: str) -> bool:
-    blocks = planner.now.state.loop(header).blocks
-    loops = find_loops(planner.now.state.function)
+def _is_around_a_loop(draft: Draft, header: str) -> bool:
+    blocks = draft.now.state.loop(header).blocks
+    loops = find_loops(draft.now.state.function)
     return any(loop.header in blocks and loop.header != header for loop in loops)
 
 
-def _at_line(planner: Planner, line: int) -> list[str]:
-    state = planner.now.state
+def _at_line(draft: Draft, line: int) -> list[str]:
+    state = draft.now.state
     headers = [
         loop.header
         for loop in find_loops(state.function)

@@ -72,7 +72,7 @@ class Plan:
 
 
 @dataclass
-class Planner:
+class Draft:
     """A plan in the making.
 
     Attributes

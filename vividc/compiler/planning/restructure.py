@@ -65,7 +65,7 @@ _MOST_FILLING = 5
 """So many of those are tried: the ones with the largest products."""
 
 _MOST_TRIES = 40
-"""Trees of one part; each takes 0.1 to 0.3 s."""
+"""Trees of one part; each takes 0.1 to 1 s."""
 
 _LARGER = 3
 """Symbols may be so many times as large as they are expected."""

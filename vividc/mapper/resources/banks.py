@@ -109,7 +109,7 @@ class Traffic:
 
     def _places(self, node: Node, known: Words) -> _Draws:
         """Slot and bank of an access, as one number."""
-        words = _words_of(node)
+        words = _words_in(node)
         key = (node.id, tuple(known.get(word) for word in words))
         if key not in self._known:
             self._known[key] = self._found(node, known)
@@ -175,7 +175,7 @@ def words_of(banks: Mapping[str, int], pitches: Mapping[str, int]) -> dict[str, 
     return starts | {pitch_of(name, 1).key: pitch for name, pitch in pitches.items()}
 
 
-def _words_of(node: Node) -> tuple[str, ...]:
+def _words_in(node: Node) -> tuple[str, ...]:
     return tuple(word for words, _ in node.address or () for word in words)
 
 

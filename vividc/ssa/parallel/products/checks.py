@@ -9,7 +9,7 @@ from itertools import product as combinations
 
 from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.params import TRAP
-from vividc.machine.product import Axis, Elementwise, Product, Range, Size
+from vividc.machine.product import Axis, Range, Size, Step
 from vividc.machine.semantics import evaluate
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop
@@ -21,8 +21,6 @@ _CHECKED = range(1, 4)
 _MOST_CLASSES = 6
 """So many sizes that differ are tried in all combinations."""
 _COMPARISONS = frozenset({Opcode.ICMP_EQ, Opcode.ICMP_NE, Opcode.AND, Opcode.OR})
-
-Step = Product | Elementwise
 
 
 def demand_only_checks(function: Function, steps: Sequence[Step], outer: Sequence[Loop]) -> None:

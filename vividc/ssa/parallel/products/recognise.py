@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vividc.machine.params import TRAP
-from vividc.machine.product import Product, Size
+from vividc.machine.product import Product, Size, Step
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops, flow_of
@@ -25,7 +25,7 @@ from vividc.ssa.parallel.products.effects import (
     with_stores_behind,
 )
 from vividc.ssa.parallel.products.rows import with_rows
-from vividc.ssa.parallel.products.steps import Step, folded, order_of, step_of
+from vividc.ssa.parallel.products.steps import folded, order_of, step_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 
 

@@ -16,6 +16,7 @@ from vividc.machine.product import (
     Product,
     Range,
     Size,
+    Step,
     Term,
     View,
 )
@@ -23,8 +24,6 @@ from vividc.ssa.ir import Const, Input
 from vividc.ssa.parallel.products.effects import Effect, Element, Expression, NoProduct
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.scop import Dimension, Scop
-
-Step = Product | Elementwise
 
 _ADDING = (Opcode.FMA.value, Opcode.FNMA.value)
 
