@@ -7,10 +7,11 @@ from random import Random
 from typing import Any
 
 from vividc import arch
-from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
+from vividc.compiler.planning.candidates import Candidate, Kind, apply
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.state import State
 from vividc.dfg.pipeline import PassOptions
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops

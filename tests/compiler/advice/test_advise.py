@@ -73,20 +73,6 @@ def running(x, y, z):
         y[i] = F(2.0) * x[i]
 
 
-@vividc.kernel("void(float32[::1], float32[::1], float32[:, ::1], float32[::1])")
-def running_rows(x, z, a, y):
-    """A long chain, and behind it a nest that is a small part of the time."""
-    total = F(0.0)
-    for i in range(len(x)):
-        total = ((((total * x[i] + x[i]) * x[i] + x[i]) * x[i] + x[i]) * x[i] + x[i]) * x[i]
-        z[i] = total
-    for i in range(a.shape[0]):
-        some = F(0.0)
-        for j in range(a.shape[1]):
-            some += a[i, j]
-        y[i] = some
-
-
 @vividc.kernel("void(float32[::1], float32[::1], int32[::1])")
 def scattered(x, y, places):
     """Reads in order what it writes anywhere."""
@@ -212,15 +198,6 @@ def _long_matrix() -> tuple[Any, ...]:
     return _floats(256, 24), np.zeros(256, F)
 
 
-def _chain_and_rows() -> tuple[Any, ...]:
-    return _floats(200), np.zeros(200, F), _floats(16, 16), np.zeros(16, F)
-
-
-def _jammed(hint: Hint) -> dict[str, Any]:
-    line, factor = map(int, hint.option.removeprefix("--jam ").split("="))
-    return {"loops": LoopOptions(jam={line: factor}, restructure=False)}
-
-
 def _unrolled(hint: Hint) -> dict[str, Any]:
     line, factor = map(int, hint.option.removeprefix("--unroll ").split("="))
     return {"loops": LoopOptions(unroll={line: factor})}
@@ -254,7 +231,6 @@ CASES = {
         then={**SLOW_FMA, "contract": False},
         exact=False,
     ),
-    "jam": Case("--jam", running_rows, _chain_and_rows, given=UNSTRUCTURED, then=_jammed),
     "one thread": Case(
         "--transform",
         roots_in_parallel,

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from tests.dfg.cut.test_build import meaning, memory_after
 from tests.programs import CELLS, Nest, affine_nests, lower, programs
-from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
+from vividc.compiler.planning.candidates import Candidate, Kind, apply
+from vividc.compiler.planning.state import State
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.ssa.analysis.frequency import expected_trips

@@ -21,6 +21,7 @@ from vividc.mapper.deadline import EFFORT_SHARE, Deadline
 from vividc.mapper.registry import BUILT_IN
 from vividc.mapper.request import MapRequest
 from vividc.mapper.search.portfolio import auto
+from vividc.ssa.flow import find_loops
 
 
 def fake(stage: Stage, cycles: float) -> Outcome:
@@ -110,16 +111,15 @@ def test_a_transformed_loop_without_a_mapping_leaves_a_modulo_schedule(
     """The kernel as written still pipelines: it does not run block by block."""
     real = driver.map_kernel
 
-    def fails_if_jammed(kernel, *rest, **options):  # type: ignore[no-untyped-def]
-        headers = [region.header for region in kernel.regions if region.kind == "loop"]
-        if any("jam" in header for header in headers):
-            jammed = tuple(header for header in headers if "jam" in header)
-            return Unmapped(jammed, TimeLimit("no time"))
-        return real(kernel, *rest, **options)
+    written = {loop.header for loop in find_loops(product.lower())}
 
-    monkeypatch.setattr(driver, "map_kernel", fails_if_jammed)
-    loops = vividc.LoopOptions(restructure=False)
-    program = driver.compile(product, MACHINE, loops=loops)
+    def fails_if_restructured(kernel, *rest, **options):  # type: ignore[no-untyped-def]
+        headers = [region.header for region in kernel.regions if region.kind == "loop"]
+        made = tuple(header for header in headers if header not in written)
+        return Unmapped(made, TimeLimit("no time")) if made else real(kernel, *rest, **options)
+
+    monkeypatch.setattr(driver, "map_kernel", fails_if_restructured)
+    program = driver.compile(product, MACHINE)
     assert [region.kind for region in program.regions].count("loop") == 1
     reasons = [item.reason for loop in program.loops for item in loop.transforms]
     assert any("no time" in reason for reason in reasons)
@@ -175,7 +175,7 @@ def slow_mapper(monkeypatch: pytest.MonkeyPatch) -> str:
 
 @vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[::1])")
 def nested(a, b, y):
-    """Jammed, flattened and unrolled if that maps in time."""
+    """Restructured if that maps in time."""
     for i in range(a.shape[0]):
         total = np.float32(0.0)
         for j in range(a.shape[1]):
@@ -186,14 +186,12 @@ def nested(a, b, y):
 def test_time_out_of_transformed_stages_leaves_enough_for_the_kernel_as_written(
     slow_mapper: str,
 ) -> None:
-    assert len(plan(nested, restructure=False).stages) > 1
+    assert len(plan(nested).stages) > 1
     arrays = [np.ones((24, 24), np.float32), np.ones((24, 24), np.float32), np.zeros(24, "f4")]
     written = vividc.compile(
         nested, MACHINE, slow_mapper, 4.0, loops=vividc.LoopOptions(auto=False)
     )
-    program = vividc.compile(
-        nested, MACHINE, slow_mapper, 4.0, loops=vividc.LoopOptions(restructure=False)
-    )
+    program = vividc.compile(nested, MACHINE, slow_mapper, 4.0)
     assert program.warnings == written.warnings == ()
     assert [r.ii for r in program.regions] == [r.ii for r in written.regions]
     cycles = vividc.simulate(program, *arrays).cycles

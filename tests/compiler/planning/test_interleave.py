@@ -10,11 +10,12 @@ from numba import prange
 
 import vividc
 from vividc import arch
-from vividc.compiler.planning.candidates import Candidate, State, apply
+from vividc.compiler.planning.candidates import Candidate, apply
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.plan import Plan
+from vividc.compiler.planning.state import State
 from vividc.dfg.pipeline import PassOptions
 from vividc.errors import KernelError
 from vividc.ssa.analysis.frequency import expected_trips

@@ -144,14 +144,8 @@ def _other_factors(base: Request, plan: Plan) -> Iterator[Change]:
         line = loc.line
         if decision.kind == "unrolling":
             loops = replace(wanted, unroll={**wanted.unroll, line: factor})
-            action, option = f"unroll by {factor}", f"--unroll {line}={factor}"
-        elif decision.kind == "unroll-and-jam":
-            loops = replace(wanted, jam={**wanted.jam, line: factor})
-            action = f"run {factor} iterations together in the loop inside"
-            option = f"--jam {line}={factor}"
-        else:
-            continue
-        yield Change(_with_loops(base, loops), action, option, loc=loc)
+            option = f"--unroll {line}={factor}"
+            yield Change(_with_loops(base, loops), f"unroll by {factor}", option, loc=loc)
 
 
 def _sizes(base: Request) -> Iterator[Change]:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from vividc.errors import SourceLoc
+from vividc.compiler.planning.parts import jammed
+from vividc.compiler.planning.state import MOST_INSTRUCTIONS, State
 from vividc.ssa.analysis.constant_trips import constant_trips
-from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest_at
-from vividc.ssa.loops.jam import jam
 from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.loops.unroll import unroll
 from vividc.ssa.parallel.independent import meeting_array
@@ -36,9 +35,6 @@ Kind = Literal[
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""
 
-MOST_INSTRUCTIONS = 1500
-"""No transformation makes more: estimating it would take too long."""
-
 MAY_MEET = "iterations may meet in"
 """Before an array's name: why threads were not tried."""
 
@@ -52,43 +48,6 @@ class Candidate:
     kind: Kind
     header: str
     factor: int = 0
-
-
-@dataclass(frozen=True)
-class State:
-    """A function with what is known of its loops.
-
-    Attributes
-    ----------
-    hints
-        Iterations by header, where a transformation knows better than the code says.
-    made
-        Headers of loops that transformations made or rewrote.
-    origin, scale
-        Of loops that transformations made, by header: the loop of the source that they come from,
-        and how many of its iterations one of theirs runs.
-    """
-
-    function: Function
-    hints: Mapping[str, float]
-    made: frozenset[str] = frozenset()
-    origin: Mapping[str, str] = field(default_factory=dict)
-    scale: Mapping[str, int] = field(default_factory=dict)
-
-    def loop(self, header: str) -> Loop:
-        """The loop at `header`."""
-        return next(loop for loop in find_loops(self.function) if loop.header == header)
-
-    def loc(self, header: str) -> SourceLoc | None:
-        """Where the loop is written: its test is, if not at its head, then the first way out."""
-        own = block_of(self.function, header).branch.loc
-        loops = (loop for loop in find_loops(self.function) if loop.header == header)
-        exiting = [source for loop in loops for source, _ in loop.exits]
-        if header in exiting or own is None:
-            return own
-        left = (block_of(self.function, source).branch.loc for source in exiting)
-        places = [loc for loc in left if loc is not None and loc.file == own.file]
-        return min(places, key=lambda loc: loc.line, default=own)
 
 
 def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
@@ -114,8 +73,9 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
         return _interleaved(state, candidate, trips)
     if candidate.kind == "threads":
         return _threaded(state, candidate, trips)
-    made = _unrolled if candidate.kind == "unrolling" else _jammed
-    return made(state, candidate, trips, rest)
+    if candidate.kind == "unroll-and-jam":
+        return jammed(state, candidate.header, factor, trips)
+    return _unrolled(state, candidate, trips, rest)
 
 
 def _unrolled(
@@ -129,21 +89,6 @@ def _unrolled(
     hints = {done.main: (trips[candidate.header] - rest) / factor, done.rest: rest}
     derived = {done.main: done.rest}
     return _next(state, tidy(done.function), hints, derived, factor)
-
-
-def _jammed(
-    state: State, candidate: Candidate, trips: Mapping[str, float], rest: float
-) -> State | Refusal:
-    """Runs iterations of an outer loop together in the inner one; `rest` of them are left over."""
-    factor = candidate.factor
-    both = jam(state.function, state.loop(candidate.header), factor)
-    if isinstance(both, Refusal):
-        return both
-    inner = trips[both.rest_inner]
-    hints = {both.main: (trips[candidate.header] - rest) / factor, both.rest: rest}
-    hints |= {both.inner: inner, both.rest_inner: inner}
-    derived = {both.main: both.rest, both.inner: both.rest_inner}
-    return _next(state, tidy(both.function), hints, derived, factor)
 
 
 def _interleaved(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from vividc.compiler.planning.candidates import Candidate, Kind, State, apply
+from vividc.compiler.planning.candidates import Candidate, Kind, apply
 from vividc.compiler.planning.plan import Draft, Stage
+from vividc.compiler.planning.state import State
 from vividc.errors import KernelError, SourceLoc
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import find_loops

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from vividc.compiler.planning.candidates import State
 from vividc.compiler.planning.estimate import Estimate
-from vividc.compiler.planning.restructure import static_part
+from vividc.compiler.planning.parts import static_part
+from vividc.compiler.planning.state import State
 from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.rewrite.refusal import Refusal

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from vividc.compiler.planning.candidates import Candidate, Kind, State
+from vividc.compiler.planning.candidates import Candidate, Kind
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.state import State
 from vividc.errors import SourceLoc
 from vividc.ssa.flow import Loop, find_loops
 

@@ -10,22 +10,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product
 
-from vividc.compiler.planning.candidates import MOST_INSTRUCTIONS, State
 from vividc.compiler.planning.estimate import Estimate, Estimator
+from vividc.compiler.planning.parts import expected_lengths, static_part, with_loops
+from vividc.compiler.planning.state import State
 from vividc.host import time_limit
 from vividc.machine.opcodes import MEMORY
-from vividc.ssa.analysis.levels import with_own_latches
-from vividc.ssa.polyhedral.generate import generate
-from vividc.ssa.polyhedral.loops import (
-    Loops,
-    expected_trips,
-    fors_in,
-    iterations_of,
-    loops_of,
-    runs_in,
-)
+from vividc.ssa.polyhedral.loops import Loops, fors_in, loops_of, runs_in
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.scop import Scop, find_scop
+from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.search import (
     Path,
     at,
@@ -39,7 +31,6 @@ from vividc.ssa.polyhedral.search import (
 )
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
-from vividc.ssa.rewrite.tidy import tidy
 
 _FACTORS = ((4, 4), (4,))
 _LARGER_FACTORS = {
@@ -125,14 +116,6 @@ def restructured(
     return found or Refusal("no other loops can be generated")
 
 
-def static_part(state: State, header: str) -> Scop | Refusal:
-    """The nest at `header` as a static-control part."""
-    scop = find_scop(with_own_latches(state.function, header), header)
-    if isinstance(scop, Scop) and all(len(statement.dims) == 1 for statement in scop.statements):
-        return Refusal("it is one loop, not a nest")
-    return scop
-
-
 def _filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
     """Factors that divide lengths, if all of these are known."""
     known = [length for length in lengths if length is not None]
@@ -156,7 +139,7 @@ class _Climb:
 
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
-        self.symbols = self._lengths()
+        self.symbols = expected_lengths(self.scop, self.trips)
         self.larger = {name: _LARGER * length for name, length in self.symbols.items()}
 
     def best(self) -> tuple[Restructured, ...]:
@@ -293,42 +276,16 @@ class _Climb:
         loops = loops_of(tree, self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
-        made = generate(self.scop, loops, masks=has_masks(tree))
+        made = with_loops(self.state, self.scop, loops, self.symbols, masks=has_masks(tree))
         if isinstance(made, Refusal):
             return None
-        function = tidy(made.function)
-        if sum(len(block.instrs) for block in function.blocks) > MOST_INSTRUCTIONS:
-            return None
-        named = {new: loop.code.name for new, loop in made.loops.items()} | dict(made.branches)
-        hints, more = (
-            {block: expected[name] for block, name in named.items()}
-            for expected in (
-                expected_trips(loops, self.symbols),
-                expected_trips(loops, self.larger),
-            )
-        )
-        origins = {
-            new: self.state.origin.get(loop.origin, loop.origin) for new, loop in made.loops.items()
-        }
-        together = iterations_of(loops.code)
-        scale = {
-            new: self.state.scale.get(loop.origin, 1) * together[loop.code.name]
-            for new, loop in made.loops.items()
-        }
-        state = State(
-            function,
-            {**self.state.hints, **hints},
-            self.state.made | made.loops.keys(),
-            {**self.state.origin, **origins},
-            {**self.state.scale, **scale},
-        )
-        estimate = self.estimator.estimate(function, state.hints)
+        function, hints = made.state.function, made.state.hints
+        estimate = self.estimator.estimate(function, hints)
         if estimate.largest_loop(len(self.estimator.fabric.pes)) > self.most_operations:
             return None
-        large = self.estimator.estimate(function, {**state.hints, **more})
-        factor = max((loop.code.step for loop in made.loops.values()), default=1)
+        large = self.estimator.estimate(function, {**hints, **made.hints(loops, self.larger)})
         mean = math.sqrt(estimate.cycles * large.cycles)
-        return Restructured(state, estimate, name, factor, mean)
+        return Restructured(made.state, estimate, name, made.factor, mean)
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions
@@ -343,19 +300,6 @@ class _Climb:
             for loop in fors_in(loops.code)
             if not any(fors_in(loop.body))
         )
-
-    def _lengths(self) -> dict[str, float]:
-        """What symbols are assumed to be, so that loops have the trips that are expected."""
-        lengths = dict.fromkeys(self.scop.symbols, 16.0)
-        for statement in self.scop.statements:
-            for dim in statement.dims:
-                first, limit = dim.bounds
-                if len(limit.terms) == 1 and not first.terms:
-                    [(name, factor)] = limit.terms
-                    if factor == 1 and name in lengths:
-                        expected = self.trips.get(dim.header, 16.0)
-                        lengths[name] = expected + first.constant - limit.constant
-        return lengths
 
 
 def _chosen(

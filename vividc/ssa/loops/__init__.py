@@ -1,4 +1,4 @@
 """Transformations of loops before regions are cut.
 
-In order: `unroll`, `nest` and `jam` (unroll-and-jam), `flatten/`, `threads/`.
+In order: `unroll`, `flatten/`, `threads/`. Loops of affine nests are changed by `ssa.polyhedral`.
 """

@@ -24,7 +24,7 @@ class Unrolled:
 
 
 @dataclass(frozen=True)
-class MainLoop:
+class _MainLoop:
     """A loop put before another, still without a body: `header` counts to trips >> log2(factor).
 
     Attributes
@@ -50,7 +50,7 @@ def unroll(function: Function, loop: Loop, factor: int) -> Unrolled | Refusal:
         return Refusal("the factor is no power of two")
     if _holds_another(function, loop):
         return Refusal("it contains another loop")
-    made = main_loop(function, loop, factor)
+    made = _main_loop(function, loop, factor)
     if isinstance(made, Refusal):
         return made
     function, entering = made.function, dict(made.values)
@@ -59,20 +59,20 @@ def unroll(function: Function, loop: Loop, factor: int) -> Unrolled | Refusal:
     last, clones = made.header, list[Clone]()
     for number in range(factor):
         clone = clone_blocks(function, loop.blocks, given=entering, stem=f"unroll{number}")
-        clone = with_back_edge_to(untested(clone, loop), loop, made.header)
+        clone = with_back_edge_to(_untested(clone, loop), loop, made.header)
         inner = clone.names[loop.header]
         function = _enter(extend_phis(function, clone), last, made.header, inner)
         entering = {phi.id: clone.value(incoming(phi, latch)) for phi in header.phis}
         last = clone.names[latch]
         clones.append(clone)
-    function = close_main_loop(function, made, last, entering)
+    function = _close_main_loop(function, made, last, entering)
     return Unrolled(repair_uses(function, loop.blocks, clones), made.header, loop.header)
 
 
-def main_loop(function: Function, loop: Loop, factor: int) -> MainLoop | Refusal:
+def _main_loop(function: Function, loop: Loop, factor: int) -> _MainLoop | Refusal:
     """A header before `loop` that is to run `factor` iterations at a time.
 
-    Its body has to be put in with `close_main_loop`; until then its branch goes to itself.
+    Its body has to be put in with `_close_main_loop`; until then its branch goes to itself.
     """
     preheader = preheader_of(function, loop)
     function, trip = count_loop(function, loop, preheader)
@@ -104,11 +104,11 @@ def main_loop(function: Function, loop: Loop, factor: int) -> MainLoop | Refusal
     compare = Instr(test.id, Opcode.ICMP_SLT, Type.PRED, (count, limit), loc=loc)
     main = Block(name, tuple(phis), (compare,), Branch(name, test, loop.header, loc=loc))
     function = with_blocks(function, (before, replace(header, phis=tuple(kept)), main))
-    return MainLoop(function, name, values)
+    return _MainLoop(function, name, values)
 
 
-def close_main_loop(
-    function: Function, made: MainLoop, latch: str, carried: dict[int, Value]
+def _close_main_loop(
+    function: Function, made: _MainLoop, latch: str, carried: dict[int, Value]
 ) -> Function:
     """The main loop's phis get what the body leaves: `carried`, by the old loop's phis."""
     header = block_of(function, made.header)
@@ -121,7 +121,7 @@ def close_main_loop(
     return with_blocks(function, (header,))
 
 
-def untested(clone: Clone, loop: Loop) -> Clone:
+def _untested(clone: Clone, loop: Loop) -> Clone:
     """`clone` of a counted loop whose header goes on into the body without a test."""
     copied = set(clone.names.values())
 

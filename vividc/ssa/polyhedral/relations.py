@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,7 @@ import islpy as isl
 
 from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.forms import Form, symbol
-from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
+from vividc.ssa.polyhedral.scop import Access, Nest, Scop, Statement
 
 LARGE = 1 << 28
 """No other symbol is larger in a loop that ends; smaller ones count as its negative: bounds of
@@ -102,9 +103,7 @@ class Relations:
         reads = writes = isl.UnionMap(f"{self.parameters} -> {{ }}")
         for statement in self.scop.statements:
             for access in statement.accesses.values():
-                at = statement.placed({name: symbol(name) for name in statement.coordinates})
-                where = tuple(one.substituted(at) for one in access.subscripts)
-                made = self.map(statement, f"A{self._arrays[access.array]}", where)
+                made = self._touched(statement, access)
                 reads, writes = (
                     (reads, writes.union(made)) if access.is_store else (reads.union(made), writes)
                 )
@@ -114,15 +113,36 @@ class Relations:
                 writes = writes.union(self._scalar(statement, ident))
         return reads, writes
 
+    def _touched(self, statement: Statement, access: Access) -> isl.UnionMap:
+        at = statement.placed({name: symbol(name) for name in statement.coordinates})
+        where = tuple(one.substituted(at) for one in access.subscripts)
+        return self.map(statement, f"A{self._arrays[access.array]}", where)
+
     def _scalar(self, statement: Statement, ident: int) -> isl.UnionMap:
         names = statement.coordinates[: self.scop.depth[ident]]
         return self.map(statement, f"V_{ident}", tuple(map(symbol, names)))
 
     def respects(self, schedule: isl.UnionMap) -> bool:
         """Whether a schedule keeps the order of all dependences."""
-        wanted = self.dependences
-        broken = wanted.intersect(schedule.lex_ge_union_map(schedule))
-        return bool(broken.is_empty())
+        return bool(self._broken(schedule).is_empty())
+
+    def _broken(self, schedule: isl.UnionMap) -> isl.UnionMap:
+        return self.dependences.intersect(schedule.lex_ge_union_map(schedule))
+
+    def accesses_out_of_order(self, schedule: isl.UnionMap) -> tuple[Access, Access] | None:
+        """Two accesses that meet and that a schedule runs in another order; None if it does so to
+        none of an array.
+        """
+        broken = self._broken(schedule)
+        for first, second in itertools.product(self.scop.statements, repeat=2):
+            for one, other in itertools.product(first.accesses.values(), second.accesses.values()):
+                if one.array == other.array and (one.is_store or other.is_store):
+                    met = self._touched(first, one).apply_range(
+                        self._touched(second, other).reverse()
+                    )
+                    if not met.intersect(broken).is_empty():
+                        return one, other
+        return None
 
 
 def _places(scop: Scop) -> Iterator[tuple[Statement, tuple[int, ...]]]:

@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 from tests.programs import Access, Nest, affine_nests, lower, programs
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, demand_same, loop_at
+from vividc.compiler.planning.parts import jammed
+from vividc.compiler.planning.state import State
 from vividc.dfg.cut.build import build_kernel
+from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
-from vividc.ssa.loops.jam import Jammed, jam
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -26,17 +28,18 @@ def outer_loop(function: Function) -> Loop:
     return max(find_loops(function), key=lambda loop: len(loop.blocks))
 
 
-def jammed(nest: Nest, factor: int) -> Jammed | Refusal:
-    function = tidy(lower(nest.program))
-    return jam(function, outer_loop(function), factor)
+def jam(function: Function, header: str, factor: int) -> State | Refusal:
+    trips = expected_trips(function, {})
+    return jammed(State(function, trips), header, factor, trips)
 
 
-def run(function: Function, header: str, factor: str) -> object:
-    done = jam(function, loop_at(function, header), int(factor))
+def run(function: Function, header: str, factor: str) -> str:
+    loop_at(function, header)
+    done = jam(function, header, int(factor))
     if isinstance(done, Refusal):
         return done.reason
-    old = f"rest {done.rest} {done.rest_inner}"
-    return done.function, f"main {done.main}, inner {done.inner}, {old}"
+    assert check_function(done.function) == []
+    return "may be jammed"
 
 
 @cases(__file__)
@@ -44,20 +47,19 @@ def test_rules(case: Case) -> None:
     FUNCTIONS.check(case, run)
 
 
-def demand_jams_mean_the_same(before: Function, loop: Loop, factor: int) -> None:
-    done = jam(before, loop, factor)
+def demand_jams_mean_the_same(before: Function, header: str, factor: int) -> None:
+    done = jam(before, header, factor)
     if not isinstance(done, Refusal):
-        for after in (done.function, tidy(done.function)):
-            assert check_function(after) == []
-            demand_same(before, after, tries=2)
+        assert check_function(done.function) == []
+        demand_same(before, done.function, tries=2)
 
 
-@settings(max_examples=200)
-@given(affine_nests(), st.sampled_from([2, 4]))
+@settings(max_examples=100)
+@given(affine_nests(), st.sampled_from([2, 3, 4]))
 def test_jammed_nests_mean_the_same(nest: Nest, factor: int) -> None:
     before = tidy(lower(nest.program))
     if len(find_loops(before)) > 1:
-        demand_jams_mean_the_same(before, outer_loop(before), factor)
+        demand_jams_mean_the_same(before, outer_loop(before).header, factor)
 
 
 @settings(max_examples=60)
@@ -65,24 +67,24 @@ def test_jammed_nests_mean_the_same(nest: Nest, factor: int) -> None:
 def test_random_programs_mean_the_same(program: tuple[object, ...], factor: int) -> None:
     before = tidy(lower(program))
     for loop in find_loops(before):
-        demand_jams_mean_the_same(before, loop, factor)
+        demand_jams_mean_the_same(before, loop.header, factor)
 
 
 @pytest.mark.parametrize("rows", range(10))
 def test_rows_left_over_run(rows: int) -> None:
     before = tidy(lower(replace(ROWS, outer=rows).program))
-    done = jam(before, outer_loop(before), 4)
-    assert isinstance(done, Jammed)
-    demand_same(before, tidy(done.function), tries=2)
+    done = jam(before, outer_loop(before).header, 4)
+    assert isinstance(done, State)
+    demand_same(before, done.function, tries=2)
 
 
 def test_the_copies_share_one_inner_loop() -> None:
-    done = jammed(ROWS, 2)
-    assert isinstance(done, Jammed)
-    kernel = build_kernel(tidy(done.function))
-    loads = {
-        region.header: sum(node.op.value == "load" for node in region.dfg.nodes)
-        for region in kernel.regions
+    before = tidy(lower(ROWS.program))
+    done = jam(before, outer_loop(before).header, 2)
+    assert isinstance(done, State)
+    loads = [
+        sum(node.op.value == "load" for node in region.dfg.nodes)
+        for region in build_kernel(done.function).regions
         if region.kind == "loop"
-    }
-    assert loads == {done.inner: 2, done.rest_inner: 1}
+    ]
+    assert loads == [2]  # an even number of rows leaves none behind

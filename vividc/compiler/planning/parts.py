@@ -1,0 +1,143 @@
+"""Static-control parts of a function, and the function with other loops for one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from vividc.compiler.planning.state import MOST_INSTRUCTIONS, State
+from vividc.ssa.analysis.levels import with_own_latches
+from vividc.ssa.flow import find_loops
+from vividc.ssa.polyhedral.generate import generate
+from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.schedule import schedule_of
+from vividc.ssa.polyhedral.scop import Scop, find_scop
+from vividc.ssa.polyhedral.search import is_legal
+from vividc.ssa.polyhedral.trees import Loop, tree_of
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+
+@dataclass(frozen=True)
+class Regenerated:
+    """A state with other loops for one of its parts.
+
+    Attributes
+    ----------
+    loops
+        Names of the loops, by the block that runs as often: their headers and bodies' branches.
+    factor
+        The most iterations that one of these loops runs together.
+    """
+
+    state: State
+    loops: Mapping[str, str]
+    factor: int
+
+    def hints(self, loops: Loops, symbols: Mapping[str, float]) -> dict[str, float]:
+        """How often blocks run for other values of the symbols."""
+        expected = expected_trips(loops, symbols)
+        return {block: expected[name] for block, name in self.loops.items()}
+
+
+def static_part(state: State, header: str) -> Scop | Refusal:
+    """The nest at `header` as a static-control part."""
+    scop = find_scop(with_own_latches(state.function, header), header)
+    if isinstance(scop, Scop) and all(len(statement.dims) == 1 for statement in scop.statements):
+        return Refusal("it is one loop, not a nest")
+    return scop
+
+
+def expected_lengths(scop: Scop, trips: Mapping[str, float]) -> dict[str, float]:
+    """What symbols are assumed to be, so that loops have the trips that are expected."""
+    lengths = dict.fromkeys(scop.symbols, 16.0)
+    for statement in scop.statements:
+        for dim in statement.dims:
+            first, limit = dim.bounds
+            if len(limit.terms) == 1 and not first.terms:
+                [(name, factor)] = limit.terms
+                if factor == 1 and name in lengths:
+                    expected = trips.get(dim.header, 16.0)
+                    lengths[name] = expected + first.constant - limit.constant
+    return lengths
+
+
+def with_loops(
+    state: State, scop: Scop, loops: Loops, symbols: Mapping[str, float], *, masks: bool
+) -> Regenerated | Refusal:
+    """The state with these loops for the part.
+
+    Parameters
+    ----------
+    symbols
+        What is expected of each.
+    masks
+        Whether loops are masked.
+    """
+    made = generate(scop, loops, masks=masks)
+    if isinstance(made, Refusal):
+        return made
+    function = tidy(made.function)
+    size = sum(len(block.instrs) for block in function.blocks)
+    if size > MOST_INSTRUCTIONS:
+        return Refusal(f"it would make {size} instructions")
+    blocks = {new: loop.code.name for new, loop in made.loops.items()} | dict(made.branches)
+    together = iterations_of(loops.code)
+    origin = {new: state.origin.get(one.origin, one.origin) for new, one in made.loops.items()}
+    scale = {
+        new: state.scale.get(one.origin, 1) * together[one.code.name]
+        for new, one in made.loops.items()
+    }
+    factor = max((loop.code.step for loop in made.loops.values()), default=1)
+    found = Regenerated(state, blocks, factor)
+    changed = State(
+        function,
+        {**state.hints, **found.hints(loops, symbols)},
+        state.made | made.loops.keys(),
+        {**state.origin, **origin},
+        {**state.scale, **scale},
+    )
+    return replace(found, state=changed)
+
+
+def jammed(state: State, header: str, factor: int, trips: Mapping[str, float]) -> State | Refusal:
+    """Runs `factor` iterations of a loop together in the loops inside it (unroll-and-jam; Callahan,
+    Cocke and Kennedy, "Estimating interlock and improving balance for pipelined architectures",
+    1988). No operation is reassociated: each iteration keeps its own recurrences. What does not
+    fill a group follows behind, or inside a group what must keep its order.
+    """
+    if not _holds_a_loop(state, header):
+        return Refusal("no loop is inside it")
+    scop = static_part(state, header)
+    if isinstance(scop, Refusal):
+        return scop
+    relations = Relations(scop)
+    tree = replace(tree_of(scop), factor=factor)
+    ways = (tree, replace(tree, in_order=True))
+    legal = next((way for way in ways if is_legal(way, relations)), None)
+    if legal is None:
+        return Refusal(_what_depends(relations, tree))
+    loops = loops_of(legal, relations)
+    if isinstance(loops, Refusal):
+        return loops
+    made = with_loops(state, scop, loops, expected_lengths(scop, trips), masks=False)
+    return made if isinstance(made, Refusal) else made.state
+
+
+def _what_depends(relations: Relations, tree: Loop) -> str:
+    found = relations.accesses_out_of_order(schedule_of(tree, relations).get_map())
+    if found is None:
+        return "an iteration needs values of the one before"
+    first, second = (
+        f"{access.instr.mnemonic}{f' at {access.instr.loc}' if access.instr.loc else ''}"
+        for access in found
+    )
+    return f"accesses to {found[0].array} depend on each other: {first} and {second}"
+
+
+def _holds_a_loop(state: State, header: str) -> bool:
+    blocks = state.loop(header).blocks
+    return any(
+        loop.header in blocks and loop.header != header for loop in find_loops(state.function)
+    )
