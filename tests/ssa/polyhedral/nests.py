@@ -20,7 +20,7 @@ _PARAMS = (Param("a", DType.I32, 1), Param("b", DType.I32, 2), Param("n", DType.
 
 
 @dataclass
-class _Builder:
+class Builder:
     """Writes blocks; `counters` are the values of the loops around, `scalars` what they carry."""
 
     chance: random.Random
@@ -30,6 +30,8 @@ class _Builder:
     instrs: list[Instr] = field(default_factory=list)
     counters: list[Value] = field(default_factory=list)
     scalars: list[Value] = field(default_factory=lambda: [Const(3), Const(5)])
+    kinds: tuple[Type, ...] = (Type.I32, Type.I32)
+    """Of the scalars."""
     ids: int = 0
     names: int = 0
     in_bytes: random.Random = field(default_factory=lambda: random.Random(0))
@@ -40,7 +42,8 @@ class _Builder:
         return self.ids
 
     def emit(self, op: Opcode, *operands: Value, exact: bool = False) -> Value:
-        kind = Type.PRED if op.value.startswith("icmp") else Type.I32
+        kind = Type.F32 if op.value.startswith("f") else Type.I32
+        kind = Type.PRED if "cmp" in op.value else kind
         self.instrs.append(Instr(self.new(), op, kind, operands, exact=exact))
         return Ref(self.ids)
 
@@ -66,7 +69,10 @@ class _Builder:
     def statement(self) -> None:
         """A load, a store, or arithmetic on a scalar."""
         which = self.chance.randrange(len(self.scalars))
-        kind = self.chance.choice(["load", "store", "update", "mix"])
+        self.plain(self.chance.choice(["load", "store", "update", "mix"]), which)
+
+    def plain(self, kind: str, which: int) -> None:
+        """A statement of this kind, of one of the scalars."""
         if kind == "mix":
             value = self.emit(Opcode.MUL, self.scalars[which], Const(5))
             self.scalars[which] = self.emit(Opcode.ADD, value, self.chance.choice(self.counters))
@@ -121,14 +127,23 @@ class _Builder:
             return counter
         return self.emit(Opcode.ADD, counter, Const(1), exact=True)
 
+    def start(self, value: Value) -> Value:
+        """Where a loop starts that is wished to start here."""
+        return value
+
+    def step(self) -> int:
+        """By which a loop counts."""
+        return 1
+
     def loop(self, depth: int) -> None:
         """for x in range(first, limit), upwards or downwards, up to the limit or below it."""
-        first, limit = self.bound(), self.bound()
+        first, limit, by = self.bound(), self.bound(), self.step()
         if first == Input("n") and self.chance.random() < 0.7:
             first = Const(0)  # a start that may be anything is refused
         down, inclusive = self.chance.random() < 0.25, self.chance.random() < 0.25
         if down:
             first, limit = limit, first
+        first = self.start(first)
         before, header = self.close_into("header")
         counter, carried = self.new(), [self.new() for _ in self.scalars]
         entered = list(self.scalars)
@@ -141,12 +156,12 @@ class _Builder:
         self.scalars = [Ref(ident) for ident in carried]
         self.open(body)
         self.body(depth + 1)
-        step = Const((-1 if down else 1) & WORD_MASK)
+        step = Const((-by if down else by) & WORD_MASK)
         following = self.emit(Opcode.ADD, Ref(counter), step, exact=True)
         latch = self.close(Branch(header))
         phis = [Phi(counter, Type.I32, ((before, first), (latch, following)))]
-        for ident, old, new in zip(carried, entered, self.scalars, strict=True):
-            phis.append(Phi(ident, Type.I32, ((before, old), (latch, new))))
+        for ident, kind, old, new in zip(carried, self.kinds, entered, self.scalars, strict=True):
+            phis.append(Phi(ident, kind, ((before, old), (latch, new))))
         self.blocks.insert(place, Block(header, tuple(phis), head, Branch(body, test, after)))
         self.counters.pop()
         self.scalars = [Ref(ident) for ident in carried]
@@ -187,7 +202,7 @@ def settled(function: Function, n: Const) -> Function:
 
 def random_nest(seed: int) -> Function:
     """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays."""
-    builder = _Builder(random.Random(seed), in_bytes=random.Random(seed))
+    builder = Builder(random.Random(seed), in_bytes=random.Random(seed))
     builder.body(0)
     for place, value in enumerate(builder.scalars):
         operands = (Input("&a"), Const(SIDE * SIDE - 1 - place), value)

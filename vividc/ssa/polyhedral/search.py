@@ -28,7 +28,7 @@ def orders(tree: Loop, relations: Relations) -> list[Loop]:
     work = [tree]
     while work and len(found) < _MOST_ORDERS:
         base = work.pop(0)
-        for moved in _moves(base, relations.scop):
+        for moved in moves(base, relations.scop):
             time_limit.step("orders of loops were tried")
             if moved not in found and is_legal(moved, relations):
                 found.append(moved)
@@ -49,7 +49,7 @@ def is_legal(tree: Loop, relations: Relations) -> bool:
     return relations.respects(schedule_of(tree, relations).get_map())
 
 
-def _moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
+def moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
     """Trees that differ by one fusion, interchange, or loop that takes in what follows it."""
     for path, loop in loops_in(tree):
         for changed in (*_fused(loop), *_taken_in(loop, scop)):

@@ -1,0 +1,248 @@
+"""`python -m tests.fuzz.trees`: random nests in other orders of their iterations, which have to
+mean the same for all lengths; exit code 1 on a find.
+
+Nothing is mapped: a nest is written as SSA, legal trees of it are chosen at random (interchanged,
+fused, skewed, jammed, masked, in order), and the words that both leave in memory are compared.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from random import Random
+
+import click
+import islpy as isl
+
+from tests.ssa.compiled import Outside, Run, compiled
+from tests.ssa.polyhedral.nests import settled
+from tests.ssa.polyhedral.wide_nests import MOST, WIDTH, random_wide_nest
+from vividc.machine.words import WORD_MASK
+from vividc.ssa.analysis.levels import with_own_latches
+from vividc.ssa.check import check_function
+from vividc.ssa.flow import find_loops
+from vividc.ssa.ir import Const, Function
+from vividc.ssa.polyhedral.generate import generate
+from vividc.ssa.polyhedral.loops import loops_of
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.scop import Scop, find_scop
+from vividc.ssa.polyhedral.search import (
+    at,
+    describe,
+    has_masks,
+    is_legal,
+    loops_in,
+    moves,
+    put,
+    skewed,
+    with_factors,
+)
+from vividc.ssa.polyhedral.trees import Loop, tree_of
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+_WORDS = WIDTH * WIDTH
+_MOVES = 4
+"""So many orders of a part at most, each one step from the one before."""
+_TREES = 3
+"""Of each order, with random factors."""
+_KNOWN = 0.2
+"""Share of nests for one number only."""
+_TOO_LONG = "isl takes too long"
+_BLOCKS = 20_000
+_LATER = 4
+"""What is restructured may run so many times as many blocks."""
+
+_OPERATIONS = 300_000
+"""Of isl, for one tree: 0.1 s."""
+_STRIKES = 2
+"""So often may isl take too long for trees of a part."""
+
+Words = dict[str, list[int]]
+Before = tuple[dict[str, int], Words, Words]
+"""Lengths, and memory before and after."""
+
+
+@dataclass
+class Search:
+    """What was run: programs are triples of a nest, a tree, and lengths with data.
+
+    Attributes
+    ----------
+    counts
+        Of nests, parts, trees, programs, and of what was refused, by reason.
+    finds
+        Seeds with what differs.
+    """
+
+    sizes: int = 32
+    counts: Counter[str] = field(default_factory=Counter)
+    finds: list[str] = field(default_factory=list)
+
+    def run(self, seed: int) -> None:
+        """All programs of one seed."""
+        chance = Random(seed)
+        function = random_wide_nest(seed)
+        known = None
+        if chance.random() < _KNOWN:
+            known = chance.randrange(MOST + 1)
+            function = settled(function, Const(known))
+        function = tidy(function)
+        self.counts["nests"] += 1
+        parts = list(self._parts(function))
+        if not parts:
+            return
+        before = list(self._before(compiled(function), chance, known))
+        for scop in parts:
+            self.counts["parts"] += 1
+            relations = Relations(scop)
+            for tree in self._trees(scop, relations, chance):
+                made = _made(scop, relations, tree)
+                if isinstance(made, Refusal):
+                    self.counts[made.reason] += 1
+                else:
+                    self._compare(made, before, f"seed {seed}: {describe(tree)}")
+
+    def _parts(self, function: Function) -> Iterator[Scop]:
+        loops = find_loops(function)
+        for loop in loops:
+            if any(loop.header in other.blocks and other is not loop for other in loops):
+                continue
+            found = find_scop(with_own_latches(function, loop.header), loop.header)
+            if isinstance(found, Scop):
+                yield found
+            else:
+                self.counts[found.reason] += 1
+
+    def _before(self, run: Run, chance: Random, known: int | None) -> Iterator[Before]:
+        """What it does; not where it leaves its arrays."""
+        pairs = [(n, m) for n in (-1, *range(MOST + 1)) for m in range(MOST + 1)]
+        pairs = [(n, m) for n, m in pairs if known in (None, n)]
+        data = _data(chance)
+        for n, m in chance.sample(pairs, min(self.sizes, len(pairs))):
+            words, inputs = _arguments(data, chance.randrange(_WORDS), n, m)
+            left = {name: list(array) for name, array in words.items()}
+            try:
+                if run(left, inputs, _BLOCKS):
+                    yield inputs, words, left
+            except Outside:
+                self.counts["outside"] += 1
+
+    def _trees(self, scop: Scop, relations: Relations, chance: Random) -> Iterator[Loop]:
+        """Legal trees of a part, with random factors."""
+        tree = tree_of(scop)
+        too_long = self.counts[_TOO_LONG]
+        for _ in range(_MOVES):
+            if self.counts[_TOO_LONG] >= too_long + _STRIKES:
+                return
+            tried = (_jammed(tree, chance) for _ in range(_TREES))
+            yield from (jammed for jammed in tried if self._is_legal(jammed, relations))
+            further = [*moves(tree, scop), *skewed(tree)]
+            tree = chance.choice(further) if further else tree
+            if not self._is_legal(tree, relations):
+                return
+
+    def _is_legal(self, tree: Loop, relations: Relations) -> bool:
+        try:
+            with _bounded():
+                return is_legal(tree, relations)
+        except isl.Error:
+            self.counts[_TOO_LONG] += 1
+            return False
+
+    def _compare(self, made: Function, before: list[Before], what: str) -> None:
+        self.counts["trees"] += 1
+        if check_function(made):
+            self.finds.append(f"{what}: {check_function(made)[0]}")
+            return
+        run = compiled(made)
+        for inputs, words, expected in before:
+            mine = {name: list(array) for name, array in words.items()}
+            self.counts["programs"] += 1
+            try:
+                ended = run(mine, inputs, _LATER * _BLOCKS)
+            except Outside:
+                ended = False
+            if not ended or mine != expected:
+                self.finds.append(f"{what}, {inputs}")
+                return
+
+
+@contextmanager
+def _bounded() -> Iterator[None]:
+    context = isl.DEFAULT_CONTEXT
+    context.reset_operations()
+    context.set_max_operations(_OPERATIONS)
+    try:
+        yield
+    finally:
+        context.set_max_operations(0)
+
+
+def _data(chance: Random) -> Words:
+    """Arrays with small integers, and floats with all of their bits; twice as long as needed."""
+    small = [number & WORD_MASK for number in range(-50, 50)]
+    floats = [0x3F000000 + chance.getrandbits(24) for _ in range(2 * _WORDS)]
+    return {
+        "a": chance.choices(small, k=2 * _WORDS),
+        "b": chance.choices(small, k=2 * _WORDS),
+        "f": floats,
+    }
+
+
+def _arguments(data: Words, start: int, n: int, m: int) -> tuple[Words, dict[str, int]]:
+    words = {name: array[start : start + _WORDS] for name, array in data.items()}
+    inputs = {f"&{name}": 0 for name in words}
+    inputs |= {"n": n & WORD_MASK, "g.shape0": m, "b.pitch1": WIDTH, "b.shape1": WIDTH}
+    return words, inputs
+
+
+def _jammed(tree: Loop, chance: Random) -> Loop:
+    """The tree with random factors of one or two loops."""
+    paths = [path for path, _ in loops_in(tree)]
+    some = chance.sample(paths, min(len(paths), chance.randint(1, 2)))
+    factors = {path: chance.choice([2, 3, 4, 8]) for path in some}
+    jammed = with_factors(tree, factors, masked=chance.random() < 0.5)
+    if chance.random() < 0.4:
+        path = chance.choice(paths)
+        jammed = put(jammed, path, replace(at(jammed, path), in_order=True))
+    return jammed
+
+
+def _made(scop: Scop, relations: Relations, tree: Loop) -> Function | Refusal:
+    try:
+        with _bounded():
+            loops = loops_of(tree, relations)
+    except isl.Error:
+        return Refusal(_TOO_LONG)
+    if isinstance(loops, Refusal):
+        return loops
+    made = generate(scop, loops, masks=has_masks(tree))
+    return made if isinstance(made, Refusal) else tidy(made.function)
+
+
+@click.command()
+@click.option("--seed", default=1, show_default=True, help="Of the first nest.")
+@click.option("--count", default=1000, show_default=True, help="Nests.")
+@click.option("--sizes", default=32, show_default=True, help="Lengths and data for each tree.")
+def main(seed: int, count: int, sizes: int) -> None:
+    """Run random nests in other orders; exit code 1 on a find."""
+    search = Search(sizes)
+    started = time.process_time()
+    for one in range(seed, seed + count):
+        known = len(search.finds)
+        search.run(one)
+        for find in search.finds[known:]:
+            click.echo(f"FIND {find}")
+        if one % 50 == 49 or one == seed + count - 1:
+            found = ", ".join(f"{n} {what}" for what, n in search.counts.most_common())
+            click.echo(f"seed {one}, {time.process_time() - started:.0f} s: {found}")
+    sys.exit(1 if search.finds else 0)
+
+
+if __name__ == "__main__":
+    main()
