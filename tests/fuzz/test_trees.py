@@ -33,7 +33,7 @@ def test_more_random_nests_in_other_orders(hundred: int) -> None:
 
 
 def test_an_order_that_breaks_dependences_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Relations, "respects", lambda relations, schedule: True)
+    monkeypatch.setattr(Relations, "respects", lambda relations, schedule, rows: True)
     search = Search(sizes=6)
     for seed in range(12):
         search.run(seed)

@@ -70,8 +70,10 @@ class _Machine(ABC, Generic[_V]):
         self.values: dict[Key, _V] = {}
         self._memory: dict[str, np.ndarray] = {}
         self._shapes: dict[str, tuple[int, ...]] = {}
+        words: dict[str, int] = {}
         for param, value in zip(function.params, args, strict=True):
             if isinstance(value, np.ndarray):
+                words |= {f"{param.name}.shape{n}": size for n, size in enumerate(value.shape)}
                 self._memory[param.name] = value.reshape(-1).view(np.uint8)
                 self._shapes[param.name] = value.shape
                 for axis, size in enumerate(value.shape):
@@ -79,8 +81,9 @@ class _Machine(ABC, Generic[_V]):
                     self.values[pitch_of(param.name, axis).key] = self.number(size)
                 self.values[f"&{param.name}"] = self.number(0)
             else:
+                words |= param.words_of(int(value)) if isinstance(value, int | np.integer) else {}
                 self.bind(param, value)
-        for local in function.locals:
+        for local in (local.at_launch(words) for local in function.locals):
             self._memory[local.name] = np.zeros(4 * local.words, np.uint8)
             self.values[f"&{local.name}"] = self.number(0)
             if local.contents is not None:

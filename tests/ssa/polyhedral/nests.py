@@ -1,8 +1,11 @@
-"""Random affine nests in SSA: imperfect, triangular, descending, with scalars that loops carry."""
+"""Random affine nests in SSA: imperfect, triangular, descending, with scalars that loops carry, and
+with a temporary that one loop fills and the next one reads.
+"""
 
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +17,9 @@ from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref
 
 SIDE = 24
 """Rows and columns of `b`; `a` has as many words as it."""
+
+TEMPORARY = 12
+"""Words of the temporary `t`."""
 
 _DEPTH = 3
 _PARAMS = (Param("a", DType.I32, 1), Param("b", DType.I32, 2), Param("n", DType.I32, 0))
@@ -36,6 +42,7 @@ class Builder:
     names: int = 0
     in_bytes: random.Random = field(default_factory=lambda: random.Random(0))
     """Decides whether indices count bytes, as of rows that LLVM knows."""
+    temporaries: bool = False
 
     def new(self) -> int:
         self.ids += 1
@@ -65,11 +72,53 @@ class Builder:
                 self.loop(depth)
             elif depth:
                 self.statement()
+            if depth and self.temporaries and depth < _DEPTH and self.chance.random() < 0.5:
+                self.temporary(depth)
+
+    def temporary(self, depth: int) -> None:
+        """A loop that fills `t`, and one that reads it: as many elements, or others."""
+        ends = Const(0), self.chance.choice([Input("n"), Const(3), self.counters[0]])
+        self.loop(depth, self.filling, ends)
+        if self.chance.random() < 0.3:
+            self.statement()
+        self.loop(depth, self.reading, ends if self.chance.random() < 0.8 else None)
+
+    def filling(self) -> None:
+        """t[p] = what is computed, perhaps of p."""
+        value = self.emit(Opcode.ADD, self.scalars[0], self.chance.choice(self.counters))
+        if self.chance.random() < 0.1:
+            value = self.emit(Opcode.ADD, value, self.of_temporary())
+        offset = 4 * (self.chance.random() < 0.1)
+        operands = (Input("&t"), self.counters[-1], value)
+        self.instrs.append(Instr(self.new(), Opcode.STORE, Type.NONE, operands, "t", 2, offset))
+
+    def reading(self) -> None:
+        """An element of b, in the row of a loop around, or a scalar takes t[p]."""
+        value = self.emit(Opcode.ADD, self.of_temporary(), self.scalars[0])
+        if self.chance.random() < 0.1:
+            self.scalars[1] = value
+            return
+        counter = self.chance.choice(self.counters[:-1])
+        row = self.emit(Opcode.MUL, counter, pitch_of("b", 1))
+        index = self.emit(Opcode.ADD, row, self.counters[-1])
+        operands = (Input("&b"), index, value)
+        self.instrs.append(Instr(self.new(), Opcode.STORE, Type.NONE, operands, "b", 2, 0))
+
+    def of_temporary(self) -> Value:
+        """t[p], or an element near it."""
+        offset = 4 * (self.chance.random() < 0.1)
+        operands = (Input("&t"), self.counters[-1])
+        load = Instr(self.new(), Opcode.LOAD, Type.I32, operands, "t", 2, offset)
+        self.instrs.append(load)
+        return Ref(load.id)
 
     def statement(self) -> None:
         """A load, a store, or arithmetic on a scalar."""
         which = self.chance.randrange(len(self.scalars))
-        self.plain(self.chance.choice(["load", "store", "update", "mix"]), which)
+        kind = self.chance.choice(["load", "store", "update", "mix"])
+        if self.temporaries and self.chance.random() < 0.9:
+            kind = "store"  # loops that carry scalars are not jammed
+        self.plain(kind, which)
 
     def plain(self, kind: str, which: int) -> None:
         """A statement of this kind, of one of the scalars."""
@@ -135,12 +184,19 @@ class Builder:
         """By which a loop counts."""
         return 1
 
-    def loop(self, depth: int) -> None:
+    def loop(
+        self,
+        depth: int,
+        inside: Callable[[], None] | None = None,
+        ends: tuple[Value, Value] | None = None,
+    ) -> None:
         """for x in range(first, limit), upwards or downwards, up to the limit or below it."""
-        first, limit, by = self.bound(), self.bound(), self.step()
+        first, limit = ends or (self.bound(), self.bound())
+        by = self.step()
         if first == Input("n") and self.chance.random() < 0.7:
             first = Const(0)  # a start that may be anything is refused
-        down, inclusive = self.chance.random() < 0.25, self.chance.random() < 0.25
+        often = 0.0 if ends else 0.05 if self.temporaries else 0.25
+        down, inclusive = self.chance.random() < often, self.chance.random() < often
         if down:
             first, limit = limit, first
         first = self.start(first)
@@ -155,7 +211,10 @@ class Builder:
         self.counters.append(Ref(counter))
         self.scalars = [Ref(ident) for ident in carried]
         self.open(body)
-        self.body(depth + 1)
+        if inside is None:
+            self.body(depth + 1)
+        else:
+            inside()
         step = Const((-by if down else by) & WORD_MASK)
         following = self.emit(Opcode.ADD, Ref(counter), step, exact=True)
         latch = self.close(Branch(header))
@@ -200,15 +259,18 @@ def settled(function: Function, n: Const) -> Function:
     return replace(function, blocks=tuple(blocks))
 
 
-def random_nest(seed: int) -> Function:
-    """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays."""
-    builder = Builder(random.Random(seed), in_bytes=random.Random(seed))
+def random_nest(seed: int, *, temporaries: bool = False) -> Function:
+    """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays.
+    With `temporaries`: of an array `t` too, behind `n`.
+    """
+    builder = Builder(random.Random(seed), in_bytes=random.Random(seed), temporaries=temporaries)
     builder.body(0)
     for place, value in enumerate(builder.scalars):
         operands = (Input("&a"), Const(SIDE * SIDE - 1 - place), value)
         builder.instrs.append(Instr(builder.new(), Opcode.STORE, Type.NONE, operands, "a", 2, 0))
     builder.close(Branch())
-    return Function("nest", _PARAMS, tuple(builder.blocks))
+    more = (Param("t", DType.I32, 1),) if temporaries else ()
+    return Function("nest", (*_PARAMS, *more), tuple(builder.blocks))
 
 
 def arguments(seed: int, n: int) -> tuple[np.ndarray, np.ndarray, int]:
@@ -216,3 +278,8 @@ def arguments(seed: int, n: int) -> tuple[np.ndarray, np.ndarray, int]:
     numbers = np.random.default_rng(seed)
     a = numbers.integers(-50, 50, SIDE * SIDE, dtype=np.int32)
     return a, numbers.integers(-50, 50, (SIDE, SIDE), dtype=np.int32), n
+
+
+def temporary() -> np.ndarray:
+    """What `t` holds at first."""
+    return np.arange(100, 100 + TEMPORARY, dtype=np.int32)

@@ -59,6 +59,13 @@ _GAIN = {
 than full unrolling's, which are known.
 """
 
+_LITTLE = 0.02
+"""A nest that saves a smaller share of the kernel's cycles is left alone, whatever it gains of its
+own (`_GAIN`): other nests are not restructured yet, and may lose most of theirs.
+"""
+
+_NO_GAIN = "does not pay"
+
 _STEP = 0.95
 """A factor must do so much better than half of it."""
 
@@ -251,6 +258,8 @@ class _Chooser(Draft):
         for done in found:
             candidate = Candidate("restructuring", header, done.factor)
             reason = self._objection(base, candidate, done.estimate)
+            if reason == _NO_GAIN and _pays_inside(base, header, done.estimate):
+                reason = ""
             decision = self.note(base, candidate, done.estimate, reason)
             if not reason:
                 is_reserve = done is not found[-1]
@@ -346,7 +355,7 @@ class _Chooser(Draft):
         if not any(region.kind == "loop" for region in estimate.regions):
             share = _GAIN_WITHOUT_LOOP
         if estimate.cycles > base.estimate.cycles * share:
-            return "does not pay"
+            return _NO_GAIN
         return ""
 
     def _most_operations(self, base: Stage, kind: Kind) -> int:
@@ -373,3 +382,12 @@ class _Chooser(Draft):
             inside = [o for o in loops if o.header in loop.blocks and o.header != loop.header]
             if len(inside) == 1 and loop.header not in self.fixed:
                 yield loop
+
+
+def _pays_inside(base: Stage, header: str, estimate: Estimate) -> bool:
+    """Whether a restructured nest gains of its own cycles what a kernel has to gain."""
+    inside = base.state.loop(header).blocks
+    own = sum(cost.cycles for cost in base.estimate.regions if cost.header in inside)
+    saved = base.estimate.cycles - estimate.cycles
+    least = (1.0 - _GAIN["restructuring"]) * own
+    return saved >= max(least, _LITTLE * base.estimate.cycles)

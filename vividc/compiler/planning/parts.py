@@ -10,7 +10,7 @@ from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.flow import find_loops
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
-from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import is_legal
@@ -64,7 +64,13 @@ def expected_lengths(scop: Scop, trips: Mapping[str, float]) -> dict[str, float]
 
 
 def with_loops(
-    state: State, scop: Scop, loops: Loops, symbols: Mapping[str, float], *, masks: bool
+    state: State,
+    scop: Scop,
+    loops: Loops,
+    symbols: Mapping[str, float],
+    *,
+    masks: bool = False,
+    rows: Mapping[str, Rows] | None = None,
 ) -> Regenerated | Refusal:
     """The state with these loops for the part.
 
@@ -74,8 +80,10 @@ def with_loops(
         What is expected of each.
     masks
         Whether loops are masked.
+    rows
+        Of arrays that have some.
     """
-    made = generate(scop, loops, masks=masks)
+    made = generate(scop, loops, masks=masks, rows=rows)
     if isinstance(made, Refusal):
         return made
     function = tidy(made.function)
@@ -121,7 +129,7 @@ def jammed(state: State, header: str, factor: int, trips: Mapping[str, float]) -
     loops = loops_of(legal, relations)
     if isinstance(loops, Refusal):
         return loops
-    made = with_loops(state, scop, loops, expected_lengths(scop, trips), masks=False)
+    made = with_loops(state, scop, loops, expected_lengths(scop, trips))
     return made if isinstance(made, Refusal) else made.state
 
 

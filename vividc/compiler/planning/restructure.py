@@ -17,12 +17,14 @@ from vividc.host import time_limit
 from vividc.machine.opcodes import MEMORY
 from vividc.ssa.polyhedral.loops import Loops, fors_in, loops_of, runs_in
 from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.rows import rows_of
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.search import (
     Path,
     at,
     describe,
     groups,
+    groups_with_rows,
     has_masks,
     has_skews,
     is_legal,
@@ -146,11 +148,9 @@ class _Climb:
         """The tree with the fewest estimated cycles, before it one that is sure to be mapped."""
         ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
         for order in orders(tree_of(self.scop), self.relations):
-            tree, jammed = groups(order, self.relations)
-            if has_skews(tree):
-                jammed = [group[:1] for group in jammed]
-            cycles = min(self._cycles(tree), self._first(tree, jammed))
-            ranked.append((cycles, len(ranked), tree, jammed))
+            for tree, jammed in self._ways(order):
+                cycles = min(self._cycles(tree), self._first(tree, jammed))
+                ranked.append((cycles, len(ranked), tree, jammed))
         cycles, _, tree, jammed = min(ranked, key=lambda one: one[:2])
         if cycles < math.inf:
             self._climb(tree, jammed)
@@ -158,6 +158,12 @@ class _Climb:
         made.sort(key=lambda one: one.cycles)
         kept = dict.fromkeys((*(self._most_likely(made, most) for most in _STRAIGHT), 0))
         return tuple(made[place] for place in kept if made)
+
+    def _ways(self, order: Loop) -> Iterator[tuple[Loop, list[tuple[Path, ...]]]]:
+        """An order with the loops to jam of it, and with temporaries that have rows."""
+        tree, jammed = groups(order, self.relations)
+        yield tree, [group[:1] for group in jammed] if has_skews(tree) else jammed
+        yield from groups_with_rows(order, self.relations)
 
     def _most_likely(self, made: list[Restructured], straight: int) -> int:
         """The place of the best of these whose contexts and straight regions (operations a PE) give
@@ -276,7 +282,14 @@ class _Climb:
         loops = loops_of(tree, self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
-        made = with_loops(self.state, self.scop, loops, self.symbols, masks=has_masks(tree))
+        made = with_loops(
+            self.state,
+            self.scop,
+            loops,
+            self.symbols,
+            masks=has_masks(tree),
+            rows=rows_of(tree),
+        )
         if isinstance(made, Refusal):
             return None
         function, hints = made.state.function, made.state.hints

@@ -21,10 +21,12 @@ from vividc.ssa.edit import (
     retarget,
     substitute,
 )
-from vividc.ssa.ir import Block, Branch, Function, Instr, Phi, Ref, Value, pitch_of
+from vividc.ssa.ir import Block, Branch, Function, Input, Instr, Phi, Ref, Value, pitch_of
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
 from vividc.ssa.polyhedral.places import Accessed, Place, Places
+from vividc.ssa.polyhedral.relations import Rows
+from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop, element_bytes
 from vividc.ssa.polyhedral.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
@@ -66,23 +68,26 @@ class _Unkept(Exception):
     pass
 
 
-def generate(scop: Scop, loops: Loops, *, masks: bool = False) -> Generated | Refusal:
+def generate(
+    scop: Scop, loops: Loops, *, masks: bool = False, rows: Mapping[str, Rows] | None = None
+) -> Generated | Refusal:
     """The function of a part with these loops in its place; `masks`: what a branch runs, and no
-    loop, is masked instead.
+    loop, is masked instead; `rows`: what arrays have for iterations of a group.
 
-    Refused: a scalar whose next reader is in another loop, where no register keeps it.
+    Refused: a scalar whose next reader is in another loop, where no register keeps it; iterations
+    of which it is not known which row is theirs, as of groups that are not full, unless masked.
     """
     try:
-        return _Writer(scop, loops, masks).generated()
+        return _Writer(scop, Places(scop, loops, masks, rows or {})).generated()
     except _Unkept as reason:
         return Refusal(str(reason))
 
 
 class _Writer:
-    def __init__(self, scop: Scop, loops: Loops, masks: bool) -> None:
+    def __init__(self, scop: Scop, places: Places) -> None:
         self.scop = scop
-        self.loops = loops
-        self.places = Places(scop, loops, masks)
+        self.loops = loops = places.loops
+        self.places = places
         self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
         self.known: dict[Place, _Known] = {}
         self.made: dict[str, Made] = {}
@@ -98,6 +103,8 @@ class _Writer:
     def generated(self) -> Generated:
         """The whole function."""
         scop = self.scop
+        if not self.places.are_rows_known():
+            raise _Unkept("which row of a temporary an iteration uses is not known")
         header = block_of(scop.function, scop.loop.header)
         self.words.loc = header.branch.loc
         first = self._open(self._fresh("part"))
@@ -125,7 +132,9 @@ class _Writer:
             if block.name == scop.exit:
                 phis = tuple(rename_incoming(phi, scop.loop.header, last) for phi in phis)
             blocks.append(replace(block, branch=branch, phis=phis))
-        return replace(scop.function, blocks=tuple(blocks))
+        own = arrays_of_rows(scop.function, self.places.row_names)
+        locals_ = (*scop.function.locals, *own)
+        return replace(scop.function, blocks=tuple(blocks), locals=locals_)
 
     # Blocks
 
@@ -306,7 +315,8 @@ class _Writer:
 
     def _type(self, place: Place) -> Type:
         kind = self._types[place.owner] if isinstance(place.owner, int) else None
-        kind = kind or self.scop.elements[str(place.owner)]
+        owner = str(place.owner)
+        kind = kind or self.scop.elements[self.places.arrays.get(owner, owner)]
         assert isinstance(kind, Type)
         return kind
 
@@ -383,17 +393,23 @@ class _Writer:
                 self._store(place)
 
     def _access(self, instr: Instr, place: Place, rest: tuple[Value, ...]) -> Value:
-        rank = len(place.subscripts)
-        pitches = tuple(pitch_of(instr.array, axis) for axis in range(1, rank))
+        axes = range(1, len(place.subscripts))
+        pitches = tuple(pitch_of(instr.array, axis) for axis in axes)
+        array, base, subscript = instr.array, instr.operands[0], instr.subscript
+        if place.owner != array:
+            array, base, subscript = str(place.owner), Input(f"&{place.owner}"), ()
+            pitches = tuple(Input(f"{instr.array}.shape{axis}") for axis in axes)
         index = self.words.element(place.subscripts, pitches)
         step = element_bytes(instr)
         made = replace(
             instr,
             id=self.words.ids(),
-            operands=(instr.operands[0], index, *rest),
+            array=array,
+            operands=(base, index, *rest),
             shift=step.bit_length() - 1,
             offset=place.subscripts[-1].constant * step,
             distinct="",
+            subscript=subscript,
         )
         self.words.instrs.append(made)
         return Ref(made.id)
@@ -449,7 +465,7 @@ class _Running:
 
     def _access(self, instr: Instr) -> None:
         access = self.statement.accesses[instr.id]
-        place = Place(access.array, tuple(s.substituted(self.at) for s in access.subscripts))
+        place = self.writer.places.element(access, self.run)
         if access.is_store:
             self.writer.store(instr, place, self._operand(instr.operands[2]), self.guard)
             return

@@ -315,8 +315,9 @@ class _Expected:
         return (mean - half) / quotient.divisor, spread / quotient.divisor
 
     def _is_whole(self, loop: For) -> bool:
-        """Whether the limit is without the remainder of a step."""
-        taken = (self.quotients.get(name) for one in loop.limit for name in one.names)
+        """Whether the limit is without the remainder of a step, or that is before the first."""
+        bounds = (*loop.first, *loop.limit)
+        taken = (self.quotients.get(name) for one in bounds for name in one.names)
         return any(q is not None and q.divisor % loop.step == 0 for q in taken)
 
     def _walk(self, code: tuple[Code, ...]) -> None:

@@ -18,8 +18,10 @@ from vividc.ssa.polyhedral.guards import (
     masked,
     names_of,
 )
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, fors_in
-from vividc.ssa.polyhedral.scop import Scop, Statement
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Quotient, Run, fors_in, runs_in
+from vividc.ssa.polyhedral.relations import Rows
+from vividc.ssa.polyhedral.rows import names_of_rows
+from vividc.ssa.polyhedral.scop import Access, Scop, Statement
 
 
 @dataclass(frozen=True)
@@ -64,13 +66,15 @@ class Accessed:
 class Places:
     """The places of a part's statements in the loops of a schedule.
 
-    `masks`: branches are guards where `is_maskable` says so.
+    `masks`: branches are guards where `is_maskable` says so. `rows`: of arrays that have some.
     """
 
     scop: Scop
     loops: Loops
     masks: bool = False
+    rows: Mapping[str, Rows] = field(default_factory=dict)
     _meet: dict[tuple[Form, ...], bool] = field(default_factory=dict)
+    _row: dict[tuple[str, Form], int | None] = field(default_factory=dict)
 
     @cached_property
     def statements(self) -> Mapping[str, Statement]:
@@ -86,6 +90,53 @@ class Places:
         """The coordinates of an iteration."""
         statement = self.statements[run.statement]
         return statement.placed(dict(zip(statement.coordinates, run.coordinates, strict=True)))
+
+    @cached_property
+    def row_names(self) -> Mapping[tuple[str, int], str]:
+        """The array that each iteration of a group uses, by array and place in the group."""
+        return names_of_rows(self.scop.function, self.rows)
+
+    @cached_property
+    def arrays(self) -> Mapping[str, str]:
+        """The arrays of which others are rows."""
+        return {name: array for (array, _), name in self.row_names.items()}
+
+    def element(self, access: Access, run: Run) -> Place:
+        """The element that an access of a statement touches in an iteration."""
+        subscripts = tuple(one.substituted(self.at(run)) for one in access.subscripts)
+        if access.array not in self.rows:
+            return Place(access.array, subscripts)
+        row = self._row_of(access.array, run)
+        assert row is not None
+        return Place(self.row_names[access.array, row], subscripts)
+
+    def are_rows_known(self) -> bool:
+        """Whether the place of each iteration in its group is the same each time."""
+        return all(
+            self._row_of(access.array, run) is not None
+            for run in runs_in(self.loops.code)
+            for access in self.statements[run.statement].accesses.values()
+            if access.array in self.rows
+        )
+
+    def _row_of(self, array: str, run: Run) -> int | None:
+        """Where in its group of iterations with rows of an array one is."""
+        rows = self.rows[array]
+        statement = self.statements[run.statement]
+        position = statement.coordinates.index(rows.over[run.statement])
+        ahead = run.coordinates[position].plus(rows.base, -1)
+        if (array, ahead) not in self._row:
+            symbols, chosen, conditions = self._reached([ahead], quotients=True)
+            left = f"[{symbols}] -> {{ [{chosen}] : {''.join(f'{c} and ' for c in conditions)}"
+            self._row[array, ahead] = next(
+                (
+                    place
+                    for place in range(rows.factor)
+                    if isl.Set(f"{left} ({ahead}) mod {rows.factor} != {place} }}").is_empty()
+                ),
+                None,
+            )
+        return self._row[array, ahead]
 
     def scalar(self, ident: int, run: Run) -> Place:
         """The scalar that a value is in an iteration of a statement."""
@@ -109,9 +160,9 @@ class Places:
         """What code accesses, loops and branches in it included."""
         result = Accessed()
         for run, guard in self.guarded(code):
-            statement, at = self.statements[run.statement], self.at(run)
+            statement = self.statements[run.statement]
             for access in statement.accesses.values():
-                place = Place(access.array, tuple(s.substituted(at) for s in access.subscripts))
+                place = self.element(access, run)
                 result.add(place, guard, written=access.is_store)
                 if not access.is_store:
                     result.loads.setdefault(place, access.instr)
@@ -166,19 +217,38 @@ class Places:
         return self._meet[gaps]
 
     def _has_solution(self, gaps: tuple[Form, ...]) -> bool:
+        symbols, chosen, conditions = self._reached(gaps)
+        conditions += [f"{gap} = 0" for gap in gaps]
+        inside = f"[{chosen}] : {' and '.join(conditions)}"
+        return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()
+
+    def _reached(
+        self, forms: Iterable[Form], *, quotients: bool = False
+    ) -> tuple[str, str, list[str]]:
+        """isl's lists of the symbols and counters that forms are made of, and what is known of
+        these; of quotients too where asked for.
+        """
         chosen: dict[str, For] = {}
-        work = [name for gap in gaps for name in gap.names]
+        known: dict[str, Quotient] = {}
+        work = [name for form in forms for name in form.names]
         while work:
             name = work.pop()
             if name in self.every and name not in chosen:
                 loop = chosen[name] = self.every[name]
                 work += [n for bound in (*loop.first, *loop.limit) for n in bound.names]
-        conditions = [f"{gap} = 0" for gap in gaps]
+            elif quotients and name in self.loops.quotients and name not in known:
+                known[name] = self.loops.quotients[name]
+                work += known[name].dividend.names
+        conditions = []
         for loop in chosen.values():
             conditions += [f"{loop.name} >= {one}" for one in loop.first]
             conditions += [f"{loop.name} < {one}" for one in loop.limit]
             if loop.step > 1 and len(loop.first) == 1:
                 conditions.append(f"({loop.name} - ({loop.first[0]})) mod {loop.step} = 0")
+        for name, one in known.items():
+            value = f"floor(({one.dividend})/{one.divisor})"
+            if one.remainder:
+                value = f"({one.dividend}) mod {one.divisor}"
+            conditions.append(f"{name} = {value}")
         symbols = ", ".join((*self.scop.symbols, *self.loops.quotients))
-        inside = f"[{', '.join(chosen)}] : {' and '.join(conditions)}"
-        return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()
+        return symbols, ", ".join(chosen), conditions

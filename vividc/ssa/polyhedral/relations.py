@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from operator import eq
 
 import islpy as isl
 
@@ -20,6 +21,17 @@ skewed loops are sums of up to four of them, which must not wrap.
 
 _LONGEST = 1 << 20
 """No dimension of an array is longer."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of an array for iterations that run together, `factor` at a time from `base` on, of the
+    coordinates `over`, by statement.
+    """
+
+    over: Mapping[str, str]
+    factor: int
+    base: Form
 
 
 @dataclass(frozen=True)
@@ -64,7 +76,11 @@ class Relations:
     @cached_property
     def dependences(self) -> isl.UnionMap:
         """Pairs of iterations that must keep their order."""
-        reads, writes = self._accesses()
+        return self._ordered(lambda _: True)
+
+    def _ordered(self, takes: Callable[[str | int], bool]) -> isl.UnionMap:
+        """As `dependences`, by what they access."""
+        reads, writes = self.accesses(takes)
         before = self.written
         result = isl.UnionMap(f"{self.parameters} -> {{ }}")
         order = before.lex_lt_union_map(before)
@@ -99,17 +115,20 @@ class Relations:
         accesses = [a for s in self.scop.statements for a in s.accesses.values()]
         return {name: n for n, name in enumerate(dict.fromkeys(a.array for a in accesses))}
 
-    def _accesses(self) -> tuple[isl.UnionMap, isl.UnionMap]:
+    def accesses(self, takes: Callable[[str | int], bool]) -> tuple[isl.UnionMap, isl.UnionMap]:
+        """What is read and written of arrays and scalars (by their ids) that are taken."""
         reads = writes = isl.UnionMap(f"{self.parameters} -> {{ }}")
         for statement in self.scop.statements:
             for access in statement.accesses.values():
+                if not takes(access.array):
+                    continue
                 made = self._touched(statement, access)
                 reads, writes = (
                     (reads, writes.union(made)) if access.is_store else (reads.union(made), writes)
                 )
-            for ident in statement.reads:
+            for ident in filter(takes, statement.reads):
                 reads = reads.union(self._scalar(statement, ident))
-            for ident in (*statement.writes, *(phi for phi, _ in statement.copies)):
+            for ident in filter(takes, (*statement.writes, *(phi for phi, _ in statement.copies))):
                 writes = writes.union(self._scalar(statement, ident))
         return reads, writes
 
@@ -122,12 +141,34 @@ class Relations:
         names = statement.coordinates[: self.scop.depth[ident]]
         return self.map(statement, f"V_{ident}", tuple(map(symbol, names)))
 
-    def respects(self, schedule: isl.UnionMap) -> bool:
-        """Whether a schedule keeps the order of all dependences."""
-        return bool(self._broken(schedule).is_empty())
+    def counted(self, over: Mapping[str, str], text: str) -> isl.UnionMap:
+        """Each iteration of statements to a function of a coordinate, {0}, of it."""
+        result = isl.UnionMap(f"{self.parameters} -> {{ }}")
+        for name, coordinate in over.items():
+            source = f"{name}[{', '.join(self.scop.statement(name).coordinates)}]"
+            image = f"{self.parameters} -> {{ {source} -> [{text.format(coordinate)}] }}"
+            result = result.union(isl.UnionMap(image))
+        return result
 
-    def _broken(self, schedule: isl.UnionMap) -> isl.UnionMap:
-        return self.dependences.intersect(schedule.lex_ge_union_map(schedule))
+    def _apart(self, rows: Mapping[str, Rows]) -> isl.UnionMap:
+        """As `dependences`, if arrays have rows."""
+        result = self._ordered(lambda name: name not in rows)
+        for array, one in rows.items():
+            row = self.counted(one.over, f"(({{0}}) - ({one.base})) mod {one.factor}")
+            same = row.apply_range(row.reverse())
+            found = self._ordered(partial(eq, array))
+            result = result.union(found.intersect(same))
+        return result
+
+    def respects(self, schedule: isl.UnionMap, rows: Mapping[str, Rows] | None = None) -> bool:
+        """Whether a schedule keeps the order of all dependences, if arrays have rows."""
+        return bool(self._broken(schedule, rows).is_empty())
+
+    def _broken(
+        self, schedule: isl.UnionMap, rows: Mapping[str, Rows] | None = None
+    ) -> isl.UnionMap:
+        wanted = self._apart(rows) if rows else self.dependences
+        return wanted.intersect(schedule.lex_ge_union_map(schedule))
 
     def accesses_out_of_order(self, schedule: isl.UnionMap) -> tuple[Access, Access] | None:
         """Two accesses that meet and that a schedule runs in another order; None if it does so to

@@ -9,6 +9,7 @@ from dataclasses import replace
 from vividc.host import time_limit
 from vividc.ssa.polyhedral.forms import ZERO, symbol
 from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, Tree, statements_in
@@ -46,7 +47,7 @@ def _has_rows(tree: Loop, relations: Relations) -> bool:
 
 def is_legal(tree: Loop, relations: Relations) -> bool:
     """Whether a tree keeps the order of all dependences."""
-    return relations.respects(schedule_of(tree, relations).get_map())
+    return relations.respects(schedule_of(tree, relations).get_map(), rows_of(tree))
 
 
 def moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
@@ -201,6 +202,41 @@ def groups(tree: Loop, relations: Relations) -> tuple[Loop, list[tuple[Path, ...
     return tree, result
 
 
+def groups_with_rows(
+    tree: Loop, relations: Relations
+) -> Iterator[tuple[Loop, list[tuple[Path, ...]]]]:
+    """As `groups`, for each loop that may be jammed only if temporaries have rows: it and a loop
+    inside it with loops in it, if there is one, and the others inside it.
+    """
+    if has_skews(tree):
+        return
+    for path, loop in loops_in(tree):
+        time_limit.step("temporaries were looked for")
+        made = with_own_rows(loop, relations)
+        if made is None or may_jam(tree, (path,), relations):
+            continue
+        given = put(tree, path, made)
+        if not may_jam(given, (path,), relations):
+            continue
+        inside = [
+            (bool(_depth(inner.children)), below)
+            for below, inner in loops_in(loop, path)
+            if below != path and may_jam(given, (path, below), relations)
+        ]
+        inside.sort(key=lambda one: not one[0])
+        taken = [below for _, below in inside[:1]]
+        with_it = tuple(taken)
+        for _, below in inside[1:]:
+            if not any(_is_around(one, below) or _is_around(below, one) for one in taken):
+                taken.append(below)
+        yield given, [(path, *with_it), *((one,) for one in taken[1:])]
+
+
+def _is_around(path: Path, other: Path) -> bool:
+    """Whether a loop is around another one."""
+    return other[: len(path)] == path
+
+
 def _ways_in(tree: Tree, path: Path) -> Iterator[Path]:
     """The loops inside a loop, as long as one alone is in another."""
     while True:
@@ -231,7 +267,8 @@ def describe(tree: Loop) -> str:
         factor = f"*{node.factor}{'?' if node.masked else ''}" if node.factor > 1 else ""
         order = " in order" if node.in_order else ""
         names = {name + "".join(_skew(node, s)) for s, name in node.over.items()}
-        return f"{'/'.join(sorted(names))}{factor}{order}[{inside}]"
+        own = f" rows of {'/'.join(sorted(node.rows))} " if node.rows else ""
+        return f"{'/'.join(sorted(names))}{factor}{order}{own}[{inside}]"
 
     def _skew(node: Loop, statement: str) -> Iterator[str]:
         for name, factor in node.skew.get(statement, ZERO).terms:

@@ -34,6 +34,8 @@ class Loop:
     skew
         What is added to the coordinate, by statement: a form of coordinates of loops around, so
         that it starts later in each of their iterations (Wolfe, "Loop skewing", 1986).
+    rows
+        Arrays of which each iteration of a group has a row of its own (`rows`).
     """
 
     over: Mapping[str, str]
@@ -43,6 +45,7 @@ class Loop:
     masked: bool = False
     in_order: bool = False
     skew: Mapping[str, Form] = field(default_factory=dict)
+    rows: frozenset[str] = frozenset()
 
     def counted(self, name: str) -> Form:
         """What it counts of a statement."""
