@@ -24,6 +24,9 @@ TEMPORARY = 12
 _DEPTH = 3
 _PARAMS = (Param("a", DType.I32, 1), Param("b", DType.I32, 2), Param("n", DType.I32, 0))
 
+DTYPES = (DType.I32, DType.U8, DType.I8, DType.U16, DType.I16)
+"""Of the elements of `a` and `b`."""
+
 
 @dataclass
 class Builder:
@@ -43,6 +46,7 @@ class Builder:
     in_bytes: random.Random = field(default_factory=lambda: random.Random(0))
     """Decides whether indices count bytes, as of rows that LLVM knows."""
     temporaries: bool = False
+    dtype: DType = DType.I32
 
     def new(self) -> int:
         self.ids += 1
@@ -127,22 +131,24 @@ class Builder:
             self.scalars[which] = self.emit(Opcode.ADD, value, self.chance.choice(self.counters))
             return
         array, index, offset, subscript = self.element()
-        base, shift = Input(f"&{array}"), 2
+        base, width = Input(f"&{array}"), self.dtype.size_bytes
+        offset, shift = offset * width, width.bit_length() - 1
         if not subscript and self.in_bytes.random() < 0.2:
-            index, shift = self.emit(Opcode.MUL, index, Const(4)), 0
+            index, shift = self.emit(Opcode.MUL, index, Const(width)), 0
         if kind in ("load", "update"):
+            signed = self.dtype.is_signed and self.dtype is not DType.I32
             load = Instr(self.new(), Opcode.LOAD, Type.I32, (base, index), array, shift, offset)
-            load = replace(load, subscript=subscript)
+            load = replace(load, subscript=subscript, width=width, signed=signed)
             self.instrs.append(load)
             self.scalars[which] = self.emit(Opcode.ADD, self.scalars[which], Ref(load.id))
         if kind in ("store", "update"):
             operands = (base, index, self.scalars[which])
             store = Instr(self.new(), Opcode.STORE, Type.NONE, operands, array, shift, offset)
-            self.instrs.append(replace(store, subscript=subscript))
+            self.instrs.append(replace(store, subscript=subscript, width=width))
 
     def element(self) -> tuple[str, Value, int, tuple[int | None, ...]]:
-        """An array, the index of an element of it, an offset in bytes, constant subscripts."""
-        offset = 4 * self.chance.randint(0, 2)
+        """An array, the index of an element of it, further elements, constant subscripts."""
+        offset = self.chance.randint(0, 2)
         if self.chance.random() < 0.5:
             return "a", self.subscript(most=2), offset, ()
         row = self.subscript(most=1)
@@ -259,27 +265,32 @@ def settled(function: Function, n: Const) -> Function:
     return replace(function, blocks=tuple(blocks))
 
 
-def random_nest(seed: int, *, temporaries: bool = False) -> Function:
+def random_nest(seed: int, dtype: DType = DType.I32, *, temporaries: bool = False) -> Function:
     """A function of arrays `a` and `b` and a number `n` from 0 to 5; indices lie in the arrays.
     With `temporaries`: of an array `t` too, behind `n`.
     """
-    builder = Builder(random.Random(seed), in_bytes=random.Random(seed), temporaries=temporaries)
+    chances = (random.Random(seed), random.Random(seed))
+    builder = Builder(chances[0], in_bytes=chances[1], temporaries=temporaries, dtype=dtype)
     builder.body(0)
     for place, value in enumerate(builder.scalars):
         operands = (Input("&a"), Const(SIDE * SIDE - 1 - place), value)
-        builder.instrs.append(Instr(builder.new(), Opcode.STORE, Type.NONE, operands, "a", 2, 0))
+        width = dtype.size_bytes
+        store = Instr(builder.new(), Opcode.STORE, Type.NONE, operands, "a", width.bit_length() - 1)
+        builder.instrs.append(replace(store, width=width))
     builder.close(Branch())
     more = (Param("t", DType.I32, 1),) if temporaries else ()
-    return Function("nest", (*_PARAMS, *more), tuple(builder.blocks))
+    params = tuple(replace(p, dtype=dtype) if p.ndim else p for p in (*_PARAMS, *more))
+    return Function("nest", params, tuple(builder.blocks))
 
 
-def arguments(seed: int, n: int) -> tuple[np.ndarray, np.ndarray, int]:
+def arguments(function: Function, seed: int, n: int) -> tuple[np.ndarray, np.ndarray, int]:
     """Arrays with small numbers."""
     numbers = np.random.default_rng(seed)
-    a = numbers.integers(-50, 50, SIDE * SIDE, dtype=np.int32)
-    return a, numbers.integers(-50, 50, (SIDE, SIDE), dtype=np.int32), n
+    dtype = function.params[0].dtype.value
+    a = numbers.integers(-50, 50, SIDE * SIDE, dtype=np.int32).astype(dtype)
+    return a, numbers.integers(-50, 50, (SIDE, SIDE), dtype=np.int32).astype(dtype), n
 
 
-def temporary() -> np.ndarray:
+def temporary(function: Function) -> np.ndarray:
     """What `t` holds at first."""
-    return np.arange(100, 100 + TEMPORARY, dtype=np.int32)
+    return np.arange(100, 100 + TEMPORARY).astype(function.params[0].dtype.value)

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import vividc
-from tests.ssa.polyhedral.nests import arguments, random_nest, temporary, with_known
+from tests.ssa.polyhedral.nests import DTYPES, arguments, random_nest, temporary, with_known
 from vividc.errors import SSAError
 from vividc.machine.opcodes import Opcode
+from vividc.machine.params import DType
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
@@ -55,7 +56,8 @@ def demand_same(
     assert check_function(after) == [], what
     for n in numbers:
         old, new = (
-            (*arguments(abs(n), n), *[temporary() for _ in before.params[3:]]) for _ in "12"
+            (*arguments(before, abs(n), n), *[temporary(before) for _ in before.params[3:]])
+            for _ in "12"
         )
         try:
             interpret(before, *old, max_blocks=20_000)
@@ -121,9 +123,11 @@ def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: in
     return chosen
 
 
-def demand_trees_mean_the_same(seed: int, most: int = 3, known: int | None = None) -> int:
+def demand_trees_mean_the_same(
+    seed: int, most: int = 3, known: int | None = None, dtype: DType = DType.I32
+) -> int:
     """How many trees were generated of a random nest, perhaps with a known `n`."""
-    function = random_nest(seed)
+    function = random_nest(seed, dtype)
     function = tidy(function if known is None else with_known(function, known))
     numbers = NUMBERS if known is None else (known,)
     count = 0
@@ -150,6 +154,13 @@ def test_random_trees_of_known_sizes(seed: int) -> None:
     demand_trees_mean_the_same(seed, known=NUMBERS[seed % 5])
 
 
+@pytest.mark.parametrize("dtype", DTYPES[1:], ids=lambda dtype: dtype.value)
+def test_random_trees_of_small_elements(dtype: DType) -> None:
+    assert (
+        sum(demand_trees_mean_the_same(seed, most=2, dtype=dtype) for seed in range(100, 112)) > 12
+    )
+
+
 def test_a_part_without_parameters_can_be_jammed() -> None:
     """isl reads `[]` before a schedule's arrow as the schedule."""
     sized = triangular.sized({"a": (8, 8), "b": (8, 12)})
@@ -168,7 +179,7 @@ def test_many_nests_are_parts() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40, 1040))
 def test_more_random_trees(seed: int) -> None:
-    demand_trees_mean_the_same(seed, most=10)
+    demand_trees_mean_the_same(seed, most=10, dtype=DTYPES[seed % len(DTYPES)])
 
 
 @vividc.kernel("void(float32[:, ::1])", like={"v": (20, 20)})

@@ -124,7 +124,7 @@ class _Wide(Builder):
         if array == "a" and self.chance.random() < 0.3:
             index = self.emit(Opcode.ADD, index, self.chance.choice(LENGTHS))
         if array == "a" and self.chance.random() < 0.2:
-            index, offset = self.emit(Opcode.ADD, index, Const(2)), offset - 8
+            index, offset = self.emit(Opcode.ADD, index, Const(2)), offset - 2
         return array, index, offset, known
 
     def bound(self) -> Value:

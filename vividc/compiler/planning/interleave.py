@@ -10,11 +10,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from vividc.compiler.planning.estimate import Estimate
-from vividc.compiler.planning.parts import static_part
 from vividc.compiler.planning.state import State
 from vividc.ssa.analysis.counters import counter_of
 from vividc.ssa.flow import Loop, find_loops
-from vividc.ssa.rewrite.refusal import Refusal
 
 _IDLE = 0.25
 """A loop that uses a smaller share of the slots has room for iterations beside it."""
@@ -23,8 +21,8 @@ _IDLE = 0.25
 def loops_around_waiting(
     state: State, estimate: Estimate, pes: int, taken: Collection[str], tried: Collection[str]
 ) -> Iterator[str]:
-    """Headers of loops around one that waits, outer ones first; not of static-control parts, which
-    are restructured or jammed, of those in `tried`, or of loops around or inside those in `taken`.
+    """Headers of loops around one that waits, outer ones first; none in `tried`, nor around or
+    inside one in `taken`.
 
     Parameters
     ----------
@@ -39,7 +37,7 @@ def loops_around_waiting(
         near = [o for o in loops if o.header in loop.blocks or loop.header in o.blocks]
         inside = {o.header for o in near if o.header in loop.blocks} - {loop.header}
         is_free = loop.header not in tried and not any(o.header in taken for o in near)
-        if is_free and inside & waiting and isinstance(static_part(state, loop.header), Refusal):
+        if is_free and inside & waiting:
             yield loop.header
 
 

@@ -12,6 +12,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.edit import (
     FreshIds,
     block_of,
@@ -21,7 +22,7 @@ from vividc.ssa.edit import (
     retarget,
     substitute,
 )
-from vividc.ssa.ir import Block, Branch, Function, Input, Instr, Phi, Ref, Value, pitch_of
+from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value, pitch_of
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
 from vividc.ssa.polyhedral.places import Accessed, Place, Places
@@ -348,7 +349,17 @@ class _Writer:
         apart = before is not None and not implies(before.guard, guard)
         if before is not None and apart and not implies(guard, before.guard):
             self._drop(place)
-        self.put(place, value, guard, instr)
+        self.put(place, self._as_loaded(instr.array, value), guard, instr)
+
+    def _as_loaded(self, array: str, value: Value) -> Value:
+        """What loads of an element give after a value is stored there."""
+        load = self.scop.narrow.get(array)
+        if load is None:
+            return value
+        above = Const(WORD_BITS - 8 * load.width)
+        if not load.signed:
+            return self.words.emit(Opcode.AND, value, Const(WORD_MASK >> above.word))
+        return self.words.emit(Opcode.ASHR, self.words.emit(Opcode.SHL, value, above), above)
 
     def put(self, place: Place, value: Value, guard: Guard, instr: Instr | None = None) -> None:
         """A place has a value from now on where the guard holds."""

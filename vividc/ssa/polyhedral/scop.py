@@ -69,7 +69,7 @@ def element_bytes(instr: Instr) -> int:
     """Bytes from one element to the next, as subscripts of an access count them: its index may
     count bytes, where LLVM has folded the constant rows of an array of known sizes.
     """
-    return max(1 << instr.shift, WORD_BYTES)
+    return max(1 << instr.shift, instr.width)
 
 
 @dataclass(frozen=True)
@@ -144,6 +144,8 @@ class Scop:
         Forms of the integer values that are computed again where they are used.
     elements
         Type of the elements of each array.
+    narrow
+        A load of each array whose elements are less than a word, if there is one.
     """
 
     function: Function
@@ -155,6 +157,7 @@ class Scop:
     depth: Mapping[int, int]
     indices: Mapping[int, Form]
     elements: Mapping[str, Type]
+    narrow: Mapping[str, Instr]
 
     @cached_property
     def statements(self) -> tuple[Statement, ...]:
@@ -207,6 +210,8 @@ class _Raising:
         self.count = 0
         self.dtypes = {p.name: p.dtype for p in function.params}
         self.elements: dict[str, Type] = {}
+        self.widths: dict[str, int] = {}
+        self.narrow: dict[str, Instr] = {}
         self.axes: dict[str, int] = {}
         self._types = {i.id: i.type for block in function.blocks for i in block.items}
 
@@ -227,6 +232,7 @@ class _Raising:
             self.depth,
             indices,
             self.elements,
+            self.narrow,
         )
 
     def _read_after(self) -> set[int]:
@@ -428,9 +434,16 @@ class _Raising:
         return Access(instr, instr.array, tuple(known))
 
     def _check_element(self, instr: Instr) -> None:
-        """Elements of an array are words, and of one type in all accesses."""
-        if instr.width != WORD_BYTES:
-            raise _NotStatic(f"elements of {instr.array} are less than a word")
+        """Elements of an array are of one size and one type in all accesses; those of less than a
+        word are integers that all loads extend in one way.
+        """
+        is_narrow = instr.width != WORD_BYTES
+        if self.widths.setdefault(instr.array, instr.width) != instr.width:
+            raise _NotStatic(f"elements of {instr.array} are not of one size")
+        if is_narrow and instr.op is Opcode.LOAD:
+            other = self.narrow.setdefault(instr.array, instr)
+            if other.signed != instr.signed:
+                raise _NotStatic(f"elements of {instr.array} have a sign in some loads only")
         kind = instr.type
         if instr.op is Opcode.STORE:
             value = instr.operands[2]
@@ -438,6 +451,8 @@ class _Raising:
             dtype = self.dtypes.get(instr.array)
             if kind is Type.ANY and dtype is not None:
                 kind = Type.F32 if dtype is DType.F32 else Type.I32
+        if is_narrow and kind is not Type.I32:
+            raise _NotStatic(f"elements of {instr.array} are less than a word, and no integers")
         if kind not in (Type.F32, Type.I32) or self.elements.setdefault(instr.array, kind) != kind:
             raise _NotStatic(f"elements of {instr.array} are not of one type")
 
