@@ -1,7 +1,7 @@
 """`vividc.compile`: every stage from a kernel to its program.
 
 In order: `planning/` (which loop transformations pay), `map_regions` (loops, then straight code, in
-the time there is), `delivery` (how variables travel between regions), `kept_programs` (what was
-compiled before), `driver`, `advice/` (what would make a program faster); `passes` (all stages by
-name).
+the time there is), `spare_banks` (loops again, for fewer bank stalls), `delivery` (how variables
+travel between regions), `kept_programs` (what was compiled before), `driver`, `advice/` (what would
+make a program faster); `passes` (all stages by name).
 """

@@ -30,6 +30,7 @@ from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.price import priced
 from vividc.compiler.planning.spacing import spaced
+from vividc.compiler.spare_banks import Runs
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
@@ -407,7 +408,10 @@ def _map_stage(
         if estimator.spaces:
             function = spaced(function, estimator, stage.state.hints)
         kernel = _kernel_of(function, estimator)
-        mapping = partial(map_kernel, kernel, estimator.fabric, options, known, demanded=demanded)
+        runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
+        mapping = partial(
+            map_kernel, kernel, estimator.fabric, options, known, demanded=demanded, runs=runs
+        )
         made = watched("map", mapping)
         if not isinstance(made, Unmapped):
             break
@@ -425,7 +429,7 @@ def _map_stage(
         mappings,
         reports=results,
         options=_provenance(options),
-        iterations=estimator.iterations(function, mapped, stage.state.hints),
+        iterations=runs.iterations,
     )
     program = watched("encode", encoding)
     shapes = [

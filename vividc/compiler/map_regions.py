@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, residents, variable_homes, with_homes
+from vividc.compiler.spare_banks import Runs, with_fewer_stalls
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
@@ -76,6 +77,7 @@ def map_kernel(
     known: dict[DFG, MapResult] | None = None,
     *,
     demanded: frozenset[str] = frozenset(),
+    runs: Runs | None = None,
 ) -> tuple[Kernel, dict[int, MapResult]] | Unmapped:
     """Maps all regions: loops first, then straight regions around them.
 
@@ -85,6 +87,8 @@ def map_kernel(
         Keeps the results of loops from one call to the next.
     demanded
         Headers of loops without which the rest is of no use.
+    runs
+        How often regions are expected to run: loops are mapped for few bank stalls, too.
 
     Returns
     -------
@@ -101,8 +105,11 @@ def map_kernel(
         results = _map_loops(kernel, fabric, options, known, demanded, effort)
         if isinstance(results, Unmapped):
             return results
+        chosen = results
+        if runs is not None and options.mapper == "auto":
+            chosen = with_fewer_stalls(kernel, fabric, results, runs, effort)
         try:
-            return _with_straight(kernel, fabric, options, results, frugal=False)
+            return _with_straight(kernel, fabric, options, chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need
             return _with_straight(kernel, fabric, options, results, frugal=True)
 

@@ -47,9 +47,9 @@ def place_arrays(
 ) -> dict[str, int]:
     """Byte address of each array.
 
-    Each array starts in the bank that `banks` asks for (see `choose_banks`), array j without a wish
-    in bank j mod banks, so that accesses to several arrays at one index meet in no bank (structures
-    of arrays). If the gaps this leaves do not fit, the arrays are packed without them.
+    Each array starts in the bank that `banks` asks for (see `choose_layout`), array j without a
+    wish in bank j mod banks, so that accesses to several arrays at one index meet in no bank
+    (structures of arrays). If the gaps this leaves do not fit, the arrays are packed without them.
 
     Parameters
     ----------

@@ -207,9 +207,15 @@ class Estimator:
         self, function: Function, kernel: Kernel, hints: Mapping[str, float]
     ) -> tuple[float, ...]:
         """How many of each region of a normalised function a run is expected to have."""
-        shapes = [Shape(1, 1, 0)] * len(kernel.regions)
-        costs = self.priced(function, kernel, shapes, hints).regions
+        costs = self.expected(function, kernel, hints)
         return tuple(cost.runs * cost.trips for cost in costs)
+
+    def expected(
+        self, function: Function, kernel: Kernel, hints: Mapping[str, float]
+    ) -> tuple[RegionCost, ...]:
+        """How often each region of a normalised function is expected to run: of no shape yet."""
+        shapes = [Shape(1, 1, 0)] * len(kernel.regions)
+        return self.priced(function, kernel, shapes, hints).regions
 
     def contexts(self, kernel: Kernel) -> int:
         """The fewest contexts that the kernel's regions take; a loop that cannot be mapped as one

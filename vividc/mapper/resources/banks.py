@@ -46,10 +46,36 @@ _GAIN: Final = 0.2
 _NOISE: Final = 0.05
 """The same of a pitch."""
 
+_BUSY: Final = 0.002
+"""Share of all accesses that a region has to make to count when the layout is improved."""
+
+_ROUNDS: Final = 3
+"""Times that all pitches and starts are chosen anew."""
+
 _Draws = NDArray[np.int64]
 Words = Mapping[str, int]
 """Words of addresses by name, as far as they are known."""
 NOTHING: Final[Words] = {}
+
+
+@dataclass(frozen=True, eq=False)
+class Meetings:
+    """What accesses of a loop expect of each other.
+
+    Attributes
+    ----------
+    accesses
+        Their ids.
+    stalls
+        (accesses, accesses, 1 + 2 far): how often a pair that starts in one slot meets in a bank,
+        from the first being `far` stages earlier to `far` stages later.
+    """
+
+    accesses: tuple[int, ...] = ()
+    stalls: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 1)))
+
+
+NO_MEETINGS: Final = Meetings()
 
 
 @dataclass(frozen=True)
@@ -102,6 +128,28 @@ class Traffic:
         waits = np.maximum(counts.max(axis=1) - 1, 0).reshape(_DRAWN, self.ii).sum(axis=1)
         tried = 1 if self.times is not None else _CHOICES
         return float(waits.reshape(tried, -1).mean(axis=1).min())
+
+    def meetings(self, known: Words = NOTHING) -> Meetings:
+        """Of each two accesses, whenever they start; those that wait for the rest of an iteration
+        are up to as many stages apart as there are now, and one.
+        """
+        if self.times is None or not self.accesses:
+            return NO_MEETINGS
+        stages = 2 + max(self.times.values()) // self.ii
+        idle = _drawn("predicate", _IDLE) == 0
+        banks = np.zeros((len(self.accesses), stages, _DRAWN), np.int64)
+        for number, node in enumerate(self.accesses):
+            for stage in range(stages):
+                later = np.full(_DRAWN, stage)
+                bank = _bank(node, later, self.banks, known, is_mapped=True)
+                if node.id in self.predicated:  # while idle, none of the others' banks
+                    bank = np.where(idle, -1 - number, bank)
+                banks[number, stage] = bank
+        later = (banks[:, None, :, :] == banks[None, :, :1, :]).mean(axis=3)
+        earlier = later.transpose(1, 0, 2)[:, :, :0:-1]
+        return Meetings(
+            tuple(node.id for node in self.accesses), np.concatenate([earlier, later], axis=2)
+        )
 
     def touches(self, array: str) -> bool:
         """Whether one of the accesses is to an array."""
@@ -167,6 +215,34 @@ def best_starts(
             if not touched:
                 break
     return {array: known[f"&{array}"] // WORD_BYTES for array in arrays}
+
+
+def best_layout(
+    traffic: Sequence[Traffic], matrices: Collection[str], arrays: Sequence[str]
+) -> tuple[dict[str, int], dict[str, int]]:
+    """Pitches of the matrices as `best_pitches` and starts of the arrays as `best_starts`, each
+    then chosen anew as all others are, with all accesses of all regions, until none is better.
+    """
+    pitches = best_pitches(traffic, matrices)
+    starts = best_starts(traffic, arrays, pitches)
+    banks = traffic[0].banks if traffic else 1
+    total = sum(one.weight * len(one.accesses) for one in traffic)
+    busy = [one for one in traffic if one.weight * len(one.accesses) > _BUSY * total]
+    for _ in range(_ROUNDS):
+        before = dict(pitches), dict(starts)
+        for name, chosen in [(name, group) for group in (pitches, starts) for name in group]:
+            touched = [one for one in busy if one.touches(name)]
+            kept, least = chosen[name], math.inf
+            for value in (n % banks for n in range(kept, kept + banks)):
+                chosen[name] = value
+                known = words_of(starts, pitches)
+                stalls = sum(one.weight * one.stalls(known) for one in touched)
+                if stalls < (1.0 - _NOISE) * least:
+                    kept, least = value, stalls
+            chosen[name] = kept
+        if (pitches, starts) == before:
+            break
+    return pitches, starts
 
 
 def words_of(banks: Mapping[str, int], pitches: Mapping[str, int]) -> dict[str, int]:

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from vividc.arch.fabric import Fabric
 from vividc.dfg.regions import Kernel
 from vividc.mapper.mapping import Mapping as RegionMapping
-from vividc.mapper.resources.banks import Traffic, best_pitches, best_starts
+from vividc.mapper.resources.banks import Traffic, best_layout
 
 _LOOP = 16.0
 """Iterations of a loop for each run of straight code, where nothing is known of either."""
@@ -42,15 +42,12 @@ def traffic_of(
     )
 
 
-def choose_pitches(kernel: Kernel, traffic: Sequence[Traffic]) -> dict[str, int]:
-    """How far apart the rows of each spaced matrix should lie, in words modulo the banks."""
+def choose_layout(
+    kernel: Kernel, traffic: Sequence[Traffic]
+) -> tuple[dict[str, int], dict[str, int]]:
+    """How far apart the rows of each spaced matrix should lie, in words modulo the banks, and the
+    start bank of each array parameter and each array of the kernel's own, by name.
+    """
     spaced = [param.name for param in kernel.params if param.name in kernel.spaced]
-    return best_pitches(traffic, spaced)
-
-
-def choose_banks(
-    kernel: Kernel, traffic: Sequence[Traffic], pitches: Mapping[str, int]
-) -> dict[str, int]:
-    """The start bank of each array parameter and each array of the kernel's own, by name."""
     arrays = [param.name for param in kernel.params if param.ndim]
-    return best_starts(traffic, [*arrays, *(local.name for local in kernel.locals)], pitches)
+    return best_layout(traffic, spaced, [*arrays, *(local.name for local in kernel.locals)])

@@ -20,7 +20,7 @@ from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import words_of
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapResult
-from vividc.program.encoder.banks import choose_banks, choose_pitches, traffic_of
+from vividc.program.encoder.banks import choose_layout, traffic_of
 from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
 from vividc.program.encoder.constants import allocate, return_high, return_home
 from vividc.program.encoder.lower import LoweredRegion, lower_region
@@ -80,8 +80,7 @@ def encode(
     _check_locals(kernel, fabric)
     rows = _reports(kernel, fabric, table, mappings, reports or {})
     traffic = traffic_of(kernel, fabric, mappings, iterations)
-    pitches = choose_pitches(kernel, traffic)
-    banks = choose_banks(kernel, traffic, pitches)
+    pitches, banks = choose_layout(kernel, traffic)
     stalls = (one.stalls(words_of(banks, pitches)) for one in traffic)
     rows = tuple(replace(row, stalls=wait) for row, wait in zip(rows, stalls, strict=True))
     provenance = _provenance(kernel, options or {})

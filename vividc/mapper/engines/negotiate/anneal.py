@@ -3,7 +3,8 @@
 The cost of a state is what it breaks (claims beyond capacity, words that cannot be there in time)
 and, far less, what words take: over links the cycles that each word lives, counted once however
 many read it, and the hops of its ways; over output registers the moves that show it (`words`).
-Which link or register is the router's part.
+Which link or register is the router's part. Where a caller counts them, accesses that meet in banks
+cost, too.
 
 A node moves alone, changes places with another, or pushes in time all that its move makes too
 early: where a schedule has no slack, none of its nodes can move alone.
@@ -31,6 +32,7 @@ from vividc.mapper.engines.negotiate.motion import (
     hide_words,
     keep_costs,
     list_affected,
+    meeting_cost,
     nodes_change,
     occupant,
     put,
@@ -106,8 +108,9 @@ def _consider(task: Task, state: State, heat: float) -> None:
     list_affected(task, motion)
     price = -heat * math.log((1 + draw(places.random, 1 << 24)) / (1 << 24))
     most = claims_cost(task, places, words, motion) + price
+    most += meeting_cost(task, places, motion)
     exchange(task, places, motion)
-    most -= nodes_change(task, places, motion)
+    most -= nodes_change(task, places, motion) + meeting_cost(task, places, motion)
     if not task.array.moves:
         if BROKEN * places.over[0] <= most:
             keep_costs(motion)
@@ -245,7 +248,7 @@ def _pushed(task: Task, places: Places, motion: Motion, edge: int, sign: int) ->
 @inlined
 def draw_pe(task: Task, places: Places, node: int) -> int:
     """A PE for `node`: any, or one near a neighbour in the graph, or near its own."""
-    nodes, edges, array = task
+    nodes, edges, array = task.nodes, task.edges, task.array
     random = places.random
     first, end = nodes.pe_begin[node], nodes.pe_begin[node + 1]
     pe = nodes.pe_items[first + draw(random, end - first)]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vividc.dfg.ir import Node
 from vividc.machine.opcodes import Opcode
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
 from vividc.mapper.resources.dependences import Dependence, dependences
 from vividc.mapper.resources.distances import hop_distances
 from vividc.mapper.resources.mrrg import MRRG, Ints, Rows
@@ -86,12 +87,25 @@ class Array(NamedTuple):
     held: Ints
 
 
+class Meets(NamedTuple):
+    """Accesses that meet in banks, by number: `access` of a node, or -1; `node` of each; `stalls`
+    (accesses, accesses, 1 + 2 `far`): those expected of a pair in one slot, by the stages by which
+    the first is later, up to `far` either way.
+    """
+
+    access: Ints
+    node: Ints
+    stalls: Floats
+    far: int
+
+
 class Task(NamedTuple):
-    """Nodes, edges and array of one attempt."""
+    """Nodes, edges and array of one attempt, and what meets in banks."""
 
     nodes: Nodes
     edges: Edges
     array: Array
+    meets: Meets
 
 
 FU, MEMORY, CONTROL = 1, 2, 4
@@ -100,14 +114,22 @@ READ, WRITTEN, RESIDENT = 1, 1 << 20, 1 << 40
 
 
 def build_task(
-    problem: MapProblem, ii: int, latest: int, graph: MRRG
+    problem: MapProblem, ii: int, latest: int, graph: MRRG, meetings: Meetings = NO_MEETINGS
 ) -> tuple[Task, tuple[int, ...]]:
     """The arrays, and the ids of the nodes in the order of their numbers."""
     ids = tuple(sorted(node.id for node in problem.dfg.placed))
     number = {node: index for index, node in enumerate(ids)}
     edges = dependences(problem.dfg, problem.fabric)
     nodes, keys = _nodes(problem, ids)
-    return Task(nodes, _edges(edges, number, ii), _array(problem, ii, latest, graph, keys)), ids
+    array = _array(problem, ii, latest, graph, keys)
+    return Task(nodes, _edges(edges, number, ii), array, _meets(meetings, number)), ids
+
+
+def _meets(meetings: Meetings, number: dict[int, int]) -> Meets:
+    node = ints(number[access] for access in meetings.accesses)
+    access = np.full(len(number), -1, dtype=np.int64)
+    access[node] = np.arange(len(node))
+    return Meets(access, node, meetings.stalls, meetings.stalls.shape[2] // 2)
 
 
 def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[ConstantKey, int]]:

@@ -32,6 +32,9 @@ FAR_HOP, POPULAR_HOP = 4.0, 0.4
 word with too many reads, which share most of it.
 """
 
+STALL = 8.0
+"""An expected cycle of an iteration in which the tile stands still, where such are counted."""
+
 NODES, EDGES, WORDS = 0, 1, 2
 """Positions in `Motion.listed`."""
 
@@ -156,6 +159,25 @@ def nodes_change(task: Task, places: Places, motion: Motion) -> float:
         motion.word_next[word] = _word_cost(task, places, word)
         total += motion.word_next[word] - motion.word_cost[word]
     return total
+
+
+@inlined
+def meeting_cost(task: Task, places: Places, motion: Motion) -> float:
+    """Of what the nodes that move meet in banks where they are."""
+    meets, ii = task.meets, task.array.ii
+    stalls = 0.0
+    for at in range(motion.listed[NODES]):
+        node = motion.nodes[at]
+        one = meets.access[node]
+        if one < 0:
+            continue
+        for other in range(len(meets.node)):
+            its = meets.node[other]
+            later = places.time[node] - places.time[its]
+            if later % ii == 0 and other != one and not (motion.node_in[its] and other < one):
+                apart = min(max(later // ii, -meets.far), meets.far)
+                stalls += meets.stalls[one, other, meets.far + apart]
+    return STALL * stalls
 
 
 @inlined

@@ -37,6 +37,7 @@ from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_r
 from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
+from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
 from vividc.mapper.resources.dependences import dependences, earliest_starts
 from vividc.mapper.resources.distances import FAR, hop_distances
 from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
@@ -62,8 +63,10 @@ def negotiate(
     effort: Effort | None = None,
     sides: int = 1,
     threads: int = 1,
+    *,
+    meetings: Meetings = NO_MEETINGS,
 ) -> Mapping | None:
-    """A mapping at `ii`, or None, which refutes nothing.
+    """A mapping at `ii`, or None, which refutes nothing; with few of the `meetings` in banks.
 
     Trials are shared out among so many `sides`, each with a seed of its own, that go on in step.
     Deterministic for a seed and so many sides; threads only make it faster.
@@ -74,13 +77,16 @@ def negotiate(
     start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
     if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
         return None
-    latest = max(start.values(), default=0) + _slack(problem, ii)
+    slack = _slack(problem, ii)
+    if meetings.accesses:  # a stage apart is a bank apart, for accesses that step through an array
+        slack = max(slack, problem.fabric.scratchpad.banks)
+    latest = max(start.values(), default=0) + slack
     latest = min(latest, ii * problem.fabric.controller.max_stages - 1)
     if any(time > latest for time in start.values()):
         return None
     begin = _with_room(problem, start, latest)
     seeds = range(seed, seed + tuning.SEED_STEP * sides, tuning.SEED_STEP)
-    attempts = [Negotiation(problem, ii, begin, latest, one) for one in seeds]
+    attempts = [Negotiation(problem, ii, begin, latest, one, meetings) for one in seeds]
     if not attempts[0].fits:
         return None
     share = replace(effort, trials=-(-effort.trials // sides))
@@ -140,12 +146,18 @@ class Negotiation:
     """The arrays of one II and what the compiled functions do with them."""
 
     def __init__(
-        self, problem: MapProblem, ii: int, start: ReadOnly[int, int], latest: int, seed: int
+        self,
+        problem: MapProblem,
+        ii: int,
+        start: ReadOnly[int, int],
+        latest: int,
+        seed: int,
+        meetings: Meetings = NO_MEETINGS,
     ) -> None:
         self.problem, self.ii = problem, ii
         self.mrrg: MRRG = build_mrrg(problem.fabric)
         self.task: Task
-        self.task, self.ids = build_task(problem, ii, latest, self.mrrg)
+        self.task, self.ids = build_task(problem, ii, latest, self.mrrg, meetings)
         self.density = max(len(self.task.edges.src) / len(self.ids) / tuning.TYPICAL_EDGES, 1.0)
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
