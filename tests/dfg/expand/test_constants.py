@@ -48,12 +48,43 @@ def sample() -> np.ndarray:
 
 @pytest.mark.parametrize(
     "constant",
-    [3.0, -7.0, 0.1, 0.7, 1.9999999, 1.0000001, 255.0, 1e7, 1e-6, 2.0**24 - 1, 1e30, -1e-30, 1e-40],
+    [
+        *(
+            3.0,
+            -7.0,
+            6.0,
+            -9.0,
+            255.0,
+            96.0,
+            1e7,
+            2.0**21 - 1,
+            -(2.0**24 - 8),
+            2.0**21 + 1,
+            2.0**24 - 1,
+        ),
+        *(0.1, 0.7, 1.5, 1.9999999, 1.0000001, 1e-6, 1e30, -1e-30, 1e-40),
+    ],
 )
 def test_quotients_are_rounded_as_by_the_general_division(constant: float) -> None:
     words = sample()
     divisors = np.full(len(words), word_of(constant), np.uint32)
     assert_rounded(words, divisors, results(Opcode.FDIV, constant, words))
+
+
+@pytest.mark.parametrize("constant", [3.0, -9.0, 255.0, 641.0 * 64, 2.0**21 - 1])
+def test_quotients_by_integers_near_a_middle_are_rounded(constant: float) -> None:
+    """Dividends whose quotients are 1/(2D) of a unit, and a few times that, from a middle."""
+    odd = int(abs(constant)) // (int(abs(constant)) & -int(abs(constant)))
+    middles = np.random.default_rng(5).integers(1 << 23, 1 << 24, 5000) * 2 + 1
+    powers = (1 << np.arange(23, 25)) * 2 + np.arange(-7, 8)[:, None]
+    dividends = np.concatenate([middles, powers.ravel()]) * odd // 2 + np.arange(-1, 3)[:, None]
+    bits = np.maximum(np.ceil(np.log2(dividends.ravel())).astype(int) - 24, 0)
+    near = (dividends.ravel() >> bits << bits).astype(np.float32)  # as many of them as are numbers
+    words = np.concatenate([near, near * np.float32(2.0**-150), near * np.float32(2.0**70)])
+    divisors = np.full(len(words), word_of(constant), np.uint32)
+    assert_rounded(
+        words.view(np.uint32), divisors, results(Opcode.FDIV, constant, words.view(np.uint32))
+    )
 
 
 @pytest.mark.parametrize("constant", [2.0, -0.5, 1.0, 2.0**-126, 2.0**-127, 2.0**127, -(2.0**100)])
@@ -65,7 +96,10 @@ def test_a_division_by_a_power_of_two_is_one_multiplication(constant: float) -> 
     assert len(graph(Opcode.FDIV, constant).operations) == NOT_OPERATIONS + 1
 
 
-@pytest.mark.parametrize(("constant", "count"), [(3.0, 13), (0.1, 16), (1e30, 46)])
+@pytest.mark.parametrize(
+    ("constant", "count"),
+    [(3.0, 4), (-96.0, 4), (2.0**21 - 1, 4), (2.0**21 + 1, 13), (1.5, 13), (0.1, 16), (1e30, 46)],
+)
 def test_operations_of_a_division_by_a_constant(constant: float, count: int) -> None:
     assert len(graph(Opcode.FDIV, constant).operations) == NOT_OPERATIONS + count
 

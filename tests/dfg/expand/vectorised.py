@@ -94,6 +94,7 @@ OPERATIONS: dict[Opcode, Callable[..., np.ndarray]] = {
     _O.FABS: lambda a: a & np.uint32(0x7FFFFFFF),
     _O.FCMP_OEQ: _test_floats(np.equal),
     _O.FCMP_UNE: _test_floats(np.not_equal),
+    _O.FCMP_ONE: _test_floats(lambda a, b: (a < b) | (a > b)),
     _O.FCMP_ORD: _test_floats(lambda a, b: ~(np.isnan(a) | np.isnan(b))),
     _O.FCMP_UNO: _test_floats(lambda a, b: np.isnan(a) | np.isnan(b)),
     _O.FCMP_OLE: _test_floats(np.less_equal),

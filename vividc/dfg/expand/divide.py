@@ -32,6 +32,7 @@ SUBNORMAL_SCALE: Final = 0x4B800000  # 2**24, which makes any subnormal normal
 EXPONENT_LIMIT: Final = 200
 SMALLEST_INVERTIBLE: Final = 2.0**-127
 LARGEST_CONSTANT: Final = 2.0**24
+LARGEST_ODD: Final = 1 << 21
 UP: Final = 0x5F800000  # 2**64
 DOWN: Final = 0x1F800000  # 2**-64
 _MINUS_LIMIT: Final = -EXPONENT_LIMIT & 0xFFFFFFFF
@@ -108,7 +109,8 @@ def _special(b: Builder, dividend: Value, divisor: Value) -> Value:
 
 def quotient_by_constant(b: Builder, dividend: Value, word: int) -> Value | None:
     """dividend / constant, rounded as by `divide`, in 1 operation if the constant is a power of two
-    whose inverse is a number, and in 13 to 16 if it is another from 2**-24 to 2**24 in magnitude.
+    whose inverse is a number, in 4 if it is an integer (`_quotient_by_integer`), and in 13 to 16 if
+    it is another from 2**-24 to 2**24 in magnitude.
 
     A quotient by the constant's inverse and two corrections by exact residuals. Small dividends
     are scaled up, so that the residuals are normal, and large ones down where the constant is below
@@ -120,6 +122,8 @@ def quotient_by_constant(b: Builder, dividend: Value, word: int) -> Value | None
     if not 1 / LARGEST_CONSTANT <= abs(constant) <= LARGEST_CONSTANT:
         return None
     inverse = word_of(1.0 / constant)
+    if _is_divided_soon(constant):
+        return _quotient_by_integer(b, dividend, word, inverse)
     magnitude = b.op(Opcode.FABS, dividend)
     scales = [(b.op(Opcode.FCMP_OLT, magnitude, DOWN), UP, DOWN)]
     if abs(constant) < 1:
@@ -135,6 +139,26 @@ def quotient_by_constant(b: Builder, dividend: Value, word: int) -> Value | None
         value = b.op(Opcode.FMUL, factor, value, pred=beyond)
     special = b.op(Opcode.FMUL, dividend, inverse)
     return b.op(Opcode.SELECT, b.is_finite_nonzero(magnitude), value, special)
+
+
+def _is_divided_soon(constant: float) -> bool:
+    """Whether it is an integer whose odd part is below `LARGEST_ODD`."""
+    whole = int(constant)
+    return whole == constant and abs(whole // (whole & -whole)) < LARGEST_ODD
+
+
+def _quotient_by_integer(b: Builder, dividend: Value, word: int, inverse: int) -> Value:
+    """dividend / integer in 13 cycles.
+
+    The product with the inverse is less than two units in the last place off, so that its residual,
+    a multiple of a unit of the dividend's or of 2**-149, is exact whatever the dividend; nothing
+    needs to be scaled. What the correction adds is off by 2**-24 of that, and a quotient by an odd
+    number D is no nearer to a middle between two numbers than 1/(2D) of a unit (half that below a
+    power of two). Of a zero the residual is 0, of infinity and NaN it is NaN: the product stands.
+    """
+    near = b.op(Opcode.FMUL, dividend, inverse)
+    rest = b.op(Opcode.FNMA, near, word, dividend)
+    return b.op(Opcode.FMA, rest, inverse, near, pred=b.op(Opcode.FCMP_ONE, rest, 0))
 
 
 def quotient(b: Builder, dividend: Value, divisor: Value) -> Value:
