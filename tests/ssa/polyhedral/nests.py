@@ -182,6 +182,37 @@ class Builder:
             return counter
         return self.emit(Opcode.ADD, counter, Const(1), exact=True)
 
+    def stencil(self, depth: int) -> None:
+        """Loops around a few means of neighbours, each stored in `b` or in `a`."""
+        if depth < _DEPTH and (depth < _DEPTH - 1 or self.chance.random() < 0.5):
+            for _ in range(self.chance.choice([1, 1, 2])):
+                self.loop(depth, lambda: self.stencil(depth + 1))
+            return
+        for _ in range(self.chance.choice([1, 1, 2])):
+            total = self.scalars[0]
+            for _ in range(self.chance.randint(2, 4)):
+                load = self.neighbour(Opcode.LOAD)
+                total = self.emit(self.chance.choice([Opcode.ADD, Opcode.SUB]), total, load)
+            self.neighbour(Opcode.STORE, total)
+            self.scalars[1] = self.chance.choice([self.scalars[1], total])
+
+    def neighbour(self, op: Opcode, *stored: Value) -> Value:
+        """An access of an element near the counters."""
+        offset, inner = self.chance.randint(0, 2), self.counters[-1]
+        array, index = "a", inner
+        if self.chance.random() < 0.7:
+            others = [Const(2), *self.counters[:-1]]
+            row = self.emit(Opcode.ADD, others[-1], Const(self.chance.randint(0, 2)))
+            row, column = (inner, row) if self.chance.random() < 0.2 else (row, inner)
+            row = self.emit(Opcode.MUL, row, pitch_of("b", 1))
+            array, index = "b", self.emit(Opcode.ADD, row, column)
+        width, kind = self.dtype.size_bytes, Type.NONE if stored else Type.I32
+        operands, shift = (Input(f"&{array}"), index, *stored), width.bit_length() - 1
+        made = Instr(self.new(), op, kind, operands, array, shift, offset * width)
+        signed = not stored and self.dtype.is_signed and self.dtype is not DType.I32
+        self.instrs.append(replace(made, width=width, signed=signed))
+        return Ref(made.id)
+
     def start(self, value: Value) -> Value:
         """Where a loop starts that is wished to start here."""
         return value
@@ -272,15 +303,27 @@ def random_nest(seed: int, dtype: DType = DType.I32, *, temporaries: bool = Fals
     chances = (random.Random(seed), random.Random(seed))
     builder = Builder(chances[0], in_bytes=chances[1], temporaries=temporaries, dtype=dtype)
     builder.body(0)
+    return _ended(builder)
+
+
+def _ended(builder: Builder) -> Function:
+    """The function, which stores what its loops carry."""
     for place, value in enumerate(builder.scalars):
         operands = (Input("&a"), Const(SIDE * SIDE - 1 - place), value)
-        width = dtype.size_bytes
+        width = builder.dtype.size_bytes
         store = Instr(builder.new(), Opcode.STORE, Type.NONE, operands, "a", width.bit_length() - 1)
         builder.instrs.append(replace(store, width=width))
     builder.close(Branch())
-    more = (Param("t", DType.I32, 1),) if temporaries else ()
-    params = tuple(replace(p, dtype=dtype) if p.ndim else p for p in (*_PARAMS, *more))
+    more = (Param("t", DType.I32, 1),) if builder.temporaries else ()
+    params = tuple(replace(p, dtype=builder.dtype) if p.ndim else p for p in (*_PARAMS, *more))
     return Function("nest", params, tuple(builder.blocks))
+
+
+def random_stencil(seed: int, dtype: DType = DType.I32) -> Function:
+    """A function as of `random_nest` whose loops store sums of neighbours."""
+    builder = Builder(random.Random(f"stencil {seed}"), dtype=dtype)
+    builder.stencil(0)
+    return _ended(builder)
 
 
 def arguments(function: Function, seed: int, n: int) -> tuple[np.ndarray, np.ndarray, int]:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import vividc
-from tests.ssa.polyhedral.nests import DTYPES, arguments, random_nest, temporary, with_known
+from tests.ssa.polyhedral.nests import (
+    DTYPES,
+    arguments,
+    random_nest,
+    random_stencil,
+    temporary,
+    with_known,
+)
 from vividc.errors import SSAError
 from vividc.machine.opcodes import Opcode
 from vividc.machine.params import DType
@@ -124,10 +132,14 @@ def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: in
 
 
 def demand_trees_mean_the_same(
-    seed: int, most: int = 3, known: int | None = None, dtype: DType = DType.I32
+    seed: int,
+    most: int = 3,
+    known: int | None = None,
+    dtype: DType = DType.I32,
+    nest: Callable[[int, DType], Function] = random_nest,
 ) -> int:
     """How many trees were generated of a random nest, perhaps with a known `n`."""
-    function = random_nest(seed, dtype)
+    function = nest(seed, dtype)
     function = tidy(function if known is None else with_known(function, known))
     numbers = NUMBERS if known is None else (known,)
     count = 0
@@ -161,6 +173,11 @@ def test_random_trees_of_small_elements(dtype: DType) -> None:
     )
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_random_trees_of_stencils(seed: int) -> None:
+    demand_trees_mean_the_same(seed, nest=random_stencil)
+
+
 def test_a_part_without_parameters_can_be_jammed() -> None:
     """isl reads `[]` before a schedule's arrow as the schedule."""
     sized = triangular.sized({"a": (8, 8), "b": (8, 12)})
@@ -180,6 +197,32 @@ def test_many_nests_are_parts() -> None:
 @pytest.mark.parametrize("seed", range(40, 1040))
 def test_more_random_trees(seed: int) -> None:
     demand_trees_mean_the_same(seed, most=10, dtype=DTYPES[seed % len(DTYPES)])
+
+
+@vividc.kernel("void(float32[::1], float32[::1], float32[::1])")
+def in_place(a, b, c):
+    """Neighbours to the left and right, and sums so far."""
+    for t in range(c.shape[0]):
+        for i in range(1, a.shape[0] - 1):
+            a[i] = a[i - 1] + a[i] * a[i + 1]
+            b[i] = b[i - 1] + c[t]
+
+
+def test_what_the_iteration_before_had_is_not_loaded_again() -> None:
+    [scop] = parts_of(tidy(in_place.lower()))
+    loops = loops_of(tree_of(scop), Relations(scop))
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops)
+    assert not isinstance(made, Refusal)
+    function = tidy(made.function)
+    inner = find_loops(function)[0]
+    instrs = [i for b in function.blocks if b.name in inner.blocks for i in b.instrs]
+    assert [i.array for i in instrs if i.op is Opcode.LOAD] == ["a"]
+    for length in (0, 1, 2, 3, 9):
+        mine, theirs = ([np.arange(length, dtype=np.float32) for _ in "ab"] for _ in "12")
+        interpret(function, *mine, np.ones(2, np.float32))
+        interpret(tidy(in_place.lower()), *theirs, np.ones(2, np.float32))
+        assert all(np.array_equal(x, y) for x, y in zip(mine, theirs, strict=True))
 
 
 @vividc.kernel("void(float32[:, ::1])", like={"v": (20, 20)})

@@ -90,6 +90,19 @@ def test_a_last_group_of_a_known_length_counts_whole(limit: int, trips: float) -
     assert expected_trips(Loops((loop,)), {}) == {"c": trips}
 
 
+@pytest.mark.parametrize(("before", "trips"), [(-4, 14.5), (-3, 14.5), (0, 14.5)])
+def test_whole_groups_of_an_expected_length_are_as_many_however_isl_writes_it(
+    before: int, trips: float
+) -> None:
+    """16 iterations from 1, less half of what a group of 4 may lack: up to a limit that lies so
+    many before the end of the last whole group.
+    """
+    rest = Quotient(symbol("n").plus(Form((), 2)), 4, remainder=True)  # n ends at 18: 16 % 4
+    limit = symbol("n").plus(symbol("q"), -1).plus(Form((), -1 if before == 0 else before))
+    loops = Loops((For("c", (Form((), 1),), (limit,), 4, ()),), {"q": rest})
+    assert expected_trips(loops, {"n": 18.0})["c"] == pytest.approx(trips / 4)
+
+
 def test_iterations_of_tiles_stand_for_all_that_run_together() -> None:
     inner = For("k", (Form(),), (symbol("n"),), 1, ())
     columns = For("j", (Form(),), (symbol("n"),), 8, (If(Comparison(">", symbol("n")), (inner,)),))

@@ -42,6 +42,14 @@ _LARGER_FACTORS = {
     (4,): ((8,),),
     (8,): ((16,),),
 }
+_FACTORS_OF_WAITING: Mapping[tuple[int, ...], tuple[tuple[int, ...], ...]] = {
+    (8, 1): ((12, 1),),
+    (1, 8): ((1, 12),),
+}
+"""Where a recurrence leaves half of the slots of the hottest loop (deriche: 8 rows with an II of 8
+are 56 operations).
+"""
+
 _SMALLER_FACTORS = {(4, 4): ((1, 4), (4, 1), (2, 2)), (4,): ((2,),)}
 _PAYS = 2.0
 """Factors that are tried of a loop and one inside it, and of one loop; then larger ones of those
@@ -245,6 +253,8 @@ class _Climb:
                 failed.append(factors)
             if cycles < plain:
                 work += _LARGER_FACTORS.get(factors, ())
+                if self._waits(found[factors]):
+                    work += _FACTORS_OF_WAITING.get(factors, ())
             if cycles * _PAYS > plain:
                 work += _SMALLER_FACTORS.get(factors, ())
         made = [tree, *found.values()]
@@ -252,6 +262,15 @@ class _Climb:
             best = min(found, key=lambda one: self._cycles(found[one]))
             made.append(self._with(tree, _of(group, best), not masked))
         return min(made, key=self._cycles)
+
+    def _waits(self, tree: Loop) -> bool:
+        """Whether the hottest loop of a tree has as many operations again for free."""
+        made = self._try(tree)
+        hottest = None if made is None else made.estimate.loop(made.estimate.hottest)
+        if hottest is None:
+            return False
+        shape, pes = hottest.shape, len(self.estimator.fabric.pes)
+        return 2 * shape.operations <= shape.ii * pes
 
     def _length(self, loop: Loop) -> int | None:
         """How many iterations a loop has each time, if that is known."""

@@ -2,8 +2,9 @@
 
 What was loaded or stored is known until something that may be the same element is stored. What a
 loop reads and writes at one place in all its iterations is carried by a phi, loaded before it and
-stored after (Callahan, Carr and Kennedy, "Improving register allocation for subscripted variables",
-1990). Stores wait until an iteration ends, or something may meet them.
+stored after; so is what an innermost loop reads at a place of the iteration before, loaded before
+it (Callahan, Carr and Kennedy, "Improving register allocation for subscripted variables", 1990).
+Stores wait until an iteration ends, or something may meet them.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from vividc.ssa.edit import (
 from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value, pitch_of
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
-from vividc.ssa.polyhedral.places import Accessed, Place, Places
+from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop, element_bytes
@@ -50,19 +51,6 @@ class Generated:
     function: Function
     loops: Mapping[str, Made]
     branches: Mapping[str, str]
-
-
-@dataclass(frozen=True)
-class _Known:
-    """The value of a place. `store`: what has not been stored yet, by the store that it comes
-    from; `when`: the value was loaded under this predicate, and is stored under it; `guard`: where
-    it is the value.
-    """
-
-    value: Value
-    store: Instr | None = None
-    when: Value | None = None
-    guard: Guard = ALWAYS
 
 
 class _Unkept(Exception):
@@ -90,7 +78,7 @@ class _Writer:
         self.loops = loops = places.loops
         self.places = places
         self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
-        self.known: dict[Place, _Known] = {}
+        self.known: dict[Place, Known] = {}
         self.made: dict[str, Made] = {}
         self.branches: dict[str, str] = {}
         self._taken = {block.name for block in scop.function.blocks}
@@ -111,7 +99,7 @@ class _Writer:
         first = self._open(self._fresh("part"))
         carried = [phi for phi in header.phis if scop.depth.get(phi.id) == 0]
         for phi in carried:
-            self.known[Place(phi.id, ())] = _Known(incoming(phi, scop.entry))
+            self.known[Place(phi.id, ())] = Known(incoming(phi, scop.entry))
         self._all(self.loops.code)
         self._store_all()
         last = self._name
@@ -171,52 +159,78 @@ class _Writer:
         self.words.loc = loc = block_of(self.scop.function, origin).branch.loc
         first = self.words.extreme(loop.first, Opcode.SMAX)
         limit = self.words.extreme(loop.limit, Opcode.SMIN)
-        carried, unsure = self._carried(loop, first, limit)
+        accessed = self.places.accessed(loop.body)
+        carried, unsure = self._carried(loop, accessed, first, limit)
+        rotated = {one.place: one for one in self.places.rotated(loop, accessed)}
+        first_of = {p: self._entering(one, loop, first, limit) for p, one in rotated.items()}
+        entered = {**carried, **first_of}
         before, header = self._name, self._fresh("part.loop")
         body, after = self._fresh(f"{header}.body"), self._fresh(f"{header}.after")
         self._close(Branch(header, loc=loc))
         self.made[header] = Made(origin, loop)
-        counter, phis = self.words.ids(), {place: self.words.ids() for place in carried}
+        counter, phis = self.words.ids(), {place: self.words.ids() for place in entered}
         self._open(header)
         stays = self.words.emit(Opcode.ICMP_SLT, Ref(counter), limit)
         test = tuple(self.words.instrs)
         position = len(self._blocks)
         outside, predicates = dict(self.known), dict(self._predicates)
         for place, ident in phis.items():
-            self.known[place] = replace(carried[place], value=Ref(ident))
+            self.known[place] = replace(entered[place], value=Ref(ident))
         self._open(body)
-        next_counter = self._body(loop, Ref(counter), phis)
+        next_counter, lasts = self._body(loop, Ref(counter), carried, rotated)
         latch = self._name
         self._close(Branch(header, loc=loc))
         made = [Phi(counter, Type.I32, ((before, first), (latch, next_counter)), loc)]
         for place, ident in phis.items():
-            values = ((before, carried[place].value), (latch, self.known[place].value))
+            values = ((before, entered[place].value), (latch, lasts[place]))
             made.append(Phi(ident, self._type(place), values, loc))
         head = Block(header, tuple(made), test, Branch(body, stays, after, loc=loc))
         self._blocks.insert(position, head)
         self._open(after)
         self._predicates = predicates
-        for place, ident in phis.items():
-            last, entered = self.known[place], carried[place]
-            outside[place] = replace(entered, value=Ref(ident), store=last.store)
+        for place, known in carried.items():
+            outside[place] = replace(known, value=Ref(phis[place]), store=self.known[place].store)
         self._leave(outside, unsure)
 
-    def _body(self, loop: For, counter: Ref, phis: Mapping[Place, int]) -> Value:
-        """One iteration; the counter of the next."""
+    def _entering(self, one: Rotated, loop: For, first: Value, limit: Value) -> Known:
+        """What a place of the iteration before is in the first one."""
+        at = {loop.name: loop.first[0]} if len(loop.first) == 1 else {}
+        place = Place(one.place.owner, tuple(s.substituted(at) for s in one.place.subscripts))
+        when, known = self.predicate(one.guard), self.known.get(place)
+        if known is not None and implies(one.guard, known.guard):
+            return Known(known.value, None, when, one.guard)
+        runs = self.words.emit(Opcode.ICMP_SLT, first, limit)
+        self.words.names[loop.name] = first
+        both = runs if when is None else self.words.emit(Opcode.AND, runs, when)
+        value = self.load(one.load, place, both)
+        del self.words.names[loop.name]
+        self.words.forget((loop.name,))
+        return Known(value, None, when, one.guard)
+
+    def _body(
+        self,
+        loop: For,
+        counter: Ref,
+        carried: Collection[Place],
+        rotated: Mapping[Place, Rotated],
+    ) -> tuple[Value, dict[Place, Value]]:
+        """One iteration; the counter of the next, and what places are in it at first."""
         entered = dict(self.known)
         self.words.names[loop.name] = counter
         self.words.order.append(loop.name)
         self._all(loop.body)
         for place, known in list(self.known.items()):
-            if known.store is not None and place not in phis and known != entered.get(place):
+            if known.store is not None and place not in carried and known != entered.get(place):
                 self._store(place)
+        lasts = {place: self.known[place].value for place in carried}
+        lasts |= {p: self.loaded(one.load, one.source, one.guard) for p, one in rotated.items()}
         self.words.order.pop()
         following = self.words.emit(Opcode.ADD, counter, loop.step, exact=True)
         del self.words.names[loop.name]
         self.words.forget((loop.name,))
-        return following
+        return following, lasts
 
-    def _leave(self, outside: dict[Place, _Known], unsure: set[Place]) -> None:
+    def _leave(self, outside: dict[Place, Known], unsure: set[Place]) -> None:
         """After a loop: what it has loaded only if it runs is stored, and then not known."""
         self.known = outside
         for place in unsure:
@@ -225,13 +239,12 @@ class _Writer:
             del self.known[place]
 
     def _carried(
-        self, loop: For, first: Value, limit: Value
-    ) -> tuple[dict[Place, _Known], set[Place]]:
+        self, loop: For, accessed: Accessed, first: Value, limit: Value
+    ) -> tuple[dict[Place, Known], set[Place]]:
         """What the loop carries in phis, and what is only known if it runs. Before it, stores are
         made that it may meet, what it may change is forgotten, and elements at fixed places are
         loaded.
         """
-        accessed = self.places.accessed(loop.body)
         fixed = self.places.fixed(loop, accessed)
         self._settle(accessed, fixed)
         unsure = set()
@@ -249,7 +262,7 @@ class _Writer:
                 runs = runs or self.words.emit(Opcode.ICMP_SLT, first, limit)
                 when = runs if when is None else self.words.emit(Opcode.AND, runs, when)
             value = self.load(accessed.loads[place], place, when)
-            self.known[place] = _Known(value, None, when, guard)
+            self.known[place] = Known(value, None, when, guard)
         carried = {p: self.known[p] for p in fixed if accessed.written[p] and p in self.known}
         for place, known in carried.items():
             if place.is_scalar and accessed.guards[place] != {known.guard}:
@@ -287,7 +300,7 @@ class _Writer:
         self._phis = tuple(self._joined(*ends))
 
     def _joined(
-        self, one: tuple[str, dict[Place, _Known]], other: tuple[str, dict[Place, _Known]]
+        self, one: tuple[str, dict[Place, Known]], other: tuple[str, dict[Place, Known]]
     ) -> list[Phi]:
         """The phis of what both sides know; what only one knows is forgotten."""
         phis: list[Phi] = []
@@ -329,7 +342,7 @@ class _Writer:
         if known is None or not implies(guard, known.guard):
             self._drop(place)
             when = self.predicate(guard)
-            known = self.known[place] = _Known(self.load(instr, place, when), None, when, guard)
+            known = self.known[place] = Known(self.load(instr, place, when), None, when, guard)
         return known.value
 
     def load(self, instr: Instr, place: Place, when: Value | None = None) -> Value:
@@ -367,7 +380,7 @@ class _Writer:
         if before is None or implies(before.guard, guard):
             same = before is not None and before.guard == guard
             when = before.when if before is not None and same else self.predicate(guard)
-            self.known[place] = _Known(value, instr, None if place.is_scalar else when, guard)
+            self.known[place] = Known(value, instr, None if place.is_scalar else when, guard)
             return
         when = self.predicate(guard)
         assert when is not None

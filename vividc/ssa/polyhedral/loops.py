@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Final
 
@@ -100,7 +100,53 @@ def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
         code = tuple(reader.code(node, {}))
     except _Odd as reason:
         return Refusal(str(reason))
-    return Loops(code, reader.quotients)
+    return Loops(tuple(_Counted(relations, code).of(code, ())), reader.quotients)
+
+
+class _Counted:
+    """Names coordinates by the loops that count them where a test says what their counters are: isl
+    writes `if (c0 == 5) S(5)`, and a scalar of an iteration has one name.
+    """
+
+    def __init__(self, relations: Relations, code: tuple[Code, ...]) -> None:
+        self.dims = {one.name: one.coordinates for one in relations.scop.statements}
+        self.counted = {
+            (name, dim)
+            for run in runs_in(code)
+            for dim, form in zip(self.dims[run.statement], run.coordinates, strict=True)
+            for name in form.names
+        }
+
+    def of(self, code: Iterable[Code], equal: tuple[Form, ...]) -> Iterator[Code]:
+        """Code where these forms are 0."""
+        for item in code:
+            if isinstance(item, Run):
+                dims = zip(self.dims[item.statement], item.coordinates, strict=True)
+                named = tuple(self._named(dim, form, equal) for dim, form in dims)
+                yield replace(item, coordinates=named)
+            elif isinstance(item, For):
+                yield replace(item, body=tuple(self.of(item.body, equal)))
+            else:
+                then = tuple(self.of(item.then, (*equal, *_equalities(item.test))))
+                yield replace(item, then=then, otherwise=tuple(self.of(item.otherwise, equal)))
+
+    def _named(self, dim: str, form: Form, equal: tuple[Form, ...]) -> Form:
+        for zero in equal:
+            for name, factor in zero.terms:
+                counter = symbol(name)
+                more = form.plus(counter.plus(zero, -factor), -1)
+                if abs(factor) == 1 and (name, dim) in self.counted and not more.terms:
+                    return counter.plus(more)
+        return form
+
+
+def _equalities(test: Test) -> Iterator[Form]:
+    """What is 0 where a test holds."""
+    if test.relation == "==":
+        yield test.left
+    elif test.relation == "and":
+        for part in test.parts:
+            yield from _equalities(part)
 
 
 class _Reader:
@@ -314,11 +360,22 @@ class _Expected:
         mean, spread = self._of(quotient.dividend)
         return (mean - half) / quotient.divisor, spread / quotient.divisor
 
-    def _is_whole(self, loop: For) -> bool:
-        """Whether the limit is without the remainder of a step, or that is before the first."""
-        bounds = (*loop.first, *loop.limit)
-        taken = (self.quotients.get(name) for one in bounds for name in one.names)
-        return any(q is not None and q.divisor % loop.step == 0 for q in taken)
+    def _whole(self, loop: For) -> int | None:
+        """The rest by a step of what limits a loop, if that is without the rest of a length by it:
+        of `n - n % 4 + 1` it is 1. Or if the rest is before what it starts at.
+        """
+        for limit in loop.limit:
+            for name, factor in limit.terms:
+                quotient = self.quotients.get(name)
+                if quotient is None or quotient.divisor % loop.step:
+                    continue
+                left = limit.plus(symbol(name), -factor)
+                if quotient.remainder and factor == -1:
+                    left = left.plus(quotient.dividend, -1)
+                return left.constant
+        taken = (self.quotients.get(name) for one in loop.first for name in one.names)
+        is_before = any(q is not None and q.divisor % loop.step == 0 for q in taken)
+        return loop.limit[0].constant if is_before else None
 
     def _walk(self, code: tuple[Code, ...]) -> None:
         for item in code:
@@ -328,8 +385,8 @@ class _Expected:
                 lacks = (item.step - 1) / 2 if limit > first else 0.0
                 if not any(one.terms for one in (*item.first, *item.limit)):
                     lacks = (first - limit) % item.step if limit > first else 0.0
-                elif self._is_whole(item):
-                    lacks = (item.first[0].constant - item.limit[0].constant) % item.step
+                elif (rest := self._whole(item)) is not None:
+                    lacks = (item.first[0].constant - rest) % item.step
                 self.trips[item.name] = max(limit - first + lacks, 0.0) / item.step
                 self.values[item.name] = (first + limit) / 2, max(limit - first, 0.0) / 2
                 self._walk(item.body)

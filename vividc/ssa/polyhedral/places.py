@@ -8,8 +8,8 @@ from functools import cached_property
 
 import islpy as isl
 
-from vividc.ssa.ir import Instr
-from vividc.ssa.polyhedral.forms import Form
+from vividc.ssa.ir import Instr, Value
+from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.guards import (
     ALWAYS,
     Guard,
@@ -57,9 +57,37 @@ class Accessed:
         self.written[place] = self.written.get(place, False) or written
         self.guards.setdefault(place, set()).add(guard)
 
+    def widest(self, place: Place) -> Guard | None:
+        """The guard that holds wherever a place is accessed, if one of its accesses has it."""
+        guards = self.guards[place]
+        return next((one for one in guards if all(implies(other, one) for other in guards)), None)
+
     def is_sure(self, place: Place, guard: Guard) -> bool:
         """Whether a place is accessed wherever a guard holds."""
         return any(implies(guard, other) for other in self.guards.get(place, ()))
+
+
+@dataclass(frozen=True)
+class Known:
+    """The value of a place. `store`: what has not been stored yet, by the store that it comes
+    from; `when`: the value was loaded under this predicate, and is stored under it; `guard`: where
+    it is the value.
+    """
+
+    value: Value
+    store: Instr | None = None
+    when: Value | None = None
+    guard: Guard = ALWAYS
+
+
+@dataclass(frozen=True)
+class Rotated:
+    """A place that is, under a guard, what `source` was in the iteration before; a load of it."""
+
+    place: Place
+    source: Place
+    guard: Guard
+    load: Instr
 
 
 @dataclass(frozen=True)
@@ -200,6 +228,27 @@ class Places:
             elif guards and not any((written or w) and self.may_meet(place, p) for p, w in others):
                 result[place] = guards[0]
         return result
+
+    def rotated(self, loop: For, accessed: Accessed) -> Iterator[Rotated]:
+        """Places that an iteration of an innermost loop loads, and the one before it accesses too,
+        if nothing else that the loop writes may meet them.
+        """
+        if not all(map(self.is_masked, loop.body)):
+            return
+        inner, written = self.varying(loop), [p for p, is_w in accessed.written.items() if is_w]
+        following = {loop.name: symbol(loop.name).plus(Form((), loop.step))}
+        for place, load in accessed.loads.items():
+            source = Place(place.owner, tuple(s.substituted(following) for s in place.subscripts))
+            if place.names & inner != {loop.name} or source not in accessed.written:
+                continue
+            guard, other = accessed.widest(place), accessed.widest(source)
+            if guard is None or other is None or names_of(guard) & inner:
+                continue
+            others = (p for p in written if p not in (place, source))
+            if implies(guard, other) and not any(
+                self.may_meet(place, p) or self.may_meet(source, p) for p in others
+            ):
+                yield Rotated(place, source, guard, load)
 
     def may_meet(self, one: Place, other: Place) -> bool:
         """Whether two places may be one, as loops go through all their iterations."""
