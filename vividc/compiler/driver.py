@@ -14,6 +14,7 @@ from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.compiler.kept_programs import Place, place_of
 from vividc.compiler.map_regions import (
+    Earlier,
     MapOptions,
     Progress,
     Unmapped,
@@ -32,7 +33,6 @@ from vividc.compiler.planning.price import priced
 from vividc.compiler.planning.spacing import spaced
 from vividc.compiler.spare_banks import Runs
 from vividc.dfg.cut.build import build_kernel
-from vividc.dfg.ir import DFG
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel
 from vividc.errors import (
@@ -51,7 +51,7 @@ from vividc.host import compiled_files, time_limit, watch
 from vividc.host.watch import run_passes, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.machine.product import Products
-from vividc.mapper import EffortLevel, MapResult, check_effort, check_time_limit
+from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encoder.encode import check_contexts
@@ -345,7 +345,7 @@ def compile_stages(
     """
     estimator = replace(estimator_for(fabric, options), spaces=spaces)
     plan = planned(function, estimator, options, parallel)
-    known: dict[DFG, MapResult] = {}
+    earlier = Earlier()
 
     def attempt(stage: Stage, last_resort: bool) -> Outcome:
         limit_s = budget.share(last_resort).remaining_s
@@ -354,7 +354,8 @@ def compile_stages(
             guard_s *= limit_s / budget.whole.remaining_s
         with guarded(guard_s, grace_s=math.inf if last_resort else 0.0):
             shared = replace(options, time_limit_s=limit_s)
-            return _map_stage(stage, estimator, shared, known, last_resort)
+            before = replace(earlier, hopeless={}) if last_resort else earlier
+            return _map_stage(stage, estimator, shared, before, last_resort)
 
     with limited(options.time_limit_s) as whole:
         budget = Budget.of(whole)
@@ -392,7 +393,7 @@ def _map_stage(
     stage: Stage,
     estimator: Estimator,
     options: CompileOptions,
-    known: dict[DFG, MapResult],
+    earlier: Earlier,
     last_resort: bool,
 ) -> Outcome:
     """Maps a stage; a loop that cannot be modulo-scheduled (in time) runs block by block, unless
@@ -410,7 +411,7 @@ def _map_stage(
         kernel = _kernel_of(function, estimator)
         runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
         mapping = partial(
-            map_kernel, kernel, estimator.fabric, options, known, demanded=demanded, runs=runs
+            map_kernel, kernel, estimator.fabric, options, earlier, demanded=demanded, runs=runs
         )
         made = watched("map", mapping)
         if not isinstance(made, Unmapped):

@@ -7,7 +7,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, residents, variable_homes, with_homes
@@ -70,11 +70,31 @@ class Unmapped:
     error: MappingFailed | TimeLimit
 
 
+@dataclass(frozen=True)
+class Earlier:
+    """What is known of graphs, their names aside, from other kernels for the same fabric.
+
+    Attributes
+    ----------
+    loops
+        The newest result of each.
+    hopeless
+        Straight regions that nothing could place.
+    """
+
+    loops: dict[DFG, MapResult] = field(default_factory=dict)
+    hopeless: dict[DFG, MappingFailed] = field(default_factory=dict)
+
+
+def _unnamed(dfg: DFG) -> DFG:
+    return replace(dfg, name="")
+
+
 def map_kernel(
     kernel: Kernel,
     fabric: Fabric,
     options: MapOptions,
-    known: dict[DFG, MapResult] | None = None,
+    earlier: Earlier | None = None,
     *,
     demanded: frozenset[str] = frozenset(),
     runs: Runs | None = None,
@@ -83,8 +103,9 @@ def map_kernel(
 
     Parameters
     ----------
-    known
-        Keeps the results of loops from one call to the next.
+    earlier
+        Keeps what is known from one call to the next. Its straight regions without a mapping are
+        not tried again, though other loops may leave them more room: another kernel does it.
     demanded
         Headers of loops without which the rest is of no use.
     runs
@@ -101,8 +122,11 @@ def map_kernel(
         A straight region has no mapping.
     """
     with limited(options.time_limit_s) as effort:
-        known = {} if known is None else known
-        results = _map_loops(kernel, fabric, options, known, demanded, effort)
+        earlier = Earlier() if earlier is None else earlier
+        for region in kernel.regions if earlier.hopeless else ():
+            if (error := earlier.hopeless.get(_unnamed(region.dfg))) is not None:
+                raise error
+        results = _map_loops(kernel, fabric, options, earlier.loops, demanded, effort)
         if isinstance(results, Unmapped):
             return results
         chosen = results
@@ -111,7 +135,9 @@ def map_kernel(
         try:
             return _with_straight(kernel, fabric, options, chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need
-            return _with_straight(kernel, fabric, options, results, frugal=True)
+            return _with_straight(
+                kernel, fabric, options, results, frugal=True, hopeless=earlier.hopeless
+            )
 
 
 def _with_straight(
@@ -121,9 +147,10 @@ def _with_straight(
     results: dict[int, MapResult],
     *,
     frugal: bool,
+    hopeless: dict[DFG, MappingFailed] | None = None,
 ) -> tuple[Kernel, dict[int, MapResult]]:
     """The kernel with deliveries, and the results of loops with those of straight regions; `frugal`
-    as in `list_schedule`.
+    as in `list_schedule`. The one that fails is kept in `hopeless`.
     """
     results = dict(results)
     loops = {index: mapping_of(result) for index, result in results.items()}
@@ -136,7 +163,12 @@ def _with_straight(
         ready = deliver(region, homes)
         held = with_homes(residents(fabric, done), homes)
         problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
-        results[index] = _map_straight(problem, options, pace, frugal=frugal)
+        try:
+            results[index] = _map_straight(problem, options, pace, frugal=frugal)
+        except MappingFailed as error:
+            if hopeless is not None:
+                hopeless[_unnamed(region.dfg)] = error
+            raise
         regions[index] = replace(region, dfg=ready.dfg)
         done.append((ready.dfg, mapping_of(results[index])))
     return replace(kernel, regions=tuple(regions)), results
@@ -205,7 +237,7 @@ def _map_loops(
             with guarded((until - time_limit.now()) * share):
                 result = _mapped_loop(region, problem, options, effort.remaining_s * share)
         if isinstance(result, MapResult):
-            known[region.dfg] = result
+            known[_unnamed(region.dfg)] = result
             results[index] = result
             done.append((region.dfg, mapping_of(result)))
             continue
@@ -242,7 +274,7 @@ def _share(left: Sequence[tuple[int, Region]]) -> float:
 
 def _still_good(problem: MapProblem, known: dict[DFG, MapResult]) -> MapResult | None:
     """A loop's earlier result, if it is compatible with the loops mapped so far."""
-    result = known.get(problem.dfg)
+    result = known.get(_unnamed(problem.dfg))
     if result is None:
         return None
     held, mapping = problem.resident, mapping_of(result)

@@ -54,12 +54,22 @@ def columnsums(a, y):
 
 
 @vividc.kernel("void(float32[:, ::1], float32[::1])")
-def rowsums_in_parallel(a, y):
-    """The same side by side, or on all tiles."""
-    for i in prange(a.shape[0]):
-        total = F(0.0)
+def fractions(a, y):
+    """Continued fractions of rows."""
+    for i in range(a.shape[0]):
+        total = F(1.0)
         for j in range(a.shape[1]):
-            total += a[i, j]
+            total = a[i, j] + F(1.0) / total
+        y[i] = total
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1])")
+def fractions_in_parallel(a, y):
+    """The same on all tiles."""
+    for i in prange(a.shape[0]):
+        total = F(1.0)
+        for j in range(a.shape[1]):
+            total = a[i, j] + F(1.0) / total
         y[i] = total
 
 
@@ -251,12 +261,12 @@ CASES = {
     ),
     "tiles": Case(
         "",
-        rowsums,
+        fractions,
         _long_matrix,
         "write prange",
         given={"fabric": "vivid", **UNSTRUCTURED},
         then={"fabric": "vivid", **UNSTRUCTURED},
-        changed=rowsums_in_parallel,
+        changed=fractions_in_parallel,
         spread="vivid",
     ),
     "transform": Case("--transform", rowsums, _matrix, given=PLAIN),

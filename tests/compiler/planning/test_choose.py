@@ -96,13 +96,19 @@ def test_a_nest_is_restructured_unless_that_is_ruled_out() -> None:
     assert stages[-1].estimate.cycles < stages[0].estimate.cycles / 4
 
 
+def is_interleaved(stage: Stage) -> bool:
+    decisions = [one.decision for one in stage.lineage()]
+    return any(one is not None and one.kind == "interleaving" for one in decisions)
+
+
 def test_what_pays_without_other_loops_is_planned_too_and_the_better_comes_last() -> None:
     for kernel in (product, multiplied):
         plain = plan(kernel, restructure=False).stages
         both = plan(kernel).stages
         kinds = {kind for stage in both for kind, _ in made(stage)}
         assert "restructuring" in kinds
-        assert set(map(str, (stage.decision for stage in plain))) <= set(
+        written = [stage for stage in plain if not is_interleaved(stage)]
+        assert set(map(str, (stage.decision for stage in written))) <= set(
             map(str, (stage.decision for stage in both))
         )
         last = both[-1].estimate.cycles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from vividc.compiler.planning.candidates import (
     MAY_MEET,
@@ -17,9 +17,9 @@ from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.parts import static_part
+from vividc.compiler.planning.parts import static_part, with_tree
 from vividc.compiler.planning.plan import Draft, Plan, Stage
-from vividc.compiler.planning.restructure import restructured
+from vividc.compiler.planning.restructure import Restructured, restructured
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
@@ -65,6 +65,11 @@ own (`_GAIN`): other nests are not restructured yet, and may lose most of theirs
 """
 
 _NO_GAIN = "does not pay"
+
+_CLEARLY = 0.85
+"""For interleaved iterations of a nest, times the cycles of the restructured one: jacobi-2d, where
+16 iterations each are assumed, has 1.07 and takes 1.28 times its cycles.
+"""
 
 _STEP = 0.95
 """A factor must do so much better than half of it."""
@@ -112,8 +117,32 @@ def choose(
     return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
 
 
+def _clearly_better(stages: list[Stage], restructured: Stage) -> list[Stage]:
+    """Without those of interleaved iterations, unless these are better by more than lengths that
+    are not known may change: they load each element again that restructured ones share.
+    """
+    if stages and stages[-1].estimate.cycles < _CLEARLY * restructured.estimate.cycles:
+        return stages
+    return [stage for stage in stages if not any(map(_is_interleaving, stage.lineage()))]
+
+
+def _is_interleaving(stage: Stage) -> bool:
+    return stage.decision is not None and stage.decision.kind == "interleaving"
+
+
+def _better_last(ways: list[list[Stage]]) -> list[Stage]:
+    """The stages of all ways, those with fewer cycles behind others."""
+    return sorted((stage for way in ways for stage in way), key=lambda one: -one.estimate.cycles)
+
+
 @dataclass
 class _Chooser(Draft):
+    """`forms`: what headers of nests can be given instead, the best last, before it those that are
+    likelier to be mapped.
+    """
+
+    forms: dict[str, tuple[Restructured, ...]] = field(default_factory=dict)
+
     def improve_in_time(self) -> None:
         """As `improve`; what it has found by the end of its time is kept."""
         try:
@@ -124,30 +153,44 @@ class _Chooser(Draft):
             time_limit.left_out("the choice of loop transformations")
 
     def improve(self) -> None:
-        """Applies what pays. Where nests are restructured, what pays without that is tried too, so
-        that no kernel is slower for it: the better stages come last.
+        """Applies what pays. Where nests are restructured, what pays with forms of them that a
+        mapper is likelier to have room for is kept in reserve, and what pays without that is tried,
+        so that no kernel is slower for it: the better stages come last.
         """
         start, first = self.now, len(self.stages)
-        self._improve(restructure=self.options.restructure)
-        made = self.stages[first:]
-        if not any(s.decision and s.decision.kind == "restructuring" for s in made):
-            return
-        self.now = start
-        del self.stages[first:]
+        ways: list[list[Stage]] = []
         try:
-            self._improve(restructure=False)
+            self._way(start, ways, restructure=self.options.restructure)
+            for form in range(max(map(len, self.forms.values()), default=1) - 1):
+                self._way(start, ways, restructure=True, form=form)
+                ways[-1] = [replace(stage, reserve=True) for stage in ways[-1]]
+            if self.forms:
+                self._way(start, ways, restructure=False)
+                ways[-1] = _clearly_better(ways[-1], ways[0][-1])
         finally:
-            self._better_last(first, made)
+            self.stages[first:] = _better_last(ways)
 
-    def _better_last(self, first: int, others: list[Stage]) -> None:
-        """Keeps other stages beside those from `first` on, of the two ways the better one last."""
-        ways = [self.stages[first:], others]
-        ways.sort(key=lambda way: -way[-1].estimate.cycles if way else -math.inf)
-        self.stages[first:] = [stage for way in ways for stage in way]
+    def _way(
+        self, start: Stage, ways: list[list[Stage]], *, restructure: bool, form: int | None = None
+    ) -> None:
+        """Adds to `ways` the stages that `_improve` accepts from `start`."""
+        first = len(self.stages)
+        self.now = start
+        try:
+            self._improve(restructure=restructure, form=form)
+        finally:
+            ways.append(self.stages[first:])
+            del self.stages[first:]
 
-    def _improve(self, *, restructure: bool) -> None:
+    def _improve(self, *, restructure: bool, form: int | None) -> None:
         """Applies what pays: full unrolling, then threads, then other loops for affine nests, then
         interleaving, then flattening of what is still a nest, then unrolling of innermost loops.
+
+        Parameters
+        ----------
+        form
+            Of restructured nests: its place among `forms`, or in them if they are fewer. None: the
+            best one is looked for.
         """
         self._unroll_fully(self._awaited() if restructure else frozenset())
         unrolled = self.now.state.made
@@ -155,7 +198,10 @@ class _Chooser(Draft):
             for header in self.over_prange():
                 self._climb_threads(header)
         for header in self._outermost() if restructure else ():
-            self._restructure(header)
+            if form is None:
+                self._restructure(header)
+            elif header in self.forms:
+                self._take(header, self.forms[header][: form + 1][-1])
         if restructure:
             self._unroll_fully(self.now.state.made)
         self._shorten(self.now.state.made - unrolled)
@@ -174,13 +220,13 @@ class _Chooser(Draft):
         self._flatten_and_unroll()
         if not is_interleaved:
             return
-        made = self.stages[first:]
+        ways = [self.stages[first:]]
         self.now = start
         del self.stages[first:]
         try:
             self._flatten_and_unroll()
         finally:
-            self._better_last(first, made)
+            self.stages[first:] = _better_last([self.stages[first:], *ways])
 
     def _flatten_and_unroll(self) -> None:
         """Flattens nests where it pays, unrolls innermost loops."""
@@ -255,6 +301,7 @@ class _Chooser(Draft):
         if isinstance(found, Refusal):
             self.note(base, Candidate("restructuring", header), None, found.reason)
             return
+        kept: list[tuple[Restructured, Stage]] = []
         for done in found:
             candidate = Candidate("restructuring", header, done.factor)
             reason = self._objection(base, candidate, done.estimate)
@@ -262,8 +309,20 @@ class _Chooser(Draft):
                 reason = ""
             decision = self.note(base, candidate, done.estimate, reason)
             if not reason:
-                is_reserve = done is not found[-1]
-                self.accept(Stage(done.state, done.estimate, decision, base, is_reserve))
+                kept.append((done, Stage(done.state, done.estimate, decision, base)))
+        if kept:
+            self.forms[header] = tuple(form for form, _ in kept)
+            self.accept(kept[-1][1])
+
+    def _take(self, header: str, form: Restructured) -> None:
+        """Gives a static-control part loops that were found before."""
+        base = self.now
+        trips = expected_trips(base.state.function, base.state.hints)
+        state = with_tree(base.state, header, form.tree, trips)
+        if isinstance(state, State):
+            estimate = self.estimator.estimate(state.function, state.hints)
+            candidate = Candidate("restructuring", header, form.factor)
+            self.accept(Stage(state, estimate, self.note(base, candidate, estimate, ""), base))
 
     def _outermost(self) -> list[str]:
         """Headers of loops in no other one, with nothing in them that the user decided."""

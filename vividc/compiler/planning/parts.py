@@ -11,9 +11,10 @@ from vividc.ssa.flow import find_loops
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
 from vividc.ssa.polyhedral.relations import Relations, Rows
+from vividc.ssa.polyhedral.rows import rows_of
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import is_legal
+from vividc.ssa.polyhedral.search import has_masks, is_legal
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -109,6 +110,24 @@ def with_loops(
     return replace(found, state=changed)
 
 
+def with_tree(state: State, header: str, tree: Loop, trips: Mapping[str, float]) -> State | Refusal:
+    """The state with the loops of a tree for the part at `header`, if they keep its order."""
+    scop = static_part(state, header)
+    return scop if isinstance(scop, Refusal) else _with_tree(state, scop, tree, trips)
+
+
+def _with_tree(state: State, scop: Scop, tree: Loop, trips: Mapping[str, float]) -> State | Refusal:
+    relations = Relations(scop)
+    if not is_legal(tree, relations):
+        return Refusal(_what_depends(relations, tree))
+    loops = loops_of(tree, relations)
+    if isinstance(loops, Refusal):
+        return loops
+    lengths = expected_lengths(scop, trips)
+    made = with_loops(state, scop, loops, lengths, masks=has_masks(tree), rows=rows_of(tree))
+    return made if isinstance(made, Refusal) else made.state
+
+
 def jammed(state: State, header: str, factor: int, trips: Mapping[str, float]) -> State | Refusal:
     """Runs `factor` iterations of a loop together in the loops inside it (unroll-and-jam; Callahan,
     Cocke and Kennedy, "Estimating interlock and improving balance for pipelined architectures",
@@ -120,17 +139,12 @@ def jammed(state: State, header: str, factor: int, trips: Mapping[str, float]) -
     scop = static_part(state, header)
     if isinstance(scop, Refusal):
         return scop
-    relations = Relations(scop)
     tree = replace(tree_of(scop), factor=factor)
-    ways = (tree, replace(tree, in_order=True))
-    legal = next((way for way in ways if is_legal(way, relations)), None)
-    if legal is None:
-        return Refusal(_what_depends(relations, tree))
-    loops = loops_of(legal, relations)
-    if isinstance(loops, Refusal):
-        return loops
-    made = with_loops(state, scop, loops, expected_lengths(scop, trips))
-    return made if isinstance(made, Refusal) else made.state
+    made = _with_tree(state, scop, tree, trips)
+    if isinstance(made, State):
+        return made
+    in_order = _with_tree(state, scop, replace(tree, in_order=True), trips)
+    return in_order if isinstance(in_order, State) else made
 
 
 def _what_depends(relations: Relations, tree: Loop) -> str:

@@ -94,7 +94,7 @@ and of one.
 
 @dataclass(frozen=True)
 class Restructured:
-    """A state with other loops, what is estimated of it, and the tree in a line.
+    """A state with other loops, what is estimated of it, and the tree of these loops.
 
     `cycles`: the mean of what is estimated of it for symbols as they are expected, and larger; what
     is best for one is not for the other.
@@ -102,7 +102,7 @@ class Restructured:
 
     state: State
     estimate: Estimate
-    tree: str
+    tree: Loop
     factor: int
     cycles: float
 
@@ -317,7 +317,7 @@ class _Climb:
             return None
         large = self.estimator.estimate(function, {**hints, **made.hints(loops, self.larger)})
         mean = math.sqrt(estimate.cycles * large.cycles)
-        return Restructured(made.state, estimate, name, made.factor, mean)
+        return Restructured(made.state, estimate, tree, made.factor, mean)
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions
