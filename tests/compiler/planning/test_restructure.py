@@ -12,6 +12,8 @@ from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
+from vividc.machine.opcodes import Opcode
+from vividc.ssa.flow import pipelined_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -46,6 +48,23 @@ def test_iterations_some_apart_are_not_jammed_across(apart: int, aside: int) -> 
     assert found
     for made in found:
         demand_same(function, made, f"{apart} apart, {aside} aside")
+
+
+@vividc.kernel("void(int32, float32[::1], float32[::1])")
+def means(steps, a, b):
+    """Of three neighbours, entered often: fewer loads gain nothing."""
+    for _ in range(steps):
+        for i in range(1, len(a) - 1):
+            b[i] = a[i - 1] + a[i] + a[i + 1]
+        for i in range(1, len(a) - 1):
+            a[i] = b[i - 1] + b[i] + b[i + 1]
+
+
+def test_elements_are_loaded_again_where_registers_gain_nothing() -> None:
+    made = restructured(tidy(means.lower()))[-1]
+    for loop in pipelined_loops(made):
+        inside = [i.op for b in made.blocks if b.name in loop.blocks for i in b.instrs]
+        assert inside.count(Opcode.LOAD) > inside.count(Opcode.STORE)
 
 
 def demand_choices_mean_the_same(seed: int) -> None:

@@ -72,6 +72,7 @@ def with_loops(
     *,
     masks: bool = False,
     rows: Mapping[str, Rows] | None = None,
+    carries: bool = True,
 ) -> Regenerated | Refusal:
     """The state with these loops for the part.
 
@@ -83,8 +84,10 @@ def with_loops(
         Whether loops are masked.
     rows
         Of arrays that have some.
+    carries
+        Whether registers carry elements from one iteration to the next.
     """
-    made = generate(scop, loops, masks=masks, rows=rows)
+    made = generate(scop, loops, masks=masks, rows=rows, carries=carries)
     if isinstance(made, Refusal):
         return made
     function = tidy(made.function)

@@ -144,6 +144,7 @@ class _Climb:
     trips: Mapping[str, float]
     most_operations: int
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
+    _trees: dict[str, Loop] = field(default_factory=dict)
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
 
@@ -163,6 +164,7 @@ class _Climb:
         if cycles < math.inf:
             self._climb(tree, jammed)
         made = [one for one in self._tried.values() if one is not None]
+        made += self._with_loads(min(made, key=lambda one: one.cycles)) if made else ()
         made.sort(key=lambda one: one.cycles)
         kept = dict.fromkeys((*(self._most_likely(made, most) for most in _STRAIGHT), 0))
         return tuple(made[place] for place in kept if made)
@@ -172,6 +174,14 @@ class _Climb:
         tree, jammed = groups(order, self.relations)
         yield tree, [group[:1] for group in jammed] if has_skews(tree) else jammed
         yield from groups_with_rows(order, self.relations)
+
+    def _with_loads(self, best: Restructured) -> Iterator[Restructured]:
+        """A form with loads of what iterations could carry, if that is better: what they carry is
+        loaded before the loop.
+        """
+        made = self._made(self._trees[best.tree], best.tree, carries=False)
+        if made is not None and made.cycles < best.cycles:
+            yield made
 
     def _most_likely(self, made: list[Restructured], straight: int) -> int:
         """The place of the best of these whose contexts and straight regions (operations a PE) give
@@ -295,9 +305,10 @@ class _Climb:
             time_limit.step("loops were restructured")
             legal = is_legal(tree, self.relations)
             self._tried[name] = self._made(tree, name) if legal else None
+            self._trees[name] = tree
         return self._tried.get(name)
 
-    def _made(self, tree: Loop, name: str) -> Restructured | None:
+    def _made(self, tree: Loop, name: str, *, carries: bool = True) -> Restructured | None:
         loops = loops_of(tree, self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None
@@ -308,6 +319,7 @@ class _Climb:
             self.symbols,
             masks=has_masks(tree),
             rows=rows_of(tree),
+            carries=carries,
         )
         if isinstance(made, Refusal):
             return None

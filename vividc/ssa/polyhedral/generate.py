@@ -58,16 +58,22 @@ class _Unkept(Exception):
 
 
 def generate(
-    scop: Scop, loops: Loops, *, masks: bool = False, rows: Mapping[str, Rows] | None = None
+    scop: Scop,
+    loops: Loops,
+    *,
+    masks: bool = False,
+    rows: Mapping[str, Rows] | None = None,
+    carries: bool = True,
 ) -> Generated | Refusal:
     """The function of a part with these loops in its place; `masks`: what a branch runs, and no
-    loop, is masked instead; `rows`: what arrays have for iterations of a group.
+    loop, is masked instead; `rows`: what arrays have for iterations of a group; `carries`: what the
+    iteration before had is not loaded again.
 
     Refused: a scalar whose next reader is in another loop, where no register keeps it; iterations
     of which it is not known which row is theirs, as of groups that are not full, unless masked.
     """
     try:
-        return _Writer(scop, Places(scop, loops, masks, rows or {})).generated()
+        return _Writer(scop, Places(scop, loops, masks, rows or {}, carries)).generated()
     except _Unkept as reason:
         return Refusal(str(reason))
 
@@ -208,11 +214,7 @@ class _Writer:
         return Known(value, None, when, one.guard)
 
     def _body(
-        self,
-        loop: For,
-        counter: Ref,
-        carried: Collection[Place],
-        rotated: Mapping[Place, Rotated],
+        self, loop: For, counter: Ref, own: Collection[Place], rotated: Mapping[Place, Rotated]
     ) -> tuple[Value, dict[Place, Value]]:
         """One iteration; the counter of the next, and what places are in it at first."""
         entered = dict(self.known)
@@ -220,9 +222,9 @@ class _Writer:
         self.words.order.append(loop.name)
         self._all(loop.body)
         for place, known in list(self.known.items()):
-            if known.store is not None and place not in carried and known != entered.get(place):
+            if known.store is not None and place not in own and known != entered.get(place):
                 self._store(place)
-        lasts = {place: self.known[place].value for place in carried}
+        lasts = {place: self.known[place].value for place in own}
         lasts |= {p: self.loaded(one.load, one.source, one.guard) for p, one in rotated.items()}
         self.words.order.pop()
         following = self.words.emit(Opcode.ADD, counter, loop.step, exact=True)

@@ -95,12 +95,14 @@ class Places:
     """The places of a part's statements in the loops of a schedule.
 
     `masks`: branches are guards where `is_maskable` says so. `rows`: of arrays that have some.
+    `carries`: whether registers carry elements from one iteration to the next.
     """
 
     scop: Scop
     loops: Loops
     masks: bool = False
     rows: Mapping[str, Rows] = field(default_factory=dict)
+    carries: bool = True
     _meet: dict[tuple[Form, ...], bool] = field(default_factory=dict)
     _row: dict[tuple[str, Form], int | None] = field(default_factory=dict)
 
@@ -233,7 +235,7 @@ class Places:
         """Places that an iteration of an innermost loop loads, and the one before it accesses too,
         if nothing else that the loop writes may meet them.
         """
-        if not all(map(self.is_masked, loop.body)):
+        if not (self.carries and all(map(self.is_masked, loop.body))):
             return
         inner, written = self.varying(loop), [p for p, is_w in accessed.written.items() if is_w]
         following = {loop.name: symbol(loop.name).plus(Form((), loop.step))}
