@@ -180,6 +180,9 @@ def lines_of(table: str, fabric: str, time_limit_s: float) -> Iterator[str]:
 @click.option(
     "--known-sizes", is_flag=True, help="Compile polybench for its sizes only, into its own table."
 )
+@click.option(
+    "--reassociate", is_flag=True, help="Let polybench sum floats in any order, in its own table."
+)
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=None)
 def main(  # noqa: PLR0913, PLR0917 - an option each
     tables: tuple[str, ...],
@@ -193,6 +196,7 @@ def main(  # noqa: PLR0913, PLR0917 - an option each
     jobs: int,
     step: str,
     known_sizes: bool,
+    reassociate: bool,
     output: Path | None,
 ) -> None:
     """Print the tables, and write each to a Markdown file of its name in the folder OUTPUT."""
@@ -215,7 +219,8 @@ def main(  # noqa: PLR0913, PLR0917 - an option each
                 continue
             if table == POLYBENCH:
                 names = tuple(name for name in only.split(",") if name)
-                _print_polybench(polybench.Wanted(names, scales, jobs, step, known_sizes), output)
+                wanted = polybench.Wanted(names, scales, jobs, step, known_sizes, reassociate)
+                _print_polybench(wanted, output)
                 continue
             _print_table(table, fabrics, time_limit, output)
 

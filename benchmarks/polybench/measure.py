@@ -57,6 +57,8 @@ class Row:
         Why there is no run.
     known
         It was compiled for its sizes only (`like=`).
+    reassociate
+        It was compiled with `reassociate=True`.
     """
 
     step: str
@@ -81,6 +83,7 @@ class Row:
     transformed: str = ""
     refused: str = ""
     known: bool = False
+    reassociate: bool = False
 
     @property
     def is_right(self) -> bool:
@@ -103,16 +106,23 @@ class Row:
         return None if self.cycles is None else self.cycles / max(self.ideal, self.floor or 0)
 
 
-def measured(step: str, name: str, size: str, known: bool = False) -> Row:
-    """The row of a kernel at a size, perhaps `known` to the compiler; a refusal is one too."""
+def measured(
+    step: str, name: str, size: str, known: bool = False, reassociate: bool = False
+) -> Row:
+    """The row of a kernel at a size, perhaps `known` to the compiler, perhaps with float sums in
+    another order; a refusal is one too.
+    """
     case = CASES[name]
-    row = Row(step, name, size, *_counted(case, size), known=known)
+    counted = _counted(case, size)
+    row = Row(step, name, size, *counted, known=known, reassociate=reassociate)
     like = case.fresh(size) if known else None
     with warnings.catch_warnings(), vividc.patient(PATIENCE):
         warnings.simplefilter("ignore")  # what is not as in numba shows in the results
         try:
             start = os.times().user
-            program = vividc.compile(case.kernel, fabric=FABRICS[size], like=like)
+            program = vividc.compile(
+                case.kernel, fabric=FABRICS[size], like=like, reassociate=reassociate
+            )
             took = round(os.times().user - start, 2)
             return _ran(replace(row, compile_s=took, hurried=program.hurried), case, program)
         except VividcError as error:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
@@ -61,7 +61,8 @@ before *restructured* were not, those up to *in order, masked* by `--restructure
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """What to measure: kernels by name (none: all), sizes, processes at once, and the name of the
-    step (none: the last one); `known`: compiled for their sizes only.
+    step (none: the last one); `known`: compiled for their sizes only; `reassociate`: with float
+    sums in another order.
     """
 
     only: tuple[str, ...] = ()
@@ -69,6 +70,7 @@ class Wanted:
     jobs: int = 1
     step: str = ""
     known: bool = False
+    reassociate: bool = False
 
     def tasks(self) -> Iterator[tuple[str, str]]:
         """Kernels and sizes, in the order of the page."""
@@ -114,16 +116,22 @@ class Kept:
         self.rows.append(row)
         self._append(asdict(row))
 
-    def has(self, step: str, kernel: str, size: str, *, known: bool) -> bool:
+    def has(
+        self, step: str, kernel: str, size: str, *, known: bool, reassociate: bool = False
+    ) -> bool:
         """Whether it was measured in this step."""
-        wanted = (step, kernel, size, known)
-        return any((row.step, row.kernel, row.size, row.known) == wanted for row in self.rows)
+        wanted = (step, kernel, size, known, reassociate)
+        rows = ((r.step, r.kernel, r.size, r.known, r.reassociate) for r in self.rows)
+        return any(row == wanted for row in rows)
 
-    def newest(self, upto: str, *, known: bool = False) -> dict[tuple[str, str], Row]:
+    def newest(
+        self, upto: str, *, known: bool = False, reassociate: bool = False
+    ) -> dict[tuple[str, str], Row]:
         """The newest row of each kernel and size, as it was after a step."""
         names = [*self.steps]
         past = set(names[: names.index(upto) + 1])
-        rows = (row for row in self.rows if row.step in past and row.known is known)
+        way = (known, reassociate)
+        rows = (r for r in self.rows if r.step in past and (r.known, r.reassociate) == way)
         return {(row.kernel, row.size): row for row in rows}
 
     def _append(self, fields: dict[str, object]) -> None:
@@ -142,20 +150,22 @@ def sections(wanted: Wanted, output: Path | None) -> Iterator[list[str]]:
     """
     kept = Kept(output)
     step = kept.begin(wanted.step)
-    known = wanted.known
-    tasks = [task for task in wanted.tasks() if not kept.has(step, *task, known=known)]
-    for row in _rows(step, tasks, wanted.jobs, known=known):
+    way = {"known": wanted.known, "reassociate": wanted.reassociate}
+    tasks = [task for task in wanted.tasks() if not kept.has(step, *task, **way)]
+    for row in _rows(step, tasks, wanted.jobs, way):
         kept.add(row)
         print(line(row), file=sys.stderr)
         yield list(page(kept))
     yield list(page(kept))
 
 
-def _rows(step: str, tasks: Sequence[tuple[str, str]], jobs: int, *, known: bool) -> Iterator[Row]:
+def _rows(
+    step: str, tasks: Sequence[tuple[str, str]], jobs: int, way: dict[str, bool]
+) -> Iterator[Row]:
     """Each row from a process of its own."""
     context = get_context("spawn")
     with ProcessPoolExecutor(jobs, context, max_tasks_per_child=1) as pool:
-        asked = [pool.submit(measured, step, *task, known) for task in tasks]
+        asked = [pool.submit(measured, step, *task, **way) for task in tasks]
         for done in as_completed(asked):
             try:
                 yield done.result()
@@ -184,29 +194,43 @@ def page(kept: Kept) -> Iterator[str]:
     images = [row for case in IMAGES for size in SIZES if (row := newest.get((case.name, size)))]
     if images:
         yield from ("## Images", "", *HEADER.splitlines(), *map(line, images), "")
-    yield from _known(kept, last)
+    yield from _apart("Known sizes", _KNOWN, kept.newest(last, known=True), newest)
+    reassociated = kept.newest(last, reassociate=True)
+    yield from _apart("Float sums in another order", _REASSOCIATED, reassociated, newest)
     yield from _progress(kept)
 
 
-def _known(kept: Kept, last: str) -> Iterator[str]:
-    """The section of kernels compiled for their sizes only, beside the same for any sizes."""
-    newest, any_sizes = kept.newest(last, known=True), kept.newest(last)
+_KNOWN: Final = """\
+Compiled with `like=` the arguments, so that shapes and integers are constants
+(docs/known-sizes.md); no figure elsewhere on this page is. any: the newest row for any
+sizes.""".splitlines()
+
+_REASSOCIATED: Final = """\
+Compiled with `reassociate=True`; no figure elsewhere on this page is. any: the newest row with
+sums in the order of the source.""".splitlines()
+
+
+def _apart(
+    title: str,
+    notes: Sequence[str],
+    newest: Mapping[tuple[str, str], Row],
+    others: Mapping[tuple[str, str], Row],
+) -> Iterator[str]:
+    """The section of kernels compiled in another way, beside the same without it."""
     keys = [(case.name, size) for size in SIZES for case in POLYBENCH]
     rows = [newest[key] for key in keys if key in newest]
     if not rows:
         return
     yield from (
-        "## Known sizes",
+        f"## {title}",
         "",
-        "Compiled with `like=` the arguments, so that shapes and integers are constants",
-        "(docs/known-sizes.md); no figure elsewhere on this page is. any: the newest row for any",
-        "sizes.",
+        *notes,
         "",
         "| kernel | right | cycles | any | / operations | any | compile s | any | transformed |",
         "|---|---|---|---|---|---|---|---|---|",
     )
     for row in rows:
-        other = any_sizes.get((row.kernel, row.size), Row("", row.kernel, row.size, 0))
+        other = others.get((row.kernel, row.size), Row("", row.kernel, row.size, 0))
         cells = [
             row.kernel if row.size == SMALL else f"{row.kernel}, {row.size}",
             f"refused: {row.refused}" if row.refused else "yes" if row.is_right else "NO",
@@ -221,11 +245,11 @@ def _known(kept: Kept, last: str) -> Iterator[str]:
         yield f"| {' | '.join(cells)} |"
     yield ""
     both = [row for row in rows if row.is_right and row.size == SMALL]
-    both = [row for row in both if _is_right(any_sizes.get((row.kernel, SMALL)))]
+    both = [row for row in both if _is_right(others.get((row.kernel, SMALL)))]
     if both:
-        others = [any_sizes[row.kernel, SMALL] for row in both]
+        beside = [others[row.kernel, SMALL] for row in both]
         yield f"Geometric means of the {len(both)} at small sizes that are right both ways: cycles"
-        yield f"over operations / 16 {_mean(both)}, for any sizes {_mean(others)}."
+        yield f"over operations / 16 {_mean(both)}, any: {_mean(beside)}."
         yield ""
 
 

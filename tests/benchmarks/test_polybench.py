@@ -104,7 +104,22 @@ def test_rows_for_known_sizes_are_in_no_other_figure(tmp_path: Path) -> None:
     gemm, lu = (line for line in after[start:end] if line.startswith(("| gemm", "| lu")))
     assert "| 400 | 1,600 | 4.0 | 16.0 |" in gemm
     assert "| 400 | - | 4.0 | - |" in lu
-    assert "operations / 16 4.0, for any sizes 16.0." in " ".join(after[start:end])
+    assert "operations / 16 4.0, any: 16.0." in " ".join(after[start:end])
+
+
+def test_rows_with_sums_in_another_order_are_in_no_other_figure(tmp_path: Path) -> None:
+    kept = table.Kept(tmp_path)
+    kept.begin("")
+    kept.add(row(table.BASELINE, "gemm", 1600))
+    before = list(table.page(kept))
+    kept.add(replace(row(table.BASELINE, "gemm", 400), reassociate=True))
+    assert not kept.has(table.BASELINE, "gemm", SMALL, known=True)
+    assert kept.has(table.BASELINE, "gemm", SMALL, known=False, reassociate=True)
+    after = list(table.page(table.Kept(tmp_path)))
+    start = after.index("## Float sums in another order")
+    end = start + len(after) - len(before)
+    assert after[:start] + after[end:] == before
+    assert "operations / 16 4.0, any: 16.0." in " ".join(after[start:end])
 
 
 def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
