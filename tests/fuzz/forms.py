@@ -22,7 +22,13 @@ from vividc.ssa.rewrite.tidy import tidy
 OPTIONS = PassOptions(contract=False)
 """Without contraction the floats must be numba's, too, bit for bit."""
 
-KINDS: tuple[Kind, ...] = ("full unrolling", "unrolling", "unroll-and-jam", "flattening")
+KINDS: tuple[Kind, ...] = (
+    "full unrolling",
+    "unrolling",
+    "unroll-and-jam",
+    "flattening",
+    "versioning",
+)
 MOST_INSTRUCTIONS = 400
 """No further transformation of what is larger: it would take its time and show little."""
 

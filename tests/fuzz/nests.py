@@ -147,6 +147,9 @@ class _Writer:
         return f"b[{row}, {column}]"
 
     def cell(self, around: list[Counter]) -> str:
+        if self.random.random() < 0.15:  # what is negative counts from the end
+            part = self.index(around, HALF, most_terms=1).text
+            return f"{part} {self.random.choice('+-')} {self.random.choice(['m', 'n', '2 * m'])}"
         half = self.random.choice(["", "", "", f"{HALF} + ", "len(a) // 2 + "])
         return half + self.index(around, HALF if half else CELLS, most_terms=2).text
 

@@ -15,6 +15,7 @@ from vividc.ssa.ir import Function
 from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest_at
 from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.loops.unroll import unroll
+from vividc.ssa.loops.versions import versions
 from vividc.ssa.parallel.independent import meeting_array
 from vividc.ssa.rewrite.normalize import canonical_loops
 from vividc.ssa.rewrite.peel import peel
@@ -29,11 +30,15 @@ Kind = Literal[
     "threads",
     "interleaving",
     "restructuring",
+    "versioning",
 ]
 """`threads` are of a loop over `prange`; `interleaving` makes them of any other one."""
 
 MOST_ITERATIONS = 64
 """Loops of more iterations are not unrolled fully."""
+
+_APART = 0.9
+"""How often accesses that a test before their loop tells apart are so."""
 
 MAY_MEET = "iterations may meet in"
 """Before an array's name: why threads were not tried."""
@@ -41,8 +46,8 @@ MAY_MEET = "iterations may meet in"
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """A transformation of the loop at `header`; full unrolling and flattening
-    have factor 0.
+    """A transformation of the loop at `header`; full unrolling, flattening and versioning have
+    factor 0.
     """
 
     kind: Kind
@@ -59,10 +64,7 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
         Expected iterations of every loop of the state.
     """
     if not candidate.factor:
-        flat = candidate.kind == "flattening"
-        return (
-            _flattened(state, candidate.header, trips) if flat else _fully(state, candidate.header)
-        )
+        return _without_factor(state, candidate, trips)
     expected = trips[candidate.header]
     factor = candidate.factor
     size = _size(state.function, state.loop(candidate.header)) * factor
@@ -76,6 +78,16 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     if candidate.kind == "unroll-and-jam":
         return jammed(state, candidate.header, factor, trips)
     return _unrolled(state, candidate, trips, rest)
+
+
+def _without_factor(
+    state: State, candidate: Candidate, trips: Mapping[str, float]
+) -> State | Refusal:
+    if candidate.kind == "flattening":
+        return _flattened(state, candidate.header, trips)
+    if candidate.kind == "versioning":
+        return _versioned(state, candidate.header, trips)
+    return _fully(state, candidate.header)
 
 
 def _unrolled(
@@ -130,6 +142,16 @@ def _flattened(state: State, header: str, trips: Mapping[str, float]) -> State |
     scale = {**state.scale, header: state.scale.get(inner, 1)}
     made = state.made | {header}
     return State(function, {**state.hints, **hints}, made, origin, scale)
+
+
+def _versioned(state: State, header: str, trips: Mapping[str, float]) -> State | Refusal:
+    """Runs the loop in a version for when its accesses prove to be apart, else as it was."""
+    done = versions(state.function, state.loop(header))
+    if isinstance(done, Refusal):
+        return done
+    hints = dict.fromkeys((done.apart, done.meeting), trips[header])
+    made = _next(state, tidy(done.function), hints, {done.meeting: header}, 1)
+    return replace(made, hints={**made.hints, done.entered: _APART})
 
 
 def _next(

@@ -23,6 +23,7 @@ from vividc.compiler.planning.restructure import Restructured, restructured
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
+from vividc.mapper.bounds.refutations import ASSUMED
 from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.analysis.frequency import expected_trips
 from vividc.ssa.flow import Loop, find_loops
@@ -38,6 +39,7 @@ _OPERATIONS_PER_PE = {
     "threads": 24,
     "interleaving": 24,
     "restructuring": 8,
+    "versioning": 24,
 }
 """A loop's graph may not have more. What lies side by side is mapped soon (367 operations of 8
 modular inverses at their bound in 4 s), and code that is unrolled fully has no other form as good
@@ -54,6 +56,7 @@ _GAIN = {
     "threads": 0.9,
     "interleaving": 0.9,
     "restructuring": 0.9,
+    "versioning": 0.9,
 }
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
@@ -232,7 +235,15 @@ class _Chooser(Draft):
         """Flattens nests where it pays, unrolls innermost loops."""
         self._flatten()
         for header in [loop.header for loop in self._innermost()]:
+            if self._may_wait_in_vain(header):
+                self._try(Candidate("versioning", header))
             self._climb("unrolling", header)
+
+    def _may_wait_in_vain(self, header: str) -> bool:
+        """Whether a recurrence binds a loop that nothing has proved."""
+        cost = self.now.estimate.loop(header)
+        bound = None if cost is None else cost.shape.bound
+        return bound is not None and bound.name == "RecMII" and ASSUMED in bound.reason
 
     def _unroll_fully(self, left: Collection[str]) -> None:
         """Unrolls what it pays to unroll fully, of the loops `left` only those that are short."""

@@ -64,6 +64,14 @@ class Distances:
     assumed: bool = False
 
 
+@dataclass(frozen=True, slots=True)
+class NotMore:
+    """The signed word `less` is at most `more`; both are fixed in the loop."""
+
+    less: Value
+    more: Value
+
+
 @dataclass
 class Meetings:
     """Distances between the accesses of one iteration of `loop`, or of one block without a loop.
@@ -156,6 +164,58 @@ class Meetings:
         ends += [-earlier] if earlier is not None else []
         run = mine.domain(), theirs.domain()
         return Distances(later, earlier, assumed=not all(_always(apart, *run, k) for k in ends))
+
+    def tests_apart(self, store: Place, load: Place) -> tuple[NotMore, ...]:
+        """Comparisons of fixed values, each of which rules out that the load meets the store in a
+        later iteration; none if they do so for sure or never, or no comparison tells.
+        """
+        if not self.between(store, load, now=True).assumed:
+            return ()
+        with _bounded(4 * self.most_operations):
+            mine, theirs = self._map(store), self._map(load)
+            if mine is None or theirs is None or _subscripts(mine) != _subscripts(theirs):
+                return ()
+            apart = mine.apply_range(theirs.reverse()).deltas()
+            met = apart.lower_bound_val(isl.dim_type.set, 0, isl.Val(1)).params()
+            may_hold = mine.domain().params().intersect(theirs.domain().params())
+            return tuple(self._excluding(met, may_hold))
+        return ()
+
+    def _excluding(self, met: isl.Set, may_hold: isl.Set) -> Iterator[NotMore]:
+        """Comparisons that hold for none of these parameters, but for some that there may be."""
+        hull = met.remove_divs().simple_hull()
+        for constraint in hull.get_constraints():
+            for sign in (1, -1) if constraint.is_equality() else (1,):
+                test = self._contrary(constraint, sign)
+                if test is None:
+                    continue
+                less, more = (self._values.of(value) for value in (test.less, test.more))
+                if less is None or more is None:
+                    continue
+                holds = less.aff.le_set(more.aff).params()
+                if holds.intersect(met).is_empty() and not holds.intersect(may_hold).is_empty():
+                    yield test
+
+    def _contrary(self, constraint: isl.Constraint, sign: int) -> NotMore | None:
+        """What holds where a constraint does not, of one value and a number, or of two values."""
+        number = -sign * int(constraint.get_constant_val().to_python()) - 1
+        terms: list[tuple[int, Value]] = []
+        for key, position in self._values.parameters(constraint.get_space()):
+            factor = constraint.get_coefficient_val(isl.dim_type.param, position).to_python()
+            if factor and isinstance(key, tuple):
+                return None
+            if factor and not isinstance(key, tuple):
+                terms.append((-sign * int(factor), key))
+        terms.sort(key=lambda term: term[0])
+        if len(terms) == 1:
+            [(factor, value)] = terms
+            least, most = -(number // factor), number // -factor
+            if factor > 0:
+                return NotMore(Const(least % _WORDS), value) if _is_word(least) else None
+            return NotMore(value, Const(most % _WORDS)) if _is_word(most) else None
+        if number == 0 and [factor for factor, _ in terms] == [-1, 1]:
+            return NotMore(terms[0][1], terms[1][1])
+        return None
 
     def _in_bytes(self, place: Place) -> tuple[Polynomial, ...] | None:
         """Subscripts times the bytes from one index to the next; the last with the offset."""
@@ -296,6 +356,10 @@ def _solved(
     later = max(lowest, int(not now))
     earlier = max(-highest, 1)
     return Distances(later if later <= highest else None, earlier if -earlier >= lowest else None)
+
+
+def _is_word(number: int) -> bool:
+    return -(_WORDS // 2) <= number < _WORDS // 2
 
 
 def _is_certain(instr: Instr) -> bool:

@@ -145,6 +145,13 @@ class Expressions:
             self._facts = self._facts.intersect(made.aff.le_set(self.constant(high).aff))
         return self._symbols[key]
 
+    def parameters(self, space: isl.Space) -> Iterator[tuple[Value | tuple[object, ...], int]]:
+        """What the parameters of a space stand for, with their positions."""
+        keys = list(self._symbols)
+        for position in range(space.dim(isl.dim_type.param)):
+            name = str(space.get_dim_name(isl.dim_type.param, position))
+            yield keys[int(name[1:])], position
+
     def constant(self, value: int) -> Expression:
         """An integer."""
         domain = isl.Set.universe(self._space)
