@@ -51,12 +51,19 @@ def _both(function: Function, n: int, m: int, seed: int) -> bool:
     numbers = np.random.default_rng(seed)
     a, b = (numbers.integers(-50, 50, size, np.int32) for size in (WIDTH * WIDTH, (WIDTH, WIDTH)))
     f = numbers.random(WIDTH * WIDTH, np.float32)
-    words = {"a": a, "b": b.reshape(-1), "f": f}
+    t = numbers.integers(-50, 50, WIDTH, np.int32)
+    words = {"a": a, "b": b.reshape(-1), "f": f, "t": t}
     arrays = {name: array.view(np.uint32).tolist() for name, array in words.items()}
     inputs = {f"&{name}": 0 for name in arrays}
-    inputs |= {"n": n & WORD_MASK, "g.shape0": m, "b.pitch1": WIDTH, "b.shape1": WIDTH}
+    inputs |= {
+        "n": n & WORD_MASK,
+        "g.shape0": m,
+        "b.pitch1": WIDTH,
+        "b.shape1": WIDTH,
+        "t.shape0": WIDTH,
+    }
     try:
-        interpret(function, a, b, f, np.zeros(m, np.int32), n)
+        interpret(function, a, b, f, t, np.zeros(m, np.int32), n)
     except SSAError:
         with pytest.raises(Outside):
             compiled(function)(arrays, inputs, 10**6)

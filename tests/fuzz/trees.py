@@ -29,6 +29,7 @@ from vividc.ssa.ir import Const, Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.rows import with_own_rows
 from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.search import (
     at,
@@ -52,6 +53,8 @@ _TREES = 3
 """Of each order, with random factors."""
 _KNOWN = 0.2
 """Share of nests for one number only."""
+_JUNK = 0xA5A5A5A5
+"""What arrays hold that restructuring makes."""
 _TOO_LONG = "isl takes too long"
 _BLOCKS = 20_000
 _LATER = 4
@@ -139,7 +142,7 @@ class Search:
         for _ in range(_MOVES):
             if self.counts[_TOO_LONG] >= too_long + _STRIKES:
                 return
-            tried = (_jammed(tree, chance) for _ in range(_TREES))
+            tried = (_jammed(tree, relations, chance) for _ in range(_TREES))
             yield from (jammed for jammed in tried if self._is_legal(jammed, relations))
             further = [*moves(tree, scop), *skewed(tree)]
             tree = chance.choice(further) if further else tree
@@ -162,9 +165,12 @@ class Search:
         run = compiled(made)
         for inputs, words, expected in before:
             mine = {name: list(array) for name, array in words.items()}
+            own = {local.name: local.at_launch(inputs).words for local in made.locals}
+            more = {f"&{name}": 0 for name in own}
+            left = {name: [_JUNK] * count for name, count in own.items()}
             self.counts["programs"] += 1
             try:
-                ended = run(mine, inputs, _LATER * _BLOCKS)
+                ended = run({**mine, **left}, {**inputs, **more}, _LATER * _BLOCKS)
             except Outside:
                 ended = False
             if not ended or mine != expected:
@@ -191,21 +197,31 @@ def _data(chance: Random) -> Words:
         "a": chance.choices(small, k=2 * _WORDS),
         "b": chance.choices(small, k=2 * _WORDS),
         "f": floats,
+        "t": chance.choices(small, k=2 * _WORDS),
     }
 
 
 def _arguments(data: Words, start: int, n: int, m: int) -> tuple[Words, dict[str, int]]:
     words = {name: array[start : start + _WORDS] for name, array in data.items()}
+    words["t"] = words["t"][:WIDTH]
     inputs = {f"&{name}": 0 for name in words}
-    inputs |= {"n": n & WORD_MASK, "g.shape0": m, "b.pitch1": WIDTH, "b.shape1": WIDTH}
+    inputs |= {
+        "n": n & WORD_MASK,
+        "g.shape0": m,
+        "b.pitch1": WIDTH,
+        "b.shape1": WIDTH,
+        "t.shape0": WIDTH,
+    }
     return words, inputs
 
 
-def _jammed(tree: Loop, chance: Random) -> Loop:
-    """The tree with random factors of one or two loops."""
+def _jammed(tree: Loop, relations: Relations, chance: Random) -> Loop:
+    """The tree with random factors of one or two loops, perhaps with rows of temporaries."""
     paths = [path for path, _ in loops_in(tree)]
     some = chance.sample(paths, min(len(paths), chance.randint(1, 2)))
     factors = {path: chance.choice([2, 3, 4, 8]) for path in some}
+    made = with_own_rows(at(tree, some[0]), relations) if chance.random() < 0.3 else None
+    tree = tree if made is None else put(tree, some[0], made)
     jammed = with_factors(tree, factors, masked=chance.random() < 0.5)
     if chance.random() < 0.4:
         path = chance.choice(paths)

@@ -53,7 +53,8 @@ def test_all_that_meets_in_random_nests() -> None:
                 words = np.random.default_rng(seed).integers(-9, 9, (3, WIDTH, WIDTH), np.int32)
                 a, b, f = words
                 g = np.zeros(m, np.int32)
-                met += demand_dependences(function, scop, (a, b, f.view(np.float32), g, n))
+                args = (a, b, f.view(np.float32), a[0].copy(), g, n)
+                met += demand_dependences(function, scop, args)
     assert met > 300
 
 

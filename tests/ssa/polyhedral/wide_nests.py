@@ -16,6 +16,7 @@ PARAMS = (
     Param("a", DType.I32, 1),
     Param("b", DType.I32, 2),
     Param("f", DType.F32, 1),
+    Param("t", DType.I32, 1),
     Param("g", DType.I32, 1),
     Param("n", DType.I32, 0),
 )
@@ -24,7 +25,7 @@ LENGTHS: tuple[Value, ...] = (Input("n"), Input("g.shape0"))
 MOST = 9
 """They are no larger; then indices lie in their arrays."""
 WIDTH = 32
-"""Rows and columns of `b`; `a` and `f` have as many words as it."""
+"""Rows and columns of `b`; `a` and `f` have as many words as it, `t` as many as a row."""
 
 
 _KINDS = ("load", "store", "update", "mix", "real", "real", "sum", "guard", "own", "transpose")
@@ -89,12 +90,13 @@ class _Wide(Builder):
         self.scalars[0] = Ref(joined)
 
     def own(self) -> None:
-        """An element that is stored, and loaded again: a temporary of each iteration."""
-        place = Const(WIDTH * WIDTH - 8 + self.chance.randrange(2))
+        """An element of `t` that is stored, and loaded again: a temporary of each iteration."""
+        is_inner = self.chance.random() < 0.4
+        place = self.counters[-1] if is_inner else Const(self.chance.randrange(2))
         which = self.chance.randrange(2)
         if self.chance.random() < 0.7:
-            self.store("a", place, self.scalars[which])
-        value = self.load("a", place, 0)
+            self.store("t", place, self.scalars[which])
+        value = self.load("t", place, 0)
         self.scalars[1 - which] = self.emit(Opcode.XOR, self.scalars[1 - which], value)
 
     def transposed(self) -> None:
