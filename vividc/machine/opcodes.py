@@ -376,6 +376,10 @@ ELEMENTARY: Final = frozenset(
     if info.latency_class is LatencyClass.GENERIC and info.opcode is not Opcode.GENERIC
 )
 """Operations that `expand_math` replaces."""
+EXPANDED_FLOATS: Final = frozenset(op for op in ELEMENTARY if OPCODES[op].result is Type.F32)
+"""Those of them that may give other bits than `machine.semantics`, as `atan(1)` does: constants go
+through the expansion, too, so that it does not show where they are known.
+"""
 SOURCES: Final = frozenset({Opcode.CONST, Opcode.LIVE_IN, Opcode.IV})
 FUSED: Final = {
     (Opcode.FADD, 0): Opcode.FMA,

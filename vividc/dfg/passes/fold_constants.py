@@ -9,7 +9,7 @@ from typing import Final
 from vividc.dfg.ir import DFG, Node
 from vividc.dfg.passes.identities import IDENTITIES
 from vividc.dfg.passes.rewrite import Rewrite, Value, change_operation, to_fixpoint
-from vividc.machine.opcodes import ELEMENTARY, PRED, SOURCES, Opcode, Type
+from vividc.machine.opcodes import EXPANDED_FLOATS, PRED, SOURCES, Opcode
 from vividc.machine.semantics import SEMANTICS
 from vividc.machine.words import WORD_BITS, signed
 
@@ -56,14 +56,8 @@ def _resolve_predicate(rewrite: Rewrite, node: Node) -> bool:
 
 
 def _evaluate(rewrite: Rewrite, node: Node) -> bool:
-    """Make an operation on constants a `mov`, which stays where an operation is needed.
-
-    A float operation that is expanded folds after its expansion, whose bits need not be the table's
-    (`atan(1)`): where the constant is known must not show.
-    """
-    if node.op in ELEMENTARY and node.info.result is Type.F32:
-        return False
-    function = SEMANTICS.get(node.op)
+    """Make an operation on constants a `mov`, which stays where an operation is needed."""
+    function = None if node.op in EXPANDED_FLOATS else SEMANTICS.get(node.op)
     if function is None or node.op is Opcode.MOV or rewrite.predicated(node.id):
         return False
     words = []

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.opcodes import EXPANDED_FLOATS, Opcode, Type
 from vividc.machine.semantics import SEMANTICS
 from vividc.ssa.ir import Const, Instr, Ref
 
 
 def constant_value(instr: Instr, words: Mapping[int, int]) -> int | None:
-    """The word that `instr` computes if its operands are constants or ids of `words`, else None."""
-    if instr.op not in SEMANTICS:
+    """The word that `instr` computes if its operands are constants or ids of `words`, else None;
+    None, too, if it is a float operation that is expanded later.
+    """
+    if instr.op not in SEMANTICS or instr.op in EXPANDED_FLOATS:
         return None
     operands = []
     for value in instr.operands:
