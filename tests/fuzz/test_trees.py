@@ -17,10 +17,10 @@ from vividc.ssa.polyhedral.relations import Relations
 
 def test_random_nests_in_other_orders() -> None:
     search = Search(sizes=6)
-    for seed in range(12):
+    for seed in range(6):
         search.run(seed)
     assert not search.finds
-    assert search.counts["trees"] > 30
+    assert search.counts["trees"] > 15
 
 
 @pytest.mark.slow
@@ -35,9 +35,9 @@ def test_more_random_nests_in_other_orders(hundred: int) -> None:
 def test_an_order_that_breaks_dependences_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Relations, "respects", lambda relations, schedule, rows: True)
     search = Search(sizes=6)
-    for seed in range(12):
-        search.run(seed)
-    assert search.finds
+    seeds = iter(range(12))
+    while not search.finds:
+        search.run(next(seeds))
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -213,6 +213,10 @@ class Builder:
         self.instrs.append(replace(made, width=width, signed=signed))
         return Ref(made.id)
 
+    def least(self) -> Value:
+        """The lower bound of a loop."""
+        return self.bound()
+
     def start(self, value: Value) -> Value:
         """Where a loop starts that is wished to start here."""
         return value
@@ -228,7 +232,7 @@ class Builder:
         ends: tuple[Value, Value] | None = None,
     ) -> None:
         """for x in range(first, limit), upwards or downwards, up to the limit or below it."""
-        first, limit = ends or (self.bound(), self.bound())
+        first, limit = ends or (self.least(), self.bound())
         by = self.step()
         if first == Input("n") and self.chance.random() < 0.7:
             first = Const(0)  # a start that may be anything is refused

@@ -140,6 +140,10 @@ class _Wide(Builder):
             return self.emit(Opcode.SMIN, self.chance.choice(self.counters), LENGTHS[1])
         return super().bound()
 
+    def least(self) -> Value:
+        """Mostly 0: loops are seldom empty then."""
+        return Const(0) if self.chance.random() < 0.6 else self.bound()
+
     def start(self, value: Value) -> Value:
         """Mostly the length that is never negative: what may be anything is refused."""
         is_any = value == LENGTHS[0] or value in self.extremes
