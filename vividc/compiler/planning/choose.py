@@ -429,8 +429,9 @@ class _Chooser(Draft):
         return ""
 
     def _most_operations(self, base: Stage, kind: Kind) -> int:
-        """Of a loop: more take too long to map, unless a region has more already."""
-        known = max((r.shape.operations for r in base.estimate.regions), default=0)
+        """Of a loop: more take too long to map, unless one has more already."""
+        loops = (region for region in base.estimate.regions if region.kind == "loop")
+        known = max((loop.shape.operations for loop in loops), default=0)
         return max(_OPERATIONS_PER_PE[kind] * len(self.estimator.fabric.pes), known)
 
     def _next_full(self, tried: set[str]) -> Loop | None:
