@@ -52,7 +52,8 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     whole = driver.compile_stages
 
     def noted(function: Any, *rest: Any) -> vividc.Program:
-        names.append(function.name)
+        if rest[-1] != "all":  # as parts of an accelerator's program are compiled
+            names.append(function.name)
         return whole(function, *rest)
 
     monkeypatch.setattr(driver, "compile_stages", noted)

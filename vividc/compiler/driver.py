@@ -22,9 +22,10 @@ from vividc.compiler.map_regions import (
     map_kernel,
     mapping_of,
 )
+from vividc.compiler.nests import with_nests
 from vividc.compiler.planning.budget import Budget
 from vividc.compiler.planning.choose import choose
-from vividc.compiler.planning.estimate import Estimator, Shape
+from vividc.compiler.planning.estimate import Estimator, Shape, Spaces
 from vividc.compiler.planning.explain import loop_reports
 from vividc.compiler.planning.fallback import Outcome, settle
 from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_options
@@ -210,15 +211,24 @@ def _compiled(
     how = (replace(options, progress=None), lines, parallel, mode)
     place = place_of(function, loaded, options.mapper, *how) if cache else Place(function)
     program = place.read()
+    machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
+
+    def one(nest: Function, limit_s: float) -> Program:
+        with watch.aside():
+            shared = replace(options, time_limit_s=limit_s)
+            return compile_stages(nest, machine, shared, frozenset(), "all")
+
     if program is None:
         products = _products(kernel, loaded, options, mode)
-        machine = loaded.fabric if isinstance(loaded, Accelerator) else loaded
-        spaces = not isinstance(loaded, Accelerator)  # whose moves lay rows end to end
+        spaces: Spaces = "none" if isinstance(loaded, Accelerator) else "paying"  # moved end to end
         program = compile_stages(function, machine, options, lines, spaces)
         everything = (*told, *program.warnings)
         program = replace(program, warnings=everything, parallel=parallel, products=products)
         if isinstance(loaded, Accelerator):
             program = priced(program, loaded)
+            if products is None and mode == AUTO:
+                again = watch.untold(lambda: kernel.lower(strict_fp=strict_fp))
+                program = with_nests(program, again, parallel, one)
         place.write(program)
     warned = tuple(
         dict.fromkeys((*told, *program.warnings))
@@ -277,9 +287,7 @@ def _products(
 
 def products_of(kernel: KernelFunction | LLKernel, strict_fp: bool = False) -> Found:
     """The matrix products of a kernel, and why it is not made of such, if it is not."""
-    with warnings.catch_warnings(), watch.aside():
-        warnings.simplefilter("ignore", VividcWarning)  # they are told of elsewhere
-        function = kernel.lower(strict_fp=strict_fp)  # loops over `prange` as any other
+    function = watch.untold(lambda: kernel.lower(strict_fp=strict_fp))  # `prange` as any other loop
     return recognise(canonical_loops(contract_products(function)))
 
 
@@ -338,10 +346,10 @@ def compile_stages(
     fabric: Fabric,
     options: CompileOptions,
     parallel: frozenset[int],
-    spaces: bool,
+    spaces: Spaces,
 ) -> Program:
-    """The program of the plan's best stage that can be mapped; `spaces`: rows of matrices may lie
-    further apart than they are long.
+    """The program of the plan's best stage that can be mapped; `spaces`: of which matrices rows
+    may lie further apart than they are long.
     """
     estimator = replace(estimator_for(fabric, options), spaces=spaces)
     plan = planned(function, estimator, options, parallel)
@@ -406,8 +414,7 @@ def _map_stage(
         if sequential:
             function = replace(function, sequential=frozenset(sequential))
         function = _prepared(function, stage, estimator)
-        if estimator.spaces:
-            function = spaced(function, estimator, stage.state.hints)
+        function = spaced(function, estimator, stage.state.hints)
         kernel = _kernel_of(function, estimator)
         runs = Runs.of(estimator.expected(function, kernel, stage.state.hints))
         mapping = partial(

@@ -18,7 +18,7 @@ from vividc.gemm.passes import with_arrays
 from vividc.gemm.sequence import Launch, Unfit
 from vividc.gemm.sequence import Sequence as Steps
 from vividc.gemm.systolic import SystolicError
-from vividc.launch import Job, JobResult, spread
+from vividc.launch import Job, JobResult, Spread, nests_job, spread
 from vividc.machine.params import DType
 from vividc.machine.product import ENDLESS
 from vividc.program import Program
@@ -222,7 +222,32 @@ def simulate(
         result = _simulate_products(program, args, kwargs, fabric, engine, cycle_limit)
         if result is not None:
             return result
-    return spread(program, args, kwargs, fabric).simulate(engine=engine, cycle_limit=cycle_limit)
+    job = _on_tiles_or_nests(program, args, kwargs, fabric)
+    return job.simulate(engine=engine, cycle_limit=cycle_limit)
+
+
+def _on_tiles_or_nests(
+    program: Program, args: Sequence[object], kwargs: Mapping[str, object], fabric: Machine
+) -> Spread | Job:
+    """The launch graph: of the kernel as it is, unless that fits no scratchpad, or its nests move
+    less.
+    """
+    refused: ArgumentError | None = None
+    try:
+        whole = spread(program, args, kwargs, fabric)
+    except ArgumentError as error:
+        if program.order is None:
+            raise
+        refused = error
+    if refused is None and (program.order is None or program.parallel is None):
+        return whole
+    try:
+        nests = nests_job(program, args, kwargs, fabric)
+    except ArgumentError:
+        if refused is None:
+            return whole
+        raise
+    return nests if refused is not None or nests.moved < whole.job.moved else whole
 
 
 def _check_spread(program: object, fabric: object, observer: Observer | None) -> None:

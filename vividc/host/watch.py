@@ -7,11 +7,14 @@ estimates behind a choice, is `aside`.
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import TypeVar
+
+from vividc.errors import VividcWarning
 
 _IR = TypeVar("_IR")
 
@@ -44,6 +47,13 @@ def watching(watch: Watch | None) -> Iterator[None]:
 def aside() -> AbstractContextManager[None]:
     """What passes inside is only tried: nobody looks."""
     return watching(None)
+
+
+def untold(lower: Callable[[], _IR]) -> _IR:
+    """What a kernel is lowered to once more: nobody looks, and its warnings were given before."""
+    with warnings.catch_warnings(), aside():
+        warnings.simplefilter("ignore", VividcWarning)
+        return lower()
 
 
 def is_watched() -> bool:

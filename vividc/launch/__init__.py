@@ -10,6 +10,7 @@ enough), `functional` (what it computes), `timing/` (when; docs/accelerator.md),
 from vividc.launch.accounting import JobStats, TileStats
 from vividc.launch.job import At, Job
 from vividc.launch.simulate import JobResult
+from vividc.launch.tiles.nests import nests_job
 from vividc.launch.tiles.spread import Spread, SpreadOptions, spread
 from vividc.launch.timing.record import Event
 
@@ -22,5 +23,6 @@ __all__ = [
     "Spread",
     "SpreadOptions",
     "TileStats",
+    "nests_job",
     "spread",
 ]

@@ -177,6 +177,11 @@ class Job:
         self._held.update({tile: (program, number) for tile in where})
         return number
 
+    @property
+    def moved(self) -> int:
+        """Bytes that all transfers move."""
+        return sum(step.view.nbytes for step in self._steps if isinstance(step, Transfer))
+
     def holds(self, tiles: Sequence[int], program: Program) -> bool:
         """Whether these tiles hold a program after the steps so far."""
         return all(tile in self._held and self._held[tile][0] is program for tile in tiles)

@@ -2,11 +2,12 @@
 
 Pure data, which travels in the bundle. The loop runs from the input `FIRST` to the input `LAST`;
 `terms` say how the host computes the loop's own bounds, and which bytes of each array a chunk of
-iterations touches.
+iterations touches. `Order` is that of a kernel's nests of loops, each a program with such a loop.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -17,6 +18,11 @@ FIRST: Final = "prange.first"
 LAST: Final = "prange.last"
 START: Final = "prange.start"
 """Input keys: first iteration, the one after the last, and (with a number) a reduction's start."""
+BLOCK_FIRST: Final = "prange.block.first"
+BLOCK_LAST: Final = "prange.block.last"
+"""Input keys: the loops directly inside the parallel one run over no more than this, if they are
+blocked.
+"""
 
 CONST: Final = "const"
 INPUT: Final = "input"
@@ -81,6 +87,8 @@ class Access:
 
     `counters`: terms of the variables of the loops inside the parallel one that are around a store
     which happens in every iteration of all of them; None if it may not happen.
+    `subscripts`: terms of the subscripts of an element of an array with several dimensions; () if
+    they are not known.
     """
 
     array: str
@@ -90,6 +98,7 @@ class Access:
     offset: int
     width: int
     counters: tuple[int, ...] | None = None
+    subscripts: tuple[int, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
 
 
@@ -129,6 +138,11 @@ class Parallel:
         Number of the reduction that the kernel returns, if it returns one.
     is_unsigned
         The bounds are unsigned; they must be below 2**31 all the same.
+    blocked
+        Terms of the first value and the limit of each loop directly inside, if these run between
+        `BLOCK_FIRST` and `BLOCK_LAST` only, and do all that an iteration stores.
+    around
+        Input keys of the counters of loops around it.
     """
 
     terms: tuple[Term, ...]
@@ -138,10 +152,97 @@ class Parallel:
     reductions: tuple[Reduction, ...] = ()
     result: int | None = None
     is_unsigned: bool = False
+    blocked: tuple[tuple[int, int], ...] = ()
+    around: tuple[str, ...] = ()
     loc: SourceLoc | None = field(default=None, compare=False)
 
     @property
     def input_keys(self) -> frozenset[str]:
         """What is launched beside the parameters."""
         starts = (f"{START}{number}" for number in range(len(self.reductions)))
-        return frozenset({FIRST, LAST, *starts})
+        block = (BLOCK_FIRST, BLOCK_LAST) if self.blocked else ()
+        return frozenset({FIRST, LAST, *starts, *block, *self.around})
+
+
+REPEAT: Final = "repeat"
+"""Input keys, with a number: the counter of a loop around nests."""
+
+
+@dataclass(frozen=True, slots=True)
+class Repeat:
+    """A loop around nests, or around further such loops.
+
+    Attributes
+    ----------
+    key
+        Of the input that gives its counter to the nests.
+    first, last
+        Terms of its first value, and of the limit that it does not reach.
+    body
+        Numbers of nests, and loops.
+    """
+
+    key: str
+    first: int
+    last: int
+    step: int
+    body: tuple[int | Repeat, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What runs after what; `terms` say how the host computes bounds of loops."""
+
+    terms: tuple[Term, ...]
+    items: tuple[int | Repeat, ...]
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """Inputs beside the parameters."""
+        return frozenset(repeat.key for repeat in _repeats(self.items))
+
+    def is_of(self, nests: int) -> bool:
+        """Whether it is one of so many nests, and its bounds are terms."""
+        used = [n for r in _repeats(self.items) for n in (r.first, r.last)]
+        numbers = [*_numbers(self.items)]
+        in_table = all(0 <= number < len(self.terms) for number in used)
+        steps = all(repeat.step for repeat in _repeats(self.items))
+        return in_table and steps and all(0 <= number < nests for number in numbers)
+
+    def runs(self, bound: Callable[[int, Mapping[str, int]], int]) -> Iterator[Run]:
+        """The nests in the order of their runs, each with the counters around it.
+
+        Parameters
+        ----------
+        bound
+            Gives a term's value, of counters.
+        """
+        yield from _runs(self.items, {}, bound)
+
+
+Run = tuple[int, Mapping[str, int]]
+
+
+def _runs(
+    items: tuple[int | Repeat, ...],
+    counters: Mapping[str, int],
+    bound: Callable[[int, Mapping[str, int]], int],
+) -> Iterator[Run]:
+    for item in items:
+        if isinstance(item, int):
+            yield item, counters
+            continue
+        for value in range(bound(item.first, counters), bound(item.last, counters), item.step):
+            yield from _runs(item.body, {**counters, item.key: value}, bound)
+
+
+def _numbers(items: tuple[int | Repeat, ...]) -> Iterator[int]:
+    for item in items:
+        yield from (item,) if isinstance(item, int) else _numbers(item.body)
+
+
+def _repeats(items: tuple[int | Repeat, ...]) -> Iterator[Repeat]:
+    for item in items:
+        if isinstance(item, Repeat):
+            yield item
+            yield from _repeats(item.body)

@@ -12,6 +12,7 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -24,7 +25,7 @@ from pydantic import FailFast, TypeAdapter, ValidationError
 from vividc.errors import BundleError, quoted
 from vividc.host.files import write_whole
 from vividc.host.inputs import BUNDLE_BYTES, demand_few_values, read_bytes
-from vividc.machine.parallel import Parallel
+from vividc.machine.parallel import Order, Parallel
 from vividc.machine.params import DType, LocalArray, Param
 from vividc.machine.product import Products
 from vividc.program.tables import (
@@ -92,13 +93,18 @@ class Manifest:
     parallel: Parallel | None = None
     products: Products | None = None
     pitches: dict[str, int] = field(default_factory=dict)
+    nests: int = 0
+    order: Order | None = None
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)
 
 
 def write_bundle(
-    path: Path, manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]
+    path: Path,
+    manifest: Manifest,
+    arrays: ReadOnly[str, NDArray[np.generic]],
+    nests: Sequence[bytes] = (),
 ) -> None:
     """Write `path` so that it is complete or untouched (`write_whole`).
 
@@ -107,7 +113,7 @@ def write_bundle(
     BundleError
         The file cannot be written.
     """
-    write_whole(path, bundle_bytes(manifest, arrays), BundleError)
+    write_whole(path, bundle_bytes(manifest, arrays, nests), BundleError)
 
 
 class BundleReader:
@@ -162,9 +168,18 @@ class BundleReader:
         array: NDArray[Scalar] = np.load(io.BytesIO(data), allow_pickle=False)
         return array
 
+    def nests(self, count: int) -> tuple[bytes, ...]:
+        """The programs of the kernel's nests."""
+        with zipfile.ZipFile(io.BytesIO(self._data)) as archive:
+            if len(archive.namelist()) != len(_members()) + count:
+                raise BundleError("it does not hold as many nests as it says")
+        return tuple(self._member(_nest_name(number)) for number in range(count))
+
     def _member(self, name: str) -> bytes:
         with zipfile.ZipFile(io.BytesIO(self._data)) as archive:
-            if sorted(archive.namelist()) != sorted(_members()):
+            names = archive.namelist()
+            more = len(names) - len(_members())
+            if sorted(names) != sorted((*_members(), *map(_nest_name, range(more)))):
                 raise BundleError("its members are not those of a .vivid file")
             info = archive.getinfo(name)
             if info.compress_type != zipfile.ZIP_STORED or info.file_size > len(self._data):
@@ -177,11 +192,19 @@ def _schema(text: bytes) -> object:
     return raw.get("schema") if isinstance(raw, dict) else None
 
 
+def _nest_name(number: int) -> str:
+    return f"nest{number}.vivid"
+
+
 def _members() -> tuple[str, ...]:
     return (_MANIFEST, *(f"{name}.npy" for name in _ARRAYS))
 
 
-def bundle_bytes(manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]]) -> bytes:
+def bundle_bytes(
+    manifest: Manifest,
+    arrays: ReadOnly[str, NDArray[np.generic]],
+    nests: Sequence[bytes] = (),
+) -> bytes:
     """What the file holds; equal programs, equal bytes."""
     tree = _ADAPTER.dump_python(manifest, mode="json")
     for report in tree["regions"]:
@@ -190,6 +213,7 @@ def bundle_bytes(manifest: Manifest, arrays: ReadOnly[str, NDArray[np.generic]])
     for name in _ARRAYS:
         array = np.ascontiguousarray(arrays[name])
         members[f"{name}.npy"] = _npy_header(array.shape, array.dtype) + array.tobytes()
+    members |= {_nest_name(number): data for number, data in enumerate(nests)}
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_STORED) as archive:
         for name, data in members.items():

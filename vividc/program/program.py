@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
 from vividc.errors import BundleError, VividcError, demand_type
-from vividc.machine.parallel import Parallel, is_well_formed
+from vividc.machine.parallel import Order, Parallel, is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.machine.product import Product, Products
 from vividc.program.bundle import SCHEMA, SIZED, BundleReader, Manifest, bundle_bytes, write_bundle
@@ -78,6 +78,9 @@ class Program:
     products
         The matrix products that the kernel is made of, if it is: an accelerator may run it in a
         TPU-like mode instead.
+    nests, order
+        The kernel as programs of a nest of loops each, blocks of which a launch gives to tiles, and
+        how the nests follow each other; none if it is no such sequence.
     """
 
     name: str
@@ -101,6 +104,8 @@ class Program:
     parallel: Parallel | None = None
     products: Products | None = None
     pitches: ReadOnly[str, int] = field(default_factory=dict)
+    nests: tuple[Program, ...] = ()
+    order: Order | None = None
 
     @property
     def fabric_name(self) -> str:
@@ -148,7 +153,9 @@ class Program:
             return NotImplemented
         mine, theirs = _manifest(self), _manifest(other)
         arrays = zip(_arrays(self).values(), _arrays(other).values(), strict=True)
-        return mine == theirs and all(np.array_equal(a, b) for a, b in arrays)
+        return (mine, self.nests) == (theirs, other.nests) and all(
+            np.array_equal(a, b) for a, b in arrays
+        )
 
     __hash__ = None  # type: ignore[assignment]  # equality by content of mutable arrays
 
@@ -168,11 +175,11 @@ class Program:
                 loc=os.fspath(path),
                 hint="build the fabric with vividc.arch.load or load_text",
             )
-        write_bundle(Path(path), _manifest(self), _arrays(self))
+        write_bundle(Path(path), _manifest(self), _arrays(self), _nests(self))
 
     def to_bytes(self) -> bytes:
         """What `save` writes for a program whose fabric has YAML text."""
-        return bundle_bytes(_manifest(self), _arrays(self))
+        return bundle_bytes(_manifest(self), _arrays(self), _nests(self))
 
 
 def load(path: str | os.PathLike[str]) -> Program:
@@ -223,6 +230,8 @@ def _manifest(program: Program) -> Manifest:
         return_high=program.return_high,
         banks=dict(program.banks),
         pitches=dict(program.pitches),
+        nests=len(program.nests),
+        order=program.order,
         debug=program.debug,
         regions=program.regions,
         provenance=program.provenance,
@@ -240,6 +249,10 @@ def _arrays(program: Program) -> dict[str, NDArray[np.generic]]:
         "images": program.images,
         "images_set": program.images_set,
     }
+
+
+def _nests(program: Program) -> tuple[bytes, ...]:
+    return tuple(nest.to_bytes() for nest in program.nests)
 
 
 def _opcode_names() -> tuple[str, ...]:
@@ -273,6 +286,8 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         return_high=manifest.return_high,
         banks=manifest.banks,
         pitches=manifest.pitches,
+        nests=tuple(from_bytes(data) for data in reader.nests(manifest.nests)),
+        order=manifest.order,
         debug=manifest.debug,
         regions=manifest.regions,
         provenance=manifest.provenance,
@@ -307,6 +322,7 @@ def _faults(program: Program) -> Iterator[str]:
         yield "its return value has more words than its return type"
     yield from _parallel_faults(program)
     yield from _product_faults(program)
+    yield from _nest_faults(program)
     if len(program.entries) != contexts:
         yield "its configuration memory is incomplete"
 
@@ -353,6 +369,22 @@ def _product_faults(program: Program) -> Iterator[str]:
             yield "its matrix products use a scalar that is no input"
         if not all(term.is_sound for term in step.terms):
             yield "an expression of its matrix products is not one that tiles compute"
+
+
+def _nest_faults(program: Program) -> Iterator[str]:
+    """Nests are of the same parameters, and have no nests of their own."""
+    order = program.order
+    if order is None:
+        if program.nests:
+            yield "nothing says in which order its nests run"
+        return
+    if not is_well_formed(order.terms) or not order.is_of(len(program.nests)):
+        yield "the order of its nests is not one"
+    for nest in program.nests:
+        if nest.order is not None or nest.parallel is None or nest.params != program.params:
+            yield "one of its nests is none"
+        elif not order.keys.issuperset(nest.parallel.around):
+            yield "one of its nests counts what nobody counts"
 
 
 def _store_faults(program: Program) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
@@ -131,6 +132,8 @@ class Estimate:
         return next((r for r in self.regions if r.header == header and r.kind == "loop"), None)
 
 
+Spaces = Literal["none", "paying", "all"]
+
 _Graph = tuple[DFG, tuple[AddressForm | None, ...]]
 """A graph without a name, and where its accesses go, which makes no other graph of it."""
 
@@ -141,8 +144,10 @@ class Estimator:
 
     fabric: Fabric
     options: PassOptions
-    spaces: bool = False
-    """Whether rows of matrices may lie further apart than they are long."""
+    spaces: Spaces = "none"
+    """Of which matrices rows may lie further apart than they are long: where it pays, or of all,
+    wherever that is possible.
+    """
     _prepared: dict[int, tuple[Function, Function]] = field(default_factory=dict)
     _built: dict[int, tuple[Function, Kernel]] = field(default_factory=dict)
     """Both by the identity of the function, which is kept so that nothing else gets it."""

@@ -18,10 +18,14 @@ PAYS = 0.02
 
 
 def spaced(function: Function, estimator: Estimator, hints: Mapping[str, float]) -> Function:
-    """The same prepared function, with the matrices spaced for which it is expected to pay."""
-    matrices = may_be_spaced(function)
+    """The same prepared function, with the matrices spaced for which it is expected to pay, or all
+    that may be, as the estimator says.
+    """
+    matrices = may_be_spaced(function) if estimator.spaces != "none" else ()
     if not matrices:
         return function
+    if estimator.spaces == "all":
+        return replace(function, spaced=frozenset(matrices))
     with watch.aside():
         made = replace(function, spaced=frozenset(matrices))
         kernel = estimator.built(made)

@@ -1,1 +1,4 @@
-"""Which bytes iterations of a parallel loop touch: `footprint`, `coverage`."""
+"""Which bytes iterations of a parallel loop touch, or which elements blocks of a nest do.
+
+In order: `footprint`, `coverage`, `boxes`.
+"""

@@ -58,6 +58,29 @@ def written_whole(
     return extents
 
 
+def fills(
+    parallel: Parallel, known: Sequence[Interval | None], access: Access, first: int, last: int
+) -> bool:
+    """Whether a store writes every element between the least and the greatest of its subscripts in
+    iterations `first` to before `last`: each is a counter of its own, plus what is fixed.
+    """
+    if access.counters is None or not access.subscripts:
+        return False
+    symbols = {_INDEX, *access.counters}
+    used: list[int] = []
+    for number in access.subscripts:
+        affine = _affine(parallel.terms, known, number)
+        if affine is None or any(abs(factor) != 1 for _, factor in affine.factors):
+            return False
+        used += [symbol for symbol, _ in affine.factors]
+        if len(affine.factors) > 1:
+            return False
+    runs = {s: _run(parallel.terms, known, s, (first, last)) for s in symbols}
+    if any(count <= 0 for _, _, count in runs.values()):
+        return False
+    return len(set(used)) == len(used) and all(abs(runs[symbol][1]) == 1 for symbol in used)
+
+
 def _size(interval: Interval | None) -> int:
     return 0 if interval is None else interval[1] - interval[0]
 

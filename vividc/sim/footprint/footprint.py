@@ -114,6 +114,12 @@ def chunk_intervals(
     return _intervals(parallel.terms, words, (first, last - 1))
 
 
+def values_of(terms: Sequence[Term], words: Mapping[str, int]) -> list[int | None]:
+    """The values that terms have at launch; None of those that it does not decide."""
+    known = _intervals(terms, words, None)
+    return [end[0] if end is not None and end[0] == end[1] else None for end in known]
+
+
 def touched(
     parallel: Parallel,
     inputs: Mapping[str, int],
@@ -133,7 +139,7 @@ def touched(
     known = chunk_intervals(parallel, inputs, first, last)
     touches = dict.fromkeys(sizes, Touch())
     for access in parallel.accesses:
-        part = _bytes(access, known[access.term], sizes[access.array])
+        part = bytes_of(access, known[access.term], sizes[access.array])
         if part is None:
             continue
         old = touches[access.array]
@@ -146,8 +152,10 @@ def touched(
     return touches
 
 
-def _bytes(access: Access, index: Interval | None, size: int) -> Interval | None:
-    """An access outside the array is undefined, so that it need not be there."""
+def bytes_of(access: Access, index: Interval | None, size: int) -> Interval | None:
+    """First byte and end of what may be accessed of an array of `size` bytes. An access outside the
+    array is undefined, so that it need not be there.
+    """
     if index is None or size == 0:
         return None
     if index == ANYTHING:

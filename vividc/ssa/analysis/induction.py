@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from vividc.machine.words import signed
 from vividc.ssa.flow import Loop
-from vividc.ssa.ir import Const, Function, Instr, Int, Phi, Ref, Value, definition_of
+from vividc.ssa.ir import Block, Const, Function, Instr, Int, Phi, Ref, Value, definition_of
 
 Body = frozenset[str]
 """Names of a loop's blocks."""
@@ -89,3 +90,20 @@ def never_wraps(function: Function, body: Body, value: Value, *, by_one: bool) -
         and item.exact
         and all(never_wraps(function, body, operand, by_one=False) for operand in item.operands)
     )
+
+
+def computed_from(blocks: Iterable[Block], first: Value) -> set[Value]:
+    """`first`, and the values of these blocks that are computed from it; not by what was stored."""
+    found: set[Value] = {first}
+    items = [item for block in blocks for item in block.items]
+    size = 0
+    while len(found) > size:
+        size = len(found)
+        for item in items:
+            if isinstance(item, Phi):
+                read = tuple(value for _, value in item.incoming)
+            else:
+                read = item.operands
+            if any(value in found for value in read):
+                found.add(Ref(item.id))
+    return found

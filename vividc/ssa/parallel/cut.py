@@ -4,7 +4,7 @@ to the input `LAST`, and a launch can give each tile its own.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from vividc.errors import KernelError, SourceLoc
@@ -23,9 +23,11 @@ from vividc.machine.parallel import (
 )
 from vividc.ssa.analysis.counters import bounded
 from vividc.ssa.analysis.induction import constant_step, initial
+from vividc.ssa.analysis.polynomial import constant
 from vividc.ssa.edit import with_blocks
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value, definition_of
+from vividc.ssa.parallel.blocks import Bounds, blocked
 from vividc.ssa.parallel.reductions import FoundReduction, reduction_of
 from vividc.ssa.parallel.spread_proof import (
     demand_own_arrays_apart,
@@ -35,6 +37,7 @@ from vividc.ssa.parallel.spread_proof import (
 )
 from vividc.ssa.parallel.terms import TermTable
 from vividc.ssa.parallel.wide_sums import is_wide_sum
+from vividc.ssa.polyhedral.subscripts import Subscripts, subscripts_of
 
 _COMBINED = (
     "only a sum, product, minimum or maximum in one variable, which nothing else in the loop "
@@ -65,6 +68,40 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
         product, minimum or maximum that the kernel returns.
     """
     loop, header = _marked_loop(function, lines)
+    return _cut(function, loop, header)
+
+
+def cut_nest(
+    function: Function, header: str, around: Collection[str] = ()
+) -> tuple[Function, Parallel]:
+    """Cut the loop at `header`, the outermost of a nest, and block the loops directly inside, if
+    they do all that it stores.
+
+    Parameters
+    ----------
+    around
+        Keys of inputs that are counters of loops around it.
+
+    Raises
+    ------
+    KernelError
+        As above, or an iteration hands anything to the next otherwise than in arrays.
+    """
+    function, bounds = blocked(function, header)
+    loop = next(loop for loop in find_loops(function) if loop.header == header)
+    cut, parallel = _cut(function, loop, function.by_name[header], bounds)
+    if parallel.reductions:
+        raise KernelError(
+            "an iteration of a loop needs a number that an earlier one computed",
+            loc=parallel.loc,
+            hint=_HINT,
+        )
+    return cut, replace(parallel, around=tuple(sorted(around)))
+
+
+def _cut(
+    function: Function, loop: Loop, header: Block, inside: Sequence[Bounds] = ()
+) -> tuple[Function, Parallel]:
     loc = header.branch.loc
     index, first, last = _bounds(function, loop, header)
     carried = _reductions(function, loop, header, index)
@@ -77,6 +114,8 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
     accesses = tuple(_accesses(cut, loop, table))
     bounds = (table.of(first), table.of(last))
     reductions = tuple(_described(item, table) for item in carried)
+    around = table.facts(header.branch.target or "")
+    blocks = tuple((table.of(start, around), table.of(end, around)) for start, end in inside)
     terms = tuple(table.terms)
     for term in bounds:
         _demand_exact(table, term, loc)
@@ -85,7 +124,7 @@ def cut_parallel_loop(function: Function, lines: Collection[int]) -> tuple[Funct
             _demand_exact(table, item.start, loc)
     tests = (instr for instr in header.instrs if Ref(instr.id) == header.branch.cond)
     is_unsigned = any(test.op is Opcode.ICMP_ULT for test in tests)
-    return cut, Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, loc)
+    return cut, Parallel(terms, *bounds, accesses, reductions, result, is_unsigned, blocks, loc=loc)
 
 
 def _marked_loop(function: Function, lines: Collection[int]) -> tuple[Loop, Block]:
@@ -203,6 +242,7 @@ def _accesses(function: Function, loop: Loop, table: TermTable) -> Iterator[Acce
     """What is read and written of the arguments; the kernel's own arrays stay on the tile."""
     runs = runs_for_certain(function, loop)
     own = {local.name for local in function.locals}
+    places = subscripts_of(function)
     for block in function.blocks:
         in_body = block.name in loop.blocks and block.name != loop.header
         for instr in block.instrs:
@@ -219,8 +259,23 @@ def _accesses(function: Function, loop: Loop, table: TermTable) -> Iterator[Acce
                 offset=instr.offset,
                 width=instr.width,
                 counters=table.counters_around(block.name, loop) if in_body and runs else None,
+                subscripts=_subscripts(places, instr, table, block.name) if in_body else (),
                 loc=instr.loc,
             )
+
+
+def _subscripts(places: Subscripts, access: Instr, table: TermTable, block: str) -> tuple[int, ...]:
+    """Terms of an access's subscripts."""
+    parts = places.of(access)
+    param = next((p for p in places.function.params if p.name == access.array), None)
+    in_step = access.offset % (1 << access.shift) == 0 and access.width == 1 << access.shift
+    if parts is None or param is None or len(parts) != param.ndim or not in_step:
+        return ()
+    more = constant(access.offset >> access.shift)
+    facts = table.facts(block)
+    return tuple(
+        table.sum_of(part.plus(more) if part is parts[-1] else part, facts) for part in parts
+    )
 
 
 def _depends_on_index(terms: list[Term], number: int) -> bool:

@@ -20,6 +20,7 @@ from vividc.machine.parallel import (
 from vividc.machine.words import WORD_BITS, WORD_BYTES, signed
 from vividc.ssa.analysis.counters import bounded, header_test
 from vividc.ssa.analysis.induction import Induction, induction_of
+from vividc.ssa.analysis.polynomial import Polynomial
 from vividc.ssa.flow import Loop, dominators, find_loops, immediate_dominators, predecessors
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value
 
@@ -90,6 +91,21 @@ class TermTable:
         self._open.remove(key)
         self._known[key] = number
         return number
+
+    def sum_of(self, polynomial: Polynomial, facts: frozenset[Fact] = frozenset()) -> int:
+        """Number of the term of a polynomial in values."""
+        total = self._add(Term(CONST, word=polynomial.coefficient()))
+        for monomial, factor in polynomial.terms.items():
+            if not monomial:
+                continue
+            part = self.of(monomial[0], facts)
+            for value in monomial[1:]:
+                part = self._add(Term(Opcode.MUL.value, (part, self.of(value, facts))))
+            if factor != 1:
+                by = self._add(Term(CONST, word=factor))
+                part = self._add(Term(Opcode.MUL.value, (part, by)))
+            total = self._add(Term(Opcode.ADD.value, (total, part)))
+        return total
 
     def anything(self) -> int:
         """The term of which nothing is known."""

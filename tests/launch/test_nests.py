@@ -1,0 +1,174 @@
+"""Kernels that are larger than a scratchpad run by blocks of their nests, as numba runs them."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import prange
+
+import vividc
+from vividc.errors import ArgumentError
+from vividc.frontend import KernelFunction
+from vividc.launch import nests_job
+from vividc.program import Program, from_bytes
+
+M, V, C = "int32[:, ::1]", "int32[::1]", "int32[:, :, ::1]"
+
+
+@vividc.kernel(f"void({M}, {M})")
+def blur(x, y):
+    for i in range(1, x.shape[0] - 1):
+        for j in range(1, x.shape[1] - 1):
+            y[i, j] = x[i - 1, j] + x[i + 1, j] + x[i, j - 1] + 3 * x[i, j + 1]
+
+
+@vividc.kernel(f"void({M}, {M})")
+def parallel_blur(x, y):
+    for i in prange(1, x.shape[0] - 1):
+        for j in range(1, x.shape[1] - 1):
+            y[i, j] = x[i - 1, j] + x[i + 1, j] + x[i, j - 1] + 3 * x[i, j + 1]
+
+
+@vividc.kernel(f"void({V}, {M}, {M})")
+def two_fields(source, x, y):
+    """A loop over time around three nests; the first reads where it is."""
+    for t in range(1, len(source)):
+        for j in range(x.shape[1]):
+            x[0, j] = source[t] - t
+        for i in range(1, x.shape[0]):
+            for j in range(x.shape[1]):
+                y[i, j] += x[i, j] - x[i - 1, j]
+        for i in range(x.shape[0] - 1):
+            for j in range(x.shape[1] - 1):
+                x[i, j] -= y[i + 1, j] ^ y[i, j + 1]
+
+
+@vividc.kernel(f"void({M}, {V})")
+def columns(x, sums):
+    for j in range(x.shape[1]):
+        sums[j] = 0
+        for i in range(x.shape[0]):
+            sums[j] += x[i, j]
+
+
+@vividc.kernel(f"void({M})")
+def scan(x):
+    """Every row needs the one before."""
+    for i in range(1, x.shape[0]):
+        for j in range(x.shape[1]):
+            x[i, j] += 3 * x[i - 1, j]
+
+
+@vividc.kernel(f"void({M})")
+def diagonals(x):
+    """Blocks of columns must keep the order of rows."""
+    for i in range(1, x.shape[0]):
+        for j in range(x.shape[1] - 2):
+            x[i, j] += 3 * x[i - 1, j + 2]
+
+
+@vividc.kernel(f"void({M}, {M})")
+def triangle(x, y):
+    for i in range(x.shape[0]):
+        for j in range(i + 1):
+            y[i, j] = x[i, j] + x[i, 0]
+
+
+@vividc.kernel("void(int16[:, ::1], int16[:, ::1])")
+def halves(x, y):
+    for i in range(1, x.shape[0]):
+        for j in range(x.shape[1]):
+            y[i, j] = x[i, j] - x[i - 1, j]
+
+
+@vividc.kernel(f"void({C}, {C})")
+def volume(x, y):
+    for i in range(1, x.shape[0] - 1):
+        for j in range(1, x.shape[1] - 1):
+            for k in range(1, x.shape[2] - 1):
+                y[i, j, k] = x[i - 1, j, k] + x[i, j + 1, k] + x[i, j, k - 1]
+
+
+@vividc.kernel(f"void({M}, {V})")
+def by_index(x, at):
+    """Where it reads is not known before it runs."""
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            x[i, j] += at[j]
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            x[i, j] -= at[at[j] & 63]
+
+
+@functools.cache
+def program(kernel: KernelFunction) -> Program:
+    return vividc.compile(kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+
+
+def ints(*shape: int, dtype: type = np.int32) -> Any:
+    return np.random.default_rng(5).integers(-1000, 1000, shape).astype(dtype)
+
+
+ARGUMENTS = [
+    (blur, lambda: (ints(61, 300), ints(61, 300))),
+    (blur, lambda: (ints(70, 256), ints(70, 256))),
+    (blur, lambda: (ints(9000, 3), ints(9000, 3))),
+    (parallel_blur, lambda: (ints(20, 5000), ints(20, 5000))),
+    (two_fields, lambda: (ints(4), ints(40, 150), ints(40, 150))),
+    (columns, lambda: (ints(150, 99), ints(99))),
+    (scan, lambda: (ints(50, 301),)),
+    (diagonals, lambda: (ints(50, 301),)),
+    (triangle, lambda: (ints(130, 130), ints(130, 130))),
+    (halves, lambda: (ints(75, 301, dtype=np.int16), ints(75, 301, dtype=np.int16))),
+    (volume, lambda: (ints(20, 30, 25), ints(20, 30, 25))),
+    (by_index, lambda: (ints(80, 128), ints(128))),
+]
+
+
+@pytest.mark.parametrize(
+    ("kernel", "made"), ARGUMENTS, ids=[f"{k.name}-{n}" for n, (k, _) in enumerate(ARGUMENTS)]
+)
+def test_blocks_compute_what_numba_does(kernel: Any, made: Any) -> None:
+    compiled = program(kernel)
+    mine, numbas = made(), made()
+    assert compiled.order is not None
+    result = vividc.simulate(compiled, *mine, fabric="vivid")
+    kernel(*numbas)
+    assert all(np.array_equal(a, b) for a, b in zip(mine, numbas, strict=True))
+    assert result.cycles > 0
+
+
+def test_tiles_share_blocks_of_rows_and_columns() -> None:
+    x, y = ints(200, 300), ints(200, 300)
+    result = vividc.simulate(program(blur), x, y, fabric="vivid")
+    assert {event.index for event in result.events if event.kind == "run"} == set(range(16))
+
+
+def test_a_kernel_that_fits_a_tile_stays_there() -> None:
+    x, y = ints(20, 30), ints(20, 30)
+    result = vividc.simulate(program(blur), x, y, fabric="vivid")
+    assert {event.index for event in result.events if event.kind == "run"} == {0}
+
+
+def test_an_iteration_that_fits_no_scratchpad_is_refused() -> None:
+    with pytest.raises(ArgumentError, match="one iteration of the loop needs"):
+        vividc.simulate(program(columns), ints(9000, 2), ints(2), fabric="vivid")
+
+
+def test_nests_travel_in_the_bundle() -> None:
+    compiled = program(two_fields)
+    again = from_bytes(compiled.to_bytes())
+    assert again == compiled
+    mine, numbas = (ints(3), ints(40, 150), ints(40, 150)), (ints(3), ints(40, 150), ints(40, 150))
+    vividc.simulate(again, *mine, fabric="vivid")
+    two_fields(*numbas)
+    assert all(np.array_equal(a, b) for a, b in zip(mine, numbas, strict=True))
+
+
+def test_overlaps_are_moved_to_both_and_nothing_else_twice() -> None:
+    x, y = ints(128, 1024), ints(128, 1024)
+    job = nests_job(program(blur), (x, y), {}, "vivid")
+    assert job.moved < 1.3 * (x.nbytes + y.nbytes)

@@ -1,0 +1,294 @@
+"""How a nest of loops is cut into blocks: how many iterations each has, and which elements of each
+array it needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from collections.abc import Mapping as ReadOnly
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vividc.arch import Accelerator
+from vividc.errors import ArgumentError
+from vividc.machine.parallel import Parallel
+from vividc.program import WORD_BYTES, Program
+from vividc.sim.footprint.boxes import (
+    Block,
+    Box,
+    Boxes,
+    inside_bounds,
+    meet,
+    nest_bounds,
+    touched_boxes,
+)
+
+Array = NDArray[np.generic]
+_PARTS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128)
+"""Into how many blocks the loops directly inside are cut."""
+_FEW = 2
+"""So many blocks a tile are too few for transfers to go on while tiles compute."""
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """Elements of an array that a block needs, a box of them, and what it stores of them.
+
+    `is_moved_in`: they are not all written anew.
+    """
+
+    box: Box
+    stores: Box | None
+    is_moved_in: bool
+
+    @property
+    def row(self) -> int:
+        """Words from a row to the next."""
+        return self.box[-1][1] - self.box[-1][0]
+
+    @property
+    def words(self) -> int:
+        """Words in a scratchpad."""
+        return int(np.prod([end - start for start, end in self.box]))
+
+    def offset(self, box: Box) -> tuple[int, int]:
+        """First byte and end, from the window's, of a box in it."""
+        corners = []
+        for at in ([start for start, _ in box], [end - 1 for _, end in box]):
+            index = 0
+            for (start, end), position in zip(self.box, at, strict=True):
+                index = index * (end - start) + position - start
+            corners.append(index)
+        return WORD_BYTES * corners[0], WORD_BYTES * (corners[1] + 1)
+
+
+Windows = ReadOnly[str, Window]
+
+
+@dataclass(frozen=True)
+class BlockPlan:
+    """Blocks in the order of iterations, with the windows of each; `resident`: windows that all
+    blocks only read, and that are the same.
+    """
+
+    blocks: tuple[Block, ...]
+    windows: tuple[Windows, ...]
+    resident: Windows
+
+    def need(self, slack: int) -> int:
+        """Bytes of a scratchpad, with `slack` bytes more for each array."""
+        own = max((_bytes_of(one, slack) for one in self.windows), default=0)
+        return _bytes_of(self.resident, slack) + own
+
+
+def _bytes_of(windows: Windows, slack: int) -> int:
+    return sum(WORD_BYTES * window.words + slack for window in windows.values())
+
+
+@dataclass(frozen=True)
+class NestLaunch:
+    """What is to be cut: a nest with the words of a launch and the counters around it."""
+
+    program: Program
+    parallel: Parallel
+    inputs: ReadOnly[str, int]
+    arrays: ReadOnly[str, Array]
+    flat: frozenset[str]
+    machine: Accelerator
+
+    @property
+    def slack(self) -> int:
+        """Bytes that a place has more than its array, so that this can start in any bank."""
+        return WORD_BYTES * (self.program.fabric.scratchpad.banks - 1)
+
+    @property
+    def room(self) -> int:
+        """Bytes of a scratchpad."""
+        return self.program.fabric.scratchpad.size_bytes
+
+    def windows(self, block: Block) -> dict[str, Window]:
+        """What a block needs."""
+        shapes = {name: array.shape for name, array in self.arrays.items()}
+        widths = {name: array.itemsize for name, array in self.arrays.items()}
+        touched = touched_boxes(self.parallel, self.inputs, shapes, widths, block, self.flat)
+        return {
+            name: self._window(name, boxes)
+            for name, boxes in touched.items()
+            if boxes.hull is not None
+        }
+
+    def _window(self, name: str, boxes: Boxes) -> Window:
+        hull = boxes.hull
+        assert hull is not None
+        if boxes.stores is None and len(hull) > 1:
+            hull = (*hull[:-1], self._widened(hull[-1], self.arrays[name].shape[-1], name))
+        return Window(hull, boxes.stores, not boxes.filled)
+
+    def _widened(self, columns: tuple[int, int], length: int, name: str) -> tuple[int, int]:
+        """Columns up to the ends of DRAM's granules, which are moved whole, and so that rows are as
+        far apart as the program wishes.
+        """
+        start, end = columns
+        granule = self.machine.dram.granule_bytes // WORD_BYTES
+        if length % granule == 0:
+            start, end = start // granule * granule, -(-end // granule) * granule
+        wish = self.program.pitches.get(name)
+        if wish is not None:
+            end += (wish - (end - start)) % self.program.fabric.scratchpad.banks
+        return (start, end) if end <= length else columns
+
+    def moved(self, windows: Windows) -> int:
+        """About the cycles of DRAM's channel that a block's transfers take."""
+        total = 0
+        for name, window in windows.items():
+            if window.is_moved_in:
+                total += self._channel(name, window.box)
+            if window.stores is not None:
+                total += self._channel(name, window.stores)
+        return total
+
+    def _channel(self, name: str, box: Box) -> int:
+        granule = self.machine.dram.granule_bytes
+        whole = len(box) == 1 or box[-1] == (0, self.arrays[name].shape[-1])
+        rows = 1 if whole else int(np.prod([b - a for a, b in box[:-1]]))
+        size = WORD_BYTES * int(np.prod([b - a for a, b in box])) // max(rows, 1)
+        start = WORD_BYTES * box[-1][0] % granule if not whole else 0
+        granules = -(-(start + size) // granule)
+        return rows * granules * -(-granule // self.machine.dram.bytes_per_cycle)
+
+
+def plan_blocks(launch: NestLaunch) -> BlockPlan:
+    """Cut a nest so that it moves little, and all tiles have some of it.
+
+    Raises
+    ------
+    ArgumentError
+        Not even a single iteration fits a scratchpad.
+    """
+    first, last = nest_bounds(launch.parallel, launch.inputs)
+    inside = inside_bounds(launch.parallel, launch.inputs, first, last)
+    if first >= last:
+        return BlockPlan((), (), {})
+    width = inside[1] - inside[0] if launch.parallel.blocked else 1
+    choices = []
+    for parts in _PARTS if launch.parallel.blocked else (1,):
+        if parts == 1 or width >= 2 * parts:
+            choices += list(_sizes(launch, (first, last), inside, parts))
+    for _, length, parts in sorted(choices):
+        rows = length
+        plan = _plan(launch, (first, last), inside, rows, parts)
+        while plan.need(launch.slack) > launch.room and rows > 1:
+            rows = max(1, 3 * rows // 4)
+            plan = _plan(launch, (first, last), inside, rows, parts)
+        if plan.need(launch.slack) <= launch.room and (parts == 1 or _may_be_blocked(plan)):
+            return plan
+    raise _refusal(launch, _plan(launch, (first, last), inside, 1, 1))
+
+
+def _sizes(
+    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], parts: int
+) -> Iterator[tuple[float, int, int]]:
+    """(cost, iterations of a block, parts) of what fits."""
+    count = rows[1] - rows[0]
+    tiles = len(launch.machine.tiles)
+    low, high = 0, count
+    while low < high:
+        middle = (low + high + 1) // 2
+        if _probe(launch, rows, inside, middle, parts)[0] <= launch.room:
+            low = middle
+        else:
+            high = middle - 1
+    for number in (1, 2, 3, 4, 6, 8):
+        length = -(-low // number)
+        if not length:
+            continue
+        length = -(-count // -(-count // length))
+        blocks = parts * -(-count // length)
+        moved = _probe(launch, rows, inside, length, parts)[1] * count / length * parts
+        waits = 1 + tiles / (2 * blocks) + _FEW * tiles / (blocks * blocks)
+        yield moved * waits, length, parts
+
+
+def _cut(rows: tuple[int, int], length: int) -> list[tuple[int, int]]:
+    return [(a, min(a + length, rows[1])) for a in range(rows[0], rows[1], length)]
+
+
+def _insides(launch: NestLaunch, inside: tuple[int, int], parts: int) -> list[tuple[int, int]]:
+    """The loops inside in parts that are as long as whole granules of DRAM."""
+    if parts == 1:
+        return [inside]
+    granule = launch.machine.dram.granule_bytes // WORD_BYTES
+    length = -(-(inside[1] - inside[0]) // parts)
+    return _cut(inside, -(-length // granule) * granule)
+
+
+def _probe(
+    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], length: int, parts: int
+) -> tuple[int, int]:
+    """Bytes that a scratchpad needs, and cycles of DRAM's channel, of a block of the middle; of the
+    larger of it and the first, and the last.
+    """
+    cuts, halves = _cut(rows, length), _insides(launch, inside, parts)
+    needs, moves = [], []
+    for at in sorted({(0, 0), (len(cuts) // 2, len(halves) // 2), (len(cuts) - 1, 0)}):
+        windows = launch.windows(Block(*cuts[at[0]], halves[at[1]]))
+        needs.append(_bytes_of(windows, launch.slack))
+        moves.append(launch.moved(windows))
+    return max(needs), max(moves)
+
+
+def _plan(
+    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], length: int, parts: int
+) -> BlockPlan:
+    halves = _insides(launch, inside, parts)
+    blocks = [Block(*cut, part) for cut in _cut(rows, length) for part in halves]
+    windows = [launch.windows(block) for block in blocks]
+    first = windows[0]
+    resident = {
+        name: window
+        for name, window in first.items()
+        if window.stores is None and all(one.get(name) == window for one in windows)
+    }
+    own = tuple({n: w for n, w in one.items() if n not in resident} for one in windows)
+    return BlockPlan(tuple(blocks), own, resident)
+
+
+def _may_be_blocked(plan: BlockPlan) -> bool:
+    """Whether no block of the same outer iterations writes what another one touches: then their
+    order does not matter, which is another one than the kernel's.
+    """
+    same: dict[int, list[Windows]] = {}
+    for block, windows in zip(plan.blocks, plan.windows, strict=True):
+        same.setdefault(block.first, []).append(windows)
+    return not any(
+        _clash(one, other)
+        for group in same.values()
+        for number, one in enumerate(group)
+        for other in group[number + 1 :]
+    )
+
+
+def _clash(one: Windows, other: Windows) -> bool:
+    for name in one.keys() & other.keys():
+        for a, b in ((one[name], other[name]), (other[name], one[name])):
+            if a.stores is not None and meet(a.stores, b.box):
+                return True
+    return False
+
+
+def _refusal(launch: NestLaunch, plan: BlockPlan) -> ArgumentError:
+    windows: dict[str, int] = {}
+    for one in (*plan.windows, plan.resident):
+        for name, window in one.items():
+            windows[name] = max(windows.get(name, 0), WORD_BYTES * window.words)
+    parts = ", ".join(
+        f"{name} {size} of {launch.arrays[name].nbytes}" for name, size in windows.items()
+    )
+    return ArgumentError(
+        f"one iteration of the loop needs {plan.need(launch.slack)} bytes of a scratchpad of "
+        f"{launch.room}: {parts}",
+        loc=launch.parallel.loc,
+        hint="let an iteration do less, or go through the arrays by blocks that fit",
+    )
