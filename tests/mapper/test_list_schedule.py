@@ -55,6 +55,26 @@ def sum_of(leaves: int) -> DFG:
     return DFG("sum", tuple(nodes), tuple(edges))
 
 
+def chains(count: int, width: int) -> DFG:
+    """Chains beside each other, each of which has `width` words alive at once in its middle."""
+    nodes = [Node(index, Opcode.MOV) for index in range(count)]
+    edges: list[Edge] = []
+
+    def made(op: Opcode, left: int, right: int) -> int:
+        nodes.append(Node(len(nodes), op))
+        edges.extend((Edge(left, nodes[-1].id, 0), Edge(right, nodes[-1].id, 1)))
+        return nodes[-1].id
+
+    for first in range(count):
+        words = [first]
+        for _ in range(width):
+            words.append(made(Opcode.ADD, first, words[-1]))
+        last = words[-1]
+        for word in words[1:-1]:
+            last = made(Opcode.MUL, last, word)
+    return DFG("chains", tuple(nodes), tuple(edges))
+
+
 FABRICS: dict[str, Fabric] = {
     "vivid-tile": load("vivid-tile"),
     "vivid-tile-unit": load("vivid-tile-unit"),
@@ -172,6 +192,11 @@ def test_two_variables_are_exchanged_without_losing_a_word() -> None:
 
 def test_many_words_alive_at_once_fit_few_registers() -> None:
     assert legal_schedule(MapProblem(sum_of(64), FABRICS["one-register"])).ii <= 20
+
+
+def test_chains_whose_words_do_not_fit_together_come_one_after_another() -> None:
+    """60 chains with 5 words each need 300 registers if they keep pace, of 128."""
+    legal_schedule(MapProblem(chains(60, 5), FABRICS["vivid-tile"]))
 
 
 def test_resident_constants_leave_less_room() -> None:

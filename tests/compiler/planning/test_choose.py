@@ -177,6 +177,47 @@ def test_rows_with_several_reductions_run_side_by_side() -> None:
     assert 4 * likely.estimate.cycles < first.estimate.cycles
 
 
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1])")
+def scaled_rows(x, y):
+    """Rows over their lengths, then each element over a root."""
+    for i in range(x.shape[0]):
+        total = np.float32(0)
+        for j in range(x.shape[1]):
+            total += x[i, j] * x[i, j]
+        scale = np.float32(1) / np.sqrt(total / np.float32(x.shape[1]) + np.float32(1e-5))
+        for j in range(x.shape[1]):
+            y[i, j] = x[i, j] * scale
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            y[i, j] /= np.sqrt(x[i, j])
+
+
+@pytest.mark.slow
+def test_large_straight_regions_are_no_reason_for_large_loops() -> None:
+    stages = plan(scaled_rows).stages
+    assert max(stage.estimate.largest_straight for stage in stages) > 500
+    assert all(stage.estimate.largest_loop(16) <= 24 * 16 for stage in stages)
+
+
+@vividc.kernel("void(float32[:, ::1], float32[::1], float32[:, ::1], float32[:, ::1])")
+def centred_product(a, mean, b, c):
+    """The means of a's columns, a small part of the work, then a product."""
+    for j in range(a.shape[1]):
+        mean[j] = np.float32(0)
+        for i in range(a.shape[0]):
+            mean[j] += a[i, j]
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            for k in range(a.shape[1]):
+                c[i, j] += a[i, k] * b[k, j]
+
+
+def test_a_nest_is_restructured_that_gains_of_its_own_cycles() -> None:
+    """By all that the kernel takes as written, the means are nothing."""
+    kinds = [kind for kind, _ in chosen(centred_product)]
+    assert kinds.count("restructuring") == 2
+
+
 @vividc.kernel("void(int32, float32[:, ::1])")
 def smoothed(steps, a):
     """Each element from its neighbours, some of them new."""

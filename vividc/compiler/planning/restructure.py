@@ -74,6 +74,11 @@ _LARGER = 3
 _FAR = 1.5
 """Times the contexts: what takes more is not tried in other ways."""
 
+_SURE = 0.1
+"""By this share all contexts must make it faster that groups which are not full follow behind the
+others: at lengths that leave larger rests it is slower (covariance of 28 columns by 5).
+"""
+
 _SPARE = 0.25
 """Of the contexts: straight regions take more than their bounds (lu 545, where the bounds fit into
 512), and may need more registers than there are (covariance).
@@ -144,7 +149,6 @@ class _Climb:
     trips: Mapping[str, float]
     most_operations: int
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
-    _trees: dict[str, Loop] = field(default_factory=dict)
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
 
@@ -166,6 +170,9 @@ class _Climb:
         made = [one for one in self._tried.values() if one is not None]
         made += self._with_loads(min(made, key=lambda one: one.cycles)) if made else ()
         made.sort(key=lambda one: one.cycles)
+        if made:
+            surest = self._surest(made)
+            made.sort(key=lambda one: one is not surest)
         kept = dict.fromkeys((*(self._most_likely(made, most) for most in _STRAIGHT), 0))
         return tuple(made[place] for place in kept if made)
 
@@ -179,9 +186,21 @@ class _Climb:
         """A form with loads of what iterations could carry, if that is better: what they carry is
         loaded before the loop.
         """
-        made = self._made(self._trees[best.tree], best.tree, carries=False)
+        made = self._made(best.tree, carries=False)
         if made is not None and made.cycles < best.cycles:
             yield made
+
+    def _surest(self, made: list[Restructured]) -> Restructured:
+        """The fastest of these; or the same with its groups masked, or not masked, if it takes
+        fewer contexts and is nearly as fast.
+        """
+        contexts = self.estimator.fabric.controller.contexts
+        fastest = min(made, key=lambda one: one.cycles)
+        shape = describe(fastest.tree).replace("?", "")
+        return min(
+            (one for one in made if describe(one.tree).replace("?", "") == shape),
+            key=lambda one: one.cycles * (1.0 + _SURE * one.estimate.contexts / contexts),
+        )
 
     def _most_likely(self, made: list[Restructured], straight: int) -> int:
         """The place of the best of these whose contexts and straight regions (operations a PE) give
@@ -304,11 +323,10 @@ class _Climb:
         if name not in self._tried and len(self._tried) < _MOST_TRIES:
             time_limit.step("loops were restructured")
             legal = is_legal(tree, self.relations)
-            self._tried[name] = self._made(tree, name) if legal else None
-            self._trees[name] = tree
+            self._tried[name] = self._made(tree) if legal else None
         return self._tried.get(name)
 
-    def _made(self, tree: Loop, name: str, *, carries: bool = True) -> Restructured | None:
+    def _made(self, tree: Loop, *, carries: bool = True) -> Restructured | None:
         loops = loops_of(tree, self.relations)
         if isinstance(loops, Refusal) or self._is_too_large(loops):
             return None

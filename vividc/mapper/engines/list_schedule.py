@@ -145,22 +145,25 @@ class _Stuck(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Policy:
-    """How one trial decides. Above `pressure` parked words per register, readers go first; a store
+    """How one trial decides. Above `pressure` parked words per register, readers go first, of these
+    if `deep` those of the newest words: chains beside each other come one after the other. A store
     with less than `spared` entries left is avoided by a cycle for each that is missing.
     """
 
     urgency: dict[int, int]
     pressure: float
+    deep: bool
     affinity: int
     constants: int
     spared: int
 
 
 def _policy(trial: int, urgency: dict[int, int], crowded: bool, frugal: bool) -> _Policy:
-    pressure = 0.0 if crowded and trial % 2 else 0.25 if crowded else 0.6
+    deep = crowded and trial % 2 == 1
     return _Policy(
         urgency,
-        pressure,
+        pressure=0.0 if deep else 0.25 if crowded else 0.6,
+        deep=deep,
         affinity=(2, 0, 4)[trial % 3],
         constants=8 if crowded or frugal else 1,
         spared=_SPARED if frugal else 0,
@@ -215,6 +218,7 @@ class _Schedule:
         self.constants: dict[int, frozenset[ConstantKey]] = self._fixed_constants()
         self.readers = self._readers_of_written_variables()
         self.horizon = 0
+        self.order: dict[int, int] = {}
         self.registers = sum(pe.registers for pe in self.fabric.pes)
 
     def run(self) -> Mapping:
@@ -280,10 +284,16 @@ class _Schedule:
         outs = (node for node in self.dfg.placed if node.op is Opcode.LIVE_OUT)
         return {out.id: tuple(dict.fromkeys(readers[out.name])) for out in outs}
 
-    def _rank(self, node: Node) -> tuple[int, int, int]:
+    def _rank(self, node: Node) -> tuple[int, int, int, int]:
         height = self.heights.of[node.id] + self.policy.urgency.get(node.id, 0)
-        crowded = len(self.router.parked) > self.policy.pressure * self.registers
-        return (self._words_added(node) if crowded else 0, -height, node.id)
+        if len(self.router.parked) <= self.policy.pressure * self.registers:
+            return 0, 0, -height, node.id
+        newest = 0
+        if self.policy.deep:
+            newest = max(
+                (self.order.get(edge.src, 0) for _, edge in self.operands[node.id]), default=0
+            )
+        return self._words_added(node), -newest, -height, node.id
 
     def _words_added(self, node: Node) -> int:
         counts: dict[int, int] = defaultdict(int)
@@ -300,6 +310,7 @@ class _Schedule:
             raise _Stuck(node, self._why_stuck(node))
         cost = self._try(node, option.pe, option.time)
         assert cost is not None, "a trial placement does not repeat"
+        self.order[node.id] = len(self.order) + 1
         self.horizon = max(self.horizon, option.time + end_after_start(self.fabric, node))
 
     def _best_option(self, node: Node) -> _Option | None:
