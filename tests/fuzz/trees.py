@@ -7,6 +7,7 @@ fused, skewed, jammed, masked, in order), and the words that both leave in memor
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from collections import Counter
@@ -20,6 +21,7 @@ import islpy as isl
 
 from tests.ssa.compiled import Outside, Run, compiled
 from tests.ssa.polyhedral.nests import settled
+from tests.ssa.polyhedral.sums import random_sums
 from tests.ssa.polyhedral.wide_nests import MOST, WIDTH, random_wide_nest
 from vividc.machine.words import WORD_MASK
 from vividc.ssa.analysis.levels import with_own_latches
@@ -28,10 +30,9 @@ from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Const, Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
-from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.rows import with_own_rows
-from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import (
+from vividc.ssa.polyhedral.orders.in_memory import in_memory
+from vividc.ssa.polyhedral.orders.realigned import other_orders
+from vividc.ssa.polyhedral.orders.search import (
     at,
     describe,
     has_masks,
@@ -42,6 +43,9 @@ from vividc.ssa.polyhedral.search import (
     skewed,
     with_factors,
 )
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.rows import with_own_rows
+from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
@@ -51,6 +55,10 @@ _MOVES = 4
 """So many orders of a part at most, each one step from the one before."""
 _TREES = 3
 """Of each order, with random factors."""
+_SUMS = 0.3
+"""Share of nests of sums in memory, whose loops may be another's outermost."""
+_ALIGNED = 2
+"""Parts with other loops outermost that are tried of one."""
 _KNOWN = 0.2
 """Share of nests for one number only."""
 _JUNK = 0xA5A5A5A5
@@ -89,7 +97,7 @@ class Search:
     def run(self, seed: int) -> None:
         """All programs of one seed."""
         chance = Random(seed)
-        function = random_wide_nest(seed)
+        function = random_sums(seed) if chance.random() < _SUMS else random_wide_nest(seed)
         known = None
         if chance.random() < _KNOWN:
             known = chance.randrange(MOST + 1)
@@ -118,6 +126,7 @@ class Search:
             found = find_scop(with_own_latches(function, loop.header), loop.header)
             if isinstance(found, Scop):
                 yield found
+                yield from _others(found)
             else:
                 self.counts[found.reason] += 1
 
@@ -176,6 +185,14 @@ class Search:
             if not ended or mine != expected:
                 self.finds.append(f"{what}, {inputs}")
                 return
+
+
+def _others(scop: Scop) -> Iterator[Scop]:
+    """The part with its sums in memory, and in orders with other loops outermost."""
+    moved = in_memory(scop)
+    if moved is not scop:
+        yield moved
+    yield from itertools.islice(other_orders(Relations(scop)), _ALIGNED)
 
 
 @contextmanager

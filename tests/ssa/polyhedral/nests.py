@@ -22,7 +22,7 @@ TEMPORARY = 12
 """Words of the temporary `t`."""
 
 _DEPTH = 3
-_PARAMS = (Param("a", DType.I32, 1), Param("b", DType.I32, 2), Param("n", DType.I32, 0))
+PARAMS = (Param("a", DType.I32, 1), Param("b", DType.I32, 2), Param("n", DType.I32, 0))
 
 DTYPES = (DType.I32, DType.U8, DType.I8, DType.U16, DType.I16)
 """Of the elements of `a` and `b`."""
@@ -319,7 +319,7 @@ def _ended(builder: Builder) -> Function:
         builder.instrs.append(replace(store, width=width))
     builder.close(Branch())
     more = (Param("t", DType.I32, 1),) if builder.temporaries else ()
-    params = tuple(replace(p, dtype=builder.dtype) if p.ndim else p for p in (*_PARAMS, *more))
+    params = tuple(replace(p, dtype=builder.dtype) if p.ndim else p for p in (*PARAMS, *more))
     return Function("nest", params, tuple(builder.blocks))
 
 

@@ -29,9 +29,7 @@ from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
-from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import (
+from vividc.ssa.polyhedral.orders.search import (
     at,
     describe,
     has_masks,
@@ -42,6 +40,8 @@ from vividc.ssa.polyhedral.search import (
     skewed,
     with_factors,
 )
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy

@@ -23,8 +23,8 @@ from vividc.ssa.polyhedral.loops import (
     loops_of,
 )
 from vividc.ssa.polyhedral.loops import Test as Comparison
+from vividc.ssa.polyhedral.orders.search import with_factors
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.search import with_factors
 from vividc.ssa.polyhedral.trees import tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy

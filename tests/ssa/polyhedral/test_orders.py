@@ -17,9 +17,7 @@ from vividc.ssa.interpret import interpret
 from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
-from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.search import (
+from vividc.ssa.polyhedral.orders.search import (
     Path,
     describe,
     groups,
@@ -28,6 +26,8 @@ from vividc.ssa.polyhedral.search import (
     orders,
     with_factors,
 )
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy

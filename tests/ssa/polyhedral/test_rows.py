@@ -13,10 +13,7 @@ from tests.ssa.polyhedral.test_generate import NUMBERS, demand_same, parts_of
 from vividc.ssa.interpret import interpret
 from vividc.ssa.polyhedral.generate import Generated, generate
 from vividc.ssa.polyhedral.loops import loops_of
-from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
-from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.search import (
+from vividc.ssa.polyhedral.orders.search import (
     describe,
     groups_with_rows,
     has_masks,
@@ -24,6 +21,9 @@ from vividc.ssa.polyhedral.search import (
     may_jam,
     with_factors,
 )
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
+from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy

@@ -10,14 +10,18 @@ from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.flow import find_loops
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
+from vividc.ssa.polyhedral.orders.realigned import realigned
+from vividc.ssa.polyhedral.orders.search import has_masks, is_legal
 from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import rows_of
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop, find_scop
-from vividc.ssa.polyhedral.search import has_masks, is_legal
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
+
+_MOST_REALIGNED = 1
+"""Orders with a sum's loop outermost that are compared with those of the source."""
 
 
 @dataclass(frozen=True)
@@ -113,10 +117,24 @@ def with_loops(
     return replace(found, state=changed)
 
 
-def with_tree(state: State, header: str, tree: Loop, trips: Mapping[str, float]) -> State | Refusal:
-    """The state with the loops of a tree for the part at `header`, if they keep its order."""
+def written_orders(scop: Scop) -> list[Scop]:
+    """A part as it is, and written with the loop of a sum outermost."""
+    return [scop, *realigned(Relations(scop), _MOST_REALIGNED)]
+
+
+def with_tree(
+    state: State, header: str, order: int, tree: Loop, trips: Mapping[str, float]
+) -> State | Refusal:
+    """The state with the loops of a tree for the part at `header`, in one of its `written_orders`,
+    if they keep its order.
+    """
     scop = static_part(state, header)
-    return scop if isinstance(scop, Refusal) else _with_tree(state, scop, tree, trips)
+    if isinstance(scop, Refusal):
+        return scop
+    orders = written_orders(scop)
+    if order >= len(orders):
+        return Refusal("its sums are elsewhere now")
+    return _with_tree(state, orders[order], tree, trips)
 
 
 def _with_tree(state: State, scop: Scop, tree: Loop, trips: Mapping[str, float]) -> State | Refusal:

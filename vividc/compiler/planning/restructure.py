@@ -8,18 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product
 
 from vividc.compiler.planning.estimate import Estimate, Estimator
-from vividc.compiler.planning.parts import expected_lengths, static_part, with_loops
+from vividc.compiler.planning.parts import expected_lengths, static_part, with_loops, written_orders
 from vividc.compiler.planning.state import State
 from vividc.host import time_limit
 from vividc.machine.opcodes import MEMORY
 from vividc.ssa.polyhedral.loops import Loops, fors_in, loops_of, runs_in
-from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.rows import rows_of
-from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.search import (
+from vividc.ssa.polyhedral.orders.search import (
     Path,
     at,
     describe,
@@ -31,6 +29,9 @@ from vividc.ssa.polyhedral.search import (
     orders,
     with_factors,
 )
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.rows import rows_of
+from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 
@@ -54,7 +55,9 @@ _SMALLER_FACTORS = {(4, 4): ((1, 4), (4, 1), (2, 2)), (4,): ((2,),)}
 _PAYS = 2.0
 """Factors that are tried of a loop and one inside it, and of one loop; then larger ones of those
 that are faster than none, and smaller ones of those that are not so many times as fast. A PE array
-of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best).
+of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best). Other
+orders of the source's loops are not looked at where one with a sum's loop outermost is so many
+times as fast as the source's own.
 """
 
 _LARGEST = 16
@@ -102,11 +105,13 @@ class Restructured:
     """A state with other loops, what is estimated of it, and the tree of these loops.
 
     `cycles`: the mean of what is estimated of it for symbols as they are expected, and larger; what
-    is best for one is not for the other.
+    is best for one is not for the other. `order`: which of the part's
+    `written_orders` the tree is of.
     """
 
     state: State
     estimate: Estimate
+    order: int
     tree: Loop
     factor: int
     cycles: float
@@ -126,9 +131,53 @@ def restructured(
     scop = static_part(state, header)
     if isinstance(scop, Refusal):
         return scop
-    climb = _Climb(state, scop, estimator, trips, most_operations)
-    found = climb.best()
-    return found or Refusal("no other loops can be generated")
+    symbols = expected_lengths(scop, trips)
+    own, *others = (
+        _Climb(state, order, part, estimator, symbols, most_operations)
+        for order, part in enumerate(written_orders(scop))
+    )
+    least = min(map(_Climb.least, others), default=math.inf)
+    tried = others if least * _PAYS < own.as_written() else [own, *others]
+    best = min(tried, key=_Climb.least)
+    made = best.climb()
+    made += [one for climb in (own, *others) if climb is not best for one in climb.made]
+    return _ranked(made, estimator) or Refusal("no other loops can be generated")
+
+
+def _ranked(made: list[Restructured], estimator: Estimator) -> tuple[Restructured, ...]:
+    """The tree with the fewest estimated cycles, before it one that is sure to be mapped."""
+    made = sorted(made, key=lambda one: one.cycles)
+    if made:
+        surest = _surest(made, estimator)
+        made.sort(key=lambda one: one is not surest)
+    kept = dict.fromkeys((*(_most_likely(made, most, estimator) for most in _STRAIGHT), 0))
+    return tuple(made[place] for place in kept if made)
+
+
+def _surest(made: list[Restructured], estimator: Estimator) -> Restructured:
+    """The fastest of these; or the same with its groups masked, or not masked, if it takes fewer
+    contexts and is nearly as fast.
+    """
+    contexts = estimator.fabric.controller.contexts
+    fastest = min(made, key=lambda one: one.cycles)
+    shape = describe(fastest.tree).replace("?", "")
+    return min(
+        (one for one in made if describe(one.tree).replace("?", "") == shape),
+        key=lambda one: one.cycles * (1.0 + _SURE * one.estimate.contexts / contexts),
+    )
+
+
+def _most_likely(made: list[Restructured], straight: int, estimator: Estimator) -> int:
+    """The place of the best of these whose contexts and straight regions (operations a PE) give a
+    mapper room; 0 if none's do.
+    """
+    fabric = estimator.fabric
+    room = (1.0 - _SPARE) * fabric.controller.contexts
+    longest = straight * len(fabric.pes)
+    for place, one in enumerate(made):
+        if one.estimate.contexts <= room and one.estimate.largest_straight <= longest:
+            return place
+    return 0
 
 
 def _filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
@@ -144,9 +193,10 @@ def _filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
 @dataclass
 class _Climb:
     state: State
+    order: int
     scop: Scop
     estimator: Estimator
-    trips: Mapping[str, float]
+    symbols: Mapping[str, float]
     most_operations: int
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
     _smaller: int = 0
@@ -154,27 +204,43 @@ class _Climb:
 
     def __post_init__(self) -> None:
         self.relations = Relations(self.scop)
-        self.symbols = expected_lengths(self.scop, self.trips)
         self.larger = {name: _LARGER * length for name, length in self.symbols.items()}
 
-    def best(self) -> tuple[Restructured, ...]:
-        """The tree with the fewest estimated cycles, before it one that is sure to be mapped."""
-        ranked: list[tuple[float, int, Loop, list[tuple[Path, ...]]]] = []
-        for order in orders(tree_of(self.scop), self.relations):
-            for tree, jammed in self._ways(order):
-                cycles = min(self._cycles(tree), self._first(tree, jammed))
-                ranked.append((cycles, len(ranked), tree, jammed))
-        cycles, _, tree, jammed = min(ranked, key=lambda one: one[:2])
-        if cycles < math.inf:
-            self._climb(tree, jammed)
-        made = [one for one in self._tried.values() if one is not None]
-        made += self._with_loads(min(made, key=lambda one: one.cycles)) if made else ()
-        made.sort(key=lambda one: one.cycles)
-        if made:
-            surest = self._surest(made)
-            made.sort(key=lambda one: one is not surest)
-        kept = dict.fromkeys((*(self._most_likely(made, most) for most in _STRAIGHT), 0))
-        return tuple(made[place] for place in kept if made)
+    @property
+    def made(self) -> list[Restructured]:
+        """All that was made."""
+        return [one for one in self._tried.values() if one is not None]
+
+    @cached_property
+    def start(self) -> tuple[float, Loop, list[tuple[Path, ...]]]:
+        """The order with the fewest cycles, and what of it may be jammed."""
+        found = orders(tree_of(self.scop), self.relations)
+        return min(map(self._ranked, found), key=lambda one: one[0])
+
+    def least(self) -> float:
+        """Cycles of the best order with the first factors."""
+        return self.start[0]
+
+    def as_written(self) -> float:
+        """Cycles of the part's own order with the first factors."""
+        return self._ranked(tree_of(self.scop))[0]
+
+    def climb(self) -> list[Restructured]:
+        """Gives groups of loops of the best order factors, one group after the other; all that was
+        made.
+        """
+        cycles, tree, jammed = self.start
+        for group in jammed if cycles < math.inf else ():
+            tree = self._jammed(tree, group)
+        made = self.made
+        return [*made, *self._with_loads(min(made, key=lambda one: one.cycles))] if made else []
+
+    def _ranked(self, order: Loop) -> tuple[float, Loop, list[tuple[Path, ...]]]:
+        ranked = [
+            (min(self._cycles(tree), self._first(tree, jammed)), tree, jammed)
+            for tree, jammed in self._ways(order)
+        ]
+        return min(ranked, key=lambda one: one[0])
 
     def _ways(self, order: Loop) -> Iterator[tuple[Loop, list[tuple[Path, ...]]]]:
         """An order with the loops to jam of it, and with temporaries that have rows."""
@@ -189,30 +255,6 @@ class _Climb:
         made = self._made(best.tree, carries=False)
         if made is not None and made.cycles < best.cycles:
             yield made
-
-    def _surest(self, made: list[Restructured]) -> Restructured:
-        """The fastest of these; or the same with its groups masked, or not masked, if it takes
-        fewer contexts and is nearly as fast.
-        """
-        contexts = self.estimator.fabric.controller.contexts
-        fastest = min(made, key=lambda one: one.cycles)
-        shape = describe(fastest.tree).replace("?", "")
-        return min(
-            (one for one in made if describe(one.tree).replace("?", "") == shape),
-            key=lambda one: one.cycles * (1.0 + _SURE * one.estimate.contexts / contexts),
-        )
-
-    def _most_likely(self, made: list[Restructured], straight: int) -> int:
-        """The place of the best of these whose contexts and straight regions (operations a PE) give
-        a mapper room; 0 if none's do.
-        """
-        fabric = self.estimator.fabric
-        room = (1.0 - _SPARE) * fabric.controller.contexts
-        longest = straight * len(fabric.pes)
-        for place, one in enumerate(made):
-            if one.estimate.contexts <= room and one.estimate.largest_straight <= longest:
-                return place
-        return 0
 
     def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
         """Cycles with the first factors whose code fits into the contexts."""
@@ -258,11 +300,6 @@ class _Climb:
             if any(bound.names & counted for bound in bounds):
                 return True
         return False
-
-    def _climb(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> None:
-        """Gives groups of loops factors, one group after the other."""
-        for group in jammed:
-            tree = self._jammed(tree, group)
 
     def _jammed(self, tree: Loop, group: tuple[Path, ...]) -> Loop:
         """The tree with the best factors of a group of its loops, or none."""
@@ -347,7 +384,7 @@ class _Climb:
             return None
         large = self.estimator.estimate(function, {**hints, **made.hints(loops, self.larger)})
         mean = math.sqrt(estimate.cycles * large.cycles)
-        return Restructured(made.state, estimate, tree, made.factor, mean)
+        return Restructured(made.state, estimate, self.order, tree, made.factor, mean)
 
     def _is_too_large(self, loops: Loops) -> bool:
         """Whether an innermost loop is sure to have too many operations, even if two instructions
