@@ -13,7 +13,7 @@ from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode
-from vividc.ssa.flow import pipelined_loops
+from vividc.ssa.flow import find_loops, pipelined_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.rewrite.tidy import tidy
 
@@ -65,6 +65,32 @@ def test_elements_are_loaded_again_where_registers_gain_nothing() -> None:
     for loop in pipelined_loops(made):
         inside = [i.op for b in made.blocks if b.name in loop.blocks for i in b.instrs]
         assert inside.count(Opcode.LOAD) > inside.count(Opcode.STORE)
+
+
+@vividc.kernel("void(int32[::1], int32[:, ::1], int32)")
+def intervals(a, b, n):
+    """Each interval takes the most that its halves, or what is inside it, make; sums are int64."""
+    for i in range(b.shape[0] - 1, -1, -1):
+        for j in range(i + 1, b.shape[0]):
+            if i + 1 < j:
+                b[i, j] = max(b[i, j], b[i + 1, j - 1] + a[j])
+            else:
+                b[i, j] = max(b[i, j], a[i])
+            for k in range(i + 1, j):
+                b[i, j] = max(b[i, j], b[i, k] + b[k + 1, j])
+
+
+def test_intervals_of_one_length_are_jammed_though_a_branch_tells_the_shortest() -> None:
+    function = tidy(intervals.lower())
+    found = restructured(function)
+    assert found
+    for made in found:
+        demand_same(function, made, "intervals")
+    sums = [
+        sum(i.op is Opcode.LOAD for b in found[-1].blocks if b.name in o.blocks for i in b.instrs)
+        for o in find_loops(found[-1])
+    ]
+    assert max(sums) >= 8  # four intervals at a time, two loads of each
 
 
 def demand_choices_mean_the_same(seed: int) -> None:

@@ -45,6 +45,8 @@ class Builder:
     names: int = 0
     in_bytes: random.Random = field(default_factory=lambda: random.Random(0))
     """Decides whether indices count bytes, as of rows that LLVM knows."""
+    in_branches: random.Random = field(default_factory=lambda: random.Random(0))
+    """Decides what runs under a test of counters and bounds."""
     temporaries: bool = False
     dtype: DType = DType.I32
 
@@ -74,6 +76,8 @@ class Builder:
         for _ in range(self.chance.randint(1, 3 if depth else 2)):
             if depth < _DEPTH and self.chance.random() < (0.9 if not depth else 0.5):
                 self.loop(depth)
+            elif depth and self.in_branches.random() < 0.12:
+                self.branch(depth)
             elif depth:
                 self.statement()
             if depth and self.temporaries and depth < _DEPTH and self.chance.random() < 0.5:
@@ -115,6 +119,29 @@ class Builder:
         load = Instr(self.new(), Opcode.LOAD, Type.I32, operands, "t", 2, offset)
         self.instrs.append(load)
         return Ref(load.id)
+
+    def branch(self, depth: int) -> None:
+        """Statements and loops under a test, and others under its opposite; what they leave in
+        scalars is forgotten.
+        """
+        choose = self.in_branches.choice
+        limit = choose([*self.counters, *map(Const, range(6)), Input("n")])
+        sides = self.in_branches.sample([choose(self.counters), limit], 2)
+        op = choose([Opcode.ICMP_SLT, Opcode.ICMP_SLE, Opcode.ICMP_EQ])
+        if choose([True, False]):
+            sides[0] = self.emit(Opcode.ADD, sides[0], Const(1), exact=True)
+        test, kept = self.emit(op, *sides), list(self.scalars)
+        then, after = self.fresh("then"), self.fresh("joined")
+        other = after if op is Opcode.ICMP_EQ else choose([after, self.fresh("else")])
+        self.close(Branch(then, test, other))
+        for arm in (then, other):
+            if arm != after:
+                self.open(arm)
+                self.body(depth)
+                self.statement()
+                self.close(Branch(after))
+                self.scalars = list(kept)
+        self.open(after)
 
     def statement(self) -> None:
         """A load, a store, or arithmetic on a scalar."""
@@ -306,6 +333,7 @@ def random_nest(seed: int, dtype: DType = DType.I32, *, temporaries: bool = Fals
     """
     chances = (random.Random(seed), random.Random(seed))
     builder = Builder(chances[0], in_bytes=chances[1], temporaries=temporaries, dtype=dtype)
+    builder.in_branches = random.Random(seed)
     builder.body(0)
     return _ended(builder)
 

@@ -32,6 +32,7 @@ from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.orders.search import (
     at,
     describe,
+    fronts,
     has_masks,
     is_legal,
     loops_in,
@@ -113,7 +114,9 @@ def test_sums_of_a_jammed_triangle_stay_in_registers() -> None:
 def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: int) -> list[Loop]:
     """Legal trees of a part, with random factors."""
     trees = orders(tree_of(scop), relations)
-    later = [tree for tree in skewed(chance.choice(trees)) if is_legal(tree, relations)]
+    base = chance.choice(trees)
+    moved = (*skewed(base), *fronts(base, scop))
+    later = [tree for tree in moved if is_legal(tree, relations)]
     trees += chance.sample(later, min(len(later), 2))
     chosen = []
     for tree in chance.sample(trees, min(most, len(trees))):
@@ -190,7 +193,9 @@ def test_a_part_without_parameters_can_be_jammed() -> None:
 
 
 def test_many_nests_are_parts() -> None:
-    assert sum(bool(parts_of(tidy(random_nest(seed)))) for seed in range(40)) > 25
+    parts = [parts_of(tidy(random_nest(seed))) for seed in range(40)]
+    assert sum(map(bool, parts)) > 20
+    assert sum(any(s.guards for scop in some for s in scop.statements) for some in parts) > 5
 
 
 @pytest.mark.slow

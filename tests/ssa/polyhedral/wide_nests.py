@@ -156,6 +156,7 @@ class _Wide(Builder):
 def random_wide_nest(seed: int) -> Function:
     """A function of `PARAMS`; where it leaves its arrays it is no program."""
     builder = _Wide(seed)
+    builder.in_branches = random.Random(seed)
     builder.body(0)
     for place, value in enumerate(builder.scalars):
         array = "f" if place + 1 == len(builder.scalars) else "a"

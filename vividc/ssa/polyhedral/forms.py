@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
+
+from vividc.machine.opcodes import Opcode
+
+COMPARISONS: Final = (Opcode.ICMP_SLT, Opcode.ICMP_SLE, Opcode.ICMP_EQ)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,3 +66,14 @@ def symbol(name: str) -> Form:
 
 ZERO = Form()
 """The form of 0."""
+
+
+def compared(op: Opcode, left: Form, right: Form, holds: bool) -> tuple[Form, ...]:
+    """Forms that are at least 0 where one of `COMPARISONS` holds, or does not; none where two
+    numbers differ, which no such forms tell.
+    """
+    gap = right.plus(left, -1)
+    if op is Opcode.ICMP_EQ:
+        return (gap, gap.times(-1)) if holds else ()
+    least = Form((), int((op is Opcode.ICMP_SLT) == holds))
+    return ((gap if holds else gap.times(-1)).plus(least, -1),)

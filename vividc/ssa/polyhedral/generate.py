@@ -29,7 +29,8 @@ from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
 from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
-from vividc.ssa.polyhedral.scop import Scop, element_bytes
+from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.polyhedral.subscripts import element_bytes
 from vividc.ssa.polyhedral.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
 

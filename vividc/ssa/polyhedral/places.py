@@ -21,7 +21,8 @@ from vividc.ssa.polyhedral.guards import (
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Quotient, Run, fors_in, runs_in
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import names_of_rows
-from vividc.ssa.polyhedral.scop import Access, Scop, Statement
+from vividc.ssa.polyhedral.scop import Scop, Statement
+from vividc.ssa.polyhedral.subscripts import Access
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from operator import eq
 
@@ -12,7 +12,8 @@ import islpy as isl
 
 from vividc.ssa.ir import is_dimension
 from vividc.ssa.polyhedral.forms import Form, symbol
-from vividc.ssa.polyhedral.scop import Access, Nest, Scop, Statement
+from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
+from vividc.ssa.polyhedral.subscripts import Access
 
 LARGE = 1 << 28
 """No other symbol is larger in a loop that ends; smaller ones count as its negative: bounds of
@@ -36,9 +37,13 @@ class Rows:
 
 @dataclass(frozen=True)
 class Relations:
-    """Sets and relations of one part; statements are named tuples of their coordinates."""
+    """Sets and relations of one part; statements are named tuples of their coordinates.
+
+    `legal`: of orders of loops that were asked for, by name, whether they keep the dependences.
+    """
 
     scop: Scop
+    legal: dict[str, bool] = field(default_factory=dict, compare=False)
 
     @cached_property
     def parameters(self) -> str:
@@ -58,6 +63,7 @@ class Relations:
         """The iterations of a statement."""
         names = ", ".join(statement.coordinates)
         bounds = [f"{dim.bounds[0]} <= {dim.name} < {dim.bounds[1]}" for dim in statement.dims]
+        bounds += [f"{guard} >= 0" for guard in statement.guards]
         text = f"{self.parameters} -> {{ {statement.name}[{names}] : {' and '.join(bounds)} }}"
         return isl.Set(text).intersect_params(self.context)
 

@@ -17,6 +17,7 @@ from typing import Final
 from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.params import DType
 from vividc.machine.words import WORD_BYTES, signed
+from vividc.ssa.analysis.conjunctions import CONTRARY, Conjunctions, only_tested
 from vividc.ssa.analysis.counters import Counter, counter_of
 from vividc.ssa.analysis.levels import Level, level_of
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
@@ -33,8 +34,8 @@ from vividc.ssa.ir import (
     definition_of,
     is_dimension,
 )
-from vividc.ssa.polyhedral.forms import Form, symbol
-from vividc.ssa.polyhedral.subscripts import subscripts_of
+from vividc.ssa.polyhedral.forms import COMPARISONS, Form, compared, symbol
+from vividc.ssa.polyhedral.subscripts import Access, element_bytes, subscripts_of
 from vividc.ssa.rewrite.refusal import Refusal
 
 
@@ -49,27 +50,6 @@ class Dimension:
     name: str
     value: Form
     bounds: tuple[Form, Form]
-
-
-@dataclass(frozen=True)
-class Access:
-    """A load or store: the element of `array` with these subscripts."""
-
-    instr: Instr
-    array: str
-    subscripts: tuple[Form, ...]
-
-    @property
-    def is_store(self) -> bool:
-        """Whether it writes."""
-        return self.instr.op is Opcode.STORE
-
-
-def element_bytes(instr: Instr) -> int:
-    """Bytes from one element to the next, as subscripts of an access count them: its index may
-    count bytes, where LLVM has folded the constant rows of an array of known sizes.
-    """
-    return max(1 << instr.shift, instr.width)
 
 
 @dataclass(frozen=True)
@@ -88,6 +68,8 @@ class Statement:
         Ids of values that others read.
     copies
         What header phis become after it, all at once.
+    guards
+        Forms that are at least 0 in the iterations that run it, beside the bounds.
     """
 
     name: str
@@ -97,6 +79,7 @@ class Statement:
     reads: tuple[int, ...] = ()
     writes: tuple[int, ...] = ()
     copies: tuple[tuple[int, Value], ...] = ()
+    guards: tuple[Form, ...] = ()
     shift: Mapping[str, Form] = field(default_factory=dict)
     """Coordinates that are not its own: of a loop's header, which runs before each iteration and
     after the last.
@@ -207,12 +190,15 @@ class _Raising:
         self.depth: dict[int, int] = {}
         self.counters: dict[str, Counter] = {}
         self.inclusive: dict[str, bool] = {}
+        self.limits: frozenset[str] = frozenset()
+        self.guards: tuple[Form, ...] = ()
         self.count = 0
         self.dtypes = {p.name: p.dtype for p in function.params}
         self.elements: dict[str, Type] = {}
         self.widths: dict[str, int] = {}
         self.narrow: dict[str, Instr] = {}
         self.axes: dict[str, int] = {}
+        self._tests = only_tested(function)
         self._types = {i.id: i.type for block in function.blocks for i in block.items}
 
     def scop(self) -> Scop:
@@ -251,6 +237,7 @@ class _Raising:
             raise _NotStatic("a loop never ends")
         if len(loop.latches) != 1 or loop.exits != ((loop.header, loop.exits[0][1]),):
             raise _NotStatic("a loop has exits in its body")
+        limits = self.limits
         dim = self._dimension(level, around)
         dims = (*around, dim)
         carried = [phi for phi in level.header.phis if phi.id != dim.counter.phi.id]
@@ -258,10 +245,13 @@ class _Raising:
             self.depth[phi.id] = len(around)
         children: list[Nest | Statement] = []
         chunk: list[Instr] = []
-        for name in self._chain(level):
+        outer = self.guards
+        for name, guards in self._guarded(level):
+            if guards != self.guards:
+                children += self._statement(chunk, dims, ())
+                chunk, self.guards = [], guards
             if name not in level.children:
-                if name != loop.header:
-                    chunk += self._data(block_of(self.function, name))
+                chunk += self._data(block_of(self.function, name))
                 continue
             inner = level.children[name]
             start = self._entering(inner)
@@ -270,9 +260,13 @@ class _Raising:
             nest = self._nest(inner, dims)
             children += self._header(inner, dims, {nest.dim.name: nest.dim.bounds[0]})
             children.append(nest)
+        if self.guards != outer:
+            children += self._statement(chunk, dims, ())
+            chunk, self.guards = [], outer
         copies = tuple((phi.id, incoming(phi, loop.latches[0])) for phi in carried)
         children += self._statement(chunk, dims, copies)
         children += self._header(level, dims, {dim.name: symbol(dim.name).plus(Form((), 1))})
+        self.limits = limits
         return Nest(dim, tuple(children))
 
     def _header(
@@ -290,15 +284,34 @@ class _Raising:
             self.depth[instr.id] = around
         return [replace(made, shift=shift)]
 
-    def _chain(self, level: Level) -> list[str]:
-        """The nodes of a loop in the order of the only way through them."""
-        order = list(level.flow.order)
-        for name in order:
-            if name in level.children or name == level.loop.header:
+    def _guarded(self, level: Level) -> Iterator[tuple[str, tuple[Form, ...]]]:
+        """The nodes of a loop's body in order, with the guards of each and of the loop."""
+        around = self.guards
+        tests = Conjunctions(level)
+        for name in level.flow.order:
+            if name == level.loop.header:
                 continue
-            if level.blocks[name].branch.cond is not None:
+            block = level.blocks[name]
+            if block.phis and name not in level.children:
+                raise _NotStatic("branches of its body leave values")
+            conjunction = tests.of(name) or frozenset()
+            if CONTRARY in conjunction:
                 raise _NotStatic("its body branches")
-        return order
+            own = [form for test in sorted(conjunction, key=str) for form in self._guard(*test)]
+            yield name, tuple(dict.fromkeys((*around, *own)))
+
+    def _guard(self, test: Value, holds: bool) -> tuple[Form, ...]:
+        """Forms that are at least 0 where a test of counters and bounds holds, or does not."""
+        instr = definition_of(self.function, test)
+        if not isinstance(instr, Instr) or instr.op not in COMPARISONS:
+            raise _NotStatic("its body branches")
+        left, right = (self._bound(operand) for operand in instr.operands)
+        forms = compared(instr.op, left, right, holds)
+        if any(self._is_any(name) for form in forms for name in form.names - self.limits):
+            raise _NotStatic("its body branches on a number that may be anything")
+        if not forms:
+            raise _NotStatic("its body branches where two numbers differ")
+        return forms
 
     def _entering(self, inner: Level) -> tuple[tuple[int, Value], ...]:
         before = preheader_of(self.function, inner.loop)
@@ -327,13 +340,18 @@ class _Raising:
             limit = limit.plus(Form((), 1 if counter.step > 0 else -1))
         if abs(counter.step) != 1:
             raise _NotStatic("a loop has a step other than 1")
-        if any(not is_dimension(self.symbols[n]) for n in first.names & self.symbols.keys()):
+        if any(map(self._is_any, first.names)):
             raise _NotStatic("a loop starts at a number that may be anything")
+        self.limits = self.limits | limit.names
         if counter.step < 0:
             first, limit = first.times(-1), limit.times(-1)
         value = symbol(name).times(counter.step)
         self.values[Ref(counter.phi.id)] = self.counted[Ref(counter.phi.id)] = value
         return Dimension(level.loop.header, counter, name, value, (first, limit))
+
+    def _is_any(self, name: str) -> bool:
+        """Whether it is a number that is no length of an array."""
+        return name in self.symbols and not is_dimension(self.symbols[name])
 
     def _bound(self, value: Value) -> Form:
         """A bound as a form whose sums do not wrap."""
@@ -357,13 +375,11 @@ class _Raising:
 
     def _data(self, block: Block) -> list[Instr]:
         """What a block does, counters, tests and addresses aside."""
-        result = []
-        for instr in block.instrs:
-            if instr.op in MEMORY or (
-                not self._is_index(instr) and Ref(instr.id) != block.branch.cond
-            ):
-                result.append(instr)
-        return result
+        return [
+            instr
+            for instr in block.instrs
+            if instr.op in MEMORY or not (self._is_index(instr) or instr.id in self._tests)
+        ]
 
     def _is_index(self, instr: Instr) -> bool:
         if instr.type is not Type.I32:
@@ -377,16 +393,11 @@ class _Raising:
 
     def _is_address(self, polynomial: Polynomial) -> bool:
         """Whether it is made of counters and of values from outside."""
-        return all(
-            self._is_fixed(value) or value in self.values
-            for monomial in polynomial.terms
-            for value in monomial
-        )
+        found = (value for monomial in polynomial.terms for value in monomial)
+        return all(self._is_fixed(value) or value in self.values for value in found)
 
     def _is_fixed(self, value: Value) -> bool:
-        if not isinstance(value, Ref):
-            return True
-        return self.function.block_of[value.id] not in self.inside
+        return not isinstance(value, Ref) or self.function.block_of[value.id] not in self.inside
 
     def _affine(self, polynomial: Polynomial) -> Form | None:
         result = Form()
@@ -413,7 +424,7 @@ class _Raising:
         self.count += 1
         for instr in chunk:
             self.depth[instr.id] = len(dims)
-        return [Statement(name, dims, tuple(chunk), accesses, copies=copies)]
+        return [Statement(name, dims, tuple(chunk), accesses, copies=copies, guards=self.guards)]
 
     def _access(self, instr: Instr) -> Access:
         if not isinstance(instr.operands[0], Input) or instr.lane is not None:

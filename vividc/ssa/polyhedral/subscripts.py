@@ -1,4 +1,4 @@
-"""Subscripts of an access, recovered from its flat index."""
+"""Accesses, and their subscripts, recovered from flat indices."""
 
 from __future__ import annotations
 
@@ -6,10 +6,32 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from vividc.host.once import once_within
-from vividc.machine.opcodes import MEMORY, Type
+from vividc.machine.opcodes import MEMORY, Opcode, Type
 from vividc.machine.words import WORD_BYTES
 from vividc.ssa.analysis.polynomial import Polynomial, Polynomials
 from vividc.ssa.ir import Function, Input, Instr, Phi, Ref, Value, is_pitch, pitch_of
+from vividc.ssa.polyhedral.forms import Form
+
+
+@dataclass(frozen=True)
+class Access:
+    """A load or store: the element of `array` with these subscripts."""
+
+    instr: Instr
+    array: str
+    subscripts: tuple[Form, ...]
+
+    @property
+    def is_store(self) -> bool:
+        """Whether it writes."""
+        return self.instr.op is Opcode.STORE
+
+
+def element_bytes(instr: Instr) -> int:
+    """Bytes from one element to the next, as subscripts of an access count them: its index may
+    count bytes, where LLVM has folded the constant rows of an array of known sizes.
+    """
+    return max(1 << instr.shift, instr.width)
 
 
 @dataclass

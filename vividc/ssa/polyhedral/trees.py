@@ -117,6 +117,34 @@ class Site:
         return all(domain.is_empty() for domain in self.domains.values())
 
 
+def is_bound_to(tree: Loop, other: Loop, name: str, around: tuple[Loop, ...], scop: Scop) -> bool:
+    """Whether bounds of a statement tie what two loops count of it to each other."""
+    both = {tree.over[name], other.over[name]}
+    if len(both) == 1:
+        return True
+    unskewed = _unskewed(name, (*around, tree))
+    statement = scop.statement(name)
+    ties = [frozenset({dim.name}) for dim in statement.dims]
+
+    def names(*forms: Form) -> frozenset[str]:
+        return frozenset().union(*(form.substituted(unskewed).names for form in forms))
+
+    for dim in statement.dims:
+        first, limit = (symbol(dim.name).plus(bound, -1) for bound in dim.bounds)
+        ties.append(names(first, limit))
+    return any(both <= tie for tie in (*ties, *map(names, statement.guards)))
+
+
+def _unskewed(name: str, loops: tuple[Loop, ...]) -> dict[str, Form]:
+    """Coordinates of a statement by what loops count of it, each called as its coordinate."""
+    found: dict[str, Form] = {}
+    skewed = [loop for loop in loops if name in loop.skew]
+    for loop in (*(one for one in loops if one not in skewed), *reversed(skewed)):
+        counted = symbol(loop.over[name]).plus(loop.skew.get(name, ZERO).substituted(found), -1)
+        found[loop.over[name]] = counted
+    return found
+
+
 def group_of(loop: Loop) -> str:
     """Where the group of iterations begins that a coordinate, {0}, belongs to."""
     base = f"({loop.base})"
@@ -132,16 +160,11 @@ class Tiles:
     def differ(self, place: Site, tree: Loop) -> bool:
         """Whether jammed loops around a loop change its bounds."""
         loops = [loop for loop in place.jammed if not loop.masked]
-        return any(self._is_bound_to(tree, loop, n) for n in place.domains for loop in loops)
-
-    def _is_bound_to(self, tree: Loop, other: Loop, name: str) -> bool:
-        """Whether bounds of a statement tie what two loops count of it to each other."""
-        if other.over[name] in tree.skew.get(name, ZERO).names:
-            return True
-        both = {tree.over[name], other.over[name]}
-        dims = self.relations.scop.statement(name).dims
-        return len(both) == 1 or any(
-            both <= {dim.name, *dim.bounds[0].names, *dim.bounds[1].names} for dim in dims
+        scop = self.relations.scop
+        return any(
+            is_bound_to(tree, loop, name, place.around, scop)
+            for name in place.domains
+            for loop in loops
         )
 
     def split(self, place: Site, tree: Loop) -> tuple[Site, Site]:

@@ -228,6 +228,10 @@ _NONE = {
         ],
         "",
     ),
+    "a condition on counters": (
+        nest("ijk", "if k < i: c[i, j] += a[i, k] * b[k, j]", "a.shape[1]"),
+        "branches",
+    ),
     "a sum that is needed in turn": (
         [
             "for i in range(c.shape[0]):",

@@ -14,7 +14,8 @@ from vividc.machine.product import CONST, INPUT
 from vividc.ssa.ir import Const, Function, Input, Instr, Phi, Ref, Value, definition_of
 from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.scop import Access, Dimension, Nest, Scop, Statement
+from vividc.ssa.polyhedral.scop import Dimension, Nest, Scop, Statement
+from vividc.ssa.polyhedral.subscripts import Access
 
 _TYPES = frozenset({Type.F32, Type.PRED, Type.ANY})
 """Of operands that expressions may have."""

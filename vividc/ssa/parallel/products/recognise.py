@@ -107,6 +107,8 @@ def _of_nest(function: Function, loop: Loop) -> list[Step]:
     scop = find_scop(with_own_latches(function, loop.header), loop.header)
     if not isinstance(scop, Scop):
         raise NoProduct(scop.reason)
+    if any(statement.guards for statement in scop.statements):
+        raise NoProduct("its body branches")
     scop = with_stores_behind(scop)
     effects = effects_of(scop)
     made = [step_of(effect, scop) for effect in effects]

@@ -12,7 +12,7 @@ from vividc.ssa.polyhedral.relations import Relations
 from vividc.ssa.polyhedral.rows import rows_of, with_own_rows
 from vividc.ssa.polyhedral.schedule import schedule_of
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.trees import Loop, Tree, statements_in
+from vividc.ssa.polyhedral.trees import Loop, Tree, is_bound_to, statements_in
 
 Path = tuple[int, ...]
 """Where a loop is in a tree: positions among children, from the root."""
@@ -34,20 +34,26 @@ def orders(tree: Loop, relations: Relations) -> list[Loop]:
             if moved not in found and is_legal(moved, relations):
                 found.append(moved)
                 work.append(moved)
-    later = [tree for base in found if not _has_rows(base, relations) for tree in skewed(base)]
-    return [*found, *(tree for tree in later if _has_rows(tree, relations))]
+    level = [base for base in found if not _has_rows(base, relations)]
+    diagonal = (fronts(base, relations.scop) for base in level)
+    first = (next((one for one in some if _has_rows(one, relations)), None) for some in diagonal)
+    later = (one for base in level for one in skewed(base) if _has_rows(one, relations))
+    return [*found, *(one for one in first if one is not None), *later]
 
 
 def _has_rows(tree: Loop, relations: Relations) -> bool:
     """Whether a loop around another one may be jammed."""
-    tree, jammed = groups(tree, relations)
-    outer = (at(tree, path) for group in jammed for path in group)
-    return any(isinstance(child, Loop) for loop in outer for child in loop.children)
+    holding = (path for path, loop in loops_in(tree) if _depth(loop.children))
+    return any(_rows(tree, path, relations) for path in holding)
 
 
 def is_legal(tree: Loop, relations: Relations) -> bool:
     """Whether a tree keeps the order of all dependences."""
-    return relations.respects(schedule_of(tree, relations).get_map(), rows_of(tree))
+    rows = rows_of(tree)
+    known, name = relations.legal, f"{describe(tree)} {rows}"
+    if name not in known:
+        known[name] = relations.respects(schedule_of(tree, relations).get_map(), rows)
+    return known[name]
 
 
 def moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
@@ -114,7 +120,7 @@ def _depth(children: tuple[Tree, ...]) -> int:
     return max((1 + _depth(c.children) for c in children if isinstance(c, Loop)), default=0)
 
 
-def skewed(tree: Loop) -> Iterator[Loop]:
+def skewed(tree: Loop, _: Scop | None = None) -> Iterator[Loop]:
     """Trees in which the loops in one loop start later in each of its iterations."""
     for path, loop in loops_in(tree):
         if not any(isinstance(child, Loop) for child in loop.children):
@@ -127,6 +133,36 @@ def skewed(tree: Loop) -> Iterator[Loop]:
                 for child in loop.children
             )
             yield put(tree, path, replace(loop, children=children))
+
+
+def fronts(tree: Loop, scop: Scop) -> Iterator[Loop]:
+    """Trees in which a loop and the only one in it go along diagonals, the inner one's counter
+    first; loops inside start so that all iterations on a diagonal run them equally if they may.
+    """
+    for path, loop in loops_in(tree):
+        if len(loop.children) != 1 or not isinstance(loop.children[0], Loop):
+            continue
+        inner = loop.children[0]
+        for factor in _SKEWS:
+            skew = {n: symbol(loop.over[n]).times(factor) for n in inner.over}
+            first = replace(inner, children=(), skew=skew)
+            around = (first, replace(loop, children=()))
+            children = tuple(
+                _level_with(child, around, scop) if isinstance(child, Loop) else child
+                for child in inner.children
+            )
+            yield put(tree, path, replace(first, children=(replace(loop, children=children),)))
+
+
+def _level_with(tree: Loop, around: tuple[Loop, ...], scop: Scop) -> Loop:
+    """A loop that starts so that its bounds do not change with the one around it, if it may."""
+    outer = around[-1]
+    for factor in (0, *_SKEWS, *(-one for one in _SKEWS)):
+        skew = {n: symbol(outer.over[n]).times(factor) for n in tree.over}
+        moved = replace(tree, skew=skew if factor else {})
+        if not any(is_bound_to(moved, outer, n, around, scop) for n in tree.over):
+            return moved
+    return tree
 
 
 def loops_in(tree: Tree, path: Path = ()) -> Iterator[tuple[Path, Loop]]:
@@ -183,23 +219,32 @@ def groups(tree: Loop, relations: Relations) -> tuple[Loop, list[tuple[Path, ...
         if any(path[: len(group[0])] == group[0] for group in result):
             continue
         time_limit.step("loops to jam were looked for")
-        ways = list(_ways_in(tree, path))
-        if may_jam(tree, (path,), relations):
-            trees = [(t, way) for way in ways for t in (tree, _in_order(tree, way))]
-        else:
-            trees = []
-            for way in (*reversed(ways), path):
-                ordered = _in_order(tree, way)
-                if _depth(at(tree, way).children) and may_jam(ordered, (path,), relations):
-                    tree = ordered
-                    trees = [(tree, w) for w in reversed(ways) if len(w) <= len(way)]
-                    break
-            else:
-                continue
+        rows = _rows(tree, path, relations)
+        if rows is None:
+            continue
+        tree, trees = rows
+        if has_skews(tree):
+            trees = trees[:0]  # rows alone: what is left over of two would be long
         found = ((t, way) for t, way in trees if may_jam(t, (path, way), relations))
         tree, *inner = next(found, (tree,))
         result.append((path, *inner))
     return tree, result
+
+
+def _rows(
+    tree: Loop, path: Path, relations: Relations
+) -> tuple[Loop, list[tuple[Loop, Path]]] | None:
+    """The tree in which a loop may be jammed, with groups in order if it may not otherwise, and
+    trees with a loop inside that may be worth jamming with it; None if it may not be.
+    """
+    ways = list(_ways_in(tree, path))
+    if may_jam(tree, (path,), relations):
+        return tree, [(t, way) for way in ways for t in (tree, _in_order(tree, way))]
+    for way in (*reversed(ways), path):
+        ordered = _in_order(tree, way)
+        if _depth(at(tree, way).children) and may_jam(ordered, (path,), relations):
+            return ordered, [(ordered, w) for w in reversed(ways) if len(w) <= len(way)]
+    return None
 
 
 def groups_with_rows(
