@@ -17,7 +17,8 @@ from vividc.ssa.edit import FreshIds
 from vividc.ssa.ir import Instr, Ref, Value
 from vividc.ssa.polyhedral.forms import symbol
 from vividc.ssa.polyhedral.relations import Relations
-from vividc.ssa.polyhedral.scop import Access, Nest, Scop, Statement
+from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
+from vividc.ssa.polyhedral.subscripts import Access
 
 
 def in_memory(scop: Scop) -> Scop:
