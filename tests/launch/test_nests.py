@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from numba import prange
 
 import vividc
-from vividc.errors import ArgumentError
+from vividc.errors import ArgumentError, BundleError
 from vividc.frontend import KernelFunction
 from vividc.launch import nests_job
 from vividc.program import Program, from_bytes
@@ -166,6 +167,14 @@ def test_nests_travel_in_the_bundle() -> None:
     vividc.simulate(again, *mine, fabric="vivid")
     two_fields(*numbas)
     assert all(np.array_equal(a, b) for a, b in zip(mine, numbas, strict=True))
+
+
+def test_a_nest_in_a_bundle_has_no_nests() -> None:
+    """One in another, and so on, would be read without end."""
+    made = program(blur)
+    inside = replace(made.nests[0], nests=made.nests, order=made.order)
+    with pytest.raises(BundleError, match="has nests of its own"):
+        from_bytes(replace(made, nests=(inside, *made.nests[1:])).to_bytes())
 
 
 def test_overlaps_are_moved_to_both_and_nothing_else_twice() -> None:

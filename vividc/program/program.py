@@ -214,6 +214,17 @@ def _read(bundle: BundleReader) -> Program:
         return program
 
 
+def _read_nests(reader: BundleReader, manifest: Manifest) -> tuple[Program, ...]:
+    nests = []
+    for number, data in enumerate(reader.nests(manifest.nests)):
+        inner = BundleReader(Path(f"{reader.path}, nest {number}"), data)
+        with inner as opened:
+            if opened.manifest().nests:  # one in another, and so on, would be read without end
+                raise BundleError("a nest of it has nests of its own")
+        nests.append(_read(inner))
+    return tuple(nests)
+
+
 def _manifest(program: Program) -> Manifest:
     return Manifest(
         schema=SIZED if any(param.known for param in program.params) else SCHEMA,
@@ -286,7 +297,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         return_high=manifest.return_high,
         banks=manifest.banks,
         pitches=manifest.pitches,
-        nests=tuple(from_bytes(data) for data in reader.nests(manifest.nests)),
+        nests=_read_nests(reader, manifest),
         order=manifest.order,
         debug=manifest.debug,
         regions=manifest.regions,
