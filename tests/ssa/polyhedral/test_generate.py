@@ -120,7 +120,8 @@ def some_trees(scop: Scop, relations: Relations, chance: random.Random, most: in
     trees += chance.sample(later, min(len(later), 2))
     chosen = []
     for tree in chance.sample(trees, min(most, len(trees))):
-        chosen.append(tree)
+        if is_legal(tree, relations):  # not with iterations run together only
+            chosen.append(tree)
         paths = [path for path, _ in loops_in(tree)]
         for _ in range(2):
             some = chance.sample(paths, min(len(paths), chance.randint(1, 2)))
@@ -179,6 +180,25 @@ def test_random_trees_of_small_elements(dtype: DType) -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_random_trees_of_stencils(seed: int) -> None:
     demand_trees_mean_the_same(seed, nest=random_stencil)
+
+
+@pytest.mark.parametrize(
+    ("seed", "dtype", "known"),
+    [
+        (133, DType.U16, None),
+        (226, DType.I32, 1),
+        (238, DType.I32, 5),
+        (515, DType.I32, 0),
+        (622, DType.I8, None),
+        (686, DType.U8, None),
+        (440, DType.I32, None),
+    ],
+)
+def test_a_scalar_has_one_name_where_bounds_tell_an_iteration(
+    seed: int, dtype: DType, known: int | None
+) -> None:
+    """isl writes the number that a counter must be, or another counter that it equals."""
+    demand_trees_mean_the_same(seed, most=8, known=known, dtype=dtype, nest=random_stencil)
 
 
 def test_a_part_without_parameters_can_be_jammed() -> None:

@@ -98,55 +98,90 @@ def loops_of(tree: Loop, relations: Relations) -> Loops | Refusal:
         return Refusal("isl finds no loops for it")
     try:
         code = tuple(reader.code(node, {}))
+        code = tuple(_Counted(relations, code, reader.quotients).of(code))
     except _Odd as reason:
         return Refusal(str(reason))
-    return Loops(tuple(_Counted(relations, code).of(code, ())), reader.quotients)
+    return Loops(code, reader.quotients)
 
 
 class _Counted:
-    """Names coordinates by the loops that count them where a test says what their counters are: isl
-    writes `if (c0 == 5) S(5)`, and a scalar of an iteration has one name.
+    """Names coordinates by the loops that count them where tests and bounds say what the counters
+    are: isl writes `if (c0 >= 5) S(5)` in a loop to 5, and a scalar of an iteration has one name.
     """
 
-    def __init__(self, relations: Relations, code: tuple[Code, ...]) -> None:
+    def __init__(
+        self, relations: Relations, code: tuple[Code, ...], quotients: Mapping[str, Quotient]
+    ) -> None:
+        self.relations = relations
+        self.quotients = quotients
         self.dims = {one.name: one.coordinates for one in relations.scop.statements}
-        self.counted = {
-            (name, dim)
-            for run in runs_in(code)
-            for dim, form in zip(self.dims[run.statement], run.coordinates, strict=True)
-            for name in form.names
-        }
+        self.counted: dict[tuple[str, str], set[Form]] = {}
+        for run in runs_in(code):
+            for dim, form in zip(self.dims[run.statement], run.coordinates, strict=True):
+                for name in form.names:
+                    self.counted.setdefault((name, dim), set()).add(form)
 
-    def of(self, code: Iterable[Code], equal: tuple[Form, ...]) -> Iterator[Code]:
-        """Code where these forms are 0."""
+    def of(
+        self, code: Iterable[Code], names: tuple[str, ...] = (), known: tuple[str, ...] = ()
+    ) -> Iterator[Code]:
+        """Code in loops with these counters, where what isl is told in `known` holds."""
         for item in code:
             if isinstance(item, Run):
                 dims = zip(self.dims[item.statement], item.coordinates, strict=True)
-                named = tuple(self._named(dim, form, equal) for dim, form in dims)
+                named = tuple(self._named(dim, form, names, known) for dim, form in dims)
                 yield replace(item, coordinates=named)
             elif isinstance(item, For):
-                yield replace(item, body=tuple(self.of(item.body, equal)))
+                inside = (*names, item.name)
+                body = tuple(self.of(item.body, inside, (*known, *_within(item))))
+                yield replace(item, body=body)
             else:
-                then = tuple(self.of(item.then, (*equal, *_equalities(item.test))))
-                yield replace(item, then=then, otherwise=tuple(self.of(item.otherwise, equal)))
+                test = _text(item.test)
+                then = tuple(self.of(item.then, names, (*known, test)))
+                otherwise = tuple(self.of(item.otherwise, names, (*known, f"not ({test})")))
+                yield replace(item, then=then, otherwise=otherwise)
 
-    def _named(self, dim: str, form: Form, equal: tuple[Form, ...]) -> Form:
-        for zero in equal:
-            for name, factor in zero.terms:
-                counter = symbol(name)
-                more = form.plus(counter.plus(zero, -factor), -1)
-                if abs(factor) == 1 and (name, dim) in self.counted and not more.terms:
-                    return counter.plus(more)
+    def _named(self, dim: str, form: Form, names: tuple[str, ...], known: tuple[str, ...]) -> Form:
+        counters = [name for name in names if (name, dim) in self.counted]
+        if not counters or any(name in form.names for name in counters):
+            return form
+        for name in reversed(counters):
+            for other in self.counted[name, dim]:
+                if self._are_equal(form, other, names, known):
+                    return other
         return form
 
+    def _are_equal(
+        self, form: Form, other: Form, names: tuple[str, ...], known: tuple[str, ...]
+    ) -> bool:
+        numbers = {*names, *self.relations.scop.symbols}
+        if not other.names <= numbers:
+            return False  # it is of other loops
+        known_here: dict[str, str] = {}
+        for name, quotient in self.quotients.items():  # in the order in which they were read
+            if quotient.dividend.names <= {*numbers, *known_here}:
+                known_here[name] = f"{name} = {_rounded(quotient)}"
+        taken = ", ".join((*names, *known_here))
+        conditions = " and ".join((*known, *known_here.values(), f"({form}) != ({other})"))
+        apart = isl.Set(f"{self.relations.parameters} -> {{ [{taken}] : {conditions} }}")
+        return bool(apart.intersect_params(self.relations.context).is_empty())
 
-def _equalities(test: Test) -> Iterator[Form]:
-    """What is 0 where a test holds."""
-    if test.relation == "==":
-        yield test.left
-    elif test.relation == "and":
-        for part in test.parts:
-            yield from _equalities(part)
+
+def _within(loop: For) -> Iterator[str]:
+    yield from (f"{loop.name} >= ({one})" for one in loop.first)
+    yield from (f"{loop.name} < ({one})" for one in loop.limit)
+
+
+def _text(test: Test) -> str:
+    if test.parts:
+        return f" {test.relation} ".join(f"({_text(part)})" for part in test.parts)
+    return f"{test.left} {'=' if test.relation == '==' else test.relation} 0"
+
+
+def _rounded(quotient: Quotient) -> str:
+    dividend = f"({quotient.dividend})"
+    if quotient.remainder:
+        return f"{dividend} mod {quotient.divisor}"
+    return f"floor({dividend}/{quotient.divisor})"
 
 
 class _Reader:

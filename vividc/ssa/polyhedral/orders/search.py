@@ -24,7 +24,9 @@ _SKEWS = (1, 2)
 
 
 def orders(tree: Loop, relations: Relations) -> list[Loop]:
-    """Legal orders of the loops, the source's first: loops interchanged and fused."""
+    """Orders of the loops, the source's first: loops interchanged and fused. Those along diagonals
+    and with loops that start later are legal as they are, or only with iterations run together.
+    """
     found = [tree]
     work = [tree]
     while work and len(found) < _MOST_ORDERS:
