@@ -18,6 +18,7 @@ from vividc.compiler.planning.estimate import RegionCost
 from vividc.dfg.regions import Kernel
 from vividc.errors import InternalError
 from vividc.mapper import MapProblem, MapResult
+from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
 from vividc.mapper.mapping import Mapping
@@ -132,8 +133,12 @@ class _Loops:
                 break
             made = negotiate(core, old.ii, seed, deadline, _EFFORT, meetings=meetings)
             named = None if made is None else named_anew(problem, made)
-            if named is not None:
-                found.append(replace(named, subject=old.subject))
+            if named is None:
+                continue
+            faults = violations(dfg, self.fabric, named, resident=problem.resident)
+            if faults:
+                raise InternalError(f"another mapping of {dfg.name}: {faults[0].message}")
+            found.append(replace(named, subject=old.subject))
         return min(found, key=lambda made: self.cost(index, made, known), default=None)
 
 
