@@ -6,7 +6,7 @@ Every tree of loops that is tried is legal by exact dependences; the estimate ch
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -16,8 +16,6 @@ from vividc.compiler.planning.parts import expected_lengths, static_part, with_l
 from vividc.compiler.planning.state import State
 from vividc.host import time_limit
 from vividc.machine.opcodes import MEMORY
-from vividc.ssa.flow import find_loops
-from vividc.ssa.ir import Function
 from vividc.ssa.polyhedral.loops import Loops, fors_in, loops_of, runs_in
 from vividc.ssa.polyhedral.orders.search import (
     Path,
@@ -94,11 +92,6 @@ _STRAIGHT = (40, 60)
 ones may need more registers than there are (939 for 25 divisions at the end of a tile of
 covariance), or more constants than the stores of PEs hold (16 rows of a layer norm, whose divisions
 and roots have 1,779; 8 rows are mapped).
-"""
-
-_MOST_ACCESSES = 48
-"""Of an innermost loop: each has an offset of its own, and needs that in a constant store of the PE
-that makes it (60 of a sum of matrices map at II 22, where 8 is the bound; 48 map at theirs).
 """
 
 _FIRST = (((4, 4), 8), ((1, 8), 4), ((2, 2), 2))
@@ -386,8 +379,6 @@ class _Climb:
         if isinstance(made, Refusal):
             return None
         function, hints = made.state.function, made.state.hints
-        if _most_accesses(function, made.loops.keys()) > _MOST_ACCESSES:
-            return None
         estimate = self.estimator.estimate(function, hints)
         if estimate.largest_loop(len(self.estimator.fabric.pes)) > self.most_operations:
             return None
@@ -408,28 +399,6 @@ class _Climb:
             for loop in fors_in(loops.code)
             if not any(fors_in(loop.body))
         )
-
-
-def _most_accesses(function: Function, made: Collection[str]) -> int:
-    """Loads and stores of the innermost of these loops that has the most."""
-    loops = find_loops(function)
-    innermost = [
-        loop
-        for loop in loops
-        if not any(o.header in loop.blocks and o.header != loop.header for o in loops)
-    ]
-    return max(
-        (
-            sum(
-                instr.op in MEMORY
-                for name in loop.blocks
-                for instr in function.by_name[name].instrs
-            )
-            for loop in innermost
-            if loop.header in made
-        ),
-        default=0,
-    )
 
 
 def _chosen(
