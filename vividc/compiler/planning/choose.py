@@ -64,8 +64,8 @@ than full unrolling's, which are known.
 
 _LITTLE = 0.05
 """A nest that saves a smaller share of the kernel's cycles is left alone, whatever it gains of its
-own (`_GAIN`): other nests are not restructured yet, and may lose most of theirs. At 0.02 the sums of
-deriche, which save 0.04, take the constant stores that its other loops need.
+own (`_GAIN`): other nests are not restructured yet, and may lose most of theirs. At 0.02 the sums
+of deriche, which save 0.04, take the constant stores that its other loops need.
 """
 
 _NO_GAIN = "does not pay"
