@@ -14,7 +14,7 @@ from vividc.compiler.driver import compile
 from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import VividcError, VividcWarning
 from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
-from vividc.gemm.kernels import simulate
+from vividc.gemm.kernels.simulate import simulate
 from vividc.host.time_limit import patient
 from vividc.program import Program, load
 from vividc.sim import Result

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 import vividc
 from vividc import arch
 from vividc.errors import ArgumentError, KernelError, SimulationError
-from vividc.gemm.kernels import KernelChoice, choose_for, explain
+from vividc.gemm.kernels.choice import KernelChoice, choose_for, explain
+from vividc.gemm.kernels.sequence import Launch
 from vividc.gemm.passes import with_arrays
-from vividc.gemm.sequence import Launch
 from vividc.program import Program
 
 RNG = np.random.default_rng(5)

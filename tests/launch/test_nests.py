@@ -161,8 +161,10 @@ def test_an_iteration_that_fits_no_scratchpad_is_refused() -> None:
 
 def test_nests_travel_in_the_bundle() -> None:
     compiled = program(two_fields)
-    again = from_bytes(compiled.to_bytes())
+    data = compiled.to_bytes()
+    again = from_bytes(data)
     assert again == compiled
+    assert b'"vividc.program/4"' in data  # a reader of before would not know them
     mine, numbas = (ints(3), ints(40, 150), ints(40, 150)), (ints(3), ints(40, 150), ints(40, 150))
     vividc.simulate(again, *mine, fabric="vivid")
     two_fields(*numbas)

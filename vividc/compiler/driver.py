@@ -32,6 +32,7 @@ from vividc.compiler.planning.options import FlatLoopOptions, LoopOptions, loop_
 from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.price import priced
 from vividc.compiler.planning.spacing import spaced
+from vividc.compiler.products import demanded_products, forbidden, with_products
 from vividc.compiler.spare_banks import Runs
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
@@ -46,12 +47,10 @@ from vividc.errors import (
 )
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.frontend.like import Like
-from vividc.gemm.kernels import AUTO, check_kernel_mode
-from vividc.gemm.modes import MODES as GEMM_MODES
+from vividc.gemm.kernels.choice import AUTO, GPU, check_kernel_mode
 from vividc.host import compiled_files, time_limit, watch
 from vividc.host.watch import run_passes, timed, watched
 from vividc.machine.parallel import Parallel
-from vividc.machine.product import Products
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.program import CUT_SHORT, Program, encode
@@ -67,9 +66,7 @@ from vividc.ssa.formats.precision import (
 )
 from vividc.ssa.ir import Function
 from vividc.ssa.parallel.cut import cut_parallel_loop
-from vividc.ssa.parallel.products import Found, recognise
 from vividc.ssa.rewrite.contract import contract as contract_products
-from vividc.ssa.rewrite.normalize import canonical_loops
 
 _GRACE_S, _GRACE_SHARE = 0.5, 0.05
 """Work that misses its limit by no more than this is finished: seconds, and a share of it."""
@@ -219,16 +216,19 @@ def _compiled(
             return compile_stages(nest, machine, shared, frozenset(), "all")
 
     if program is None:
-        products = _products(kernel, loaded, options, mode)
+        reason = forbidden(options.contract, options.precision)
+        products = demanded_products(kernel, loaded, mode, reason, strict_fp)
         spaces: Spaces = "none" if isinstance(loaded, Accelerator) else "paying"  # moved end to end
         program = compile_stages(function, machine, options, lines, spaces)
         everything = (*told, *program.warnings)
         program = replace(program, warnings=everything, parallel=parallel, products=products)
         if isinstance(loaded, Accelerator):
             program = priced(program, loaded)
-            if products is None and mode == AUTO:
+            if (products is None and mode == AUTO) or mode == GPU:
                 again = watch.untold(lambda: kernel.lower(strict_fp=strict_fp))
                 program = with_nests(program, again, parallel, one)
+                if mode == AUTO and not reason:
+                    program = with_products(program, again, loaded)
         place.write(program)
     warned = tuple(
         dict.fromkeys((*told, *program.warnings))
@@ -250,45 +250,6 @@ def checked(
     demand_programmable(machine.fabric if isinstance(machine, Accelerator) else machine)
     check_time_limit(time_limit_s)
     return machine
-
-
-def _products(
-    kernel: KernelFunction | LLKernel,
-    machine: Fabric | Accelerator,
-    options: CompileOptions,
-    mode: str,
-) -> Products | None:
-    """The matrix products that the kernel is made of, if it is; TPU-like modes demand them.
-
-    Raises
-    ------
-    KernelError
-        The mode is TPU-like, and the kernel or the machine has no such mode.
-    """
-    reason = "the fabric is one tile: give an accelerator, as vivid"
-    if isinstance(machine, Accelerator):
-        if not options.contract:
-            reason = "its sums are chains of FMAs, which --no-contract forbids"
-        elif options.precision:
-            reason = "formats of its arithmetic or functions are chosen by --precision"
-        else:
-            found = products_of(kernel, options.strict_fp)
-            if not found.reason:
-                return Products(found.steps, found.strides, mode)
-            reason = found.reason
-    if mode in GEMM_MODES:
-        raise KernelError(
-            f"{kernel.name} cannot run in mode {mode}: {reason}",
-            hint="what is recognised as matrix products stands in docs/gemm.md; or choose the "
-            "mode gpu",
-        )
-    return None
-
-
-def products_of(kernel: KernelFunction | LLKernel, strict_fp: bool = False) -> Found:
-    """The matrix products of a kernel, and why it is not made of such, if it is not."""
-    function = watch.untold(lambda: kernel.lower(strict_fp=strict_fp))  # `prange` as any other loop
-    return recognise(canonical_loops(contract_products(function)))
 
 
 def parallel_lines(kernel: KernelFunction | LLKernel, wanted: LoopOptions) -> frozenset[int]:

@@ -3,8 +3,8 @@
 In order: `systolic/` (mappings by construction), `program` (of one product) and `chain` (of several
 layers), `kept` (in the cache), `modes` (one array or four); `packed` (narrow operands),
 `elementwise` and `packing` (what tiles do between layers), `passes` and `job` (an MLP on the
-accelerator), `layer` (on numpy arrays); `blocked` (products of any size), `sequence` (steps of a
-kernel), `kernels` (launches of such kernels).
+accelerator), `layer` (on numpy arrays); `blocked` (products of any size), `kernels/` (those of a
+kernel, and their launches).
 """
 
 from vividc.gemm.job import MlpRun, choose_layout, mlp_job

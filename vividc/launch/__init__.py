@@ -3,14 +3,14 @@
 In order: `steps` and `job` (a graph of moves and runs, built by hand), `turns` (places that chunks
 take in turn), `memory`, `own_arrays`, `flat` (the graph as arrays), `hazards/` (is its order
 enough), `functional` (what it computes), `timing/` (when; docs/accelerator.md), `accounting`,
-`simulate` (all of these, and the result); `tiles/` (a loop over `prange` on all tiles); `cost`
+`simulate` (all of these, and the result); `tiles/` (a kernel's loops on all tiles); `cost`
 (energy and roofline); `kept` (graphs of earlier launches).
 """
 
 from vividc.launch.accounting import JobStats, TileStats
 from vividc.launch.job import At, Job
-from vividc.launch.simulate import JobResult
-from vividc.launch.tiles.nests import nests_job
+from vividc.launch.simulate import JobResult, joined
+from vividc.launch.tiles.nests import nests_job, runs_of
 from vividc.launch.tiles.spread import Spread, SpreadOptions, spread
 from vividc.launch.timing.record import Event
 
@@ -23,6 +23,8 @@ __all__ = [
     "Spread",
     "SpreadOptions",
     "TileStats",
+    "joined",
     "nests_job",
+    "runs_of",
     "spread",
 ]

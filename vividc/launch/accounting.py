@@ -91,6 +91,53 @@ def job_stats(steps: Sequence[Step], outcome: Outcome, timing: Timing) -> JobSta
     )
 
 
+def joined_stats(parts: Sequence[JobStats], pes: int) -> JobStats:
+    """The statistics of jobs that ran one after the other, on tiles of so many PEs."""
+    cycles = sum(part["cycles"] for part in parts)
+    operations: Counter[str] = Counter()
+    kinds: Counter[str] = Counter()
+    for part in parts:
+        operations.update(part["operations"])
+        kinds.update(part["steps"])
+    numbers = sorted({tile["tile"] for part in parts for tile in part["tiles"]})
+    tiles = [_joined_tile(number, parts, pes) for number in numbers]
+    whole = pes * len(tiles) * cycles
+    engines = {name for part in parts for name in part["engine"].split(", ") if name}
+    return JobStats(
+        cycles=cycles,
+        engine=", ".join(sorted(engines)),
+        steps=dict(sorted(kinds.items())),
+        runs=sum(part["runs"] for part in parts),
+        tile_cycles=sum(part["tile_cycles"] for part in parts),
+        cycles_by_use=summed(tile["cycles"] for tile in tiles),
+        stalls=summed(tile["stalls"] for tile in tiles),
+        operations=dict(sorted(operations.items())),
+        operations_by_class=by_kind(operations),
+        bytes=summed(part["bytes"] for part in parts),
+        busy=summed(part["busy"] for part in parts),
+        utilization=operations.total() / whole if whole else 0.0,
+        tiles=tiles,
+    )
+
+
+def _joined_tile(number: int, parts: Sequence[JobStats], pes: int) -> TileStats:
+    """A tile in jobs one after the other; it is idle in those that do not use it."""
+    own = [next((t for t in part["tiles"] if t["tile"] == number), None) for part in parts]
+    unused = sum(p["cycles"] for p, tile in zip(parts, own, strict=True) if tile is None)
+    used = [tile for tile in own if tile is not None]
+    cycles = summed(tile["cycles"] for tile in used)
+    issued = sum(tile["issued"] for tile in used)
+    slots = pes * sum(part["cycles"] for part in parts)
+    return TileStats(
+        tile=number,
+        runs=sum(tile["runs"] for tile in used),
+        cycles={**cycles, "idle": cycles["idle"] + unused},
+        stalls=summed(tile["stalls"] for tile in used),
+        issued=issued,
+        utilization=issued / slots if slots else 0.0,
+    )
+
+
 def _tile_stats(tile: int, runs: list[tuple[Program, Run]], timing: Timing) -> TileStats:
     state = timing.tiles[tile]
     cycles = dict.fromkeys((*_USES, "idle"), 0)

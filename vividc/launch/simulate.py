@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping as ReadOnly
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 from vividc.arch import Accelerator
-from vividc.launch.accounting import JobStats, job_stats
+from vividc.launch.accounting import JobStats, job_stats, joined_stats
 from vividc.launch.functional import Outcome, carry_out
 from vividc.launch.hazards import check_order, predecessors
 from vividc.launch.memory import Buffers
 from vividc.launch.steps import Execute, Step
 from vividc.launch.timing import schedule
-from vividc.launch.timing.record import Event, Record
+from vividc.launch.timing.record import Event, Record, joined_record
 from vividc.sim.bind import returned
 
 
@@ -46,6 +47,24 @@ class JobResult:
     def events(self) -> tuple[Event, ...]:
         """What every unit did, by start; made anew each time."""
         return self.record.events()
+
+
+def joined(parts: Sequence[JobResult]) -> JobResult:
+    """The outcome of jobs, at least one, that ran one after the other on the same accelerator: each
+    starts when the one before is done. Steps are numbered through.
+    """
+    starts = [0, *accumulate(len(part.record.steps) for part in parts)]
+    numbered = list(zip(starts, parts, strict=False))
+    steps = [step for part in parts for step in part.record.steps]
+    pes = [len(step.program.fabric.pes) for step in steps if isinstance(step, Execute)]
+    return JobResult(
+        cycles=sum(part.cycles for part in parts),
+        value=None,
+        values={at + n: value for at, part in numbered for n, value in part.values.items()},
+        words={at + n: word for at, part in numbered for n, word in part.words.items()},
+        stats=joined_stats([part.stats for part in parts], max(pes, default=1)),
+        record=joined_record([(part.record, part.cycles) for part in parts]),
+    )
 
 
 def simulate_steps(

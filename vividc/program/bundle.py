@@ -48,6 +48,8 @@ SIZED: Final = "vividc.program/3"
 """Of a program that serves only the sizes that its parameters say: a reader of before would not
 check them.
 """
+NESTED: Final = "vividc.program/4"
+"""Of a program that has the nests of its kernel as well: a reader of before would not know them."""
 _MANIFEST: Final = "program.json"
 _ARRAYS: Final = ("words", "images", "images_set")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
@@ -151,9 +153,9 @@ class BundleReader:
         text = self._member(_MANIFEST)
         demand_few_values(text, BUNDLE_BYTES, self.path, BundleError)
         schema = _schema(text)
-        if schema not in (SCHEMA, SIZED):
+        if schema not in (SCHEMA, SIZED, NESTED):
             raise BundleError(
-                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} and {SIZED!r}",
+                f"schema {quoted(schema)}, and this version reads {SCHEMA!r} to {NESTED!r}",
                 hint="compile the kernel again with this version",
             )
         return _ADAPTER.validate_json(text, strict=True)

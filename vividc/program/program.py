@@ -19,7 +19,15 @@ from vividc.errors import BundleError, VividcError, demand_type
 from vividc.machine.parallel import Order, Parallel, is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.machine.product import Product, Products
-from vividc.program.bundle import SCHEMA, SIZED, BundleReader, Manifest, bundle_bytes, write_bundle
+from vividc.program.bundle import (
+    NESTED,
+    SCHEMA,
+    SIZED,
+    BundleReader,
+    Manifest,
+    bundle_bytes,
+    write_bundle,
+)
 from vividc.program.tables import (
     DebugRow,
     Home,
@@ -227,7 +235,7 @@ def _read_nests(reader: BundleReader, manifest: Manifest) -> tuple[Program, ...]
 
 def _manifest(program: Program) -> Manifest:
     return Manifest(
-        schema=SIZED if any(param.known for param in program.params) else SCHEMA,
+        schema=_schema(program),
         opcodes=_opcode_names(),
         name=program.name,
         params=program.params,
@@ -252,6 +260,13 @@ def _manifest(program: Program) -> Manifest:
         parallel=program.parallel,
         products=program.products,
     )
+
+
+def _schema(program: Program) -> str:
+    """The oldest whose readers understand all of it."""
+    if program.nests:
+        return NESTED
+    return SIZED if any(param.known for param in program.params) else SCHEMA
 
 
 def _arrays(program: Program) -> dict[str, NDArray[np.generic]]:

@@ -140,7 +140,7 @@ def arguments(
     ArgumentError
         As for `bind`, without regard to the scratchpad.
     """
-    values = _by_name(program, args, kwargs)
+    values = named(program, args, kwargs)
     arrays: dict[str, Array] = {}
     inputs: dict[str, int] = {}
     for param in program.params:
@@ -232,9 +232,16 @@ def returned(dtype: DType, word: int) -> int | float | bool:
     return value - ((value >> bits - 1) << bits) if dtype.is_signed else value
 
 
-def _by_name(
+def named(
     program: Program, args: Sequence[object], kwargs: Mapping[str, object]
 ) -> dict[str, object]:
+    """The arguments of a launch by parameter name.
+
+    Raises
+    ------
+    ArgumentError
+        Some are missing, unknown, or given twice.
+    """
     names = [param.name for param in program.params]
     signature = f"{program.name}({', '.join(names)})"
     if len(args) > len(names):

@@ -10,9 +10,9 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.cli.reports.report import print_table
 from vividc.compiler.advice.advise import LEAST_GAIN, Hint
-from vividc.compiler.driver import products_of
+from vividc.compiler.products import products_of
 from vividc.frontend import KernelFunction, LLKernel
-from vividc.gemm.kernels import explain
+from vividc.gemm.kernels.choice import explain
 from vividc.program import Program
 from vividc.program.tables import LoopReport, TransformReport
 

@@ -126,9 +126,10 @@ class _Teller:
         to the kernel that is kept.
         """
         own = [(one, self._reason(one)) for one in self.plan.decisions if one.origin == header]
-        done = {(one.kind, one.factor) for one, reason in own if not reason}
+        told = {(one.kind, one.factor) for one, reason in own if not reason}
         for one, reason in own:
-            if not reason or (one.kind, one.factor) not in done:
+            if not reason or (one.kind, one.factor) not in told:
+                told.add((one.kind, one.factor))
                 yield TransformReport(
                     one.kind, one.factor, not reason, one.before, one.after, reason
                 )

@@ -21,9 +21,9 @@ from vividc.sim.footprint.boxes import (
     Boxes,
     inside_bounds,
     meet,
-    nest_bounds,
     touched_boxes,
 )
+from vividc.sim.footprint.footprint import loop_bounds
 
 Array = NDArray[np.generic]
 _PARTS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128)
@@ -167,7 +167,7 @@ def plan_blocks(launch: NestLaunch) -> BlockPlan:
     ArgumentError
         Not even a single iteration fits a scratchpad.
     """
-    first, last = nest_bounds(launch.parallel, launch.inputs)
+    first, last = loop_bounds(launch.parallel, launch.inputs)
     inside = inside_bounds(launch.parallel, launch.inputs, first, last)
     if first >= last:
         return BlockPlan((), (), {})

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import os
 from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from vividc.arch import Accelerator
 from vividc.launch.job import Job
 from vividc.launch.tiles.blocks import Array, BlockPlan, NestLaunch, Window, plan_blocks
+from vividc.machine.parallel import Run
 from vividc.machine.words import WORD_BYTES, WORD_MASK
 from vividc.program import Program, pitch_words
 from vividc.sim.bind import arguments
@@ -31,8 +32,14 @@ def nests_job(
     args: Sequence[object],
     kwargs: ReadOnly[str, object],
     fabric: str | os.PathLike[str] | Accelerator,
+    runs: Iterable[Run] | None = None,
 ) -> Job:
     """The launch graph of a program's nests on these arguments.
+
+    Parameters
+    ----------
+    runs
+        Which of the nests, in which order (see `runs_of`); None: all.
 
     Raises
     ------
@@ -40,7 +47,22 @@ def nests_job(
         The arguments do not fit the kernel, or an iteration of a nest no scratchpad.
     """
     arrays, inputs = arguments(program, args, kwargs)
-    return _Builder(Job(fabric), program, arrays, inputs).build()
+    builder = _Builder(Job(fabric), program, arrays, inputs)
+    return builder.build(runs_of(program, inputs) if runs is None else runs)
+
+
+def runs_of(program: Program, inputs: ReadOnly[str, int]) -> Iterator[Run]:
+    """The nests in the order of their runs, each with the counters around it, of a launch with
+    these words.
+    """
+    order = program.order
+    assert order is not None
+
+    def bound(term: int, counters: ReadOnly[str, int]) -> int:
+        value = values_of(order.terms, {**inputs, **counters})[term]
+        return 0 if value is None else value
+
+    return order.runs(bound)
 
 
 @dataclass
@@ -117,15 +139,8 @@ class _Builder:
             flat |= flat_arrays(nest.parallel, shapes, nest.pitches)
         return frozenset(flat)
 
-    def build(self) -> Job:
-        order = self._program.order
-        assert order is not None
-
-        def bound(term: int, counters: ReadOnly[str, int]) -> int:
-            value = values_of(order.terms, {**self._inputs, **counters})[term]
-            return 0 if value is None else value
-
-        for number, counters in order.runs(bound):
+    def build(self, runs: Iterable[Run]) -> Job:
+        for number, counters in runs:
             self._nest(number, {key: value & WORD_MASK for key, value in counters.items()})
         return self._job
 

@@ -6,7 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Literal
+
+import numpy as np
 
 from vividc.launch.flat import Ints
 from vividc.launch.steps import Configure, Execute, Kind, Step, kind_of
@@ -65,6 +68,20 @@ class Record:
         rows = zip(self.steps, *(array.tolist() for array in arrays), strict=True)
         events = [_event(number, *row) for number, row in enumerate(rows)]
         return tuple(sorted(events, key=lambda e: (e.start, e.unit, e.index, e.step)))
+
+
+def joined_record(parts: Sequence[tuple[Record, int]]) -> Record:
+    """Records of jobs that ran one after the other, each with its cycles."""
+    starts = [0, *accumulate(cycles for _, cycles in parts)]
+    records = [record for record, _ in parts]
+    pairs = list(zip(starts, records, strict=False))
+    return Record(
+        steps=[step for record in records for step in record.steps],
+        start=np.concatenate([at + record.start for at, record in pairs]),
+        end=np.concatenate([at + record.end for at, record in pairs]),
+        engine=np.concatenate([record.engine for record in records]),
+        size_bytes=np.concatenate([record.size_bytes for record in records]),
+    )
 
 
 def _event(number: int, step: Step, start: int, end: int, engine: int, size: int) -> Event:

@@ -13,7 +13,6 @@ from vividc.sim.footprint.footprint import (
     Interval,
     bytes_of,
     chunk_intervals,
-    loop_bounds,
 )
 
 Box = tuple[Interval, ...]
@@ -74,11 +73,6 @@ def inside_bounds(parallel: Parallel, inputs: Mapping[str, int], first: int, las
         return ANYTHING
     low, high = min(a for a, _ in found), max(b for _, b in found)
     return low, max(low, high)
-
-
-def nest_bounds(parallel: Parallel, inputs: Mapping[str, int]) -> Interval:
-    """First iteration of the whole nest, and the one after the last."""
-    return loop_bounds(parallel, inputs)
 
 
 def touched_boxes(

@@ -254,11 +254,6 @@ class Expressions:
         return Expression(aff, min(taken.low, other.low), max(taken.high, other.high))
 
 
-def nest_of(function: Function, inner: Loop) -> tuple[Loop, ...]:
-    """The loops around a loop and itself, outermost first."""
-    return tuple(loop for loop in reversed(find_loops(function)) if inner.blocks <= loop.blocks)
-
-
 def _conditions(function: Function, block: str) -> Iterator[tuple[Value, bool]]:
     """Predicates, and the truth that each had when `block` was reached: those of branches with an
     edge that every way there takes.

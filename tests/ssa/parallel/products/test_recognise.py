@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vividc
-from vividc.compiler.driver import products_of
+from vividc.compiler.products import products_of
 from vividc.frontend import KernelFunction
 from vividc.ssa.parallel.products import Found
 

@@ -1,0 +1,242 @@
+"""`vividc.simulate`: one tile, all tiles, or arrays in a TPU-like mode."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import overload
+
+import numpy as np
+
+from vividc import arch
+from vividc.arch import Accelerator
+from vividc.errors import ArchError, ArgumentError, demand_type
+from vividc.gemm.kernels.choice import AUTO, GPU, choose_for
+from vividc.gemm.kernels.nests import simulate_products
+from vividc.gemm.kernels.sequence import Launch, Unfit
+from vividc.gemm.kernels.sequence import Sequence as Steps
+from vividc.gemm.modes import check_mode
+from vividc.gemm.passes import with_arrays
+from vividc.launch import Job, JobResult, Spread, nests_job, spread
+from vividc.program import Program
+from vividc.sim.bind import arguments
+from vividc.sim.engine import Observer, Progress
+from vividc.sim.run import CYCLE_LIMIT, Result
+from vividc.sim.run import simulate as simulate_tile
+
+Machine = str | os.PathLike[str] | Accelerator
+
+
+@overload
+def simulate(
+    program: Program,
+    *args: object,
+    fabric: None = None,
+    progress: Progress | None = None,
+    cycle_limit: int = CYCLE_LIMIT,
+    engine: str = AUTO,
+    observer: Observer | None = None,
+    **kwargs: object,
+) -> Result: ...
+
+
+@overload
+def simulate(
+    program: Program,
+    *args: object,
+    fabric: Machine,
+    progress: Progress | None = None,
+    cycle_limit: int = CYCLE_LIMIT,
+    engine: str = AUTO,
+    observer: Observer | None = None,
+    **kwargs: object,
+) -> JobResult: ...
+
+
+def simulate(
+    program: Program,
+    *args: object,
+    fabric: Machine | None = None,
+    progress: Progress | None = None,
+    cycle_limit: int = CYCLE_LIMIT,
+    engine: str = AUTO,
+    observer: Observer | None = None,
+    **kwargs: object,
+) -> Result | JobResult:
+    """Run a program; arrays the kernel writes are updated in place, but only if the run succeeds.
+
+    Parameters
+    ----------
+    args, kwargs
+        The kernel's arguments, by position or by parameter name: C-contiguous numpy arrays of
+        exactly the declared dtype, Python or numpy scalars.
+    fabric
+        An accelerator, by name, YAML file or as an object: the loop over `numba.prange` is spread
+        over its tiles, and arrays are cut into slices that fit the scratchpads
+        (docs/accelerator.md). None: one tile, whose scratchpad holds all arrays.
+    progress
+        Called now and then with the cycles run so far; of one tile only.
+    cycle_limit
+        Cycles after which the run of a tile is given up.
+    engine
+        Name of the engine, a key of `sim.ENGINES`, or "auto": the one that is done first.
+    observer
+        Told of every run of a region, in order; of one tile only. See `sim.view.Timeline`.
+
+    Raises
+    ------
+    ArgumentError
+        The arguments do not fit the kernel's signature or the scratchpads, the loop cannot be
+        spread, the engine is unknown, or an observer was given for more than one tile.
+    ArchError
+        The fabric is unknown, faulty or a single tile.
+    SimulationError
+        The program broke a rule of the machine, or ran past `cycle_limit`.
+    """
+    if fabric is None:
+        return simulate_tile(
+            program,
+            *args,
+            progress=progress,
+            cycle_limit=cycle_limit,
+            engine=engine,
+            observer=observer,
+            **kwargs,
+        )
+    _check_spread(program, fabric, observer)
+    if program.products is not None:
+        result = _simulate_products(program, args, kwargs, fabric, engine, cycle_limit)
+        if result is not None:
+            return result
+    return _simulate_loops(program, args, kwargs, fabric, engine, cycle_limit)
+
+
+def _simulate_loops(
+    program: Program,
+    args: Sequence[object],
+    kwargs: Mapping[str, object],
+    fabric: Machine,
+    engine: str,
+    cycle_limit: int,
+) -> JobResult:
+    """The kernel as it is, unless that fits no scratchpad, its nests move less, or some of them are
+    matrix products that take less in a TPU-like mode.
+    """
+    whole, refused = _whole(program, args, kwargs, fabric)
+    if program.parallel is None and any(nest.products for nest in program.nests):
+        result = simulate_products(
+            program,
+            args,
+            kwargs,
+            _accelerator(fabric),
+            on_one_tile=whole is not None,
+            engine=engine,
+            cycle_limit=cycle_limit,
+        )
+        if result is not None:
+            return result
+    job = _whole_or_nests(program, args, kwargs, fabric, whole, refused)
+    return job.simulate(engine=engine, cycle_limit=cycle_limit)
+
+
+def _accelerator(fabric: Machine) -> Accelerator:
+    return fabric if isinstance(fabric, Accelerator) else arch.load_accelerator(fabric)
+
+
+def _whole(
+    program: Program, args: Sequence[object], kwargs: Mapping[str, object], fabric: Machine
+) -> tuple[Spread | None, ArgumentError | None]:
+    """The launch graph of the kernel as it is, or why it has none, if it has nests instead.
+
+    Raises
+    ------
+    ArgumentError
+        It has none, and no nests.
+    """
+    try:
+        return spread(program, args, kwargs, fabric), None
+    except ArgumentError as error:
+        if program.order is None:
+            raise
+        return None, error
+
+
+def _whole_or_nests(
+    program: Program,
+    args: Sequence[object],
+    kwargs: Mapping[str, object],
+    fabric: Machine,
+    whole: Spread | None,
+    refused: ArgumentError | None,
+) -> Spread | Job:
+    """The launch graph of the kernel, or of its nests."""
+    if whole is not None and (program.order is None or program.parallel is None):
+        return whole
+    try:
+        nests = nests_job(program, args, kwargs, fabric)
+    except ArgumentError:
+        if whole is not None:
+            return whole
+        if program.parallel is not None and refused is not None:
+            raise refused from None  # it is of the loop over `prange` that the user wrote
+        raise
+    return nests if whole is None or nests.moved < whole.job.moved else whole
+
+
+def _check_spread(program: object, fabric: object, observer: Observer | None) -> None:
+    """Refuse arguments that cannot be run on an accelerator.
+
+    Raises
+    ------
+    ArgumentError
+        No program, no accelerator, or an observer, which watches one tile.
+    """
+    demand_type(program, Program, "the program", "compile a kernel, or vividc.load a .vivid file")
+    hint = "give an accelerator's name, its YAML file, or an Accelerator"
+    demand_type(fabric, (str, os.PathLike, Accelerator), "the fabric", hint)
+    if observer is not None:
+        raise ArgumentError(
+            "an observer watches one tile, and a fabric was given",
+            hint="leave fabric out, or read the events of the result",
+        )
+
+
+def _simulate_products(
+    program: Program,
+    args: Sequence[object],
+    kwargs: Mapping[str, object],
+    fabric: Machine,
+    engine: str,
+    cycle_limit: int,
+) -> JobResult | None:
+    """The launch in a TPU-like mode; None: it runs in GPU-like mode."""
+    products = program.products
+    assert products is not None
+    if products.mode == GPU:
+        return None
+    machine = _accelerator(fabric)
+    arrays, inputs = arguments(program, args, kwargs)
+    floats = {
+        name: array.view(np.float32) for name, array in arrays.items() if array.dtype == np.float32
+    }
+    launch = Launch(products, floats, inputs)
+    try:
+        machine = with_arrays(machine)
+        launch.check()
+    except (ArchError, Unfit) as error:
+        if products.mode == AUTO:
+            return None
+        raise ArgumentError(
+            f"{program.name} cannot run in mode {products.mode}: {error.reason}",
+            hint="compile it with mode gpu, or auto",
+        ) from error
+    mode = choose_for(program, launch, machine).mode
+    if mode == GPU:
+        return None
+    steps = Steps(launch, check_mode(mode), machine)
+    job = Job(machine)
+    steps.add(job)
+    result = job.simulate(engine=engine, cycle_limit=cycle_limit)
+    steps.write()
+    return replace(result, value=None)
