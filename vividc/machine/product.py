@@ -257,6 +257,25 @@ def _written(term: Term, total: str = "", *, around: bool = False) -> str:
 Step = Product | Elementwise
 
 
+def is_mirror(step: Elementwise) -> bool:
+    """Whether a step copies one side of the diagonal of a square to the other: c[j, i] = c[i, j]
+    for i <= j, or i < j, so that it changes nothing that it reads.
+    """
+    view = step.value.view
+    if view is None or len(step.result.axes) != 2 or step.ranges[ROW] != step.ranges[COL]:  # noqa: PLR2004
+        return False
+    first, second = step.result.axes
+    is_square = (first.coordinate, second.coordinate) == (ROW, COL) and first.factor == 1
+    alike = replace(second, coordinate=ROW) == first and view == step.result.swapped()
+    return is_square and alike and any(map(_is_one_side, step.edges))
+
+
+def _is_one_side(edge: Edge) -> bool:
+    """Whether no element and its mirror image are both computed, the diagonal aside."""
+    no_terms = not edge.constant.terms and edge.constant.constant <= 0
+    return no_terms and (edge.row, edge.col) in ((1, -1), (-1, 1))
+
+
 @dataclass(frozen=True, slots=True)
 class Products:
     """All that a kernel does, one step after the other.

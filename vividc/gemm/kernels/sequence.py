@@ -106,21 +106,21 @@ class Launch:
         for array, size in self.products.strides:
             if self.arrays[array].shape[1] != size.at(self.words):
                 raise Unfit(f"{array} is not indexed by its own rows")
-        written: dict[str, tuple[Place, bool]] = {}
+        written: dict[str, tuple[Place, Step | None]] = {}
         for step in self.products.steps:
             sizes = self.box(step)
             if min(limit - first for first, limit in sizes) < 1:
                 raise Unfit(f"nothing to compute: the sizes are {self._told(sizes)}")
             for view in step.views:
                 place = self.place(view, step)
-                before, is_part = written.get(view.array, (place, False))
-                if before.key != place.key or is_part:
+                before, made = written.get(view.array, (place, None))
+                if before.key != place.key or not _is_all_of(made, view, step):
                     raise Unfit(f"a part of {view.array} is computed, and another one is read")
             place = self.place(step.result, step)
-            before, _ = written.get(place.array, (place, False))
+            before, _ = written.get(place.array, (place, None))
             if before.key != place.key:
                 raise Unfit(f"parts of {place.array} are computed one after the other")
-            written[place.array] = place, bool(step.edges)
+            written[place.array] = place, step
 
     @staticmethod
     def _told(sizes: tuple[tuple[int, int], ...]) -> str:
@@ -179,6 +179,14 @@ class Launch:
     def scalars(self, term: Term) -> dict[str, object]:
         """Arguments of an expression's program."""
         return {key: float_of(self.words[key]) for key in term.keys}
+
+
+def _is_all_of(made: Step | None, view: View, step: Step) -> bool:
+    """Whether a step that made a part of an array made all that another one reads of it."""
+    if made is None or not made.edges:
+        return True
+    read = step.edges if view.axes == made.result.axes else step.swapped().edges
+    return read == made.edges and made.result in (view, view.swapped())
 
 
 @dataclass(frozen=True)
@@ -333,15 +341,16 @@ class Sequence:
             self._made[place.key, place.along(version.along)] = made
 
     def write(self) -> None:
-        """Write the results of a job that is done into their arrays."""
+        """Write the results of a job that is done into their arrays; not what is written again."""
         last = {
             self.launch.place(step.result, step).key: number
             for number, step in enumerate(self.launch.products.steps)
+            if not step.edges
         }
         for version in self.versions:
             step = self.launch.products.steps[version.step]
             place = self.launch.place(step.result, step)
-            if last[place.key] != version.step:
+            if version.step < last.get(place.key, 0):
                 continue
             stacks, _ = self._made[place.key, place.along(version.along)]
             rows, cols = (limit - first for first, limit in self.launch.box(step)[:INNER])

@@ -12,6 +12,7 @@ import pytest
 import vividc
 from vividc.compiler.products import products_of
 from vividc.frontend import KernelFunction
+from vividc.machine.product import Elementwise, is_mirror
 from vividc.ssa.parallel.products import Found
 
 _M = "float32[:, ::1]"
@@ -143,6 +144,33 @@ def test_a_triangle_of_the_result_and_a_row_at_a_time(tmp_path: Path) -> None:
     assert text(kernel) == "c = (alpha * a) a^T + c * beta"
     [product] = found(kernel).products
     assert [(edge.row, edge.col, edge.constant.constant) for edge in product.edges] == [(1, -1, 0)]
+
+
+_MIRRORED = [
+    "scale = beta - alpha",
+    "for i in range(c.shape[0]):",
+    "    for j in range({start}, c.shape[0]):",
+    "        c[i, j] = np.float32(0)",
+    "        for k in range(a.shape[0]):",
+    "            c[i, j] += a[k, i] * a[k, j]",
+    "        c[i, j] /= scale",
+    "        c[j, i] = c[i, j]",
+]
+
+
+@pytest.mark.parametrize("start", ["i", "i + 1"])
+def test_a_product_and_its_mirror_image(tmp_path: Path, start: str) -> None:
+    lines = [line.format(start=start) for line in _MIRRORED]
+    kernel = written(tmp_path, _SCALED, "alpha, beta, a, b, v, c", lines)
+    assert text(kernel) == "c = (a^T a) / (beta - alpha)"
+    assert [is_mirror(s) for s in found(kernel).steps if isinstance(s, Elementwise)] == [True]
+
+
+@pytest.mark.parametrize("start", ["0", "i - 1", "1"])
+def test_no_mirror_image_if_both_sides_are_read(tmp_path: Path, start: str) -> None:
+    lines = [line.format(start=start) for line in _MIRRORED]
+    kernel = written(tmp_path, _SCALED, "alpha, beta, a, b, v, c", lines)
+    assert found(kernel).reason
 
 
 @vividc.kernel(_THREE)

@@ -225,6 +225,9 @@ class _Reader:
         if isinstance(item, Phi) and item.id in self.scop.depth:
             carried[item.id] = None
             return Expression("load", element=self._carried(item.id))
+        if isinstance(item, Instr) and self._is_before(item):
+            args = tuple(self._expression(v, home, accesses, carried) for v in item.operands)
+            return Expression(item.opcode.value, args)
         if not isinstance(item, Instr) or item.id not in self.homes:
             raise NoProduct("it uses an index as a number, or what is computed before its loops")
         source = self.homes[item.id]
@@ -234,6 +237,10 @@ class _Reader:
             raise NoProduct(f"it does {item.mnemonic} where only arithmetic on floats may be")
         args = tuple(self._expression(v, home, accesses, carried) for v in item.operands)
         return Expression(item.opcode.value, args)
+
+    def _is_before(self, item: Instr) -> bool:
+        """Whether it is float arithmetic before the loops, which can be done again in them."""
+        return item.id not in self.homes and item.op not in MEMORY and _is_simple(item)
 
     def _load(
         self, item: Instr, source: Statement, home: Statement, accesses: dict[int, Access]

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vividc.machine.params import TRAP
-from vividc.machine.product import Product, Size, Step
+from vividc.machine.product import Elementwise, Product, Size, Step, is_mirror
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, find_loops, flow_of
@@ -95,7 +95,9 @@ def _demand_whole(
 
 
 def _demand_apart(step: Step) -> None:
-    """No element is computed from others of the same array."""
+    """No element is computed from others of the same array, unless it is those' mirror image."""
+    if isinstance(step, Elementwise) and is_mirror(step):
+        return
     factors = (step.left, step.right) if isinstance(step, Product) else ()
     read = {view.array for factor in factors for view in factor.views}
     others = {view.array for view in step.views if view != step.result}

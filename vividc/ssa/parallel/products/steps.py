@@ -178,7 +178,8 @@ class _Shape:
 
 def folded(steps: list[Step]) -> list[Step]:
     """Steps, what a product starts from and what follows it being part of it."""
-    steps = list(steps)
+    steps = [step for number, step in enumerate(steps) if not _is_overwritten(steps, number)]
+    steps = [_copied(steps, number) for number in range(len(steps))]
     number = 0
     while number < len(steps):
         product = steps[number]
@@ -196,7 +197,68 @@ def folded(steps: list[Step]) -> list[Step]:
                 del steps[behind[0]]
                 continue
         number += 1
+    for number in range(1, len(steps)):
+        steps[number - 1 : number + 1] = _squared(steps[number - 1], steps[number])
     return steps
+
+
+def _squared(one: Step, image: Step) -> tuple[Step, Step]:
+    """A triangle and its mirror image in the same square, of which their edges leave the rest."""
+    if not isinstance(image, Elementwise) or not image.edges:
+        return one, image
+    turned = image.swapped()
+    is_image = one.result == turned.value.view == image.result
+    side = _around(*image.ranges)
+    if not is_image or (one.ranges[:INNER], one.edges) != (turned.ranges, turned.edges) or not side:
+        return one, image
+    rest = one.ranges[INNER:]
+    return replace(one, ranges=(side, side, *rest)), replace(image, ranges=(side, side))
+
+
+def _around(one: Range, other: Range) -> Range | None:
+    """The least range around two, if they differ by constants."""
+    if (one.first.terms, one.limit.terms) != (other.first.terms, other.limit.terms):
+        return None
+    firsts = sorted((one.first, other.first), key=lambda size: size.constant)
+    limits = sorted((one.limit, other.limit), key=lambda size: size.constant)
+    return Range(firsts[0], limits[1])
+
+
+def _is_overwritten(steps: list[Step], number: int) -> bool:
+    """Whether a later step replaces all that a step makes before anything reads it."""
+    step = steps[number]
+    if isinstance(step, Product):
+        return False
+    for other in steps[number + 1 :]:
+        if step.result.array in arrays_of(other):
+            same = (other.result, other.ranges, other.edges) == (
+                step.result,
+                step.ranges,
+                step.edges,
+            )
+            return same and all(view.array != step.result.array for view in other.views)
+    return False
+
+
+def _copied(steps: list[Step], number: int) -> Step:
+    """A step that stores a carried value, as a copy of what an earlier one makes of the same."""
+    step = steps[number]
+    if isinstance(step, Product) or not any(v.array.startswith("%") for v in step.views):
+        return step
+    for place in range(number):
+        before = steps[place]
+        for made in (step, step.swapped()):
+            if isinstance(before, Product) or (made.value, made.ranges, made.edges) != (
+                before.value,
+                before.ranges,
+                before.edges,
+            ):
+                continue
+            array = before.result.array
+            if all(one.result.array != array for one in steps[place + 1 : number]):
+                copy = replace(made, value=Term("load", view=before.result))
+                return copy if made is step else copy.swapped()
+    return step
 
 
 def _start(step: Step) -> Term:
