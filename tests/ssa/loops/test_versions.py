@@ -56,7 +56,21 @@ def of_two(x, m, n, k):
         x[i] = x[i + n] * TWO + x[i + k]
 
 
-TESTED = (by_five_from, from_ahead, to_behind, of_two)
+@kernel(SIGNATURE)
+def by_a_stride(x, m, n, k):
+    """All the same element where n is 0; some count from the end where it is negative."""
+    for i in range(m):
+        x[n * i] *= TWO
+
+
+@kernel(SIGNATURE)
+def ahead_by_a_stride(x, m, n, k):
+    """The next iteration reads what is stored where n is 3."""
+    for i in range(m):
+        x[n * i + 3] = x[n * i] * TWO
+
+
+TESTED = (by_five_from, from_ahead, to_behind, of_two, by_a_stride, ahead_by_a_stride)
 
 
 @kernel(SIGNATURE)
@@ -75,6 +89,37 @@ def apart(x, m, n, k):
 def looked_up(x, places, m):
     for i in range(m):
         x[places[i]] *= TWO
+
+
+@kernel(SIGNATURE)
+def odd_by_a_stride(x, m, n, k):
+    """Words wrap: 2**31 times every other number is 0."""
+    for i in range(m):
+        if i & 1:
+            x[n * i] *= TWO
+
+
+@kernel(SIGNATURE)
+def by_twice_a_stride(x, m, n, k):
+    for i in range(m):
+        x[np.int32(np.int32(2) * n * i)] *= TWO
+
+
+@kernel(SIGNATURE)
+def by_a_stride_from_a_scalar(x, m, n, k):
+    """Where k is negative, elements from the end and from the start are the same."""
+    for i in range(m):
+        x[n * i + k] *= TWO
+
+
+ONE_VERSION = (
+    sure,
+    apart,
+    looked_up,
+    odd_by_a_stride,
+    by_twice_a_stride,
+    by_a_stride_from_a_scalar,
+)
 
 
 def made(given: KernelFunction) -> Versions | Refusal:
@@ -111,14 +156,14 @@ def test_what_meets_is_kept_in_order(given: KernelFunction, n: int) -> None:
     assert isinstance(done, Versions)
     lowered = optimize_kernel(build_kernel(normalize(done.function)), OPTIONS)
     for m, k in ((4, 1), (9, -2), (0, 0)):
-        mine, numbas = (np.random.default_rng(n + 9).random(60, np.float32) for _ in "12")
+        mine, numbas = (np.random.default_rng(n + 9).random(160, np.float32) for _ in "12")
         args = [np.int32(number) for number in (m, n, k)]
         given(numbas, *args)
         run_regions(lowered, [mine, *args])
         assert np.array_equal(mine, numbas)
 
 
-@pytest.mark.parametrize("given", [sure, apart, looked_up], ids=lambda given: given.name)
+@pytest.mark.parametrize("given", ONE_VERSION, ids=lambda given: given.name)
 def test_where_no_test_helps_there_is_one_version(given: KernelFunction) -> None:
     assert isinstance(made(given), Refusal)
 

@@ -140,7 +140,7 @@ def _arguments(
         elif isinstance(value, float | np.floating):
             inputs[param.name] = word_of(float(value))
         else:
-            inputs[param.name] = int(value) & 0xFFFFFFFF  # type: ignore[call-overload]
+            inputs |= param.words_of(int(value))  # type: ignore[call-overload]
     for local in function.locals:
         arrays[local.name] = list(local.contents or [0] * local.words)
         inputs[f"&{local.name}"] = 0

@@ -24,6 +24,7 @@ SIZES = (4, 5, 6, 3, 4)
 watched."""
 
 
+@pytest.mark.filterwarnings("ignore:.*converted to a 64-bit integer saturates")
 @pytest.mark.parametrize("name", with_slow(CASES, CASES.keys() - QUICK))
 def test_all_that_meets_in_polybench(name: str) -> None:
     case = CASES[name]

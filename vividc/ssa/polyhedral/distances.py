@@ -22,6 +22,7 @@ from vividc.ssa.analysis.polynomial import (
     Polynomial,
     constant,
 )
+from vividc.ssa.analysis.strides import Stride, stride_of
 from vividc.ssa.edit import block_of
 from vividc.ssa.flow import Loop, flow_of
 from vividc.ssa.ir import Const, Function, Input, Instr, Value, definition_of
@@ -123,7 +124,8 @@ class Meetings:
         if not (self._in_array(first) and self._in_array(second)):
             found: Distances | None = None
         elif (found := self._solved(first, second, now=now)) is None:
-            found = self._searched(first, second, now=now)
+            found = self._stridden(first, second, now=now)
+            found = found or self._searched(first, second, now=now)
         if found is None:
             found = Distances(int(not now), 1, assumed=True)
         return found if self.loop is not None else replace(found, earlier=None)
@@ -136,6 +138,52 @@ class Meetings:
         if mine is None or theirs is None or len(mine) != len(theirs):
             return None
         return _solved(first, mine, second, theirs, now=now)
+
+    def _stridden(self, first: Place, second: Place, *, now: bool) -> Distances | None:
+        """Of subscripts that move by the same unknown number, which is known to be large enough
+        where they do.
+        """
+        test = self._strides_apart(first, second)
+        if test is None:
+            return None
+        less, more = (self._values.of(value) for value in (test.less, test.more))
+        if less is None or more is None:
+            return None
+        wrong = less.aff.gt_set(more.aff).intersect(self._values.domain(first.block))
+        if not wrong.intersect(self._values.universe).is_empty():
+            return None
+        same = test.less == Const(1)
+        return Distances(0 if now and same else None, None)
+
+    def _strides_apart(self, first: Place, second: Place) -> NotMore | None:
+        """A comparison that keeps accesses apart, in different iterations, whose subscripts move by
+        the same fixed value: this is more than the number between them.
+        """
+        if self._forms is None or not self._is_in_each(first) or not self._is_in_each(second):
+            return None
+        mine, theirs = self._stride(first), self._stride(second)
+        if mine is None or theirs is None or (mine.by, mine.sign) != (theirs.by, theirs.sign):
+            return None
+        sizes = {(p.instr.width, p.instr.shift, p.instr.offset) for p in (first, second)}
+        gap = theirs.rest.plus(mine.rest, -1).constant
+        if gap is None or len(sizes) > 1 or first.instr.width != 1 << first.instr.shift:
+            return None
+        return NotMore(Const(abs(gap) + 1), mine.by)
+
+    def _stride(self, place: Place) -> Stride | None:
+        """How the only subscript of an access moves; None if it may count from the end."""
+        parts = self._subscripts.of(place.instr)
+        if parts is None or len(parts) > 1 or self._forms is None:
+            return None
+        raw = _not_from_end(parts[0], self.function)
+        found = stride_of(raw, self._forms, self._is_fixed)
+        return found if found is None or raw == parts[0] or found.never_wraps else None
+
+    def _is_in_each(self, place: Place) -> bool:
+        """Whether an access is made in each iteration."""
+        assert self.loop is not None
+        dominators = flow_of(self.function).dominators(self.loop.latches[0])
+        return place.block in dominators and _is_certain(place.instr)
 
     def _searched(self, first: Place, second: Place, *, now: bool) -> Distances | None:
         """As isl finds them."""
@@ -171,6 +219,9 @@ class Meetings:
         """
         if not self.between(store, load, now=True).assumed:
             return ()
+        test = self._strides_apart(store, load)
+        if test is not None:
+            return (test,)
         with _bounded(4 * self.most_operations):
             mine, theirs = self._map(store), self._map(load)
             if mine is None or theirs is None or _subscripts(mine) != _subscripts(theirs):
