@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests import kept
+
 settings.register_profile(
     "tests", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
@@ -22,7 +24,7 @@ def own_cache(
 ) -> Iterator[None]:
     """What is kept is kept for this run of the tests only, by all of its processes. Machine code of
     the mapper and of jobs' timing, which takes a minute, is taken from the last run: its key is all
-    that it was made from.
+    that it was made from. So is what numba makes of kernels.
     """
     folder = tmp_path_factory.getbasetemp()
     if os.environ.get("PYTEST_XDIST_WORKER"):
@@ -35,6 +37,7 @@ def own_cache(
         patch.setenv("VIVIDC_CACHE_DIR", str(folder / "cache"))
         patch.setenv("VIVIDC_CACHE_PROGRAMS", "0")  # a test is of the compiler that it patches
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
+        kept.take_from_cache(pytestconfig, patch)
         yield
     _copy_machine_code(entries, code)
 
