@@ -132,7 +132,7 @@ def _lines(function: Callable[..., object]) -> list[tuple[object, ...]]:
     found: list[tuple[object, ...]] = []
     while waiting:
         made = waiting.pop()
-        if made in seen or not isinstance(made, FunctionType):
+        if not isinstance(made, FunctionType) or made in seen:
             continue
         seen.add(made)
         found += _lines_of(made.__code__)
