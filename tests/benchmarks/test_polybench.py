@@ -43,7 +43,7 @@ def test_a_row_says_how_the_kernel_ran() -> None:
 
 
 def test_a_prediction_counts_runs_iterations_and_switches() -> None:
-    case = CASES["mvt"]
+    case = CASES["durbin"]
     program = vividc.compile(case.kernel)
     result = vividc.simulate(program, *case.fresh(MINI))
     assert predicted(program, result.stats) == pytest.approx(result.cycles, rel=0.1)
@@ -123,7 +123,7 @@ def test_rows_with_sums_in_another_order_are_in_no_other_figure(tmp_path: Path) 
 
 
 def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
-    wanted = table.Wanted(only=("gesummv",), sizes=(MINI,), known=True)
+    wanted = table.Wanted(only=("trisolv",), sizes=(MINI,), known=True)
     *_, page = table.sections(wanted, tmp_path)
     assert "## Known sizes" in page
     assert f"## {MINI}" not in page
@@ -133,10 +133,10 @@ def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
 
 
 def test_rows_are_kept_when_they_are_made(tmp_path: Path) -> None:
-    wanted = table.Wanted(only=("gesummv",), sizes=(MINI,))
+    wanted = table.Wanted(only=("trisolv",), sizes=(MINI,))
     *_, page = table.sections(wanted, tmp_path)
     lines = (tmp_path / table.ROWS).read_text().splitlines()
-    assert [json.loads(line).get("kernel") for line in lines] == [None, "gesummv"]
+    assert [json.loads(line).get("kernel") for line in lines] == [None, "trisolv"]
     *_, again = table.sections(wanted, tmp_path)
     assert page == again
     assert (tmp_path / table.ROWS).read_text().splitlines() == lines

@@ -45,8 +45,16 @@ def running(x):
         x[i] += x[i - 1]
 
 
+_PLANS: dict[tuple[int, str], Plan] = {}
+
+
 def plan(kernel: vividc.KernelFunction, **given: object) -> Plan:
-    return choose(kernel.lower(), Estimator(MACHINE, PassOptions()), LoopOptions(**given))
+    """What is chosen, once."""
+    key = id(kernel.lower()), repr(given)
+    if key not in _PLANS:
+        options = LoopOptions(**given)
+        _PLANS[key] = choose(kernel.lower(), Estimator(MACHINE, PassOptions()), options)
+    return _PLANS[key]
 
 
 def chosen(kernel: vividc.KernelFunction, **given: object) -> list[tuple[str, int]]:
