@@ -1,12 +1,13 @@
-"""The script `vividc`: an interrupt while the modules load is one line and exit code 130.
+"""The script `vividc`, and how modules load: an interrupt meanwhile is one line and exit code 130.
 
-Outside the package, because importing anything in it runs `vividc/__init__`, which loads
-compilers and solvers for a second or more; `python -m vividc` begins there, and calls this first.
+Outside the package, so that nothing is loaded before it says so.
 """
 
 import os
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 
 _INTERRUPTED = 130
@@ -21,17 +22,14 @@ def _leave(_signal: int, _frame: FrameType | None) -> None:
     os._exit(_INTERRUPTED)
 
 
-def leave_on_interrupt() -> None:
-    """From now until `main` has loaded all modules."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else: ignored
+@contextmanager
+def loading() -> Iterator[None]:
+    """Around imports of a command's modules: of the commands, not of what they run later."""
+    before = signal.getsignal(signal.SIGINT)
+    if before is signal.default_int_handler:  # else: ignored
         signal.signal(signal.SIGINT, _leave)
-
-
-def main() -> None:
-    """Run the command line."""
-    leave_on_interrupt()
     try:
-        from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
+        yield
     except Exception as error:
         if not os.path.exists(_NUMBAS_SETTINGS):
             raise
@@ -39,7 +37,13 @@ def main() -> None:
         sys.stderr.write(f"vividc: {_NUMBAS_SETTINGS}: numba cannot read its settings: {what}\n")
         sys.stderr.write("hint: repair or remove the file; it is in the current folder\n")
         sys.exit(_WRONG_INPUT)
+    finally:
+        if signal.getsignal(signal.SIGINT) is _leave:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
 
-    if signal.getsignal(signal.SIGINT) is _leave:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+def main() -> None:
+    """Run the command line."""
+    with loading():
+        from vividc.cli.main import main as command  # noqa: PLC0415 - under the handler
     command(prog_name="vividc")

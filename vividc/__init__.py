@@ -1,23 +1,24 @@
-"""vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays."""
+"""vividc: a compiler, mapper and simulator for coarse-grained reconfigurable arrays.
 
-import sys
+Compilers and solvers take a second to load, and are when they are used.
+"""
 
-if sys.argv[:1] == ["-m"] and "vividc" in sys.orig_argv[1:4]:
-    # `python -m vividc` loads this package before its `__main__`.
-    import vividc_main
+from typing import TYPE_CHECKING
 
-    vividc_main.leave_on_interrupt()
-
-from vividc import arch, dfg, lang, launch, mapper, program
-from vividc.compiler.advice.advise import Hint, advise
-from vividc.compiler.driver import compile
-from vividc.compiler.planning.options import LoopOptions
 from vividc.errors import VividcError, VividcWarning
-from vividc.frontend import KernelFunction, LLKernel, kernel, load_ll
-from vividc.gemm.kernels.simulate import simulate
-from vividc.host.time_limit import patient
-from vividc.program import Program, load
-from vividc.sim import Result
+from vividc.host.lazy import lazily
+
+if TYPE_CHECKING:
+    from vividc import arch, dfg, lang, launch, mapper, program
+    from vividc.compiler.advice.advise import Hint, advise
+    from vividc.compiler.driver import compile
+    from vividc.compiler.planning.options import LoopOptions
+    from vividc.frontend import KernelFunction, LLKernel, load_ll
+    from vividc.frontend.kernel import kernel
+    from vividc.gemm.kernels.simulate import simulate
+    from vividc.host.time_limit import patient
+    from vividc.program import Program, load
+    from vividc.sim import Result
 
 __version__ = "0.1.0"
 
@@ -45,3 +46,18 @@ __all__ = [
     "program",
     "simulate",
 ]
+
+_ROOMS = ("arch", "dfg", "lang", "launch", "mapper", "program")
+_HOMES = {
+    "vividc.compiler.advice.advise": ("Hint", "advise"),
+    "vividc.compiler.driver": ("compile",),
+    "vividc.compiler.planning.options": ("LoopOptions",),
+    "vividc.frontend": ("KernelFunction", "LLKernel", "kernel", "load_ll"),
+    "vividc.gemm.kernels.simulate": ("simulate",),
+    "vividc.host.time_limit": ("patient",),
+    "vividc.program": ("Program", "load"),
+    "vividc.sim": ("Result",),
+}
+
+if not TYPE_CHECKING:  # which would take any name then
+    __getattr__, __dir__ = lazily(__name__, _HOMES, _ROOMS)

@@ -14,14 +14,18 @@ SCRIPT = """
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job has none
 
+MODULE = sys.argv[1]
+
 class Interrupt:
     def find_spec(self, name, path=None, target=None):
-        if name == sys.argv[1]:
+        if name == MODULE:
             os.kill(os.getpid(), signal.SIGINT)
 
 sys.meta_path.insert(0, Interrupt())
 """
-AS_SCRIPT = SCRIPT + "from vividc_main import main\nmain()\n"
+AS_SCRIPT = (
+    SCRIPT + "from vividc_main import main\nsys.argv[1:] = ['simulate', 'x.vivid']\nmain()\n"
+)
 
 
 @pytest.mark.parametrize("module", ["vividc", "numba.core", "vividc.cli.main"])
@@ -41,7 +45,7 @@ def test_as_a_module_too(tmp_path):
     """The interrupt is set by a module that Python runs at its start."""
     (tmp_path / "sitecustomize.py").write_text(SCRIPT.replace("sys.argv[1]", "'numba.core'"))
     run = subprocess.run(
-        [sys.executable, "-m", "vividc", "--version"],
+        [sys.executable, "-m", "vividc", "simulate", "x.vivid"],
         check=False,
         cwd=ROOT,
         capture_output=True,
@@ -55,7 +59,7 @@ def test_as_a_module_too(tmp_path):
 def test_damaged_settings_of_numba_are_named(tmp_path):
     (tmp_path / ".numba_config.yaml").write_text("a: [")
     run = subprocess.run(
-        [sys.executable, "-c", "from vividc_main import main; main()", "--version"],
+        [sys.executable, "-c", "from vividc_main import main; main()", "simulate", "x.vivid"],
         check=False,
         cwd=tmp_path,
         capture_output=True,

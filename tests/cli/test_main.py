@@ -4,6 +4,7 @@ import ctypes
 import re
 import subprocess
 import sys
+from importlib import import_module
 
 import click
 import numpy as np
@@ -70,6 +71,32 @@ def test_wrong_usage_is_exit_code_2(args):
     assert "Usage:" in result.stderr
 
 
+@pytest.mark.parametrize("name", main.commands)
+def test_a_list_of_commands_says_of_each_what_it_says(name):
+    command = import_module(f"vividc.cli.commands.{name}").command
+    listed = main.commands[name]
+    assert command.name == name
+    for length in (45, 200):
+        assert listed.get_short_help_str(length) == command.get_short_help_str(length)
+
+
+def test_lists_and_versions_load_no_compiler():
+    """Of modules, not of seconds: what a user waits for."""
+    code = (
+        "import sys, vividc; from vividc.cli import main\n"
+        "assert vividc.__version__\n"
+        "for args in (['--help'], ['--version']): main(args, standalone_mode=False)\n"
+        "context = main.make_context('vividc', [], resilient_parsing=True)\n"
+        "found = main.shell_complete(context, 's')\n"
+        "assert [item.value for item in found] == ['simulate']\n"
+        "heavy = {'numba', 'llvmlite', 'ortools', 'numpy', 'pydantic', 'networkx', 'rich'}\n"
+        "assert heavy.isdisjoint(sys.modules), heavy & set(sys.modules)\n"
+        "assert len(sys.modules) < 400, len(sys.modules)\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
 def test_help_names_every_command():
     result = CliRunner().invoke(main, ["--help"])
     assert result.exit_code == 0
@@ -126,6 +153,7 @@ def test_a_picture_that_memory_does_not_hold_is_a_message(tmp_path):
     """In a child, whose address space is limited."""
     script = """
 import resource, sys
+import vividc.cli.commands.render
 from vividc.cli import main
 used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (used + (300 << 20),) * 2)

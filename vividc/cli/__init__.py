@@ -1,7 +1,8 @@
 """The command line: what a user gives, one module a command, and what is printed.
 
-In order: `files`, `arrays`, `kernels`, `reference` (`--check`), `options` (shared by commands),
-`loops` (transformations), `stages` (what is seen between stages); `reports/`, `commands/`; `main`.
+In order: `say`, `files`, `arrays`, `kernels`, `reference` (`--check`), `options` (shared by
+commands), `loops` (transformations), `stages` (what is seen between stages); `reports/`,
+`commands/`; `main`.
 """
 
 from vividc.cli.main import main

@@ -13,16 +13,15 @@ import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from typing import Any, Final, NoReturn, TextIO
 
 import click
 
 from vividc import __version__
-from vividc.cli.commands import area, disasm, opt, render, simulate, verify
-from vividc.cli.commands import compile as compile_
-from vividc.cli.commands import map as map_
-from vividc.cli.reports.report import say
+from vividc.cli.say import say
 from vividc.errors import InternalError, VividcError, VividcWarning
+from vividc_main import loading
 
 INTERRUPTED: Final = 130
 _NO_PROCESS: Final = ("can't start new thread", os.strerror(errno.EAGAIN))
@@ -32,8 +31,39 @@ _NO_PROCESS_HINT: Final = "hint: allow more of them (ulimit -u)"
 _DEBUG: Final = "VIVIDC_DEBUG"
 
 
+_COMMANDS: Final = {
+    "area": "Print the area of a tile, or of an accelerator's tiles, with the kind of each figure.",
+    "compile": "Compile a kernel for a fabric and write the program.",
+    "disasm": "Print what each PE does in each context of a program.",
+    "map": "Map a dataflow graph (JSON, DOT, Morpher XML or text form) and say what was proved.",
+    "opt": "Run passes on a function in SSA form or on a dataflow graph.",
+    "render": "Render SCENE (3DGS .ply; npz of KiloNeRF, Instant-NGP, TensoRF) and compare with "
+    "the truth.",
+    "simulate": "Run a program on the machine, cycle by cycle.",
+    "verify": "Check a file that `vividc map -o` wrote: mapping, bounds and what they prove.",
+}
+"""What lists of commands say of each, as its module does; that takes a second or more to load."""
+
+
+class _Later(click.Command):
+    """A command whose module is not loaded."""
+
+    def load(self) -> click.Command:
+        """The command itself."""
+        with loading():
+            module = import_module(f"vividc.cli.commands.{self.name}")
+        command: click.Command = module.command
+        return command
+
+
 class _Commands(click.Group):
-    """Turns what a command raises into one message and an exit code."""
+    """Loads a command when it runs, and turns what it raises into one message and an exit code."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, command.load() if isinstance(command, _Later) else command, rest
 
     def main(self, *args: Any, **extra: Any) -> Any:
         _open_closed_streams()
@@ -174,5 +204,5 @@ def main() -> None:
     """Compile kernels and dataflow graphs for a CGRA, and simulate them cycle by cycle."""
 
 
-for _module in (compile_, simulate, map_, opt, verify, disasm, area, render):
-    main.add_command(_module.command)
+for _name, _help in _COMMANDS.items():
+    main.add_command(_Later(_name, help=_help))

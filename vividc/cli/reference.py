@@ -15,7 +15,7 @@ import numpy as np
 
 from vividc.cli.arrays import Array, describe
 from vividc.cli.kernels import kernel_file, load_kernel, load_kernel_of
-from vividc.cli.reports.report import say
+from vividc.cli.say import say
 from vividc.errors import ArgumentError, printable, quoted
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.host.compiled_files import is_noted

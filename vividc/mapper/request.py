@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Literal, get_args
+from typing import TYPE_CHECKING, Final, Literal, get_args
 
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.engines.cpsat.handle import Extension
 from vividc.mapper.mapping import Mapping
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.result import MapResult
+
+if TYPE_CHECKING:
+    from vividc.mapper.engines.cpsat.handle import Extension
 
 Progress = Callable[[str], None]
 

@@ -8,7 +8,8 @@ import click
 
 import vividc
 from vividc.cli import options
-from vividc.cli.reports.report import print_json, say
+from vividc.cli.reports.report import print_json
+from vividc.cli.say import say
 from vividc.program import disassemble
 
 SCHEMA = "vividc.disasm/1"

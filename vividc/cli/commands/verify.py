@@ -11,7 +11,8 @@ import click
 
 from vividc import arch, dfg
 from vividc.cli import options
-from vividc.cli.reports.report import print_json, say
+from vividc.cli.reports.report import print_json
+from vividc.cli.say import say
 from vividc.errors import VividcError, printable, quoted
 from vividc.host.inputs import GRAPH_BYTES, demand_few_values, read_text
 from vividc.mapper import (

@@ -39,11 +39,6 @@ def plain(value: object) -> Plain:
     return _plain_container(value)
 
 
-def say(text: str, *, err: bool = False) -> None:
-    """Print text for people; of the characters that a terminal obeys only line ends are left."""
-    click.echo("\n".join(printable(line) for line in text.split("\n")), err=err)
-
-
 def print_table(
     title: str,
     columns: Sequence[str],
