@@ -103,6 +103,9 @@ class Accelerator:
     source: str = ""
     groups: tuple[TileGroup, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"<Accelerator {self.name}: {self.rows}x{self.cols} tiles>"
+
     @cached_property
     def units(self) -> tuple[Fabric, ...]:
         """Fabrics of the tiles, and behind them of the groups: all that can run a program."""

@@ -162,6 +162,11 @@ class Fabric:
     routing: Routing = Routing()
     occupancies: Mapping[LatencyClass, int] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        pad = self.scratchpad
+        memory = f"{pad.size_bytes} bytes in {pad.banks} banks"
+        return f"<Fabric {self.name}: {self.rows}x{self.cols} PEs, {memory}>"
+
     def latency(self, node: Node) -> int:
         """Cycles from issue of `node` to its result: 1 or more; 0 for sources and sinks."""
         return self.latencies[node.latency_class]

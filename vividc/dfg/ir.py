@@ -154,6 +154,9 @@ class DFG:
     nodes: tuple[Node, ...]
     edges: tuple[Edge, ...]
 
+    def __repr__(self) -> str:
+        return f"<DFG {self.name}: {len(self.nodes)} nodes, {len(self.edges)} edges>"
+
     @cached_property
     def by_id(self) -> dict[int, Node]:
         """Node of each id."""

@@ -96,7 +96,9 @@ class KernelFunction(Callee):
         return SourceLoc(self.file, self.line)
 
     def __repr__(self) -> str:
-        return f"<kernel {self.name} {self.signature}>"
+        params = ", ".join(f"{param.name}: {param.type_text}" for param in self.params)
+        returns = "" if self._return_type in (None, numba.none) else f" -> {self._return_type}"
+        return f"<kernel {self.name}({params}){returns}>"
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Run the kernel on the host, compiled by numba for exactly its signature."""

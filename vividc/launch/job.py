@@ -63,6 +63,9 @@ class Job:
         self._held: dict[int, tuple[Program, int]] = {}
         self._images: dict[tuple[int, str], Program] = {}
 
+    def __repr__(self) -> str:
+        return f"<Job on {self.accelerator.name}: {len(self._steps)} steps>"
+
     @property
     def steps(self) -> tuple[Step, ...]:
         """The steps so far."""

@@ -43,6 +43,11 @@ class JobResult:
     stats: JobStats
     record: Record
 
+    def __repr__(self) -> str:
+        value = "" if self.value is None else f", value {self.value!r}"
+        where = f"{self.stats['runs']} runs on {len(self.stats['tiles'])} tiles"
+        return f"<JobResult: {self.cycles} cycles{value}, {where}>"
+
     @property
     def events(self) -> tuple[Event, ...]:
         """What every unit did, by start; made anew each time."""

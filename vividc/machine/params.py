@@ -104,6 +104,12 @@ class Param:
         """
         return MAX_DIMENSION * (4 // self.dtype.size_bytes if self.ndim == 1 else 1)
 
+    @property
+    def type_text(self) -> str:
+        """Its type as in a signature."""
+        axes = ", ".join([":"] * (self.ndim - 1) + ["::1"])
+        return f"{self.dtype.value}[{axes}]" if self.ndim else self.dtype.value
+
     def limit(self, axis: int) -> int:
         """The most elements along a dimension, the first of which may be cut at launch."""
         return self.longest if self.longest and axis == 0 else self.max_dimension

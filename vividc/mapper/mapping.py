@@ -82,6 +82,10 @@ class Mapping:
     routes: ReadOnly[int, tuple[Step, ...]]
     subject: Subject | None = field(default=None, compare=False, repr=False)
 
+    def __repr__(self) -> str:
+        pes = len({place.pe for place in self.places.values()})
+        return f"<Mapping at II {self.ii}: {len(self.places)} nodes on {pes} PEs>"
+
     if TYPE_CHECKING:  # attached by `report.methods`: pictures are made of mappings
 
         def plot(self, path: str | Path | None = None, subject: Subject | None = None) -> Picture:

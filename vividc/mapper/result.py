@@ -49,6 +49,10 @@ class MapResult:
     objective: Objective | None = None
     hurried: bool = False
 
+    def __repr__(self) -> str:
+        found = "no mapping" if self.ii is None else f"II {self.ii}"
+        return f"<MapResult: {found}, {self.claim}; lower bound {self.lower_bound}; {self.mapper}>"
+
     @property
     def claim(self) -> str:
         """The status, qualified by "within the added constraints" where it only holds there."""

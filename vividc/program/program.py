@@ -115,6 +115,13 @@ class Program:
     nests: tuple[Program, ...] = ()
     order: Order | None = None
 
+    def __repr__(self) -> str:
+        names = ", ".join(param.name for param in self.params)
+        iis = ", ".join(str(row.ii) for row in self.table if row.kind == "loop")
+        loops = f"loops at II {iis}" if iis else "no loop"
+        size = f"{len(self.table)} regions, {loops}, {self.words.shape[0]} contexts"
+        return f"<Program {self.name}({names}) for {self.fabric.name}: {size}>"
+
     @property
     def fabric_name(self) -> str:
         """Name of the fabric the program is for."""

@@ -35,6 +35,11 @@ class Result:
     value: int | float | bool | None
     stats: Stats
 
+    def __repr__(self) -> str:
+        value = "" if self.value is None else f", value {self.value!r}"
+        busy = f"{self.stats['utilization']:.0%} of the PEs' cycles used"
+        return f"<Result: {self.cycles} cycles{value}, {busy}>"
+
 
 def check_run(cycle_limit: int, progress: object = None, observer: object = None) -> None:
     """Refuse a limit that is no positive integer, and callbacks that cannot be called.
