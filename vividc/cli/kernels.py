@@ -53,6 +53,18 @@ def load_kernel_of(
     return _only(_unique(kernels, file), file)
 
 
+def kernels_of(file: Path) -> list[KernelFunction]:
+    """The kernels of a Python file.
+
+    Raises
+    ------
+    KernelError
+        It is no Python file, cannot be read, or fails when it runs.
+    """
+    demand_utf8_path(file, KernelError)
+    return [*_unique(_kernels(_run(file, None)), file).values()]
+
+
 def kernel_file(spec: str) -> Path:
     """The file of `FILE` or `FILE:KERNEL`."""
     return _split(spec)[0]

@@ -35,6 +35,7 @@ _COMMANDS: Final = {
     "area": "Print the area of a tile, or of an accelerator's tiles, with the kind of each figure.",
     "compile": "Compile a kernel for a fabric and write the program.",
     "disasm": "Print what each PE does in each context of a program.",
+    "list": "List fabrics, accelerators, mappers, opcodes, or the kernels of files.",
     "map": "Map a dataflow graph (JSON, DOT, Morpher XML or text form) and say what was proved.",
     "opt": "Run passes on a function in SSA form or on a dataflow graph.",
     "render": "Render SCENE (3DGS .ply; npz of KiloNeRF, Instant-NGP, TensoRF) and compare with "

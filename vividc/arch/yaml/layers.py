@@ -49,6 +49,11 @@ def family_names() -> tuple[str, ...]:
     return tuple(f"{family}-RxC" for family in _FAMILIES)
 
 
+def family_base(name: str) -> str:
+    """The shipped layer of one of `family_names()`."""
+    return _FAMILIES[name.removesuffix("-RxC")] or "_uniform"
+
+
 def is_path(name: str) -> bool:
     """Whether `name` is meant as a file and not as a preset."""
     return name.endswith(_SUFFIXES) or "/" in name or "\\" in name

@@ -1,0 +1,53 @@
+"""`vividc list`: every name that can be given, with a line on each."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from vividc import arch
+from vividc.cli import main
+from vividc.machine.opcodes import OPCODES
+from vividc.mapper import mapper_names
+
+KNOWN = {
+    "fabrics": (*arch.preset_names(), *arch.family_names()),
+    "accelerators": arch.accelerator_names(),
+    "mappers": mapper_names(),
+    "opcodes": tuple(op.value for op in OPCODES),
+}
+
+
+@pytest.mark.parametrize("what", KNOWN)
+def test_all_are_listed_with_a_line_on_each(what: str) -> None:
+    run = CliRunner().invoke(main, ["list", what, "--json"])
+    assert run.exit_code == 0
+    rows = json.loads(run.stdout)[what]
+    assert tuple(row["name"] for row in rows) == KNOWN[what]
+    assert all(set(row) == set(rows[0]) for row in rows)
+    assert all(row.get("what", "is a row of a table") for row in rows)
+    assert CliRunner().invoke(main, ["list", what]).stdout.startswith(what.capitalize())
+
+
+def test_kernels_of_files(tmp_path: Path) -> None:
+    file = tmp_path / "some.py"
+    file.write_text(
+        "import vividc\n\n\n"
+        '@vividc.kernel("void(float32[:, ::1], int64)")\n'
+        "def clear(a, n):\n    for i in range(n):\n        a[i, 0] = 0\n"
+    )
+    run = CliRunner().invoke(main, ["list", "kernels", str(file), "--json"])
+    assert json.loads(run.stdout)["kernels"] == [
+        {"name": f"{file}:clear", "signature": "clear(a: float32[:, ::1], n: int64)"}
+    ]
+
+
+def test_mistakes_are_told() -> None:
+    assert "vividc list kernels FILE.py" in CliRunner().invoke(main, ["list", "kernels"]).stderr
+    wrong = CliRunner().invoke(main, ["list", "mappers", "x.py"])
+    assert (wrong.exit_code, "leave x.py out" in wrong.stderr) == (2, True)
+    assert CliRunner().invoke(main, ["list", "nothing"]).exit_code == 2
+    assert CliRunner().invoke(main, ["list", "kernels", "absent.py"]).exit_code == 2
