@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from vividc import arch, dfg, lang, launch, mapper, program
     from vividc.compiler.advice.advise import Hint, advise
     from vividc.compiler.driver import compile
+    from vividc.compiler.jit import jit
     from vividc.compiler.planning.options import LoopOptions
     from vividc.frontend import KernelFunction, LLKernel, load_ll
     from vividc.frontend.kernel import kernel
@@ -36,6 +37,7 @@ __all__ = [
     "arch",
     "compile",
     "dfg",
+    "jit",
     "kernel",
     "lang",
     "launch",
@@ -51,6 +53,7 @@ _ROOMS = ("arch", "dfg", "lang", "launch", "mapper", "program")
 _HOMES = {
     "vividc.compiler.advice.advise": ("Hint", "advise"),
     "vividc.compiler.driver": ("compile",),
+    "vividc.compiler.jit": ("jit",),
     "vividc.compiler.planning.options": ("LoopOptions",),
     "vividc.frontend": ("KernelFunction", "LLKernel", "kernel", "load_ll"),
     "vividc.gemm.kernels.simulate": ("simulate",),

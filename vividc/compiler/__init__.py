@@ -3,6 +3,7 @@
 In order: `planning/` (which loop transformations pay), `map_regions` (loops, then straight code, in
 the time there is), `spare_banks` (loops again, for fewer bank stalls), `delivery` (how variables
 travel between regions), `kept_programs` (what was compiled before), `nests` (a kernel's nests of
-loops as programs of their own), `products` (which of them are matrix products), `driver`, `advice/`
-(what would make a program faster); `passes` (all stages by name).
+loops as programs of their own), `products` (which of them are matrix products), `driver`, `jit`
+(for the types of a call), `advice/` (what would make a program faster); `passes` (all stages by
+name).
 """

@@ -10,7 +10,7 @@ import inspect
 import os
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numba
 from numba.core import sigutils, types
@@ -47,6 +47,7 @@ _SUPPORTED = (
 )
 
 
+_Signature: TypeAlias = str | Signature | tuple[Any, ...]
 _SIGNATURE_HINT = 'write for example @vividc.kernel("void(float32[::1], int32)")'
 
 
@@ -67,7 +68,9 @@ class KernelFunction(Callee):
         Where it is defined.
     """
 
-    def __init__(self, py_func: Callable[..., Any], signature: str, name: str | None) -> None:
+    def __init__(
+        self, py_func: Callable[..., Any], signature: _Signature, name: str | None
+    ) -> None:
         functools.update_wrapper(self, py_func)
         self.py_func = py_func
         self.name = name or py_func.__name__
@@ -170,14 +173,15 @@ class KernelFunction(Callee):
 
 
 def kernel(
-    signature: str, *, name: str | None = None, like: Like | None = None
+    signature: _Signature, *, name: str | None = None, like: Like | None = None
 ) -> Callable[[Callable[..., Any]], KernelFunction]:
     """Mark a function as a kernel.
 
     Parameters
     ----------
     signature
-        Numba's signature, such as "void(float32[::1], float32[::1], int32)".
+        Numba's signature, such as "void(float32[::1], float32[::1], int32)", as text or as numba's
+        own object, or a tuple of the parameters' types.
     name
         Name of the kernel; the function's if None.
     like
@@ -196,10 +200,8 @@ def kernel(
         code = signature.__code__
         place = SourceLoc(os.path.abspath(code.co_filename), code.co_firstlineno)
         raise KernelError("a kernel without a signature", loc=place, hint=_SIGNATURE_HINT)
-    if not isinstance(signature, str):
-        raise KernelError(
-            f"the signature {quoted(signature)} is not a string", hint=_SIGNATURE_HINT
-        )
+    if not isinstance(signature, str | Signature | tuple):
+        raise KernelError(f"{quoted(signature)} is no signature", hint=_SIGNATURE_HINT)
 
     def decorate(py_func: Callable[..., Any]) -> KernelFunction:
         if not inspect.isfunction(py_func):
@@ -211,15 +213,13 @@ def kernel(
     return decorate
 
 
-def _parse(signature: str, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
+def _parse(signature: _Signature, loc: SourceLoc) -> tuple[tuple[Any, ...], Any]:
     hint = _SIGNATURE_HINT
-    if not isinstance(signature, str):
-        raise KernelError(f"the signature {signature!r} is not a string", loc=loc, hint=hint)
     try:
         parsed = sigutils.normalize_signature(signature)
     except (SyntaxError, NameError, TypeError, AttributeError, ValueError, KeyError) as error:
         what = error.msg if isinstance(error, SyntaxError) else plain(str(error))
-        reason = f"the signature {signature!r} cannot be read: {what}"
+        reason = f"the signature {quoted(signature)} cannot be read: {what}"
         raise KernelError(reason, loc=loc, hint=hint) from error
     args, return_type = parsed
     return tuple(map(in_arrays, args)), return_type

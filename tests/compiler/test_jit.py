@@ -1,0 +1,97 @@
+"""`vividc.jit`: compiled for the types of a call, run on the array, compared with numba."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+import pytest
+
+import vividc
+from vividc import LoopOptions
+from vividc.compiler.jit import JitFunction
+from vividc.errors import ArgumentError, KernelError, VividcError
+
+QUICK = {"loops": LoopOptions(auto=False), "effort": "fast"}
+
+
+def saxpy(a, x, y, n=4):
+    total = y[0]
+    for i in range(n):
+        y[i] += a * x[i]
+        total += y[i]
+    return total
+
+
+def fresh(dtype: type = np.float32) -> tuple[np.ndarray, np.ndarray]:
+    return np.arange(8, dtype=dtype), np.ones(8, dtype)
+
+
+@pytest.fixture(scope="module")
+def jitted() -> JitFunction:
+    return vividc.jit(**QUICK)(saxpy)
+
+
+def test_a_call_runs_on_the_array_as_numba_would(jitted: JitFunction) -> None:
+    x, y = fresh()
+    value = jitted(2.0, x, y)
+    again, expected = fresh()
+    assert value == jitted.reference(2.0, again, expected) == saxpy(np.float32(2), *fresh())
+    assert np.array_equal(y, expected)
+    assert jitted.report is not None
+    assert jitted.report.cycles > 0
+    assert jitted.program is not None
+    assert jitted.program.name == "saxpy"
+
+
+def test_each_signature_is_compiled_once(jitted: JitFunction) -> None:
+    for _ in range(2):
+        jitted(2.0, *fresh())
+        jitted(np.int32(3), *fresh(np.int32), n=8)
+    assert len(jitted.programs) == 2
+    assert repr(jitted) == "<vividc.jit saxpy: compiled for 2 signatures>"
+    x, y = fresh(np.int32)
+    assert jitted(np.int32(3), x, y, n=8) == 1 + sum(1 + 3 * i for i in range(8))
+
+
+def test_a_function_of_numba_is_taken_as_it_was_written() -> None:
+    jitted = vividc.jit(numba.njit(saxpy))
+    assert jitted.py_func is saxpy
+    assert str(jitted.kernel(2.0, *fresh()).params[1].type_text) == "float32[::1]"
+
+
+def test_it_runs_on_an_accelerator() -> None:
+    x, y = fresh()
+    jitted = vividc.jit(fabric="vivid", **QUICK)(saxpy)
+    expected = y.copy()
+    jitted.reference(2.0, x, expected)
+    jitted(2.0, x, y)
+    assert np.array_equal(y, expected)
+    assert jitted.report is not None
+    assert jitted.report.stats["runs"] == 1  # type: ignore[typeddict-item]
+
+
+@pytest.mark.parametrize(
+    ("args", "text"),
+    [
+        ((2.0, "x", np.ones(3, np.float32)), "cannot be an argument of saxpy"),
+        ((2.0, [1.0], np.ones(3, np.float32)), "cannot be an argument of saxpy"),
+        ((2.0,), "saxpy: missing a required argument: 'x'"),
+        ((2.0, np.ones(3), np.ones(3)), "float64"),
+        ((2.0, np.ones((3, 3), np.float32)[:, 0], np.ones(3, np.float32)), "C order"),
+        ((1j, *fresh()), "complex128"),
+    ],
+)
+def test_arguments_that_no_kernel_takes(
+    jitted: JitFunction, args: tuple[object, ...], text: str
+) -> None:
+    with pytest.raises(VividcError, match=text):
+        jitted(*args)
+
+
+def test_mistakes_at_the_decorator() -> None:
+    with pytest.raises(KernelError, match="a kernel cannot be made of 3"):
+        vividc.jit(3)  # type: ignore[call-overload]
+    with pytest.raises(ArgumentError, match="jit has no option effrot"):
+        vividc.jit(effrot="fast")
+    with pytest.raises(VividcError, match="fabric"):
+        vividc.jit(fabric=3)  # type: ignore[call-overload]

@@ -1,0 +1,187 @@
+"""`vividc.jit`: a function that is compiled for the types of its arguments when it is called, and
+run on the simulated array.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, overload
+
+import numba
+import numpy as np
+from numba.core import types
+
+from vividc import arch
+from vividc.arch import Accelerator, Fabric
+from vividc.compiler.driver import compile
+from vividc.errors import ArgumentError, KernelError, SourceLoc, demand_type, quoted
+from vividc.frontend import KernelFunction
+from vividc.frontend.kernel import kernel
+from vividc.gemm.kernels.simulate import simulate
+from vividc.launch import JobResult
+from vividc.program import Program
+from vividc.sim.run import Result
+
+_TYPES = "give C-contiguous numpy arrays, numbers and booleans"
+
+
+class JitFunction:
+    """A function of `vividc.jit`.
+
+    Attributes
+    ----------
+    py_func, name
+        The function as written, and its name.
+    programs
+        What it was compiled to, by the types of the arguments.
+    program, report
+        Of the last call: the program, and the result with cycles and statistics; None before.
+    """
+
+    def __init__(
+        self,
+        py_func: Callable[..., Any],
+        fabric: str | Fabric | Accelerator,
+        options: Mapping[str, Any],
+    ) -> None:
+        functools.update_wrapper(self, py_func)
+        self.py_func = py_func
+        self.name = py_func.__name__
+        self.programs: dict[tuple[Any, ...], Program] = {}
+        self.program: Program | None = None
+        self.report: Result | JobResult | None = None
+        self._fabric = fabric
+        self._options = dict(options)
+        self._kernels: dict[tuple[Any, ...], KernelFunction] = {}
+
+    def __repr__(self) -> str:
+        times = len(self.programs)
+        return f"<vividc.jit {self.name}: compiled for {times} signature{'s' * (times != 1)}>"
+
+    def __call__(self, *args: object, **kwargs: object) -> int | float | bool | None:
+        """Run on the simulated array; arrays are updated in place.
+
+        Raises
+        ------
+        ArgumentError, KernelError, ArchError, MappingFailed, TimeLimit, SimulationError
+            As from `vividc.compile` and `vividc.simulate`.
+        """
+        given = self._bound(args, kwargs)
+        machine = self._machine
+        program = self._compiled(given)
+        if isinstance(machine, Accelerator):
+            result: Result | JobResult = simulate(program, *given, fabric=machine)
+        else:
+            result = simulate(program, *given)
+        self.program, self.report = program, result
+        return result.value
+
+    def reference(self, *args: object, **kwargs: object) -> Any:
+        """Run on the host, through numba."""
+        given = self._bound(args, kwargs)
+        return self.kernel(*given)(*given)
+
+    def kernel(self, *args: object, **kwargs: object) -> KernelFunction:
+        """The kernel for the types of these arguments.
+
+        Raises
+        ------
+        KernelError
+            The function, or the types, are none of a kernel's.
+        """
+        given = self._bound(args, kwargs)
+        signature = tuple(map(self._type_of, given))
+        if signature not in self._kernels:
+            self._kernels[signature] = kernel(signature)(self.py_func)
+        return self._kernels[signature]
+
+    def _compiled(self, given: tuple[object, ...]) -> Program:
+        signature = tuple(map(self._type_of, given))
+        if signature not in self.programs:
+            found = compile(self.kernel(*given), fabric=self._machine, **self._options)
+            self.programs[signature] = found
+        return self.programs[signature]
+
+    @functools.cached_property
+    def _machine(self) -> Fabric | Accelerator:
+        return arch.load(self._fabric) if isinstance(self._fabric, str) else self._fabric
+
+    def _bound(self, args: tuple[object, ...], kwargs: Mapping[str, object]) -> tuple[object, ...]:
+        try:
+            bound = inspect.signature(self.py_func).bind(*args, **kwargs)
+        except TypeError as error:
+            raise ArgumentError(f"{self.name}: {error}", loc=str(self._loc)) from error
+        bound.apply_defaults()
+        return bound.args
+
+    @property
+    def _loc(self) -> SourceLoc:
+        return SourceLoc(self.py_func.__code__.co_filename, self.py_func.__code__.co_firstlineno)
+
+    def _type_of(self, value: object) -> Any:
+        """Numba's type of an argument; of a Python float, which has no width, float32."""
+        if isinstance(value, float) and not isinstance(value, np.generic):
+            return types.float32
+        try:
+            found = numba.typeof(value)
+        except (ValueError, TypeError):
+            found = None
+        if not isinstance(found, types.Array | types.Number | types.Boolean):
+            what = f"{quoted(value)} cannot be an argument of {self.name}"
+            raise ArgumentError(what, loc=str(self._loc), hint=_TYPES)
+        return found.copy(readonly=False) if isinstance(found, types.Array) else found
+
+
+@overload
+def jit(py_func: Callable[..., Any], /) -> JitFunction: ...
+
+
+@overload
+def jit(
+    *, fabric: str | Fabric | Accelerator = "vivid-tile", **options: Any
+) -> Callable[[Callable[..., Any]], JitFunction]: ...
+
+
+def jit(
+    py_func: Callable[..., Any] | None = None,
+    /,
+    *,
+    fabric: str | Fabric | Accelerator = "vivid-tile",
+    **options: Any,
+) -> JitFunction | Callable[[Callable[..., Any]], JitFunction]:
+    """Let a function run on the simulated array: `@vividc.jit`, or `@vividc.jit(fabric="vivid")`.
+
+    The first call with arguments of some types compiles it for these; a Python float is a float32.
+
+    Parameters
+    ----------
+    py_func
+        A Python function, or one that numba has compiled, whose Python function is taken.
+    fabric
+        A fabric or an accelerator, a preset's name, or a YAML file.
+    **options
+        Of `vividc.compile`.
+
+    Raises
+    ------
+    KernelError
+        It is no function.
+    ArgumentError
+        The fabric is none, or an option is unknown.
+    """
+    demand_type(fabric, (str, Fabric, Accelerator), "the fabric", "give a name, as fabric='vivid'")
+    unknown = options.keys() - inspect.signature(compile).parameters.keys()
+    if unknown:
+        hint = "options are those of vividc.compile"
+        raise ArgumentError(f"jit has no option {min(unknown)}", hint=hint)
+
+    def decorate(function: Callable[..., Any]) -> JitFunction:
+        plain = getattr(function, "py_func", function)
+        if not inspect.isfunction(plain):
+            hint = "decorate a Python function"
+            raise KernelError(f"a kernel cannot be made of {quoted(function)}", hint=hint)
+        return JitFunction(plain, fabric, options)
+
+    return decorate if py_func is None else decorate(py_func)
