@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -59,6 +60,22 @@ def test_how_to_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         for name in set(sys.modules) - before:
             if Path(getattr(sys.modules[name], "__file__", None) or "/").is_relative_to(tmp_path):
                 del sys.modules[name]
+
+
+def test_the_first_block_of_the_readme_runs_as_it_stands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    language, text = blocks(ROOT / "README.md")[0]
+    assert language == "python"
+    (tmp_path / "first.py").write_text(text, encoding="utf-8")
+    with vividc.patient(20):
+        runpy.run_path(str(tmp_path / "first.py"))
+    assert re.match(r"\d+ cycles; <Program saxpy\(a, x, y\)", capsys.readouterr().out)
+
+
+def test_the_version_is_the_same_everywhere() -> None:
+    assert f"\nversion: {vividc.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+    assert f"\n## {vividc.__version__}" in (ROOT / "CHANGELOG.md").read_text()
 
 
 def run_block(language: str, text: str) -> None:
