@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from click.shell_completion import ShellComplete
 from click.testing import CliRunner
 
 from vividc import arch
@@ -43,6 +44,20 @@ def test_kernels_of_files(tmp_path: Path) -> None:
     assert json.loads(run.stdout)["kernels"] == [
         {"name": f"{file}:clear", "signature": "clear(a: float32[:, ::1], n: int64)"}
     ]
+
+
+@pytest.mark.parametrize(
+    ("args", "incomplete", "found"),
+    [
+        (["compile", "--fabric"], "vivid-tile-n", ["vivid-tile-ne", "vivid-tile-nw"]),
+        (["map", "--fabric"], "mesh", ["mesh-4x4"]),
+        (["map", "--mapper"], "s", ["sat-kms", "spr"]),
+        (["area"], "vivid-u", ["vivid-unit"]),
+    ],
+)
+def test_a_shell_completes_names(args: list[str], incomplete: str, found: list[str]) -> None:
+    shell = ShellComplete(main, {}, "vividc", "_VIVIDC_COMPLETE")
+    assert [item.value for item in shell.get_completions(args, incomplete)] == found
 
 
 def test_mistakes_are_told() -> None:

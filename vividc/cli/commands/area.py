@@ -16,7 +16,7 @@ SCHEMA = "vividc.area/1"
 
 
 @click.command("area")
-@click.argument("fabric", metavar="FABRIC")
+@click.argument("fabric", metavar="FABRIC", shell_complete=options.complete_fabric)
 @click.option(
     "--tiles",
     type=click.IntRange(1, 4096),
