@@ -1,10 +1,11 @@
 """Plants small defects in the SSA passes, and counts which tests notice: `python -m tests.mutants`.
 
 A defect is one change of a pass's syntax tree: a field forgotten in a `replace`, two operands
-exchanged, a use dropped, a number off by one, a condition negated, `<` for `<=`. As many are drawn
-from each pass, by a seed. Each runs in a process of its own, first with the cases of the pass's own
-test file, then with all of that file, then with the tests of others. Defects that change nothing
-anybody could notice are listed in `EQUIVALENT`, each with its reason, and drawn anew.
+exchanged, a use dropped, an intersection or a union left out, a number off by one, the wrong side
+of a relation, a condition negated, `<` for `<=`. As many are drawn from each pass, by a seed. Each
+runs in a process of its own, first with the cases of the pass's own test file, then with all of
+that file, then with the tests of others. Defects that change nothing anybody could notice are
+listed in `EQUIVALENT`, each with its reason, and drawn anew.
 
     python -m tests.mutants                    draw, run, and write the table of tests/README.md
     python -m tests.mutants --only diamonds    of one pass
@@ -21,6 +22,7 @@ import importlib.machinery
 import os
 import random
 import re
+import resource
 import signal
 import sys
 import time
@@ -39,29 +41,65 @@ import vividc
 from tests.mutants_equivalent import EQUIVALENT
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("rewrite", "loops", "formats", "parallel")
+ROOMS = ("rewrite", "loops", "formats", "parallel", "polyhedral")
 README = ROOT / "tests/README.md"
 COUNT, SEED = 100, 1
-OWN_S, OTHERS_S = 120, 900
+OWN_S, OTHERS_S = 60, 600
+"""Of processor time. Who waits for something has `_PATIENCE` times as long."""
+_PATIENCE = 20
 OTHERS = ("tests/ssa", "tests/dfg/cut", "tests/compiler/planning", "tests/e2e/test_transforms.py")
 _ORDERS = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt}
 _RECORDS = {"replace", "Instr", "Phi", "Branch", "Block", "Clone"}
+_SETS = {
+    "intersect",
+    "intersect_domain",
+    "intersect_range",
+    "intersect_params",
+    "union",
+    "subtract",
+}
+_SIDES = {"in_": "out", "out": "in_"}
+_BOUNDS = (("<= ", "< "), (">= ", "> "), ("< ", "<= "), ("> ", ">= "))
+"""In isl's words."""
+_BESIDE = {
+    "parallel/products/checks": ("parallel/products/recognise",),
+    "parallel/products/effects": ("parallel/products/recognise",),
+    "parallel/products/rows": ("parallel/products/recognise",),
+    "parallel/products/steps": ("parallel/products/recognise",),
+    "polyhedral/loops": ("polyhedral/guards", "polyhedral/generate"),
+    "polyhedral/places": ("polyhedral/generate",),
+    "polyhedral/relations": ("polyhedral/met",),
+    "polyhedral/schedule": ("polyhedral/guards", "polyhedral/orders"),
+    "polyhedral/scop": ("polyhedral/met", "polyhedral/generate"),
+    "polyhedral/trees": ("polyhedral/orders", "polyhedral/rows"),
+    "polyhedral/words": ("polyhedral/generate",),
+    "polyhedral/orders/bands": ("polyhedral/orders/realigned",),
+    "polyhedral/orders/families": ("polyhedral/orders/realigned",),
+    "polyhedral/orders/search": ("polyhedral/orders",),
+}
+"""Tests of modules beside those named after them: they are no pass by themselves."""
 
 
 @dataclass(frozen=True)
 class Pass:
-    """A module of passes, and the test file that mirrors it."""
+    """A module of passes, and the test files that mirror it."""
 
     name: str
     source: Path
-    test: Path
+    tests: tuple[Path, ...]
 
     @property
     def own(self) -> tuple[str, ...]:
         """What pytest is to run of the pass's own: its test, or its cases in that of all passes."""
-        if self.test.exists():
-            return (str(self.test),)
+        if self.tests:
+            return tuple(map(str, self.tests))
         return (str(ROOT / "tests/test_passes.py"), "-k", f"ssa/{self.name}:")
+
+    @property
+    def quickest(self) -> tuple[str, ...]:
+        """The cases in its test, or all of its own if there are none."""
+        cases = ROOT / f"tests/ssa/{self.name}.cases"
+        return (*self.own, "-k", "rules") if cases.exists() and self.tests else self.own
 
 
 _Step = tuple[str, int | None]
@@ -120,12 +158,17 @@ def passes() -> list[Pass]:
     for room in ROOMS:
         for source in sorted((ROOT / "vividc/ssa" / room).rglob("*.py")):
             place = source.relative_to(ROOT / "vividc/ssa").with_suffix("")
-            is_threads = place.parent.name == "threads"
-            stem = place.parent if is_threads else place
-            test = ROOT / "tests/ssa" / stem.parent / f"test_{stem.name}.py"
             if source.name != "__init__.py" and "def " in source.read_text():
-                found.append(Pass(str(place), source, test))
+                found.append(Pass(str(place), source, _tests_of(place)))
     return found
+
+
+def _tests_of(place: Path) -> tuple[Path, ...]:
+    """The test files of a module, by where it is in `ssa`; () if it has cases only."""
+    stems = [place.parent if place.parent.name == "threads" else place]
+    stems += map(Path, _BESIDE.get(str(place), ()))
+    tests = (ROOT / "tests/ssa" / stem.parent / f"test_{stem.name}.py" for stem in stems)
+    return tuple(test for test in tests if test.exists())
 
 
 # Defects
@@ -181,6 +224,9 @@ def _exchanged(node: ast.AST) -> Iterator[ast.AST]:
     if isinstance(node, ast.IfExp):
         node.body, node.orelse = node.orelse, node.body
         yield node
+    if isinstance(node, ast.Attribute) and node.attr in _SIDES:
+        node.attr = _SIDES[node.attr]
+        yield node
 
 
 def _dropped(node: ast.AST) -> Iterator[ast.AST]:
@@ -195,6 +241,9 @@ def _dropped(node: ast.AST) -> Iterator[ast.AST]:
         for at in range(len(node.values)):
             values = node.values[:at] + node.values[at + 1 :]
             yield values[0] if len(values) == 1 else ast.BoolOp(node.op, values)
+    called = node.func if isinstance(node, ast.Call) else None
+    if isinstance(called, ast.Attribute) and called.attr in _SETS:
+        yield called.value
 
 
 def _has_star(node: ast.Tuple | ast.List | ast.Set) -> bool:
@@ -210,6 +259,13 @@ def _off_by_one(node: ast.AST) -> Iterator[ast.AST]:
     if isinstance(node, ast.Call) and _name(node) in ("range", "Const") and node.args:
         node.args[-1] = ast.BinOp(node.args[-1], ast.Add(), ast.Constant(1))
         yield node
+    for part in node.values if isinstance(node, ast.JoinedStr) else ():
+        if isinstance(part, ast.Constant):
+            for old, new in _BOUNDS:
+                if re.search(rf" {old}", before := part.value):
+                    part.value = before.replace(f" {old}", f" {new}", 1)
+                    yield copy.deepcopy(node)
+                    part.value = before
 
 
 def _numbers(node: ast.AST) -> Sequence[ast.expr]:
@@ -306,13 +362,14 @@ class _Planted(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(compile(self.mutant.text, str(self.mutant.of.source), "exec"), module.__dict__)
 
 
-def notices(mutant: Mutant, tests: Sequence[str], limit_s: float) -> bool:
+def notices(mutant: Mutant, tests: Sequence[str], limit_s: int) -> bool:
     """Whether a test fails, or does not end, with the defect planted."""
     sys.stdout.flush()
     child = os.fork()
     if not child:
+        resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s))
         os._exit(_run(mutant, tests))
-    end = time.monotonic() + limit_s
+    end = time.monotonic() + _PATIENCE * limit_s
     while time.monotonic() < end:
         done, status = os.waitpid(child, os.WNOHANG)
         if done:
@@ -377,9 +434,10 @@ def judged(mutant: Mutant, *, quick: bool) -> str:
     if _is_equivalent(mutant):
         return "equivalent"
     own, verdict = mutant.of.own, "nobody"
-    cases = own if "-k" in own else (*own, "-k", "rules")
-    wider = () if quick else (own, OTHERS)
-    for whose, tests in zip(("own", "own", "others"), (cases, *wider), strict=False):
+    quickest = mutant.of.quickest
+    wider = () if quick else (own, OTHERS) if quickest != own else (OTHERS,)
+    whose_tests = [("own", quickest), *(("own" if t is own else "others", t) for t in wider)]
+    for whose, tests in whose_tests:
         if notices(mutant, tests, OTHERS_S if whose == "others" else OWN_S):
             verdict = whose
             break

@@ -30,4 +30,17 @@ EQUIVALENT: Final[dict[tuple[str, str], str]] = {
         "rewrite/normalize",
         "_add_one_preheader: not is_entry and len(outside) == 1 -> len(outside) == 1",
     ): "nothing that is reached leads to a loop at the entry from outside",
+    (
+        "rewrite/clone",
+        "_used_elsewhere: isinstance(v, Ref) and name not in inside -> isinstance(v, Ref)",
+    ): "at the end of a block that was copied, a value is its own: there is nothing to repair",
+    (
+        "parallel/independent",
+        "_Proof._extent: (0, masks[0]) -> (masks[0], 0)",
+    ): "the least and the greatest of both ends are taken",
+    (
+        "parallel/products/effects",
+        "_Reader._expression: not isinstance(item, Instr) or item.id not in self.homes"
+        " -> item.id not in self.homes",
+    ): "a value has a definition, and a phi is in no statement",
 }

@@ -17,7 +17,7 @@ from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.ir import EdgeKind
 from vividc.dfg.pipeline import optimize_kernel
 from vividc.dfg.regions import Kernel
-from vividc.frontend import KernelFunction
+from vividc.frontend import KernelFunction, kernel
 from vividc.machine.opcodes import MEMORY
 from vividc.mapper import MapProblem
 from vividc.mapper.bounds.bounds import Bound, all_bounds
@@ -98,6 +98,29 @@ def test_both_ends_of_an_array_meet() -> None:
     k.from_the_end(a, expected, np.int32(-1))
     run_regions(regions(k.from_the_end), [a, x, np.int32(-1)])
     assert np.array_equal(x, expected)
+
+
+@kernel(k.COLUMNS)
+def two_behind(a, x, n):
+    """What is stored is loaded two iterations later, and by no other."""
+    for i in range(2, len(x)):
+        x[i] = k.TWO
+        a[0, i] = x[i - 2]
+
+
+def test_what_meets_once_has_that_distance() -> None:
+    function = normalize(two_behind.lower())
+    (loop,) = find_loops(function)
+    store, load = (
+        Place(instr, block.name)
+        for block in function.blocks
+        for instr in block.instrs
+        if instr.op in MEMORY and instr.array == "x"
+    )
+    meetings = Meetings(function, loop)
+    assert meetings.between(store, load, now=True) == Distances(2, None)
+    assert meetings.between(load, store, now=True) == Distances(None, 2)
+    assert meetings.between(store, store, now=False) == Distances(None, None)
 
 
 @pytest.mark.parametrize("operations", [1, 30, 300])

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import vividc
+from tests.marks import with_slow
 from tests.ssa.polyhedral.nests import (
     DTYPES,
     arguments,
@@ -160,7 +161,7 @@ def demand_trees_mean_the_same(
     return count
 
 
-@pytest.mark.parametrize("seed", range(16))
+@pytest.mark.parametrize("seed", with_slow(range(16), {5}))
 def test_random_trees(seed: int) -> None:
     demand_trees_mean_the_same(seed)
 

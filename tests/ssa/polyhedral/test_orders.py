@@ -21,6 +21,7 @@ from vividc.ssa.polyhedral.orders.search import (
     Path,
     describe,
     groups,
+    has_skews,
     is_legal,
     loops_in,
     orders,
@@ -95,7 +96,33 @@ def solved(a, b):
         b[i, 0] = b[i, 0] * 3
 
 
+@vividc.kernel(SIGNATURE)
+def leaning(a, b):
+    """Each element needs the one above to the right, which rows side by side have not made."""
+    for i in range(1, a.shape[0]):
+        for j in range(a.shape[1] - 1):
+            a[i, j] += a[i - 1, j + 1]
+
+
+@vividc.kernel(SIGNATURE)
+def upright(a, b):
+    for i in range(1, a.shape[0]):
+        for j in range(a.shape[1] - 1):
+            a[i, j] += a[i - 1, j]
+
+
 KERNELS = (symmetric, rooted, halved, summed, solved)
+
+
+@pytest.mark.parametrize(("kernel", "later"), [(leaning, True), (upright, False)])
+def test_loops_start_later_where_rows_may_not_run_together_otherwise(
+    kernel: vividc.KernelFunction, later: bool
+) -> None:
+    [scop] = parts_of(tidy(kernel.lower()))
+    relations = Relations(scop)
+    found = orders(tree_of(scop), relations)
+    assert any(map(has_skews, found)) is later
+    assert not has_skews(found[0])
 
 
 def jammed_trees(scop: Scop, relations: Relations, *factors: int) -> Iterator[Loop]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -106,6 +107,16 @@ def test_rows_of_a_temporary_give_what_the_temporary_gave(factor: int, rows: int
 def test_what_is_no_temporary_has_no_rows(kernel: vividc.KernelFunction) -> None:
     scop = part_of(kernel)
     assert with_own_rows(tree_of(scop), Relations(scop)) is None
+
+
+def test_an_array_of_unknown_size_has_no_rows() -> None:
+    scop = part_of(through_a_row)
+    flat = [replace(p, flat=p.name == "t") for p in scop.function.params]
+    scop = replace(scop, function=replace(scop.function, params=tuple(flat)))
+    assert with_own_rows(tree_of(scop), Relations(scop)) is None
+    flat = [replace(p, flat=p.name != "t") for p in flat]
+    scop = replace(scop, function=replace(scop.function, params=tuple(flat)))
+    assert with_own_rows(tree_of(scop), Relations(scop)) is not None
 
 
 def test_groups_that_are_not_full_have_no_rows_unless_masked() -> None:

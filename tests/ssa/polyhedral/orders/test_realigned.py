@@ -77,6 +77,18 @@ def ahead(a, b):
             b[i, j] -= a[i, j - 1]
 
 
+@vividc.kernel("void(int32[:, :, ::1])")
+def across(a):
+    """The second nest does to the element i + j what the first one does to its own."""
+    for r in range(a.shape[0]):
+        for i in range(a.shape[2]):
+            for j in range(a.shape[2]):
+                a[r, i, j] *= 3
+        for i in range(a.shape[2]):
+            for j in range(a.shape[2]):
+                a[r, i + j, j] *= 3
+
+
 ORDERS = [
     (factored, "i8[i9[S4], i10[i11[S3]]] of 2"),
     (waiting, "i8[i9[S5], i10[i11[S4]]] of 2"),
@@ -89,6 +101,11 @@ def test_the_outermost_loop_carries_the_most(kernel: vividc.KernelFunction, orde
     """k in factorisations, where what the source has in two places is one statement."""
     [scop] = parts_of(tidy(kernel.lower()))
     assert [describe(tree_of(one)) for one in realigned(Relations(scop), 1)] == [order]
+
+
+def test_only_what_a_coordinate_alone_counts_is_one_statement() -> None:
+    [scop] = parts_of(tidy(across.lower()))
+    assert [len(family) for family in families_of(Relations(scop))] == [1, 1]
 
 
 def test_nothing_is_written_in_two_orders_at_once() -> None:

@@ -1,0 +1,77 @@
+"""Kernels as nests of loops, and why others are none."""
+
+from __future__ import annotations
+
+import pytest
+
+import vividc
+from vividc.errors import KernelError
+from vividc.frontend import KernelFunction
+from vividc.machine.parallel import Repeat
+from vividc.ssa.check import check_function
+from vividc.ssa.parallel.nests import nests_of
+
+SIGNATURE = "void(int32[::1], int32[:, ::1], int32)"
+
+
+@vividc.kernel(SIGNATURE)
+def two(x, a, n):
+    for i in range(len(x)):
+        x[i] += n
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            a[i, j] -= x[j]
+
+
+@vividc.kernel(SIGNATURE)
+def repeated(x, a, n):
+    for _ in range(n):
+        for i in range(len(x)):
+            for j in range(a.shape[1]):
+                a[i, j] += x[i]
+
+
+@vividc.kernel(SIGNATURE)
+def stores_before(x, a, n):
+    x[0] = n
+    for i in range(1, len(x)):
+        x[i] += n
+
+
+@vividc.kernel(SIGNATURE)
+def branches(x, a, n):
+    if n > 3:
+        x[0] = 1
+    for i in range(1, len(x)):
+        x[i] += n
+
+
+@vividc.kernel("int32(int32[::1])")
+def returns(x):
+    for i in range(len(x)):
+        x[i] += 1
+    return x[0]
+
+
+@pytest.mark.parametrize(("kernel", "nests", "repeats"), [(two, 2, 0), (repeated, 1, 1)])
+def test_nests_are_functions_of_their_own(kernel: KernelFunction, nests: int, repeats: int) -> None:
+    found = nests_of(kernel.lower())
+    assert len(found.nests) == nests
+    assert sum(isinstance(item, Repeat) for item in found.order.items) == repeats
+    for nest in found.nests:
+        assert check_function(nest.function) == []
+        assert nest.header in nest.function.by_name
+
+
+@pytest.mark.parametrize(
+    ("kernel", "reason"),
+    [
+        (stores_before, "it stores outside its loops"),
+        (branches, "it branches outside its loops"),
+        (returns, "it returns a value"),
+    ],
+    ids=lambda item: getattr(item, "name", ""),
+)
+def test_why_a_kernel_has_no_nests(kernel: KernelFunction, reason: str) -> None:
+    with pytest.raises(KernelError, match=reason):
+        nests_of(kernel.lower())

@@ -1,0 +1,80 @@
+"""Sets and relations of a part, as isl has them."""
+
+from __future__ import annotations
+
+import islpy as isl
+
+import vividc
+from tests.ssa.polyhedral.test_generate import parts_of
+from vividc.ssa.ir import is_dimension
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.scop import Scop
+from vividc.ssa.rewrite.tidy import tidy
+
+SIGNATURE = "void(int32[:, ::1], int32)"
+
+
+@vividc.kernel(SIGNATURE)
+def summed(a, n):
+    """Each row takes the one before, up to the diagonal; then the first element of all."""
+    for i in range(1, a.shape[0]):
+        for j in range(i):
+            a[i, j] += a[i - 1, j]
+        a[0, 0] = n
+
+
+def part() -> tuple[Scop, Relations]:
+    [scop] = parts_of(tidy(summed.lower()))
+    return scop, Relations(scop)
+
+
+def test_what_is_known_of_symbols_holds_for_iterations() -> None:
+    """A length is not negative."""
+    scop, relations = part()
+    for statement in scop.statements:
+        domain = relations.domain(statement)
+        assert domain.params().is_subset(relations.context)
+        lengths = [name for name, value in scop.symbols.items() if is_dimension(value)]
+        below = isl.Set(f"{relations.parameters} -> {{ : {lengths[0]} < 1 }}")
+        assert domain.params().intersect(below).is_empty()
+
+
+def test_iterations_lie_within_bounds() -> None:
+    scop, relations = part()
+    [inner] = [s for s in scop.statements if len(s.dims) > 1]
+    lengths = [name for name, value in scop.symbols.items() if is_dimension(value)]
+    text = f"{{ {inner.name}[i, j] : 1 <= i < {lengths[0]} and 0 <= j < i }}"
+    wanted = isl.Set(f"{relations.parameters} -> {text}").intersect_params(relations.context)
+    assert relations.domain(inner).is_equal(wanted)
+
+
+def test_dependences_go_from_what_is_earlier() -> None:
+    """From a row to the next below it, and among stores to one element from each to all later."""
+    scop, relations = part()
+    [inner] = [s for s in scop.statements if len(s.dims) > 1]
+    [outer] = [s for s in scop.statements if len(s.dims) == 1 and s.accesses]
+    wanted = isl.UnionMap(
+        f"{relations.parameters} -> {{ {inner.name}[i, j] -> {inner.name}[i + 1, j] : j < i;"
+        f" {outer.name}[i] -> {outer.name}[k] : i < k }}"
+    )
+    within = isl.UnionMap(
+        f"{{ {inner.name}[i, j] -> {inner.name}[k, l]; {outer.name}[i] -> {outer.name}[k] }}"
+    )
+    every = relations.union({s.name: relations.domain(s) for s in scop.statements})
+    wanted = wanted.intersect_domain(every).intersect_range(every)
+    assert relations.dependences.intersect(within).is_equal(wanted)
+
+
+def test_a_schedule_that_turns_a_loop_round_is_not_respected() -> None:
+    scop, relations = part()
+    written = relations.written
+    assert relations.respects(written)
+    images = [
+        f"{s.name}[{', '.join(s.coordinates)}] -> [-{s.coordinates[0]}]" for s in scop.statements
+    ]
+    turned = isl.UnionMap(f"{relations.parameters} -> {{ {'; '.join(images)} }}")
+    every = relations.union({s.name: relations.domain(s) for s in scop.statements})
+    assert not relations.respects(turned.intersect_domain(every))
+    met = relations.accesses_out_of_order(turned.intersect_domain(every))
+    assert met is not None
+    assert {access.array for access in met} == {"a"}
