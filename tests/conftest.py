@@ -37,7 +37,7 @@ def own_cache(
         patch.setenv("VIVIDC_CACHE_DIR", str(folder / "cache"))
         patch.setenv("VIVIDC_CACHE_PROGRAMS", "0")  # a test is of the compiler that it patches
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
-        kept.take_from_cache(pytestconfig, patch)
+        kept.take_from_cache(pytestconfig, patch, tmp_path_factory.getbasetemp())
         yield
     _copy_machine_code(entries, code)
 

@@ -36,15 +36,16 @@ _TEACH = ("errors.py", "formats.py", "frontend", "host", "lang", "machine")
 """What there is of numba's target and of our types, with all that these import."""
 _UNUSED_S = 14 * 24 * 3600
 """Entries that nobody asked for as long are thrown away."""
+_HOME = "<the folder of a kernel that a test wrote>"
 
 
 class Kept:
-    """The entries, a file each."""
+    """The entries, a file each. `scratch`: where tests write kernels, elsewhere in each run."""
 
     taken: ClassVar = True
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, scratch: Path) -> None:
+        self.folder, self.scratch = folder, str(scratch)
         for entry in folder.iterdir():
             if time.time() - entry.stat().st_mtime > _UNUSED_S:
                 entry.unlink(missing_ok=True)
@@ -69,16 +70,19 @@ class Kept:
         self, py_func: Callable[..., object], args: tuple[Any, ...], return_type: Any
     ) -> NumbaModule:
         """As `numba_module`."""
-        key = self._key(
-            "module", py_func, _lines(py_func), tuple(map(repr, args)), repr(return_type)
-        )
+        home = os.path.dirname(py_func.__code__.co_filename)
+        home = home if home.startswith(self.scratch) else _HOME
+        lines = repr(_lines(py_func)).replace(home, _HOME)
+        key = self._key("module", py_func, lines, tuple(map(repr, args)), repr(return_type))
         kept = self.read(key) if key else None
         if kept is not None:
             facts = json.loads(kept)
-            return NumbaModule(tuple(facts["texts"]), facts["symbol"], facts["return"])
+            texts = tuple(text.replace(_HOME, home) for text in facts["texts"])
+            return NumbaModule(texts, facts["symbol"], facts["return"])
         made = numba_module(py_func, args, return_type)
         if key:
-            facts = {"texts": made.texts, "symbol": made.symbol, "return": made.return_type}
+            texts = [text.replace(home, _HOME) for text in made.texts]
+            facts = {"texts": texts, "symbol": made.symbol, "return": made.return_type}
             self.write(key, json.dumps(facts).encode())
         return made
 
@@ -193,12 +197,14 @@ def _value(facts: list[Any]) -> object:
     return float.fromhex(value) if kind == "float" else value
 
 
-def take_from_cache(config: pytest.Config, patch: pytest.MonkeyPatch) -> None:
-    """Take what there is from pytest's cache, if there is one, until the patch is undone."""
+def take_from_cache(config: pytest.Config, patch: pytest.MonkeyPatch, scratch: Path) -> None:
+    """Take what there is from pytest's cache, if there is one, until the patch is undone; kernels
+    in a folder of `scratch` are the same in another one.
+    """
     cache = getattr(config, "cache", None)
     if cache is None:
         return
-    kept = Kept(cache.mkdir("numba"))
+    kept = Kept(cache.mkdir("numba"), scratch)
     run = KernelFunction.__call__
 
     def called(kernel: KernelFunction, *args: object, **named: object) -> object:
