@@ -32,6 +32,14 @@ def repeated(x, a, n):
 
 
 @vividc.kernel(SIGNATURE)
+def shallow(x, a, n):
+    """One loop is too little for a launch."""
+    for _ in range(n):
+        for i in range(len(x)):
+            x[i] += 3
+
+
+@vividc.kernel(SIGNATURE)
 def stores_before(x, a, n):
     x[0] = n
     for i in range(1, len(x)):
@@ -53,7 +61,9 @@ def returns(x):
     return x[0]
 
 
-@pytest.mark.parametrize(("kernel", "nests", "repeats"), [(two, 2, 0), (repeated, 1, 1)])
+@pytest.mark.parametrize(
+    ("kernel", "nests", "repeats"), [(two, 2, 0), (repeated, 1, 1), (shallow, 1, 0)]
+)
 def test_nests_are_functions_of_their_own(kernel: KernelFunction, nests: int, repeats: int) -> None:
     found = nests_of(kernel.lower())
     assert len(found.nests) == nests
