@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 
 import numpy as np
@@ -160,11 +161,56 @@ def shortest_paths(paths):
                 paths[i, j] = min(paths[i, j], paths[i, k] + paths[k, j])
 
 
-def test_a_word_is_compared_with_the_low_word_of_a_sum() -> None:
-    """The word that a loop carries takes part in one comparison, a choice of its result, and the
-    choice of the lesser.
+def test_the_least_of_a_word_and_a_sum_takes_one_operation_on_the_recurrence() -> None:
+    """What makes the sum pass words is told by its terms: `paths[i, k]` stays as it is for all j,
+    so that its limits are shared; the word that a loop carries takes part in one minimum.
     """
     blocks = tidy(shortest_paths.lower()).blocks
     ops = [instr.op for block in blocks for instr in block.instrs]
     assert Opcode.ICMP_ULT not in ops  # no carry
-    assert ops.count(Opcode.SELECT) == 2
+    assert [ops.count(op) for op in (Opcode.SELECT, Opcode.ICMP_SLE)] == [1, 1]
+
+
+@kernel("void(int32[::1], int32[::1], int32[::1], boolean[::1])")
+def sums_against_words(w, x, y, out):
+    """Sums of two words against a word: of terms of any sign, of known sign, of one element."""
+    for i in range(len(w)):
+        one = 1 if y[i] > 3 else 0
+        w[i] = max(w[i], x[i] + y[i])
+        w[i] = min(w[i], x[i] - y[i])
+        w[i] = max(w[i], x[i] + one)
+        w[i] = min(w[i], one + x[i])
+        w[i] = max(w[i], x[i] - one)
+        w[i] = min(x[i] - one, w[i])
+        w[i] = max(7 - x[i], w[i])
+        w[i] = min(x[i] + y[2], w[i])
+        w[i] = max(x[i] - y[2], w[i])
+        w[i] = max(w[i], x[i] + y[i])
+        out[i] = (x[i] + y[i] == 3) ^ (x[i] - y[i] == -5) ^ (x[i] + y[i] != -2147483648)
+
+
+def test_sums_that_no_word_holds_are_compared_as_numba_compares_them() -> None:
+    ends = [0, 1, -1, 3, -5, 2**31 - 1, 2**31 - 3, -(2**31), 5 - 2**31, 2**30, -(2**30), 2**30 + 1]
+    x, y = (np.array(one, np.int32) for one in zip(*itertools.product(ends, ends), strict=True))
+    lowered = sums_against_words.lower()
+    for offset in (0, 2**31 - 1, -(2**31)):
+        expected, actual = ((np.roll(x, 5) ^ np.int32(offset), np.zeros(len(x), bool)) for _ in "ab")
+        sums_against_words(expected[0], x, y, expected[1])
+        run(lowered, actual[0], x, y, actual[1])
+        assert np.array_equal(actual[0], expected[0])
+        assert np.array_equal(actual[1], expected[1])
+
+
+@kernel("int32(int32, int32)")
+def adds_up(x, y):
+    return np.int32(1) if x + y == 3 else np.int32(0)
+
+
+@kernel("int32(int32, int32, boolean)")
+def largest_of_a_step(x, y, step):
+    return np.int32(max(y, x + step))
+
+
+@pytest.mark.parametrize(("tested", "most"), [(adds_up, 5), (largest_of_a_step, 4)])
+def test_a_sum_of_two_words_needs_no_carry(tested: KernelFunction, most: int) -> None:
+    assert operations(tidy(tested.lower())) <= most

@@ -1,1 +1,2 @@
-"""Integers of 64 bits in two words: `words`, `shifts`, `divide`, `float`, `phis`, `rules`."""
+"""Integers of 64 bits in two words: `words`, `shifts`, `divide`, `float`, `phis`, `sums` (against
+words), `rules`."""

@@ -11,14 +11,15 @@ from vividc.errors import KernelError
 from vividc.frontend.advice import Advice
 from vividc.frontend.narrow.demand_high import WIDE, reads_high, stem
 from vividc.frontend.narrow.emit import Emitter
+from vividc.frontend.narrow.wide import sums
 from vividc.frontend.narrow.wide.divide import divide, divide_down
 from vividc.frontend.narrow.wide.float import to_float
 from vividc.frontend.narrow.wide.shifts import ashr, funnel_left, funnel_right, lshr, shl
 from vividc.frontend.narrow.wide.words import ZERO, Pair, Words
 from vividc.frontend.ranges.interval import S32, contains
-from vividc.machine.opcodes import Opcode, Type
+from vividc.machine.opcodes import Opcode
 from vividc.machine.words import WORD_BITS, WORD_MASK
-from vividc.ssa.ir import Const, Instr, Int, Named, Ref, Value
+from vividc.ssa.ir import Const, Instr, Int, Value
 
 Rule = Callable[[Words, Instr], Pair | Value]
 _MIN = 1 << 31
@@ -112,51 +113,30 @@ def _freeze(w: Words, op: Instr) -> Pair:
 def _compare(w: Words, op: Instr) -> Value:
     a, b = _pairs(w, op)
     if op.pred in ("eq", "ne"):
-        same = w.equal(a, b)
+        known = sums.equal(w, *op.operands)
+        same = w.equal(a, b) if known is None else known
         return same if op.pred == "eq" else w.negated(same)
     left, right = reversed(op.operands) if op.pred[1] == "g" else op.operands
     return _less(w, left, right, signed=op.pred[0] == "s", or_equal=op.pred[2] == "e")
 
 
 def _less(w: Words, left: Value, right: Value, *, signed: bool, or_equal: bool = False) -> Value:
-    """left < right (or left <= right); of a sum of two words and a word by the sum's low word
-    alone: what is compared in each iteration of a minimum or maximum is on its recurrence.
-    """
-    for sum_, word in ((left, right), (right, left)):
-        over = _overflow(w, sum_) if signed and _is_plain(w, word) else None
-        if over is not None:
-            low, is_left = w.emitter.value(sum_), sum_ is left
-            test = Opcode.ICMP_SLE if or_equal else Opcode.ICMP_SLT
-            exact = w.op(test, *map(w.emitter.value, (left, right)))
-            wrapped = w.op(Opcode.ICMP_SLE, 0, low) if is_left else w.op(Opcode.ICMP_SLT, low, 0)
-            return w.choose(over, wrapped, exact, type_=Type.PRED)
+    """left < right (or left <= right)."""
+    known = sums.less(w, left, right, signed=signed, or_equal=or_equal)
+    if known is not None:
+        return known
     return w.less(w.pair(left), w.pair(right), signed=signed, or_equal=or_equal)
 
 
-def _is_plain(w: Words, operand: Value) -> bool:
-    """Whether it is a word whose high word is its sign, and neither a constant nor known."""
-    return isinstance(operand, Named) and w.emitter.known_high(operand) is None
-
-
-def _overflow(w: Words, operand: Value) -> Value | None:
-    """Whether a sum or difference of two words has another sign than its low word; None if it is
-    none, or fits into a word.
-    """
-    made = w.emitter.function.definitions.get(operand.id) if isinstance(operand, Ref) else None
-    if not isinstance(made, Instr) or made.op not in ("add", "sub") or w.emitter.signed(operand):
-        return None
-    if not w.emitter.signed(*made.operands):
-        return None
-    low, one, other = map(w.emitter.value, (operand, *made.operands))
-    changed = w.op(Opcode.XOR, one, low)
-    differs = w.op(Opcode.XOR, *((other, low) if made.op == "add" else (one, other)))
-    return w.op(Opcode.ICMP_SLT, w.op(Opcode.AND, changed, differs), 0)
-
-
 def _extremum(*, signed: bool, largest: bool) -> Rule:
-    def rule(w: Words, op: Instr) -> Pair:
+    def rule(w: Words, op: Instr) -> Pair | Value:
+        left, right = op.operands[:2]
+        if signed and op.id not in w.emitter.high_ids:
+            low = sums.extremum(w, left, right, largest=largest)
+            if low is not None:
+                return low
         a, b = _pairs(w, op)
-        less = _less(w, *op.operands[:2], signed=signed)
+        less = _less(w, left, right, signed=signed)
         return w.select(less, b, a) if largest else w.select(less, a, b)
 
     return rule

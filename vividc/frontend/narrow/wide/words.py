@@ -79,6 +79,14 @@ class Words:
         """Disjunction of predicates."""
         return self._logic(Opcode.OR, a, b)
 
+    def either_only(self, a: Value, b: Value) -> Value:
+        """Whether one of two predicates holds, and not the other."""
+        if isinstance(a, Const):
+            a, b = b, a
+        if isinstance(b, Const):
+            return self.negated(a) if b.word else a
+        return self.emitter.helper(self._op, Opcode.XOR, a, b, type_=Type.PRED)
+
     def _logic(self, opcode: Opcode, a: Value, b: Value) -> Value:
         if isinstance(a, Const):
             a, b = b, a
