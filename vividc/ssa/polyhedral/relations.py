@@ -168,19 +168,15 @@ class Relations:
 
     def respects(self, schedule: isl.UnionMap, rows: Mapping[str, Rows] | None = None) -> bool:
         """Whether a schedule keeps the order of all dependences, if arrays have rows."""
-        return bool(self._broken(schedule, rows).is_empty())
-
-    def _broken(
-        self, schedule: isl.UnionMap, rows: Mapping[str, Rows] | None = None
-    ) -> isl.UnionMap:
         wanted = self._apart(rows) if rows else self.dependences
-        return wanted.intersect(schedule.lex_ge_union_map(schedule))
+        times = wanted.apply_domain(schedule).apply_range(schedule)
+        return all(_goes_on(one) for one in _maps_of(times))
 
     def accesses_out_of_order(self, schedule: isl.UnionMap) -> tuple[Access, Access] | None:
         """Two accesses that meet and that a schedule runs in another order; None if it does so to
         none of an array.
         """
-        broken = self._broken(schedule)
+        broken = self.dependences.intersect(schedule.lex_ge_union_map(schedule))
         for first, second in itertools.product(self.scop.statements, repeat=2):
             for one, other in itertools.product(first.accesses.values(), second.accesses.values()):
                 if one.array == other.array and (one.is_store or other.is_store):
@@ -190,6 +186,20 @@ class Relations:
                     if not met.intersect(broken).is_empty():
                         return one, other
         return None
+
+
+def _maps_of(relation: isl.UnionMap) -> Iterator[isl.Map]:
+    """The maps of a relation, one for each two spaces."""
+    maps = relation.get_map_list()
+    yield from (maps.get_at(position) for position in range(maps.n_map()))
+
+
+def _goes_on(times: isl.Map) -> bool:
+    """Whether each time leads to later ones only. It is asked of times and not of iterations, of
+    which isl takes several times as long.
+    """
+    back = isl.Map.lex_ge(times.get_space().domain())
+    return bool(times.intersect(back).is_empty())
 
 
 def _places(scop: Scop) -> Iterator[tuple[Statement, tuple[int, ...]]]:
