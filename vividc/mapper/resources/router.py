@@ -27,6 +27,7 @@ _LINK_COST: Final = 4
 _WRITE_COST: Final = 2
 _HOLD_COST: Final = 1
 _MAX_EXPANSIONS: Final = 3000
+_NONE: Final = frozenset[int]()
 
 _K = TypeVar("_K")
 _V = TypeVar("_V")
@@ -169,23 +170,41 @@ class Router:
             search.reach(place, time, None, 0)
         return search.run()
 
-    def _readable(self, value: Value, pe: int, time: int) -> Iterator[int]:
+    def _readable(self, value: Value, pe: int, time: int) -> list[int]:
         """Links into `pe` and registers of it from which `value` could be read in cycle `time`."""
-        for link in self.places.into[pe]:
-            if self.may_hold(link, time, value.node):
-                yield link
+        found = self._links(value.node, pe, time)
+        words, parked, node = self.words, self.parked, value.node
+        reads = self._reads.get((pe, time), _NONE)
+        is_full = len(reads) >= self.places.fabric.pes[pe].read_ports
         fresh: int | None = None
+        has_older = False  # whether the cycle before is taken of the fresh one
         for register in self.places.registers[pe]:
-            if not self._can_read(register, pe, time):
+            if is_full and register not in reads:
                 continue
-            if self.holds(register, time, value.node):
-                yield register
-            elif not self.is_taken(register, time):
-                older_free = not self.is_taken(register, time - 1)
-                if fresh is None or (older_free and self.is_taken(fresh, time - 1)):
-                    fresh = register
+            holder = words.get((register, time))
+            if holder is None:
+                parking = parked.get(register)
+                if parking is not None and time >= parking[1]:
+                    holder = parking
+            if holder is not None:
+                if holder[0] == node:
+                    found.append(register)
+            elif fresh is None or has_older:
+                is_older = (register, time - 1) in words
+                if fresh is None or not is_older:
+                    fresh, has_older = register, is_older
         if fresh is not None:
-            yield fresh
+            found.append(fresh)
+        return found
+
+    def _links(self, node: int, pe: int, time: int) -> list[int]:
+        """Links into `pe` that hold the result of `node` in cycle `time`, or nothing."""
+        words = self.words
+        return [
+            link
+            for link in self.places.into[pe]
+            if (word := words.get((link, time))) is None or word[0] == node
+        ]
 
     def is_taken(self, place: int, time: int) -> bool:
         """Whether the spot holds a word, or is kept for a parked one."""
@@ -211,22 +230,17 @@ class Router:
         pe = self.places.end[register]
         return len(self._writes.get((pe, time), ())) < self.places.fabric.pes[pe].write_ports
 
-    def _can_read(self, register: int, pe: int, time: int) -> bool:
-        reads = self._reads.get((pe, time), frozenset())
-        return register in reads or len(reads) < self.places.fabric.pes[pe].read_ports
-
     def drivers(self, value: Value, place: int, time: int) -> Iterator[tuple[int, int]]:
         """(place, added cost) from which the word could have come to the free spot."""
         pe = self.places.origin[place]
-        is_register = place >= self.places.links
-        if is_register and self.may_hold(place, time - 1, value.node):
-            yield place, 0
-        if is_register and not self.can_write(place, time - 1):
+        if place < self.places.links:
+            drivers = self._readable(value, pe, time - 1)
+            yield from ((driver, 0) for driver in drivers if driver != place)
             return
-        entry = _WRITE_COST if is_register else 0
-        for driver in self._readable(value, pe, time - 1):
-            if driver != place and not (is_register and driver >= self.places.links):
-                yield driver, entry
+        if self.may_hold(place, time - 1, value.node):
+            yield place, 0
+        if self.can_write(place, time - 1):  # from the FU or a link: registers are not copied
+            yield from ((link, _WRITE_COST) for link in self._links(value.node, pe, time - 1))
 
     # --- entering and leaving ---
 
@@ -377,10 +391,8 @@ class _Search:
         self.value = value
         places = router.places
         sources = router.pes_of(value)
-        self.hops = [
-            min(places.distance[source][pe] for source in sources)
-            for pe in range(len(places.registers))
-        ]
+        rows = [places.distance[source] for source in sources]
+        self.hops = list(map(min, *rows)) if len(rows) > 1 else rows[0]
         self.from_producer = places.distance[value.pe]
         self.queue: list[tuple[int, int, int, int]] = []
         self.cost: dict[Spot, int] = {}
