@@ -194,7 +194,8 @@ def test_sums_that_no_word_holds_are_compared_as_numba_compares_them() -> None:
     x, y = (np.array(one, np.int32) for one in zip(*itertools.product(ends, ends), strict=True))
     lowered = sums_against_words.lower()
     for offset in (0, 2**31 - 1, -(2**31)):
-        expected, actual = ((np.roll(x, 5) ^ np.int32(offset), np.zeros(len(x), bool)) for _ in "ab")
+        words = np.roll(x, 5) ^ np.int32(offset)
+        expected, actual = ((words.copy(), np.zeros(len(x), bool)) for _ in range(2))
         sums_against_words(expected[0], x, y, expected[1])
         run(lowered, actual[0], x, y, actual[1])
         assert np.array_equal(actual[0], expected[0])

@@ -1,7 +1,7 @@
 """A sum or difference of two words against a word, by the sum's low word and tests of its terms.
 
-What is compared in each iteration of a minimum or maximum is on its recurrence, which has one or two
-operations here.
+What is compared in each iteration of a minimum or maximum is on its recurrence, which has one or
+two operations here.
 """
 
 from __future__ import annotations
@@ -108,8 +108,7 @@ def _of_known_sign(w: Words, made: _Sum, word: Value, largest: bool) -> Value:
 
 
 def _by_signs(w: Words, made: _Sum, word: Value, largest: bool) -> Value:
-    """With a negative second term a sum that a word holds is below the first one, else it is not.
-    """
+    """A sum that a word holds is below its first term if the second is negative, else it is not."""
     below = w.op(Opcode.ICMP_SLT, made.low, made.first)
     falls = (made.second, 0) if made.adds else (0, made.second)
     over = w.either_only(below, w.op(Opcode.ICMP_SLT, *falls))
