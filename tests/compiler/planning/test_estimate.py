@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 import vividc
@@ -40,3 +42,27 @@ def test_equal_loops_share_an_estimate_and_keep_their_source_lines() -> None:
     assert [node.loc for node in first.nodes] != [node.loc for node in second.nodes]
     for one, other in zip(loops(made), loops(anew), strict=True):
         assert [node.loc for node in one.nodes] == [node.loc for node in other.nodes]
+
+
+@vividc.kernel("void(float32[::1], float32[::1], float32, float32)")
+def scaled(x, y, a, b):
+    c = a * b
+    for i in range(len(x)):
+        y[i] = x[i] * c + x[i] * c
+
+
+def test_graphs_that_differ_in_variables_and_addresses_are_optimised_alike() -> None:
+    estimator = Estimator(arch.load("vivid-tile"), PassOptions(contract=False))
+    [loop] = loops(build_kernel(scaled.lower()))
+    names = {n.name: f"%{7 + k}" for k, n in enumerate(loop.nodes) if n.name[:1] == "%"}
+    assert names
+    nodes = (replace(node, name=names.get(node.name, node.name)) for node in loop.nodes)
+    form = ((("&x",), 1), (("far",), 4))
+    other = replace(
+        loop, nodes=tuple(replace(n, address=form) if n.is_memory else n for n in nodes)
+    )
+    mine, theirs = estimator.optimized(loop), estimator.optimized(other)
+    anew = Estimator(estimator.fabric, estimator.options).optimized(other)
+    assert theirs == anew != mine
+    assert {node.address for node in theirs.nodes if node.is_memory} == {form}
+    assert len(mine.nodes) < len(loop.nodes)

@@ -10,12 +10,13 @@ from typing import Literal
 from vividc.arch.fabric import Fabric
 from vividc.dfg.check import check
 from vividc.dfg.cut.build import build_kernel
-from vividc.dfg.ir import DFG, AddressForm
+from vividc.dfg.ir import DFG, AddressForm, Node
 from vividc.dfg.pipeline import PassOptions, optimize, optimize_kernel, pipeline
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
 from vividc.host import time_limit
 from vividc.host.watch import is_watched
+from vividc.machine.opcodes import Opcode
 from vividc.mapper.bounds.bounds import all_bounds, mii, no_ii
 from vividc.mapper.bounds.straight import straight_lower_bound
 from vividc.mapper.mapping import Bound
@@ -35,6 +36,8 @@ _ROOMY = 0.5
 """Of a loop's slots: as many operations are mapped within seconds (adi: 360 with an II of 49 in
 3 s; 540 are not).
 """
+
+_NAMING = frozenset({Opcode.LIVE_IN, Opcode.LIVE_OUT})
 
 _NEVER = 1 << 20
 """Stands for the length of a region that no mapping exists for."""
@@ -138,6 +141,32 @@ _Graph = tuple[DFG, tuple[AddressForm | None, ...]]
 """A graph without a name, and where its accesses go, which makes no other graph of it."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Optimized:
+    """What the passes made of a region's graph: of it, or of one that differs in the names of its
+    variables, its lines and its addresses only.
+    """
+
+    source: DFG
+    done: DFG
+    is_own: bool
+
+    def like(self, other: DFG) -> _Optimized | None:
+        """What the passes would make of another such graph; None: an access is not found again."""
+        renamed = dict(zip(_variables(self.source), _variables(other), strict=True))
+        nodes: list[Node] = []
+        for node in self.done.nodes:
+            if node.op in _NAMING:
+                nodes.append(replace(node, name=renamed.get(node.name, node.name)))
+            elif not node.is_memory:
+                nodes.append(node)
+            elif node.id in other.by_id and other.by_id[node.id].op is node.op:
+                nodes.append(replace(node, address=other.by_id[node.id].address))
+            else:
+                return None
+        return _Optimized(other, DFG("", tuple(nodes), self.done.edges), False)
+
+
 @dataclass
 class Estimator:
     """Estimates functions on one fabric; regions seen before cost nothing again."""
@@ -151,9 +180,13 @@ class Estimator:
     _prepared: dict[int, tuple[Function, Function]] = field(default_factory=dict)
     _built: dict[int, tuple[Function, Kernel]] = field(default_factory=dict)
     """Both by the identity of the function, which is kept so that nothing else gets it."""
-    _optimized: dict[_Graph, tuple[DFG, DFG]] = field(default_factory=dict)
-    """A graph and what the passes made of it, by an equal graph without a name."""
-    _shapes: dict[_Graph, Shape] = field(default_factory=dict)
+    _optimized: dict[int, _Optimized] = field(default_factory=dict)
+    """By the identity of the graph."""
+    _alike: dict[DFG, _Optimized] = field(default_factory=dict)
+    """By the graph with numbered variables."""
+    _shapes: dict[tuple[str, DFG], Shape] = field(default_factory=dict)
+    """Of optimised graphs with numbered variables, without stalls."""
+    _stalls: dict[_Graph, float] = field(default_factory=dict)
 
     def estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
         """The estimate; infinite if a region cannot be mapped or the contexts do not suffice.
@@ -231,26 +264,34 @@ class Estimator:
     def shape(self, region: Region) -> Shape:
         """The region's shape by its bounds."""
         dfg = self.optimized(region.dfg)
-        graph = _graph(dfg)
-        if graph not in self._shapes:
+        alike, graph = (region.kind, _numbered(dfg)), _graph(dfg)
+        problem = MapProblem(dfg, self.fabric)
+        if alike not in self._shapes:
             time_limit.step("regions were estimated")
-            problem = MapProblem(dfg, self.fabric)
-            shape = (_loop_shape if region.kind == "loop" else _straight_shape)(problem)
-            self._shapes[graph] = replace(shape, stalls=_stalls(problem, shape.ii))
-        return self._shapes[graph]
+            bounded = _loop_shape if region.kind == "loop" else _straight_shape
+            self._shapes[alike] = bounded(problem)
+        shape = self._shapes[alike]
+        if graph not in self._stalls:
+            self._stalls[graph] = _stalls(problem, shape.ii)
+        return replace(shape, stalls=self._stalls[graph])
 
     def optimized(self, dfg: DFG) -> DFG:
-        """The region's graph after the passes, unchecked and nameless: an equal one is found
-        again.
+        """The region's graph after the passes, unchecked and nameless. A graph that differs in the
+        names of its variables only is found again: of two stages of a plan, most regions do.
         """
-        graph = _graph(dfg)
-        if graph not in self._optimized:
-            done = graph[0]
-            for step in pipeline(self.options):
-                time_limit.step("regions were optimised")
-                done = step(done)
-            self._optimized[graph] = dfg, done
-        return self._optimized[graph][1]
+        if id(dfg) not in self._optimized:
+            alike = _numbered(dfg)
+            known = self._alike[alike].like(dfg) if alike in self._alike else None
+            self._optimized[id(dfg)] = known or self._made(dfg)
+            self._alike.setdefault(alike, self._optimized[id(dfg)])
+        return self._optimized[id(dfg)].done
+
+    def _made(self, dfg: DFG) -> _Optimized:
+        done = replace(dfg, name="")
+        for step in pipeline(self.options):
+            time_limit.step("regions were optimised")
+            done = step(done)
+        return _Optimized(dfg, done, True)
 
     def built(self, function: Function) -> Kernel:
         """The regions of a prepared function; whoever looks on sees how they are made."""
@@ -268,14 +309,32 @@ class Estimator:
         return replace(kernel, regions=tuple(regions))
 
     def _checked(self, dfg: DFG) -> DFG:
-        known, done = self._optimized.get(_graph(dfg), (None, dfg))
-        if known is not dfg or check(done):  # an equal one may have other source lines
-            return optimize(dfg, self.options)
-        return replace(done, name=dfg.name)
+        known = self._optimized.get(id(dfg))
+        if known is None or not known.is_own or check(known.done):
+            return optimize(dfg, self.options)  # one that is alike has other source lines
+        return replace(known.done, name=dfg.name)
 
 
 def _graph(dfg: DFG) -> _Graph:
     return replace(dfg, name=""), tuple(n.address for n in dfg.nodes if n.is_memory)
+
+
+def _variables(dfg: DFG) -> tuple[str, ...]:
+    """The variables that stand for values of a function, in the order of their nodes."""
+    named = (node.name for node in dfg.nodes if node.op in _NAMING)
+    return tuple(dict.fromkeys(name for name in named if name.startswith("%")))
+
+
+def _numbered(dfg: DFG) -> DFG:
+    """The graph without a name, its variables called by their order."""
+    numbers = {name: f"%{number}" for number, name in enumerate(_variables(dfg))}
+    nodes = (
+        replace(node, name=numbers[node.name])
+        if node.op in _NAMING and node.name in numbers
+        else node
+        for node in dfg.nodes
+    )
+    return DFG("", tuple(nodes), dfg.edges)
 
 
 def _entries(function: Function, runs: Mapping[str, float]) -> dict[str, float]:
