@@ -215,3 +215,37 @@ def largest_of_a_step(x, y, step):
 @pytest.mark.parametrize(("tested", "most"), [(adds_up, 5), (largest_of_a_step, 4)])
 def test_a_sum_of_two_words_needs_no_carry(tested: KernelFunction, most: int) -> None:
     assert operations(tidy(tested.lower())) <= most
+
+
+@kernel("void(int32[::1], float32[::1])")
+def floats_near_a_word(x, out):
+    """Floats of sums that may pass all words by little, and by more than a float's rounding."""
+    n = len(x)
+    for i in range(n):
+        for j in range(4):
+            out[4 * i + j] = np.float32(x[i] + j - 1)
+            out[4 * n + 4 * i + j] = np.float32(j - 55 + x[i])
+            out[8 * n + 4 * i + j] = np.float32(x[i] - 31 - (j + 26))
+            out[12 * n + 4 * i + j] = np.float32(x[i] + 60)
+            out[16 * n + 4 * i + j] = np.float32(x[i] + j + 600)
+            out[20 * n + 4 * i + j] = np.float32(j - x[i])
+
+
+def test_a_sum_near_a_word_is_rounded_once() -> None:
+    """The largest words and those behind them are the same float, up to half a float apart."""
+    near = np.arange(0, 400, 3)
+    x = np.concatenate([near - 200, 2**31 - 1 - near, near - 2**31]).astype(np.int32)
+    expected, actual = (np.zeros(24 * len(x), np.float32) for _ in range(2))
+    floats_near_a_word(x, expected)
+    run(floats_near_a_word.lower(), x, actual, max_blocks=100_000)
+    assert np.array_equal(actual.view(np.int32), expected.view(np.int32))
+
+
+@kernel("float32(int32, boolean)")
+def float_of_a_step(x, step):
+    return np.float32(x + step)
+
+
+def test_a_float_of_a_word_and_a_step_needs_no_second_word() -> None:
+    ops = [instr.op for block in tidy(float_of_a_step.lower()).blocks for instr in block.instrs]
+    assert ops == [Opcode.SMIN, Opcode.ADD, Opcode.SITOFP]

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from vividc.frontend.narrow.wide.words import ZERO, Pair, Words
+from vividc.frontend.ranges.interval import S32, contains
 from vividc.machine.opcodes import Opcode
 from vividc.machine.words import WORD_BITS, WORD_MASK
-from vividc.ssa.ir import Instr, Value
+from vividc.ssa.ir import Instr, Ref, Value
 
 _SIGN = 0x80000000
 _TWO_24 = 0x4B800000  # as a float32, like the next
 _EXACT = 24  # integers up to 2**24 are float32
 _EXPONENT_SHIFT = 23
 _BIAS = 127
+_NEAR = 60
+"""Integers so near to 2**31 on either side are 2**31 as float32, and those near -2**31 are that."""
+
+_DEPTH = 4
 
 
 def to_float(w: Words, op: Instr) -> Value:
@@ -20,8 +27,11 @@ def to_float(w: Words, op: Instr) -> Value:
     low, high = w.range(operand)
     if op.type == "double":
         w.emitter.demote(op)
-    value = w.pair(operand)
     signed = op.op == "sitofp"
+    moved = _moved_word(w, operand) if signed else None
+    if moved is not None:
+        return w.op(Opcode.SITOFP, moved)
+    value = w.pair(operand)
     if max(-low, high) <= 1 << 2 * _EXACT and (signed or low >= 0):
         return _of_48_bits(w, value)
     if not signed or low >= 0:
@@ -29,6 +39,49 @@ def to_float(w: Words, op: Instr) -> Value:
     sign = w.sign(value)
     magnitude = _of_magnitude(w, w.negate_if(value, sign))
     return w.op(Opcode.OR, magnitude, w.op(Opcode.AND, sign, _SIGN))
+
+
+def _moved_word(w: Words, operand: Value) -> Value | None:
+    """A word that is the same float as a sum of a word and small numbers: the word, where that
+    would take the sum past all words, is one that does not. None: it is no such sum.
+    """
+    terms = list(_terms(w, operand, 1, _DEPTH))
+    if not w.emitter.signed(*(term for _, term in terms)):
+        return None
+    far = [term for term in terms if not contains((-_NEAR, _NEAR), w.range(term[1]))]
+    if len(far) != 1 or far[0][0] < 0 or len(terms) == 1:
+        return None
+    [(_, first)] = far
+    step: Value = ZERO
+    least = most = 0
+    for sign, term in terms:
+        if term is not first:
+            ends = [sign * end for end in w.range(term)]
+            least, most = least + min(ends), most + max(ends)
+            step = w.op(Opcode.ADD if sign > 0 else Opcode.SUB, step, w.emitter.value(term))
+    least, most = min(least, 0), max(most, 0)
+    if most - least > _NEAR:
+        return None
+    low, high = w.range(first)
+    word = w.emitter.value(first)
+    if high > S32[1] - most:
+        word = w.op(Opcode.SMIN, word, S32[1] - most)
+    if low < S32[0] - least:
+        word = w.op(Opcode.SMAX, word, S32[0] - least)
+    return w.op(Opcode.ADD, word, step)
+
+
+def _terms(w: Words, operand: Value, sign: int, depth: int) -> Iterator[tuple[int, Value]]:
+    """The terms of a sum that one word may not hold, with their signs."""
+    made = w.emitter.function.definitions.get(operand.id) if isinstance(operand, Ref) else None
+    is_sum = isinstance(made, Instr) and made.op in ("add", "sub") and depth
+    if not is_sum or w.emitter.signed(operand):
+        yield sign, operand
+        return
+    assert isinstance(made, Instr)
+    first, second = made.operands
+    yield from _terms(w, first, sign, depth - 1)
+    yield from _terms(w, second, -sign if made.op == "sub" else sign, depth - 1)
 
 
 def _of_48_bits(w: Words, value: Pair) -> Value:
