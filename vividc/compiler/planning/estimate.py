@@ -187,6 +187,8 @@ class Estimator:
     _shapes: dict[tuple[str, DFG], Shape] = field(default_factory=dict)
     """Of optimised graphs with numbered variables, without stalls."""
     _stalls: dict[_Graph, float] = field(default_factory=dict)
+    _shape_of: dict[int, Shape] = field(default_factory=dict)
+    """By the identity of a region's graph."""
 
     def estimate(self, function: Function, hints: Mapping[str, float]) -> Estimate:
         """The estimate; infinite if a region cannot be mapped or the contexts do not suffice.
@@ -263,12 +265,18 @@ class Estimator:
 
     def shape(self, region: Region) -> Shape:
         """The region's shape by its bounds."""
-        dfg = self.optimized(region.dfg)
-        alike, graph = (region.kind, _numbered(dfg)), _graph(dfg)
+        known = self._shape_of.get(id(region.dfg))
+        if known is None:
+            known = self._shaped(self.optimized(region.dfg), region.kind)
+            self._shape_of[id(region.dfg)] = known  # `_optimized` keeps the graph
+        return known
+
+    def _shaped(self, dfg: DFG, kind: str) -> Shape:
+        alike, graph = (kind, _numbered(dfg)), _graph(dfg)
         problem = MapProblem(dfg, self.fabric)
         if alike not in self._shapes:
             time_limit.step("regions were estimated")
-            bounded = _loop_shape if region.kind == "loop" else _straight_shape
+            bounded = _loop_shape if kind == "loop" else _straight_shape
             self._shapes[alike] = bounded(problem)
         shape = self._shapes[alike]
         if graph not in self._stalls:
