@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
@@ -135,8 +136,17 @@ def _is_interleaving(stage: Stage) -> bool:
 
 
 def _better_last(ways: list[list[Stage]]) -> list[Stage]:
-    """The stages of all ways, those with fewer cycles behind others."""
-    return sorted((stage for way in ways for stage in way), key=lambda one: -one.estimate.cycles)
+    """The stages of all ways, those with fewer cycles behind others; what is in reserve for the
+    next one of its way comes before that.
+    """
+    keyed: list[tuple[float, Stage]] = []
+    for way in ways:
+        for stage, after in itertools.zip_longest(way, way[1:]):
+            cycles = stage.estimate.cycles
+            if stage.reserve and after is not None:
+                cycles = max(cycles, after.estimate.cycles)
+            keyed.append((cycles, stage))
+    return [stage for _, stage in sorted(keyed, key=lambda one: -one[0])]
 
 
 @dataclass
@@ -298,7 +308,7 @@ class _Chooser(Draft):
             taken = {*taken, *(self.now.state.made - base.state.made)}
 
     def _interleave_at(self, header: str) -> None:
-        found = self._ascent("interleaving", header)
+        found, _ = self._ascent("interleaving", header)
         for stage in found[-2:-1]:
             self.accept(replace(stage, reserve=True))
         for stage in found[-1:]:
@@ -367,27 +377,34 @@ class _Chooser(Draft):
         return loc is not None and self.options.flatten.get(loc.line) is False
 
     def _climb(self, kind: Kind, header: str) -> None:
-        """Applies the factor up to which the estimate falls."""
-        for stage in self._ascent(kind, header)[-1:]:
+        """Applies the factor up to which the estimate falls; the next one, if it is a little
+        better, is for when that has no mapping.
+        """
+        found, spare = self._ascent(kind, header)
+        for stage in found[-1:]:
+            if spare is not None:
+                self.accept(replace(spare, reserve=True))
             self.accept(stage)
 
-    def _ascent(self, kind: Kind, header: str) -> list[Stage]:
-        """The factors up to the one up to which the estimate falls."""
+    def _ascent(self, kind: Kind, header: str) -> tuple[list[Stage], Stage | None]:
+        """The factors up to the one up to which the estimate falls, and the one after it if it is
+        better, but not by enough.
+        """
         base = self.now
         found: list[Stage] = []
         if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
-            return []  # what an earlier transformation left over
+            return [], None  # what an earlier transformation left over
         if kind == "unrolling" and self._is_short_perhaps(header):
             self.note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
-            return []
+            return [], None
         for factor in _FACTORS:
             stage = self._evaluate(base, Candidate(kind, header, factor))
             if stage is None:
                 break
             if found and stage.estimate.cycles > _STEP * found[-1].estimate.cycles:
-                break
+                return found, stage if stage.estimate.cycles < found[-1].estimate.cycles else None
             found.append(stage)
-        return found
+        return found, None
 
     def _is_short_perhaps(self, header: str) -> bool:
         """A loop of unknown length inside another: entered often, it pays for a remainder often."""
