@@ -26,8 +26,10 @@ PAGES = sorted(
 
 PLAIN_COMMAND = re.compile(r"^(vividc [^|><;&$*?{~`\\\n]+\n)", re.MULTILINE)
 """A line that only starts vividc: it needs no shell."""
-SLOW = {"gemm", "render-your-own"}
-"""Pages that compile many kernels: all of a renderer, products in every mode."""
+SLOW = {"gemm", "known-sizes", "mappers", "render-your-own"}
+"""Pages that compile or map for long: all of a renderer, products in every mode and for known
+sizes, one graph by all mappers.
+"""
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
@@ -50,6 +52,9 @@ def test_how_to_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{ROOT}")
     monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
+    monkeypatch.setenv(
+        "VIVIDC_CACHE_PROGRAMS", "1"
+    )  # pages compile the same for a command and a block
     before = set(sys.modules)
     try:
         with vividc.patient(20), warnings.catch_warnings():

@@ -94,6 +94,7 @@ def test_what_it_computes_stays() -> None:
     x = np.arange(240, dtype=np.int32) * 7919 % 1009
     y = np.zeros(200, np.int32)
     expected = (x[:200] ^ x[8:208]) + (x[16:216] ^ x[24:224]) + (x[32:232] ^ x[40:240])
-    result = vividc.simulate(vividc.compile(eight_apart), x, y)
+    program = vividc.compile(eight_apart, loops=vividc.LoopOptions(auto=False))
+    result = vividc.simulate(program, x, y)
     assert np.array_equal(y, expected)
     assert result.stats["stalls"]["bank_conflict"] < 0.1 * result.cycles

@@ -80,6 +80,7 @@ def intervals(a, b, n):
                 b[i, j] = max(b[i, j], b[i, k] + b[k + 1, j])
 
 
+@pytest.mark.slow
 def test_intervals_of_one_length_are_jammed_though_a_branch_tells_the_shortest() -> None:
     function = tidy(intervals.lower())
     found = restructured(function)
