@@ -3,8 +3,8 @@
 Numba takes a second for a kernel: half of it for its types and code on our target, half for the
 code that the tests compare with. Both follow from the kernel, its arguments and the files that
 teach numba our types alone. So the LLVM IR of the former and the results of the latter are kept in
-pytest's cache, under hashes of all that; `pytest --cache-clear` makes them anew. Tests of the
-frontend take nothing from it (`tests/frontend/conftest.py`).
+pytest's cache, under hashes of all that: a change of the frontend makes all of them anew, and so
+does `pytest --cache-clear`. Tests of the frontend take results only (`tests/frontend/conftest.py`).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import functools
 import json
 import os
 import time
+import warnings
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -42,7 +43,7 @@ _HOME = "<the folder of a kernel that a test wrote>"
 class Kept:
     """The entries, a file each. `scratch`: where tests write kernels, elsewhere in each run."""
 
-    taken: ClassVar = True
+    takes_modules: ClassVar = True
 
     def __init__(self, folder: Path, scratch: Path) -> None:
         self.folder, self.scratch = folder, str(scratch)
@@ -70,18 +71,22 @@ class Kept:
         self, py_func: Callable[..., object], args: tuple[Any, ...], return_type: Any
     ) -> NumbaModule:
         """As `numba_module`."""
-        home = os.path.dirname(py_func.__code__.co_filename)
-        home = home if home.startswith(self.scratch) else _HOME
-        lines = repr(_lines(py_func)).replace(home, _HOME)
+        if not self.takes_modules:
+            return numba_module(py_func, args, return_type)
+        home = os.path.dirname(os.path.abspath(py_func.__code__.co_filename))
+        place = _HOME if home.startswith(self.scratch) else home
+        lines = repr((place, _lines(py_func))).replace(home, place)
         key = self._key("module", py_func, lines, tuple(map(repr, args)), repr(return_type))
         kept = self.read(key) if key else None
         if kept is not None:
             facts = json.loads(kept)
-            texts = tuple(text.replace(_HOME, home) for text in facts["texts"])
+            texts = tuple(text.replace(place, home) for text in facts["texts"])
             return NumbaModule(texts, facts["symbol"], facts["return"])
-        made = numba_module(py_func, args, return_type)
-        if key:
-            texts = [text.replace(home, _HOME) for text in made.texts]
+        with warnings.catch_warnings(record=True) as told:
+            made = numba_module(py_func, args, return_type)
+        _tell(told)
+        if key and not told:
+            texts = [text.replace(home, place) for text in made.texts]
             facts = {"texts": texts, "symbol": made.symbol, "return": made.return_type}
             self.write(key, json.dumps(facts).encode())
         return made
@@ -103,18 +108,26 @@ class Kept:
                     array[...] = content.reshape(array.shape)
                 rest = rest[array.nbytes :]
             return _value(json.loads(facts))
-        value = run(kernel, *args)
+        with warnings.catch_warnings(record=True) as told:
+            value = run(kernel, *args)
+        _tell(told)
         facts = _facts(value)
-        if key and facts is not None:
+        if key and facts is not None and not told:
             content = b"".join(array.tobytes() for array in arrays)
             self.write(key, json.dumps(facts).encode() + b"\n" + content)
         return value
 
     def _key(self, kind: str, function: Callable[..., object], *how: object) -> str | None:
-        if not self.taken or not isinstance(function, FunctionType):
+        if not isinstance(function, FunctionType):
             return None
         parts = (kind, _surroundings(), made_of(function), *how)
         return sha256(repr(parts).encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _tell(told: list[warnings.WarningMessage]) -> None:
+    """Warn of what was told: there is more to it than is kept."""
+    for one in told:
+        warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
 
 
 @functools.cache
@@ -215,10 +228,10 @@ def take_from_cache(config: pytest.Config, patch: pytest.MonkeyPatch, scratch: P
 
 
 @contextmanager
-def made_anew() -> Iterator[None]:
-    """Nothing is taken or kept here."""
-    Kept.taken = False
+def modules_made_anew() -> Iterator[None]:
+    """No IR is taken or kept here."""
+    Kept.takes_modules = False
     try:
         yield
     finally:
-        Kept.taken = True
+        Kept.takes_modules = True

@@ -1,4 +1,4 @@
-"""Tests of the frontend run numba: what an earlier run kept is not taken."""
+"""Tests of the frontend see what it makes of kernels, not what it made in an earlier run."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from tests import kept
 
 
 @pytest.fixture(autouse=True)
-def numba_runs() -> Iterator[None]:
-    with kept.made_anew():
+def made_anew() -> Iterator[None]:
+    with kept.modules_made_anew():
         yield
