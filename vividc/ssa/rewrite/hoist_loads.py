@@ -20,21 +20,23 @@ _PREDICATE = 2
 """Position of a load's predicate among its operands."""
 
 _WORTH_IT = 3
-"""Fewer loads stay: they cost the loop less than what comes before it."""
+"""Fewer loads stay: they cost the loop less than what comes before it. One that a divisor is made
+of goes all the same: quotients by what the loop does not change cost a quarter.
+"""
 
 
 def hoist_loads(function: Function) -> Function:
     """Moves loads of fixed addresses out of the innermost loops that no other loop contains, and
-    what is computed from them.
+    what is computed from them; out of other innermost loops those that make a divisor fixed.
 
-    The loops are canonical. A loop inside another one keeps its loads: its preheader runs as often
-    as the outer loop, and may cost more than the loop gains.
+    The loops are canonical. A loop inside another one keeps other loads: its preheader runs as
+    often as the outer loop, and may cost more than the loop gains.
     """
     every = find_loops(function)
     done = function
     for loop in pipelined_loops(function):
-        if not any(loop.header in o.blocks and o.header != loop.header for o in every):
-            done = _Hoister(done, loop).run()
+        alone = not any(loop.header in o.blocks and o.header != loop.header for o in every)
+        done = _Hoister(done, loop).run(all_loads=alone)
     return done if done is function else hoist_invariants(done)
 
 
@@ -98,19 +100,46 @@ class _Hoister(Preface):
             if instr.op is Opcode.STORE
         ]
 
-    def run(self) -> Function:
-        """The function with the loads before the loop, or as it was."""
-        moved: set[int] = set()
+    def run(self, *, all_loads: bool) -> Function:
+        """The function with the loads before the loop, all or those that divisors are made of, or
+        as it was.
+        """
+        inside = frozenset(self.inside)
+        loads: set[int] = set()
         for load, guard in self._loads():
             self.before.append(replace(load, operands=self._guarded(load, guard)))
-            moved.add(load.id)
-        if len(moved) < _WORTH_IT:
+            loads.add(load.id)
+        is_worth_it = all_loads and len(loads) >= _WORTH_IT
+        moved = loads if is_worth_it else self._of_divisors(inside, loads)
+        if not moved:
             return self.function
+        self.before = [i for i in self.before if i.id in moved or i.id not in loads]
         changed = [
             replace(block, instrs=tuple(i for i in block.instrs if i.id not in moved))
             for block in self.blocks.values()
         ]
         return with_blocks(self.function, [*changed, self.preheader()])
+
+    def _of_divisors(self, inside: frozenset[int], loads: set[int]) -> set[int]:
+        """Those of the loads by which divisors that the loop computes become fixed, with all that
+        the addresses of these loads are computed from.
+        """
+        made = {i.id: i for block in self.blocks.values() for i in block.instrs}
+        wanted: set[int] = set()
+        for division in made.values():
+            if division.op is not Opcode.FDIV:
+                continue
+            needed: set[int] = set()
+            work = [v.id for v in division.operands[1:] if isinstance(v, Ref) and v.id in inside]
+            while work:
+                ident = work.pop()
+                if ident not in needed:
+                    needed.add(ident)
+                    operands = made[ident].operands if ident in made else ()
+                    work += [v.id for v in operands if isinstance(v, Ref) and v.id in inside]
+            read = {n for n in needed if n not in made or made[n].op in MEMORY}
+            wanted |= read if read <= loads else set()
+        return wanted
 
     def _guarded(self, load: Instr, guard: Value | None) -> tuple[Value, ...]:
         """Operands of a load that runs under `guard` only, and under its own predicate if any."""
