@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.dfg.expand.vectorised import (
+    OPERATIONS,
     SPECIALS,
     by_semantics,
     expanded,
@@ -18,7 +19,7 @@ from tests.dfg.expand.vectorised import (
     random_words,
 )
 from vividc.dfg.check import check
-from vividc.dfg.expand.divide import RECIPROCAL_MAGIC
+from vividc.dfg.expand.divide import RECIPROCAL_MAGIC, prepared, quotient_by
 from vividc.dfg.expand.expand import expand_math
 from vividc.dfg.forms.text import parse
 from vividc.machine.opcodes import Opcode
@@ -125,6 +126,73 @@ def test_operations_where_latency_binds() -> None:
     assert check(after) == []
     assert len(after.operations) == 52
     assert (latency(after, 3, 5), latency(after, 2, 5)) == (42, 21)
+
+
+def by_halves(a: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """The quotients of divisors that were prepared."""
+
+    def emit(opcode: Opcode, *operands: np.ndarray | int) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(OPERATIONS[opcode](*map(words, operands)), a.shape)
+
+    def words(operand: np.ndarray | int) -> np.ndarray:
+        return np.ascontiguousarray(np.broadcast_to(np.asarray(operand, np.uint32), a.shape))
+
+    return quotient_by(emit, a, prepared(emit, d))
+
+
+def of_all_exponents(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Operands with each pair of exponents, of random signs and mantissas that are often short."""
+    rng = np.random.default_rng(seed)
+    fields = np.arange(256, dtype=np.uint32)
+    grids = (grid.ravel() for grid in np.meshgrid(fields, fields))
+
+    def number(exponents: np.ndarray) -> np.ndarray:
+        size = exponents.size
+        sign = rng.integers(0, 2, size, np.uint32) << np.uint32(31)
+        mantissa = rng.integers(0, 1 << 23, size, np.uint32) >> rng.integers(0, 24, size, np.uint32)
+        return sign | exponents << np.uint32(23) | mantissa
+
+    a, d = map(number, grids)
+    return a, d
+
+
+def near_the_ends(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Operands whose quotients are subnormal, or nearly, or about the largest number."""
+    rng = np.random.default_rng(seed)
+    d = rng.integers(0, 1 << 32, 1 << 15).astype(np.uint32)
+    low = rng.integers(1, 1 << 24, d.size).astype(np.uint32)
+    high = rng.integers(0x7F000000, 0x7F800000, d.size).astype(np.uint32)
+    wanted = np.where(rng.integers(0, 2, d.size) == 1, low, high).view(np.float32)
+    with np.errstate(all="ignore"):
+        a = (wanted.astype(np.float64) * d.view(np.float32)).astype(np.float32)
+    return a.view(np.uint32), d
+
+
+def test_halves_have_the_words_of_the_whole() -> None:
+    grids = np.meshgrid(np.asarray(SPECIALS, np.uint32), np.asarray(SPECIALS, np.uint32))
+    specials = grids[0].ravel(), grids[1].ravel()
+    for a, d in (specials, of_all_exponents(1), near_the_ends(2)):
+        assert np.array_equal(by_halves(a, d), expanded(Opcode.FDIV, a, d))
+
+
+@pytest.mark.parametrize("divisor", [0x3F7FFFFF, 0x3F7FFFFD, 0x3F7FFFFB, 0x3F7FFFF9])
+def test_the_hardest_quotients_by_halves(divisor: int) -> None:
+    dividends = hardest(divisor & 0x7FFFFF | 0x800000)
+    a = np.array([word_of(float(dividend)) for dividend in dividends], np.uint32)
+    d = np.full(len(a), divisor, np.uint32)
+    assert np.array_equal(by_halves(a, d), by_semantics(Opcode.FDIV, a, d))
+
+
+@pytest.mark.slow
+def test_halves_have_the_words_of_the_whole_in_a_dense_sweep() -> None:
+    """Every mantissa of a divisor, too: the preparation is wrong for none."""
+    for seed in range(16):
+        for a, d in (of_all_exponents(seed), near_the_ends(seed)):
+            assert np.array_equal(by_halves(a, d), expanded(Opcode.FDIV, a, d))
+    mantissas = np.arange(0x3F800000, 0x40000000, dtype=np.uint32)
+    a = random_words(len(mantissas), 7)
+    assert np.array_equal(by_halves(a, mantissas), expanded(Opcode.FDIV, a, mantissas))
 
 
 TWO_QUOTIENTS = """dfg "two"

@@ -14,6 +14,7 @@ from vividc.dfg.cut.build_loop import LoopParts, build_loop
 from vividc.dfg.cut.build_straight import build_straight
 from vividc.dfg.cut.carry_elements import carry_elements
 from vividc.dfg.cut.entries import Entries, join_entries
+from vividc.dfg.cut.share_divisors import share_divisors
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import SourceLoc
@@ -40,7 +41,14 @@ class _Plan:
     entries: Entries
 
 
-SHAPING = (normalize, hoist_loads, carry_elements, merge_diamonds, copy_exit_values)
+SHAPING = (
+    normalize,
+    hoist_loads,
+    carry_elements,
+    merge_diamonds,
+    share_divisors,
+    copy_exit_values,
+)
 """Passes that bring a function into the shape that regions are cut from."""
 
 

@@ -1,0 +1,159 @@
+"""Divisors that do not change, or that several quotients have in common, are prepared once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vividc
+from vividc.dfg.cut.build import build_kernel
+from vividc.dfg.cut.share_divisors import share_divisors
+from vividc.dfg.interpret.interpreter import interpret
+from vividc.dfg.pipeline import optimize_kernel
+from vividc.machine.opcodes import Opcode
+from vividc.machine.words import word_of
+from vividc.ssa.check import check_function
+from vividc.ssa.interpret import interpret as interpret_words
+from vividc.ssa.ir import Function
+from vividc.ssa.rewrite.hoist_loads import hoist_loads
+from vividc.ssa.rewrite.normalize import normalize
+from vividc.ssa.rewrite.tidy import tidy
+
+V, M = "float32[::1]", "float32[:, ::1]"
+COUNT = 64
+
+
+@vividc.kernel(f"void({V}, float32)")
+def by_a_parameter(x, d):
+    for i in range(len(x)):
+        x[i] /= d
+
+
+@vividc.kernel(f"void({M}, {V})")
+def by_a_row(x, d):
+    """The inner loop does not change the divisor; the outer one does."""
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            x[i, j] /= d[i] + np.float32(1)
+
+
+@vividc.kernel(f"void({V}, {V}, {V})")
+def two_by_one(x, y, d):
+    for i in range(len(x)):
+        x[i] /= d[i]
+        y[i] /= d[i]
+
+
+@vividc.kernel(f"void({V}, {V})")
+def one_by_one(x, d):
+    for i in range(len(x)):
+        x[i] /= d[i]
+
+
+@vividc.kernel(f"void({V}, float32)")
+def by_turns(x, d):
+    """Each quotient waits for the one before: what counts is the shortest way."""
+    last = x[0]
+    for i in range(len(x)):
+        last = (last + x[i]) / d
+        x[i] = last
+
+
+@vividc.kernel(f"void({V}, float32)")
+def by_a_constant(x, _):
+    for i in range(len(x)):
+        x[i] /= np.float32(3)
+
+
+@vividc.kernel(f"void({V}, float32)")
+def few_at_once(x, d):
+    x[0] /= d
+    x[1] /= d
+
+
+@vividc.kernel(f"void({V}, float32)")
+def many_at_once(x, d):
+    x[0] /= d
+    x[1] /= d
+    x[2] /= d
+    x[3] /= d
+    x[4] /= d
+
+
+def shaped(kernel: vividc.KernelFunction) -> Function:
+    return hoist_loads(normalize(tidy(kernel.lower())))
+
+
+def divisions(function: Function) -> int:
+    return sum(i.op is Opcode.FDIV for block in function.blocks for i in block.instrs)
+
+
+@pytest.mark.parametrize(
+    ("kernel", "left"),
+    [
+        (by_a_parameter, 0),
+        (by_a_row, 0),
+        (two_by_one, 0),
+        (one_by_one, 1),
+        (by_turns, 1),
+        (few_at_once, 2),
+        (many_at_once, 0),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)
+def test_what_shares_its_divisor(kernel: vividc.KernelFunction, left: int) -> None:
+    function = shaped(kernel)
+    shared = share_divisors(function)
+    assert check_function(shared) == []
+    assert divisions(shared) == left
+    assert (shared is function) == (left == divisions(function))
+
+
+def test_constants_have_a_shorter_way() -> None:
+    function = shaped(by_a_constant)
+    assert share_divisors(function) is function
+
+
+@pytest.mark.parametrize(
+    ("kernel", "operations"), [(by_a_parameter, 13), (two_by_one, 24 + 2 * 11 + 5)]
+)
+def test_operations_of_an_iteration(kernel: vividc.KernelFunction, operations: int) -> None:
+    """A load, a store and the rest of a division; the preparation, where it comes with it."""
+    made = optimize_kernel(build_kernel(shaped(kernel)))
+    [loop] = [region for region in made.regions if region.kind == "loop"]
+    assert len(loop.dfg.operations) == operations
+
+
+@pytest.mark.parametrize("kernel", [by_a_parameter, by_a_row, two_by_one, many_at_once])
+def test_no_bit_changes(kernel: vividc.KernelFunction) -> None:
+    """The semantics of `fdiv` in SSA round a quotient once: none here is subnormal."""
+    rng = np.random.default_rng(5)
+
+    def words(shape: tuple[int, ...]) -> np.ndarray:
+        return rng.integers(0x38000000, 0x48000000, shape).astype(np.uint32).view(np.float32)
+
+    shapes = {by_a_row: [(4, 6), (4,)], two_by_one: [(COUNT,)] * 3}
+    arguments = [words(shape) for shape in shapes.get(kernel, [(COUNT,)])]
+    if kernel in (by_a_parameter, many_at_once):
+        arguments.append(np.float32(-0.7))
+    mine = [np.array(one) if np.ndim(one) else one for one in arguments]
+    function = shaped(kernel)
+    interpret_words(function, *arguments)
+    interpret_words(share_divisors(function), *mine)
+    for one, other in zip(arguments, mine, strict=True):
+        assert np.array_equal(np.asarray(one).view(np.uint32), np.asarray(other).view(np.uint32))
+
+
+def test_quotients_that_need_care_are_as_numpys() -> None:
+    """Zeros, infinities, NaNs, subnormal dividends, quotients that overflow: in a whole kernel."""
+    kernel = optimize_kernel(build_kernel(shaped(by_a_parameter)))
+    x = np.array([1, 0.0, -0.0, np.inf, -np.inf, np.nan, 1e-45, -3e-39, 3e38, 7], np.float32)
+    for divisor in (0.3, -0.3, 1e-40, -1e-45, 0.0, -0.0, np.inf, np.nan, 3e38):
+        mine = x.copy()
+        inputs = {"&x": 0, "x.shape0": len(x), "d": word_of(divisor)}
+        interpret(kernel, mine.view(np.uint32), inputs)
+        with np.errstate(all="ignore"):
+            quotients = x / np.float32(divisor)
+        assert np.array_equal(mine, quotients, equal_nan=True)
+        numbers = ~np.isnan(quotients)
+        assert np.array_equal(np.signbit(mine[numbers]), np.signbit(quotients[numbers]))
