@@ -36,7 +36,9 @@ from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 
 _FACTORS = ((4, 4), (4,))
+_OF_SKEWED = (2, 4)
 _LARGER_FACTORS = {
+    (2, 4): ((2, 6), (2, 8), (4, 4)),
     (4, 4): ((5, 5), (8, 4), (4, 8)),
     (1, 4): ((1, 8),),
     (4, 1): ((8, 1),),
@@ -53,7 +55,8 @@ are 56 operations).
 
 _SMALLER_FACTORS = {(4, 4): ((1, 4), (4, 1), (2, 2)), (4,): ((2,),)}
 _PAYS = 2.0
-"""Factors that are tried of a loop and one inside it, and of one loop; then larger ones of those
+"""Factors that are tried of a loop and one inside it (or in a tree with skews, where what all
+iterations of a group run together is short), and of one loop; then larger ones of those
 that are faster than none, and smaller ones of those that are not so many times as fast. A PE array
 of 4x4 has no use for more than some 32 accumulators (gemm 20 to 30 wide: 5 by 5 is best). Other
 orders of the source's loops are not looked at where one with a sum's loop outermost is so many
@@ -246,7 +249,7 @@ class _Climb:
     def _ways(self, order: Loop) -> Iterator[tuple[Loop, list[tuple[Path, ...]]]]:
         """An order with the loops to jam of it, and with temporaries that have rows."""
         tree, jammed = groups(order, self.relations)
-        yield tree, [group[:1] for group in jammed] if has_skews(tree) else jammed
+        yield tree, jammed
         yield from groups_with_rows(order, self.relations)
 
     def _with_loads(self, best: Restructured) -> Iterator[Restructured]:
@@ -260,7 +263,8 @@ class _Climb:
     def _first(self, tree: Loop, jammed: list[tuple[Path, ...]]) -> float:
         """Cycles with the first factors whose code fits into the contexts."""
         for pair, single in _FIRST[self._smaller :]:
-            given = dict(_chosen(jammed, pair, single))
+            first = _OF_SKEWED if has_skews(tree) else pair
+            given = dict(_chosen(jammed, first, single))
             cycles = self._cycles(self._with(tree, given, self._is_better_masked(tree, given)))
             if cycles < math.inf:
                 return cycles
@@ -305,7 +309,8 @@ class _Climb:
     def _jammed(self, tree: Loop, group: tuple[Path, ...]) -> Loop:
         """The tree with the best factors of a group of its loops, or none."""
         plain = self._cycles(tree)
-        first = _FACTORS[len(group) == 1]
+        is_tile = has_skews(tree) and len(group) > 1
+        first = _OF_SKEWED if is_tile else _FACTORS[len(group) == 1]
         masked = self._is_better_masked(tree, _of(group, first))
         found: dict[tuple[int, ...], Loop] = {}
         failed: list[tuple[int, ...]] = []
@@ -322,7 +327,7 @@ class _Climb:
                 work += _LARGER_FACTORS.get(factors, ())
                 if self._waits(found[factors]):
                     work += _FACTORS_OF_WAITING.get(factors, ())
-            if cycles * _PAYS > plain:
+            if cycles * _PAYS > plain and not is_tile:
                 work += _SMALLER_FACTORS.get(factors, ())
         made = [tree, *found.values()]
         if not has_skews(tree):

@@ -13,7 +13,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from vividc.machine.opcodes import MEMORY, Opcode, Type
-from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.edit import (
     FreshIds,
     block_of,
@@ -23,14 +22,13 @@ from vividc.ssa.edit import (
     retarget,
     substitute,
 )
-from vividc.ssa.ir import Block, Branch, Const, Function, Input, Instr, Phi, Ref, Value, pitch_of
-from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test, runs_in
-from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated
+from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
+from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked, moved, names_of
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test
+from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated, Stream
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.subscripts import element_bytes
 from vividc.ssa.polyhedral.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
 
@@ -162,13 +160,17 @@ class _Writer:
         self._certain.pop()
 
     def _for(self, loop: For) -> None:
-        origin = self._origin(loop)
+        origin = self.places.origin(loop)
+        if origin is None:
+            raise _Unkept("no statement counts a loop")
         self.words.loc = loc = block_of(self.scop.function, origin).branch.loc
         first = self.words.extreme(loop.first, Opcode.SMAX)
         limit = self.words.extreme(loop.limit, Opcode.SMIN)
         accessed = self.places.accessed(loop.body)
         carried, unsure = self._carried(loop, accessed, first, limit)
-        rotated = {one.place: one for one in self.places.rotated(loop, accessed)}
+        streams = tuple(self.places.streams(loop, accessed))
+        moving = (*self.places.rotated(loop, accessed), *(r for s in streams for r in s.rotated()))
+        rotated = {one.place: one for one in moving}
         first_of = {p: self._entering(one, loop, first, limit) for p, one in rotated.items()}
         entered = {**carried, **first_of}
         before, header = self._name, self._fresh("part.loop")
@@ -184,7 +186,7 @@ class _Writer:
         for place, ident in phis.items():
             self.known[place] = replace(entered[place], value=Ref(ident))
         self._open(body)
-        next_counter, lasts = self._body(loop, Ref(counter), carried, rotated)
+        next_counter, lasts = self._body(loop, Ref(counter), carried, rotated, streams)
         latch = self._name
         self._close(Branch(header, loc=loc))
         made = [Phi(counter, Type.I32, ((before, first), (latch, next_counter)), loc)]
@@ -196,37 +198,57 @@ class _Writer:
         self._open(after)
         self._predicates = predicates
         for place, known in carried.items():
-            outside[place] = replace(known, value=Ref(phis[place]), store=self.known[place].store)
+            store = self.known[place].store
+            outside[place] = replace(known, value=Ref(phis[place]), store=store, stored=None)
         self._leave(outside, unsure)
 
     def _entering(self, one: Rotated, loop: For, first: Value, limit: Value) -> Known:
         """What a place of the iteration before is in the first one."""
         at = {loop.name: loop.first[0]} if len(loop.first) == 1 else {}
-        place = Place(one.place.owner, tuple(s.substituted(at) for s in one.place.subscripts))
-        when, known = self.predicate(one.guard), self.known.get(place)
-        if known is not None and implies(one.guard, known.guard):
-            return Known(known.value, None, when, one.guard)
+        place, guard = one.place.at(at), moved(one.guard, at)
+        held = ALWAYS if one.streamed else one.guard
+        if guard is None:
+            return Known(Const(0), guard=held)  # nothing reads it
+        known = self.known.get(place)
+        if known is not None and implies(guard, known.guard):
+            return Known(known.value, guard=held)
         runs = self.words.emit(Opcode.ICMP_SLT, first, limit)
         self.words.names[loop.name] = first
+        when = self.predicate(guard)
         both = runs if when is None else self.words.emit(Opcode.AND, runs, when)
         value = self.load(one.load, place, both)
         del self.words.names[loop.name]
         self.words.forget((loop.name,))
-        return Known(value, None, when, one.guard)
+        for own in [one for one in self._predicates if loop.name in names_of(one)]:
+            del self._predicates[own]
+        return Known(value, guard=held)
 
     def _body(
-        self, loop: For, counter: Ref, own: Collection[Place], rotated: Mapping[Place, Rotated]
+        self,
+        loop: For,
+        counter: Ref,
+        own: Collection[Place],
+        rotated: Mapping[Place, Rotated],
+        streams: tuple[Stream, ...],
     ) -> tuple[Value, dict[Place, Value]]:
         """One iteration; the counter of the next, and what places are in it at first."""
         entered = dict(self.known)
         self.words.names[loop.name] = counter
         self.words.order.append(loop.name)
+        for place, one in rotated.items():
+            self.known[place] = replace(self.known[place], when=self.predicate(one.guard))
+        for stream in streams:
+            place, when = stream.places[0], self.predicate(stream.guards[0])
+            self.known[place] = Known(self.load(stream.load, place, when), when=when)
         self._all(loop.body)
         for place, known in list(self.known.items()):
             if known.store is not None and place not in own and known != entered.get(place):
                 self._store(place)
         lasts = {place: self.known[place].value for place in own}
-        lasts |= {p: self.loaded(one.load, one.source, one.guard) for p, one in rotated.items()}
+        for place, one in rotated.items():
+            is_known = one.streamed and one.source in self.known
+            value = self.known[one.source].value if is_known else None
+            lasts[place] = value or self.loaded(one.load, one.source, one.guard)
         self.words.order.pop()
         following = self.words.emit(Opcode.ADD, counter, loop.step, exact=True)
         del self.words.names[loop.name]
@@ -320,16 +342,6 @@ class _Writer:
                 self.known[place] = replace(known, value=Ref(phis[-1].id))
         return phis
 
-    def _origin(self, loop: For) -> str:
-        """The header of the loop that a statement counts by this one."""
-        for run in runs_in(loop.body):
-            for dim, coordinate in zip(
-                self.places.statements[run.statement].dims, run.coordinates, strict=True
-            ):
-                if loop.name in coordinate.names:
-                    return dim.header
-        raise _Unkept("no statement counts a loop")
-
     def _type(self, place: Place) -> Type:
         kind = self._types[place.owner] if isinstance(place.owner, int) else None
         owner = str(place.owner)
@@ -353,7 +365,7 @@ class _Writer:
         for other, known in list(self.known.items()):
             if known.store is not None and other != place and self.places.may_meet(place, other):
                 self._store(other)
-        return self._access(instr, place, () if when is None else (when,))
+        return self.words.access(instr, place, () if when is None else (when,))
 
     def store(self, instr: Instr, place: Place, value: Value, guard: Guard) -> None:
         """An element has a value from now on where the guard holds, to be stored as by `instr`."""
@@ -365,17 +377,9 @@ class _Writer:
         apart = before is not None and not implies(before.guard, guard)
         if before is not None and apart and not implies(guard, before.guard):
             self._drop(place)
-        self.put(place, self._as_loaded(instr.array, value), guard, instr)
-
-    def _as_loaded(self, array: str, value: Value) -> Value:
-        """What loads of an element give after a value is stored there."""
-        load = self.scop.narrow.get(array)
-        if load is None:
-            return value
-        above = Const(WORD_BITS - 8 * load.width)
-        if not load.signed:
-            return self.words.emit(Opcode.AND, value, Const(WORD_MASK >> above.word))
-        return self.words.emit(Opcode.ASHR, self.words.emit(Opcode.SHL, value, above), above)
+        load = self.scop.narrow.get(instr.array)
+        held = value if load is None else self.words.as_loaded(load, value)
+        self.put(place, held, guard, instr)
 
     def put(self, place: Place, value: Value, guard: Guard, instr: Instr | None = None) -> None:
         """A place has a value from now on where the guard holds."""
@@ -390,12 +394,20 @@ class _Writer:
         operands = (when, value, before.value)
         chosen = Instr(self.words.ids(), Opcode.SELECT, self._type(place), operands)
         self.words.instrs.append(replace(chosen, loc=self.words.loc))
-        self.known[place] = replace(before, value=Ref(chosen.id), store=instr)
+        if before.store is not None and before.stored is not None:
+            if implies(guard, before.stored):
+                guard = before.stored
+            elif not implies(before.stored, guard):
+                self._store(place)
+        stored = guard if before.stored is not None or before.store is None else None
+        self.known[place] = replace(before, value=Ref(chosen.id), store=instr, stored=stored)
 
     def predicate(self, guard: Guard) -> Value | None:
         """The word of a guard; None if it always holds."""
         if guard and guard not in self._predicates:
-            tests = tuple(Test(">=", form) for form in sorted(guard, key=str))
+            order = {name: place for place, name in enumerate(self.words.order)}
+            depths = {one: max((order.get(n, -1) for n in one.names), default=-1) for one in guard}
+            tests = tuple(Test(">=", f) for f in sorted(guard, key=lambda f: (depths[f], str(f))))
             test = tests[0] if len(tests) == 1 else Test("and", parts=tests)
             self._predicates[guard] = self.words.test(test)
         return self._predicates.get(guard)
@@ -410,36 +422,15 @@ class _Writer:
     def _store(self, place: Place) -> None:
         known = self.known[place]
         assert known.store is not None
-        self.known[place] = replace(known, store=None)
-        when = () if known.when is None else (known.when,)
-        self._access(known.store, place, (known.value, *when))
+        self.known[place] = replace(known, store=None, stored=None)
+        under = known.when if known.stored is None else self.predicate(known.stored)
+        when = () if under is None else (under,)
+        self.words.access(known.store, place, (known.value, *when))
 
     def _store_all(self) -> None:
         for place, known in list(self.known.items()):
             if known.store is not None:
                 self._store(place)
-
-    def _access(self, instr: Instr, place: Place, rest: tuple[Value, ...]) -> Value:
-        axes = range(1, len(place.subscripts))
-        pitches = tuple(pitch_of(instr.array, axis) for axis in axes)
-        array, base, subscript = instr.array, instr.operands[0], instr.subscript
-        if place.owner != array:
-            array, base, subscript = str(place.owner), Input(f"&{place.owner}"), ()
-            pitches = tuple(Input(f"{instr.array}.shape{axis}") for axis in axes)
-        index = self.words.element(place.subscripts, pitches)
-        step = element_bytes(instr)
-        made = replace(
-            instr,
-            id=self.words.ids(),
-            array=array,
-            operands=(base, index, *rest),
-            shift=step.bit_length() - 1,
-            offset=place.subscripts[-1].constant * step,
-            distinct="",
-            subscript=subscript,
-        )
-        self.words.instrs.append(made)
-        return Ref(made.id)
 
 
 @dataclass

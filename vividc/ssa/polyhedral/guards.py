@@ -6,7 +6,7 @@ predicate, and the arithmetic between runs in any case.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.loops import Code, For, If, Run, Test
@@ -51,6 +51,14 @@ def both(one: Guard, other: Guard) -> Guard:
 def implies(one: Guard, other: Guard) -> bool:
     """Whether the second is seen to hold where the first does."""
     return both(one, other) == one
+
+
+def moved(guard: Guard, at: Mapping[str, Form]) -> Guard | None:
+    """The guard with forms in place of names; None if it is seen never to hold then."""
+    forms = [form.substituted(at) for form in guard]
+    if any(not form.terms and form.constant < 0 for form in forms):
+        return None
+    return both(frozenset(form for form in forms if form.terms), ALWAYS)
 
 
 def names_of(guard: Guard) -> frozenset[str]:

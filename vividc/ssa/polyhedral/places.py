@@ -13,13 +13,14 @@ from vividc.ssa.polyhedral.forms import Form, symbol
 from vividc.ssa.polyhedral.guards import (
     ALWAYS,
     Guard,
+    both,
     implies,
     is_maskable,
     masked,
     names_of,
 )
 from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Quotient, Run, fors_in, runs_in
-from vividc.ssa.polyhedral.relations import Rows
+from vividc.ssa.polyhedral.relations import Relations, Rows
 from vividc.ssa.polyhedral.rows import names_of_rows
 from vividc.ssa.polyhedral.scop import Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
@@ -41,6 +42,10 @@ class Place:
     def names(self) -> frozenset[str]:
         """What its subscripts are made of."""
         return frozenset(name for form in self.subscripts for name in form.names)
+
+    def at(self, forms: Mapping[str, Form]) -> Place:
+        """The place with forms in place of names."""
+        return Place(self.owner, tuple(one.substituted(forms) for one in self.subscripts))
 
 
 @dataclass
@@ -72,23 +77,55 @@ class Accessed:
 class Known:
     """The value of a place. `store`: what has not been stored yet, by the store that it comes
     from; `when`: the value was loaded under this predicate, and is stored under it; `guard`: where
-    it is the value.
+    it is the value; `stored`: where it is stored, if not wherever it is the value.
     """
 
     value: Value
     store: Instr | None = None
     when: Value | None = None
     guard: Guard = ALWAYS
+    stored: Guard | None = None
 
 
 @dataclass(frozen=True)
 class Rotated:
-    """A place that is, under a guard, what `source` was in the iteration before; a load of it."""
+    """A place that is, under a guard, what `source` was in the iteration before; a load of it.
+
+    `streamed`: the value of `source` is known where the next iteration has the guard.
+    """
 
     place: Place
     source: Place
     guard: Guard
     load: Instr
+    streamed: bool = False
+
+
+@dataclass(frozen=True)
+class Stream:
+    """Elements that iterations of a loop access one after another, each at several places (at j + 1
+    first, then at j and at j - 1), some of which only some iterations access.
+
+    Attributes
+    ----------
+    places
+        The first is where an iteration may be the first to access an element; each other is what
+        the one before it was an iteration earlier.
+    guards
+        Where each place is an element between those that the part accesses.
+    load
+        A load of one of them.
+    """
+
+    places: tuple[Place, ...]
+    guards: tuple[Guard, ...]
+    load: Instr
+
+    def rotated(self) -> Iterator[Rotated]:
+        """All but the first."""
+        pairs = zip(self.places, self.places[1:], self.guards[1:], strict=False)
+        for source, place, guard in pairs:
+            yield Rotated(place, source, guard, self.load, streamed=True)
 
 
 @dataclass(frozen=True)
@@ -106,6 +143,7 @@ class Places:
     carries: bool = True
     _meet: dict[tuple[Form, ...], bool] = field(default_factory=dict)
     _row: dict[tuple[str, Form], int | None] = field(default_factory=dict)
+    _boxes: dict[str, tuple[tuple[Form, Form], ...] | None] = field(default_factory=dict)
 
     @cached_property
     def statements(self) -> Mapping[str, Statement]:
@@ -241,17 +279,89 @@ class Places:
         inner, written = self.varying(loop), [p for p, is_w in accessed.written.items() if is_w]
         following = {loop.name: symbol(loop.name).plus(Form((), loop.step))}
         for place, load in accessed.loads.items():
-            source = Place(place.owner, tuple(s.substituted(following) for s in place.subscripts))
+            source = place.at(following)
             if place.names & inner != {loop.name} or source not in accessed.written:
                 continue
             guard, other = accessed.widest(place), accessed.widest(source)
             if guard is None or other is None or names_of(guard) & inner:
-                continue
+                continue  # it may be of a stream
             others = (p for p in written if p not in (place, source))
             if implies(guard, other) and not any(
                 self.may_meet(place, p) or self.may_meet(source, p) for p in others
             ):
                 yield Rotated(place, source, guard, load)
+
+    def streams(self, loop: For, accessed: Accessed) -> Iterator[Stream]:
+        """Streams of an innermost loop under guards that change with its iterations, if nothing
+        else that the loop writes may meet them.
+        """
+        if not (self.carries and all(map(self.is_masked, loop.body))):
+            return
+        inner = self.varying(loop)
+        ahead, back = (
+            {loop.name: symbol(loop.name).plus(Form((), step))} for step in (loop.step, -loop.step)
+        )
+        for top in accessed.written:
+            if top.names & inner != {loop.name} or top.at(ahead) in accessed.written:
+                continue
+            if top.is_scalar or top.owner not in self.scop.elements:
+                continue  # rows are of iterations, which share nothing
+            chain = [top]
+            while (behind := chain[-1].at(back)) in accessed.written:
+                chain.append(behind)
+            made = self._stream(loop, accessed, tuple(chain))
+            if made is not None:
+                yield made
+
+    def _stream(self, loop: For, accessed: Accessed, chain: tuple[Place, ...]) -> Stream | None:
+        tests = (guard for place in chain for guard in accessed.guards[place])
+        names = frozenset(name for guard in tests for name in names_of(guard))
+        loads = [accessed.loads[place] for place in chain if place in accessed.loads]
+        is_carried = any(place in accessed.loads for place in chain[1:])
+        if not is_carried or names & self.varying(loop) != {loop.name}:
+            return None
+        others = (p for p, is_w in accessed.written.items() if is_w and p not in chain)
+        if any(self.may_meet(place, other) for other in others for place in chain):
+            return None
+        guards = [self._inside(place) for place in chain]
+        known = tuple(guard for guard in guards if guard is not None)
+        return Stream(chain, known, loads[0]) if len(known) == len(chain) else None
+
+    def _inside(self, place: Place) -> Guard | None:
+        """Where a place is an element between those that the part accesses, which the array has;
+        None if that is not known.
+        """
+        array = str(place.owner)
+        if array not in self._boxes:
+            self._boxes[array] = self._box(array, len(place.subscripts))
+        box = self._boxes[array]
+        if box is None:
+            return None
+        tests = []
+        for subscript, (first, last) in zip(place.subscripts, box, strict=True):
+            for test in (subscript.plus(first, -1), last.plus(subscript, -1)):
+                symbols, chosen, conditions = self._reached([test])
+                below = " and ".join((*conditions, f"{test} < 0"))
+                if not isl.Set(f"[{symbols}] -> {{ [{chosen}] : {below} }}").is_empty():
+                    tests.append(test)
+        return both(frozenset(tests), ALWAYS)
+
+    def _box(self, array: str, axes: int) -> tuple[tuple[Form, Form], ...] | None:
+        """As of `Relations`, if all subscripts between are of elements: those of flat indices that
+        were taken apart are not.
+        """
+        params = self.scop.function.params
+        is_whole = any(p.name == array and p.ndim == axes and not p.flat for p in params)
+        return Relations(self.scop).box(array) if is_whole or axes == 1 else None
+
+    def origin(self, loop: For) -> str | None:
+        """The header of the loop that a statement counts by this one."""
+        for run in runs_in(loop.body):
+            dims = self.statements[run.statement].dims
+            for dim, coordinate in zip(dims, run.coordinates, strict=True):
+                if loop.name in coordinate.names:
+                    return dim.header
+        return None
 
     def may_meet(self, one: Place, other: Place) -> bool:
         """Whether two places may be one, as loops go through all their iterations."""

@@ -11,7 +11,7 @@ from operator import eq
 import islpy as isl
 
 from vividc.ssa.ir import is_dimension
-from vividc.ssa.polyhedral.forms import Form, symbol
+from vividc.ssa.polyhedral.forms import Form, form, symbol
 from vividc.ssa.polyhedral.scop import Nest, Scop, Statement
 from vividc.ssa.polyhedral.subscripts import Access
 
@@ -143,6 +143,21 @@ class Relations:
         where = tuple(one.substituted(at) for one in access.subscripts)
         return self.map(statement, f"A{self._arrays[access.array]}", where)
 
+    def box(self, array: str) -> tuple[tuple[Form, Form], ...] | None:
+        """The first and the last subscript along each dimension of what the part accesses of an
+        array; None if they are no forms.
+        """
+        result = isl.UnionSet(f"{self.parameters} -> {{ }}")
+        for statement in self.scop.statements:
+            for access in statement.accesses.values():
+                if access.array == array:
+                    result = result.union(self._touched(statement, access).range())
+        touched = isl.Set.from_union_set(result).coalesce()
+        axes = range(touched.dim(isl.dim_type.set))
+        ends = [(_form(touched.dim_min(n)), _form(touched.dim_max(n))) for n in axes]
+        found = tuple((one, other) for one, other in ends if one is not None and other is not None)
+        return found if len(found) == len(ends) else None
+
     def _scalar(self, statement: Statement, ident: int) -> isl.UnionMap:
         names = statement.coordinates[: self.scop.depth[ident]]
         return self.map(statement, f"V_{ident}", tuple(map(symbol, names)))
@@ -200,6 +215,21 @@ def _goes_on(times: isl.Map) -> bool:
     """
     back = isl.Map.lex_ge(times.get_space().domain())
     return bool(times.intersect(back).is_empty())
+
+
+def _form(bound: isl.PwAff) -> Form | None:
+    """A bound of symbols as a form; None if it is several, or no sum of them."""
+    pieces = bound.coalesce().get_pieces()
+    if len(pieces) != 1:
+        return None
+    [(_, one)] = pieces
+    if one.dim(isl.dim_type.div) or one.get_denominator_val().to_python() != 1:
+        return None
+    kind = isl.dim_type.param
+    names = [str(one.get_dim_name(kind, place)) for place in range(one.dim(kind))]
+    factors = (one.get_coefficient_val(kind, place).to_python() for place in range(len(names)))
+    constant = one.get_constant_val().to_python()
+    return form(dict(zip(names, factors, strict=True)), constant)
 
 
 def _places(scop: Scop) -> Iterator[tuple[Statement, tuple[int, ...]]]:

@@ -8,12 +8,14 @@ from dataclasses import replace
 from vividc.errors import SourceLoc
 from vividc.machine.division import quotient_by_constant
 from vividc.machine.opcodes import Opcode, Type
-from vividc.machine.words import WORD_MASK
+from vividc.machine.words import WORD_BITS, WORD_MASK
 from vividc.ssa.edit import FreshIds
-from vividc.ssa.ir import Const, Input, Instr, Ref, Value, is_dimension
+from vividc.ssa.ir import Const, Input, Instr, Ref, Value, is_dimension, pitch_of
 from vividc.ssa.polyhedral.forms import Form
 from vividc.ssa.polyhedral.loops import Quotient, Test
+from vividc.ssa.polyhedral.places import Place
 from vividc.ssa.polyhedral.relations import LARGE
+from vividc.ssa.polyhedral.subscripts import element_bytes
 
 _LARGEST_DIVIDEND = (1 << 31) - 1
 
@@ -108,6 +110,36 @@ class Words:
                 size = below[0] if len(below) == 1 else self._scaled(below[0], below[1:])
                 terms.append((size, form.constant))
         return self._sum(terms, 0)
+
+    def access(self, instr: Instr, place: Place, rest: tuple[Value, ...]) -> Value:
+        """An access to an element as by `instr`; `rest`: the value of a store, and a predicate."""
+        axes = range(1, len(place.subscripts))
+        pitches = tuple(pitch_of(instr.array, axis) for axis in axes)
+        array, base, subscript = instr.array, instr.operands[0], instr.subscript
+        if place.owner != array:
+            array, base, subscript = str(place.owner), Input(f"&{place.owner}"), ()
+            pitches = tuple(Input(f"{instr.array}.shape{axis}") for axis in axes)
+        index = self.element(place.subscripts, pitches)
+        step = element_bytes(instr)
+        made = replace(
+            instr,
+            id=self.ids(),
+            array=array,
+            operands=(base, index, *rest),
+            shift=step.bit_length() - 1,
+            offset=place.subscripts[-1].constant * step,
+            distinct="",
+            subscript=subscript,
+        )
+        self.instrs.append(made)
+        return Ref(made.id)
+
+    def as_loaded(self, load: Instr, value: Value) -> Value:
+        """What a load of less than a word gives after a value is stored there."""
+        above = Const(WORD_BITS - 8 * load.width)
+        if not load.signed:
+            return self.emit(Opcode.AND, value, Const(WORD_MASK >> above.word))
+        return self.emit(Opcode.ASHR, self.emit(Opcode.SHL, value, above), above)
 
     def forget(self, names: Iterable[str]) -> None:
         """Quotients of what has changed are computed again."""

@@ -127,6 +127,7 @@ def skewed(tree: Loop, _: Scop | None = None) -> Iterator[Loop]:
     for path, loop in loops_in(tree):
         if not any(isinstance(child, Loop) for child in loop.children):
             continue
+        yield from (put(tree, path, tiled) for tiled in _skewed_twice(loop))
         for factor in _SKEWS:
             children = tuple(
                 replace(child, skew={n: symbol(loop.over[n]).times(factor) for n in child.over})
@@ -135,6 +136,30 @@ def skewed(tree: Loop, _: Scop | None = None) -> Iterator[Loop]:
                 for child in loop.children
             )
             yield put(tree, path, replace(loop, children=children))
+
+
+def _skewed_twice(loop: Loop) -> Iterator[Loop]:
+    """A loop in which the only loop in it starts one iteration later each time, and the only one in
+    that some later for each iteration of both: tiles of the two are points of one front, as of
+    stencils in place, whose points need those around them, of this step or the last.
+    """
+    inner = _only_loop(loop)
+    last = None if inner is None else _only_loop(inner)
+    if inner is None or last is None:
+        return
+    later = replace(inner, skew={n: symbol(loop.over[n]) for n in inner.over})
+    for factor in _SKEWS:
+        skew = {
+            n: symbol(inner.over[n]).plus(symbol(loop.over[n]), 2).times(factor) for n in last.over
+        }
+        children = (replace(later, children=(replace(last, skew=skew),)),)
+        yield replace(loop, children=children)
+
+
+def _only_loop(loop: Loop) -> Loop | None:
+    """What a loop has in it, if that is a loop."""
+    child = loop.children[0]
+    return child if len(loop.children) == 1 and isinstance(child, Loop) else None
 
 
 def fronts(tree: Loop, scop: Scop) -> Iterator[Loop]:
@@ -207,6 +232,12 @@ def has_skews(tree: Tree) -> bool:
     return any(loop.skew for _, loop in loops_in(tree))
 
 
+def _are_tiles(tree: Tree) -> bool:
+    """Whether a loop of it is skewed by two."""
+    skews = (skew for _, loop in loops_in(tree) for skew in loop.skew.values())
+    return any(len(skew.terms) > 1 for skew in skews)
+
+
 def has_masks(tree: Tree) -> bool:
     """Whether a loop of it is masked."""
     return any(loop.masked for _, loop in loops_in(tree))
@@ -225,7 +256,7 @@ def groups(tree: Loop, relations: Relations) -> tuple[Loop, list[tuple[Path, ...
         if rows is None:
             continue
         tree, trees = rows
-        if has_skews(tree):
+        if has_skews(tree) and not _are_tiles(tree):
             trees = trees[:0]  # rows alone: what is left over of two would be long
         found = ((t, way) for t, way in trees if may_jam(t, (path, way), relations))
         tree, *inner = next(found, (tree,))
