@@ -11,6 +11,7 @@ from vividc.arch.fabric import Fabric
 from vividc.mapper.bounds.bounds import all_bounds, mii
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.engines.negotiate.arrays import Task, build_task
+from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.engines.negotiate.motion import cost_all, new_motion
 from vividc.mapper.engines.negotiate.places import Places, early, enter, new_places
 from vividc.mapper.engines.negotiate.traffic import OVER, new_graph, new_scratch, new_traffic
@@ -39,7 +40,8 @@ def annealed(name: str, seed: int, more: int) -> tuple[MapProblem, Task, State]:
     placed = [node.id for node in problem.dfg.placed]
     start = earliest_starts(placed, dependences(problem.dfg, fabric), ii)
     assert start is not None
-    task, ids = build_task(problem, ii, max(start.values()) + 2 * ii, build_mrrg(fabric))
+    frame = Frame(start, dict.fromkeys(placed, max(start.values()) + 2 * ii))
+    task, ids = build_task(problem, ii, frame, build_mrrg(fabric))
     places, words = new_places(task, seed + 1), new_words(task)
     for node, number in enumerate(ids):
         places.pe[node] = task.nodes.pe_items[task.nodes.pe_begin[node]]
@@ -101,7 +103,7 @@ def test_words_have_the_ways_that_were_claimed() -> None:
         ):
             continue
         mrrg = build_mrrg(problem.fabric)
-        cycles = task.array.latest + int(task.edges.ahead.max(initial=0)) + 1
+        cycles = int(task.nodes.last.max()) + int(task.edges.ahead.max(initial=0)) + 1
         traffic = new_traffic(mrrg, task, 4 * cycles)
         scratch = new_scratch(mrrg, cycles)
         router = Router(new_graph(mrrg, problem.fabric), task, state.places, traffic, scratch)

@@ -15,6 +15,7 @@ from vividc.machine.opcodes import Opcode
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import Effort
+from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.engines.negotiate.lockstep import first_result
 from vividc.mapper.engines.negotiate.negotiate import Negotiation
 from vividc.mapper.engines.negotiate.places import enter
@@ -48,7 +49,8 @@ def routed(seed: int, fabric: Fabric) -> tuple[MapProblem, Mapping | None]:
     }
     times[0] = first
     problem = MapProblem(dfg, fabric)
-    attempt = Negotiation(problem, ii, times, max(times.values()), seed)
+    frame = Frame(times, dict.fromkeys(times, max(times.values())))
+    attempt = Negotiation(problem, ii, frame, seed)
     nodes, array = attempt.task.nodes, attempt.task.array
     for number, (pe, _) in enumerate(places):
         enter(nodes, array, attempt.places, number, -1)

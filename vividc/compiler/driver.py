@@ -13,6 +13,7 @@ from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.fabric import Fabric
 from vividc.compiler.kept_programs import Place, place_of
+from vividc.compiler.map_again import Runs
 from vividc.compiler.map_regions import (
     Earlier,
     MapOptions,
@@ -33,7 +34,6 @@ from vividc.compiler.planning.plan import Plan, Stage
 from vividc.compiler.planning.price import priced
 from vividc.compiler.planning.spacing import spaced
 from vividc.compiler.products import demanded_products, forbidden, with_products
-from vividc.compiler.spare_banks import Runs
 from vividc.dfg.cut.build import build_kernel
 from vividc.dfg.pipeline import PassOptions, optimize_kernel
 from vividc.dfg.regions import Kernel

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 from vividc.arch.fabric import Fabric
 from vividc.compiler.delivery import deliver, residents, variable_homes, with_homes
-from vividc.compiler.spare_banks import Runs, with_fewer_stalls
+from vividc.compiler.map_again import Runs, with_fewer_cycles
 from vividc.dfg.ir import DFG
 from vividc.dfg.regions import Kernel, Region
 from vividc.errors import InternalError, MappingFailed, TimeLimit
@@ -131,7 +131,7 @@ def map_kernel(
             return results
         chosen = results
         if runs is not None and options.mapper == "auto":
-            chosen = with_fewer_stalls(kernel, fabric, results, runs, effort)
+            chosen = with_fewer_cycles(kernel, fabric, results, runs, effort)
         try:
             return _with_straight(kernel, fabric, options, chosen, frugal=False)
         except MappingFailed:  # what the first ones took may be what the last ones need

@@ -1,10 +1,12 @@
 """Place and route by annealing and negotiation, for graphs too large to be solved in time.
 
-In order: `compiled` (where machine code is met), `arrays` (the problem), `places`, `words`,
-`motion`, `anneal`; `traffic`, `ways`, `repair` (with routes); `lockstep`, `tuning`, `negotiate`.
+In order: `compiled` (where machine code is met), `frame` (between which cycles), `arrays` (the
+problem), `places`, `words`, `motion`, `anneal`; `traffic`, `ways`, `repair` (with routes);
+`lockstep`, `tuning`, `negotiate`.
 """
 
+from vividc.mapper.engines.negotiate.frame import least_span, loose_frame, tight_frame
 from vividc.mapper.engines.negotiate.negotiate import negotiate, prepare
 from vividc.mapper.engines.negotiate.tuning import Effort
 
-__all__ = ["Effort", "negotiate", "prepare"]
+__all__ = ["Effort", "least_span", "loose_frame", "negotiate", "prepare", "tight_frame"]

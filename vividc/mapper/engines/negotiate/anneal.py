@@ -146,7 +146,8 @@ def _propose_one(task: Task, places: Places, motion: Motion, node: int, scratch:
         its_time = places.time[other]
         if task.array.moves:
             its_time += places.time[node] - time
-        if not task.nodes.can[other, places.pe[node]] or not 0 <= its_time <= task.array.latest:
+        last = task.nodes.last[other]
+        if not task.nodes.can[other, places.pe[node]] or not 0 <= its_time <= last:
             return False
         put(motion, other, places.pe[node], its_time)
     put(motion, node, pe, time)
@@ -166,7 +167,7 @@ def _propose_push(task: Task, places: Places, motion: Motion, node: int) -> bool
         time = _next_to_those_before(task, places, node, pe, sign)
     if pe == places.pe[node]:
         time = places.time[node] + sign * (1 + draw(random, max(1, array.ii // 2)))
-    if time < 0 or time > array.latest:
+    if time < 0 or time > task.nodes.last[node]:
         return False
     put(motion, node, pe, time)
     return _push(task, places, motion, sign)
@@ -177,7 +178,7 @@ def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: 
     """The time nearest to its own at which a node can follow (sign 1) or precede (-1) its
     neighbours from another PE.
     """
-    edges, array = task.edges, task.array
+    edges = task.edges
     time = places.time[node]
     for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
         edge = edges.of_items[at]
@@ -186,7 +187,7 @@ def _next_to_those_before(task: Task, places: Places, node: int, pe: int, sign: 
             time = max(time, places.time[src] + _apart(task, edge, places.pe[src], pe))
         elif sign < 0 and src == node:
             time = min(time, places.time[dst] - _apart(task, edge, pe, places.pe[dst]))
-    return int(min(max(time, -1), array.latest + 1))
+    return int(min(max(time, -1), task.nodes.last[node] + 1))
 
 
 @inlined
@@ -217,7 +218,7 @@ def _push(task: Task, places: Places, motion: Motion, sign: int) -> bool:
                 pushed = _pushed(task, places, motion, edge, sign)
                 if other == node or pushed == time:
                     continue
-                if pushed < 0 or pushed > task.array.latest:
+                if pushed < 0 or pushed > task.nodes.last[other]:
                     return False
                 put(motion, other, pe, pushed)
                 clean = False
@@ -268,17 +269,17 @@ def draw_pe(task: Task, places: Places, node: int) -> int:
 @inlined
 def propose(task: Task, places: Places, node: int, scratch: Ints) -> tuple[int, int]:
     """A PE (`draw_pe`) or a time, or both, for `node`."""
-    edges, array = task.edges, task.array
+    nodes = task.nodes
     random = places.random
     pe, time = places.pe[node], places.time[node]
     kind = draw(random, 100)
     if kind < _MOVE_PE_BELOW:
         pe = draw_pe(task, places, node)
     if kind >= _MOVE_TIME_FROM:
-        window(edges, array, places, node, scratch)
+        window(task, places, node, scratch)
         first, last = scratch[0], scratch[1]
         if first <= last:
             time = first + draw(random, last - first + 1)
         else:
-            time = max(0, min(array.latest, last + draw(random, first - last + 1)))
+            time = max(0, min(nodes.last[node], last + draw(random, first - last + 1)))
     return pe, time

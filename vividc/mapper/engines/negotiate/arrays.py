@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from vividc.dfg.ir import Node
 from vividc.machine.opcodes import Opcode
+from vividc.mapper.engines.negotiate.frame import Frame
 from vividc.mapper.problem import ConstantKey, MapProblem
-from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
+from vividc.mapper.resources.banks import Meetings
 from vividc.mapper.resources.dependences import Dependence, dependences
 from vividc.mapper.resources.distances import hop_distances
 from vividc.mapper.resources.mrrg import MRRG, Ints, Rows
@@ -23,8 +24,8 @@ class Nodes(NamedTuple):
     """What is placed, by dense number (ascending id).
 
     `can`: uint8 (nodes, PEs); `latency`: cycles from issue to result; `busy`: cycles for which it
-    keeps its FU; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`: constant-store entries;
-    `key_uses`: `READ` or `WRITTEN` for each.
+    keeps its FU; `last`: its latest start; `kind`: bits `FU`, `MEMORY`, `CONTROL`; `keys`:
+    constant-store entries; `key_uses`: `READ` or `WRITTEN` for each.
     """
 
     can: NDArray[np.uint8]
@@ -32,6 +33,7 @@ class Nodes(NamedTuple):
     pe_items: Ints
     latency: Ints
     busy: Ints
+    last: Ints
     kind: Ints
     key_begin: Ints
     key_items: Ints
@@ -71,7 +73,6 @@ class Array(NamedTuple):
     """
 
     ii: int
-    latest: int
     outputs: int
     moves: int
     pes: int
@@ -114,15 +115,15 @@ READ, WRITTEN, RESIDENT = 1, 1 << 20, 1 << 40
 
 
 def build_task(
-    problem: MapProblem, ii: int, latest: int, graph: MRRG, meetings: Meetings = NO_MEETINGS
+    problem: MapProblem, ii: int, frame: Frame, graph: MRRG
 ) -> tuple[Task, tuple[int, ...]]:
     """The arrays, and the ids of the nodes in the order of their numbers."""
     ids = tuple(sorted(node.id for node in problem.dfg.placed))
     number = {node: index for index, node in enumerate(ids)}
+    nodes, keys = _nodes(problem, ids, frame)
     edges = dependences(problem.dfg, problem.fabric)
-    nodes, keys = _nodes(problem, ids)
-    array = _array(problem, ii, latest, graph, keys)
-    return Task(nodes, _edges(edges, number, ii), array, _meets(meetings, number)), ids
+    array = _array(problem, ii, graph, keys)
+    return Task(nodes, _edges(edges, number, ii), array, _meets(frame.meetings, number)), ids
 
 
 def _meets(meetings: Meetings, number: dict[int, int]) -> Meets:
@@ -132,7 +133,9 @@ def _meets(meetings: Meetings, number: dict[int, int]) -> Meets:
     return Meets(access, node, meetings.stalls, meetings.stalls.shape[2] // 2)
 
 
-def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[ConstantKey, int]]:
+def _nodes(
+    problem: MapProblem, ids: Sequence[int], frame: Frame
+) -> tuple[Nodes, dict[ConstantKey, int]]:
     placed = [problem.dfg.by_id[node] for node in ids]
     candidates = [problem.candidates(node) for node in placed]
     can = np.zeros((len(ids), len(problem.fabric.pes)), dtype=np.uint8)
@@ -160,6 +163,7 @@ def _nodes(problem: MapProblem, ids: Sequence[int]) -> tuple[Nodes, dict[Constan
         packed.items,
         ints(latency),
         ints(problem.fabric.occupancy(node) for node in placed),
+        ints(frame.last[node.id] for node in placed),
         ints(kinds),
         keys.begin,
         keys.items,
@@ -205,9 +209,7 @@ def _written(node: Node) -> ConstantKey | None:
     return ("live_in", node.name) if node.op is Opcode.LIVE_OUT else None
 
 
-def _array(
-    problem: MapProblem, ii: int, latest: int, graph: MRRG, keys: dict[ConstantKey, int]
-) -> Array:
+def _array(problem: MapProblem, ii: int, graph: MRRG, keys: dict[ConstantKey, int]) -> Array:
     fabric = problem.fabric
     pes = len(fabric.pes)
     near = Rows.of([pe, *(k.dst for k in fabric.links_from[pe])] for pe in range(pes))
@@ -218,7 +220,6 @@ def _array(
             held[pe, keys[key]] = RESIDENT
     return Array(
         ii=ii,
-        latest=latest,
         outputs=int(not fabric.routing.hops),
         moves=int(not fabric.routing.hops and fabric.routing.shared and fabric.routing.moves),
         pes=pes,

@@ -18,6 +18,7 @@ from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import tuning
 from vividc.mapper.engines.negotiate.anneal import State, anneal, new_heat
 from vividc.mapper.engines.negotiate.arrays import Task, build_task
+from vividc.mapper.engines.negotiate.frame import Frame, loose_frame
 from vividc.mapper.engines.negotiate.lockstep import Steps, first_result
 from vividc.mapper.engines.negotiate.motion import new_motion
 from vividc.mapper.engines.negotiate.places import broken, enter, new_places
@@ -37,9 +38,6 @@ from vividc.mapper.engines.negotiate.ways import Router, route_as_shown, route_r
 from vividc.mapper.engines.negotiate.words import hide_all, new_words, show_all
 from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
-from vividc.mapper.resources.banks import NO_MEETINGS, Meetings
-from vividc.mapper.resources.dependences import dependences, earliest_starts
-from vividc.mapper.resources.distances import FAR, hop_distances
 from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
 
@@ -64,54 +62,26 @@ def negotiate(
     sides: int = 1,
     threads: int = 1,
     *,
-    meetings: Meetings = NO_MEETINGS,
+    frame: Frame | None = None,
 ) -> Mapping | None:
-    """A mapping at `ii`, or None, which refutes nothing; with few of the `meetings` in banks.
+    """A mapping at `ii` in the `frame`, without one in a loose one; or None, which refutes nothing.
 
     Trials are shared out among so many `sides`, each with a seed of its own, that go on in step.
     Deterministic for a seed and so many sides; threads only make it faster.
     """
     effort = effort or Effort()
     deadline.charge(tuning.BEGIN_S)
-    nodes = tuple(node.id for node in problem.dfg.placed)
-    start = earliest_starts(nodes, dependences(problem.dfg, problem.fabric), ii)
-    if start is None or not all(problem.candidates(node) for node in problem.dfg.placed):
+    frame = loose_frame(problem, ii) if frame is None else frame
+    if frame is None or not all(problem.candidates(node) for node in problem.dfg.placed):
         return None
-    slack = _slack(problem, ii)
-    if meetings.accesses:  # a stage apart is a bank apart, for accesses that step through an array
-        slack = max(slack, problem.fabric.scratchpad.banks)
-    latest = max(start.values(), default=0) + slack
-    latest = min(latest, ii * problem.fabric.controller.max_stages - 1)
-    if any(time > latest for time in start.values()):
-        return None
-    begin = _with_room(problem, start, latest)
     seeds = range(seed, seed + tuning.SEED_STEP * sides, tuning.SEED_STEP)
-    attempts = [Negotiation(problem, ii, begin, latest, one, meetings) for one in seeds]
+    attempts = [Negotiation(problem, ii, frame, one) for one in seeds]
     if not attempts[0].fits:
         return None
     share = replace(effort, trials=-(-effort.trials // sides))
     going = [attempt.run(share, deadline) for attempt in attempts]
     mapping = first_result(going, deadline.charge, threads)
     return None if mapping is None else _checked(mapping, problem)
-
-
-def _slack(problem: MapProblem, ii: int) -> int:
-    """Cycles by which the schedule may be longer than the longest path."""
-    if problem.fabric.routing.hops:
-        return ii
-    widest = max(hops for row in hop_distances(problem.fabric) for hops in row if hops < FAR)
-    return max(ii, 2 * widest)
-
-
-def _with_room(problem: MapProblem, start: ReadOnly[int, int], latest: int) -> ReadOnly[int, int]:
-    """The schedule to begin with. Where words go through output registers nothing draws nodes
-    together in time, and one that comes too early cannot push all that follows: so there is room
-    before the first.
-    """
-    if problem.fabric.routing.hops:
-        return start
-    later = (latest - max(start.values(), default=0)) // 2
-    return {node: time + later for node, time in start.items()}
 
 
 def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
@@ -133,7 +103,7 @@ def _compile_all() -> None:
     )
     node = Node(0, Opcode.GENERIC, name="op")
     problem = MapProblem(DFG("one", (node,), ()), fabric)
-    attempt = Negotiation(problem, 1, {0: 0}, 0, 1)
+    attempt = Negotiation(problem, 1, Frame({0: 0}, {0: 0}), 1)
     never = Deadline.after(3600.0)
     first_result([attempt.run(Effort(1, 1, 1, 1), never)], never.charge)
     raise_prices(attempt.traffic, 1, tuning.HISTORY, tuning.GROWTH, tuning.MOST_PRESSURE)
@@ -149,20 +119,19 @@ class Negotiation:
         self,
         problem: MapProblem,
         ii: int,
-        start: ReadOnly[int, int],
-        latest: int,
+        frame: Frame,
         seed: int,
-        meetings: Meetings = NO_MEETINGS,
     ) -> None:
         self.problem, self.ii = problem, ii
         self.mrrg: MRRG = build_mrrg(problem.fabric)
         self.task: Task
-        self.task, self.ids = build_task(problem, ii, latest, self.mrrg, meetings)
+        self.task, self.ids = build_task(problem, ii, frame, self.mrrg)
         self.density = max(len(self.task.edges.src) / len(self.ids) / tuning.TYPICAL_EDGES, 1.0)
         self.places = new_places(self.task, seed)
         self.words = new_words(self.task)
         self.cooling = tuning.SHOWN if self.task.array.moves else tuning.FREELY
-        self._put(start)
+        self._put(frame.begin)
+        latest = max(frame.last.values(), default=0)
         self.cycles = latest + int(self.task.edges.ahead.max(initial=0)) + 1
         sinks = int(np.diff(self.task.edges.sink_begin).max(initial=0))
         self.room = self.cycles + min(self.cycles, 4 * ii) + 8 * sinks

@@ -167,12 +167,13 @@ def early(edges: Edges, array: Array, places: Places, edge: int) -> int:
 
 
 @inlined
-def window(edges: Edges, array: Array, places: Places, node: int, result: Ints) -> None:
+def window(task: Task, places: Places, node: int, result: Ints) -> None:
     """First and last time that keep all dependences as the other nodes lie, into `result`.
 
     Without a limit on one side, II times are enough: they are all the slots.
     """
-    first, last = 0, array.latest
+    edges, array = task.edges, task.array
+    first, last = 0, task.nodes.last[node]
     free_below, free_above = True, True
     for at in range(edges.of_begin[node], edges.of_begin[node + 1]):
         edge = edges.of_items[at]

@@ -1,0 +1,246 @@
+"""Loops mapped again at the IIs that they have, so that fewer accesses of one cycle meet in a bank
+and iterations take fewer cycles.
+
+The search for an II does not look at banks, nor at how long an iteration takes, and many schedules
+have the same II. What is expected of arrays and pitches as the first mappings would place them
+tells the annealer which accesses should be apart; arrays are placed anew for what comes of it. A
+loop that is entered often is filled and drained as often: its schedules are made shorter as long as
+that works.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as ReadOnly
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from vividc.arch.fabric import Fabric
+from vividc.compiler.delivery import residents
+from vividc.compiler.planning.estimate import RegionCost
+from vividc.dfg.regions import Kernel
+from vividc.errors import InternalError
+from vividc.mapper import MapProblem, MapResult
+from vividc.mapper.check.verify import violations
+from vividc.mapper.deadline import Deadline
+from vividc.mapper.engines.negotiate import (
+    Effort,
+    least_span,
+    loose_frame,
+    negotiate,
+    prepare,
+    tight_frame,
+)
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.resources.banks import NO_MEETINGS, Meetings, Traffic, Words, words_of
+from vividc.mapper.resources.plain_core import named_anew, unrotated
+from vividc.program.encoder.banks import choose_layout
+from vividc.program.encoder.checks import span_of
+
+_PAYS: Final = 0.02
+"""Of the cycles of all loops: stalls that are worth a search, and what has to come of it."""
+
+_SEEDS: Final = range(1, 6)
+
+_EFFORT: Final = Effort(moves=6000, rounds=30, repairs=60, trials=1)
+"""Of each seed; each comes to other stalls."""
+
+_SHORTER_PAYS: Final = 0.01
+"""Of the cycles of all loops: what iterations as short as their longest path would save that is
+worth a search.
+"""
+
+_SHORTER_EFFORT: Final = Effort(moves=4000, rounds=30, repairs=60, trials=1)
+"""Of each seed at a length; lengths are halved between the least one and the shortest found."""
+
+_ENOUGH: Final = 0.1
+"""Of a loop's stalls: a mapping that leaves no more ends the search."""
+
+_BUDGET_S: Final = 3.0
+"""Seconds of effort, at most, for a kernel."""
+
+
+@dataclass(frozen=True, slots=True)
+class Runs:
+    """How often each region is expected to be entered, and how many iterations that makes."""
+
+    entries: Sequence[float]
+    iterations: Sequence[float]
+
+    @staticmethod
+    def of(costs: Sequence[RegionCost]) -> Runs:
+        """Those of an estimate."""
+        return Runs([cost.runs for cost in costs], [cost.runs * cost.trips for cost in costs])
+
+
+def with_fewer_cycles(
+    kernel: Kernel,
+    fabric: Fabric,
+    results: ReadOnly[int, MapResult],
+    runs: Runs,
+    deadline: Deadline,
+) -> dict[int, MapResult]:
+    """The results of a kernel's loops, by region, those with many stalls or long iterations mapped
+    again at their IIs where that is expected to save cycles of a run.
+    """
+    loops = _Loops(kernel, fabric, runs)
+    apart = _with_fewer_stalls(loops, results, deadline.within(_BUDGET_S))
+    return _with_shorter_iterations(loops, apart, deadline.within(_BUDGET_S))
+
+
+def _with_fewer_stalls(
+    loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
+) -> dict[int, MapResult]:
+    better = dict(results)
+    known = loops.known(better)
+    before = {index: loops.cost(index, _mapping(better[index]), known) for index in better}
+    least = _PAYS * sum(before.values())
+    stalls = {index: loops.stalls(index, _mapping(better[index]), known) for index in better}
+    for index in sorted(stalls, key=lambda index: -stalls[index]):
+        if stalls[index] < least or deadline.passed:
+            break
+        mapping = loops.mapped_again(index, better, known, deadline)
+        if mapping is None or loops.cost(index, mapping, known) > before[index] - least:
+            continue
+        better[index] = replace(better[index], mapping=mapping)
+        known = loops.known(better)
+    after = sum(loops.cost(index, _mapping(better[index]), known) for index in better)
+    return better if after < sum(before.values()) else dict(results)
+
+
+def _with_shorter_iterations(
+    loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
+) -> dict[int, MapResult]:
+    better = dict(results)
+    known = loops.known(better)
+    every = sum(loops.cost(index, _mapping(better[index]), known) for index in better)
+    saved = {index: loops.spared(index, _mapping(better[index])) for index in better}
+    for index in sorted(saved, key=lambda index: -saved[index]):
+        if saved[index] < _SHORTER_PAYS * every or deadline.passed:
+            break
+        better[index] = replace(
+            better[index], mapping=loops.mapped_shorter(index, better, known, deadline)
+        )
+    return better
+
+
+@dataclass(frozen=True, slots=True)
+class _Loops:
+    kernel: Kernel
+    fabric: Fabric
+    runs: Runs
+
+    def traffic(self, index: int, mapping: Mapping) -> Traffic:
+        """Of a mapped loop."""
+        times = {node: place.time for node, place in mapping.places.items()}
+        dfg, weight = self.kernel.regions[index].dfg, self.runs.iterations[index]
+        return Traffic.of(dfg, self.fabric.scratchpad, mapping.ii, times, weight)
+
+    def known(self, results: ReadOnly[int, MapResult]) -> Words:
+        """Where arrays start and how far apart their rows lie, as is best for these mappings."""
+        traffic = [self.traffic(index, _mapping(result)) for index, result in results.items()]
+        pitches, starts = choose_layout(self.kernel, traffic)
+        return words_of(starts, pitches)
+
+    def stalls(self, index: int, mapping: Mapping, known: Words) -> float:
+        """Expected cycles of a run in which the loop stands still."""
+        return self.runs.iterations[index] * self.traffic(index, mapping).stalls(known)
+
+    def cost(self, index: int, mapping: Mapping, known: Words) -> float:
+        """Expected cycles of a run in the loop."""
+        filled = self.runs.entries[index] * self.span(index, mapping)
+        steady = self.runs.iterations[index] * mapping.ii
+        return filled + steady + self.stalls(index, mapping, known)
+
+    def span(self, index: int, mapping: Mapping) -> int:
+        """Cycles of an iteration."""
+        return span_of(self.kernel.regions[index], mapping, self.fabric)
+
+    def spared(self, index: int, mapping: Mapping) -> float:
+        """Cycles of a run that iterations as short as their longest path would save."""
+        problem = MapProblem(self.kernel.regions[index].dfg, self.fabric)
+        least = least_span(problem, mapping.ii)
+        return self.runs.entries[index] * max(0, self.span(index, mapping) - least)
+
+    def mapped_shorter(
+        self, index: int, results: ReadOnly[int, MapResult], known: Words, deadline: Deadline
+    ) -> Mapping:
+        """A mapping of a loop at its II with shorter iterations, and no more stalls, which are only
+        expected; the one it has where none is found.
+        """
+        best = _mapping(results[index])
+        problem = self.problem(index, results)
+        least = least_span(problem, best.ii)
+        stalls = self.stalls(index, best, known)
+        apart = self.traffic(index, best).meetings(known)
+        while (span := self.span(index, best)) > least and not deadline.passed:
+            tried, better = (least + span) // 2, None
+            for seed, meetings in ((1, apart), (1, NO_MEETINGS), (2, NO_MEETINGS)):
+                made = self._negotiated(
+                    problem, best, seed, deadline, _SHORTER_EFFORT, meetings, tried
+                )
+                if made and self.stalls(index, made, known) <= stalls:
+                    better = made
+                    break
+            best, least = (better, least) if better else (best, tried + 1)
+        return best
+
+    def problem(self, index: int, results: ReadOnly[int, MapResult]) -> MapProblem:
+        """A loop beside the others as they are mapped."""
+        others = [
+            (self.kernel.regions[other].dfg, _mapping(result))
+            for other, result in results.items()
+            if other != index
+        ]
+        dfg = self.kernel.regions[index].dfg
+        return MapProblem(dfg, self.fabric, {}, residents(self.fabric, others))
+
+    def mapped_again(
+        self, index: int, results: ReadOnly[int, MapResult], known: Words, deadline: Deadline
+    ) -> Mapping | None:
+        """The least costly of some mappings of a loop at its II; None: there is none."""
+        old, problem = _mapping(results[index]), self.problem(index, results)
+        meetings = self.traffic(index, old).meetings(known)
+        enough = self.cost(index, old, known) - (1.0 - _ENOUGH) * self.stalls(index, old, known)
+        found: list[Mapping] = []
+        for seed in _SEEDS:
+            if deadline.passed or (found and self.cost(index, found[-1], known) <= enough):
+                break
+            made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
+            if made is not None:
+                found.append(made)
+        return min(found, key=lambda made: self.cost(index, made, known), default=None)
+
+    def _negotiated(
+        self,
+        problem: MapProblem,
+        old: Mapping,
+        seed: int,
+        deadline: Deadline,
+        effort: Effort,
+        meetings: Meetings,
+        span: int | None = None,
+    ) -> Mapping | None:
+        """Another mapping at the II of the `old` one, its iterations not longer than `span`."""
+        core = replace(problem, fabric=unrotated(self.fabric))
+        if span is None:
+            frame = loose_frame(core, old.ii, meetings)
+        else:
+            frame = tight_frame(core, old.ii, span, meetings)
+        if frame is None:
+            return None
+        prepare(lambda _: None)
+        made = negotiate(core, old.ii, seed, deadline, effort, frame=frame)
+        named = None if made is None else named_anew(problem, made)
+        if named is None:
+            return None
+        faults = violations(problem.dfg, self.fabric, named, resident=problem.resident)
+        if faults:
+            raise InternalError(f"another mapping of {problem.dfg.name}: {faults[0].message}")
+        return replace(named, subject=old.subject)
+
+
+def _mapping(result: MapResult) -> Mapping:
+    if result.mapping is None:
+        raise InternalError("a loop without a mapping was to be mapped again")
+    return result.mapping
