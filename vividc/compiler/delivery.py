@@ -16,6 +16,7 @@ from vividc.dfg.regions import RETURN_HIGH, RETURN_VARIABLE, Kernel, Region, is_
 from vividc.machine.opcodes import BASE, Opcode
 from vividc.mapper.mapping import Mapping as RegionMapping
 from vividc.mapper.problem import ConstantKey, MapProblem
+from vividc.mapper.resources.dependences import dependences, earliest_starts
 
 Homes = Mapping[str, frozenset[int]]
 Residents = Mapping[int, frozenset[ConstantKey]]
@@ -71,11 +72,11 @@ def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMap
     return {name: frozenset(pes) for name, pes in homes.items()}
 
 
-def deliver(region: Region, homes: Homes) -> Delivery:
-    """`region`'s graph with a `mov` for each variable read and a live-out for each home of each
-    variable written.
+def deliver(region: Region, homes: Homes, fabric: Fabric) -> Delivery:
+    """`region`'s graph with a live-out for each home of each variable written, and a `mov` for
+    each variable read but by one operation alone that can lie where the variable does.
     """
-    edit = _Edit(region.dfg, homes)
+    edit = _Edit(region.dfg, homes, fabric)
     for node in region.dfg.nodes:
         edit.add(node)
     return Delivery(edit.finish(), edit.allowed)
@@ -84,9 +85,11 @@ def deliver(region: Region, homes: Homes) -> Delivery:
 class _Edit:
     """Copies a straight region's graph, node by node."""
 
-    def __init__(self, dfg: DFG, homes: Homes) -> None:
+    def __init__(self, dfg: DFG, homes: Homes, fabric: Fabric) -> None:
         self.dfg = dfg
         self.homes = homes
+        self.fabric = fabric
+        self.crowded = _is_crowded(dfg, fabric)
         self.nodes: list[Node] = []
         self.extra: list[Edge] = []
         self.dropped: set[int] = set()
@@ -126,13 +129,41 @@ class _Edit:
             self.reader[node.id] = movs[0]
             self.allowed[movs[0]] = self.homes[node.name]
             return
-        if all(edge.port == BASE for edge in consumers):
+        if all(edge.port == BASE for edge in consumers) or self._is_read_at_home(node):
             return
         mov = Node(self._fresh(), Opcode.MOV, loc=node.loc)
         self.nodes.append(mov)
         self.extra.append(Edge(node.id, mov.id, 0))
         self.reader[node.id] = mov.id
         self.allowed[mov.id] = self.homes[node.name]
+
+    def _is_read_at_home(self, variable: Node) -> bool:
+        """Whether one operation alone reads the variable, and is to lie in one of its homes: it
+        waits for no other operation, and what else it reads lies there, too, or a link away, so
+        that it can begin as early as it could anywhere; that matters less where operations wait
+        for PEs.
+        """
+        edges = self.dfg.out_edges[variable.id]
+        reader = self.dfg.by_id[edges[0].dst]
+        operands = [self.dfg.by_id[edge.src] for edge in self.dfg.in_edges[reader.id]]
+        if len(edges) > 1 or reader.op is Opcode.LIVE_OUT:
+            return False
+        if not all(operand.is_source for operand in operands):
+            return False
+        others = {node.name for node in operands if is_variable(node.name)} - {variable.name}
+        pes = self.allowed.get(reader.id, frozenset(self.fabric.hosts(reader)))
+        shared = frozenset(
+            pe
+            for pe in pes & self.homes[variable.name]
+            if self.crowded or all(self._around(pe) & self.homes[other] for other in others)
+        )
+        if shared:
+            self.allowed[reader.id] = shared
+        return bool(shared)
+
+    def _around(self, pe: int) -> frozenset[int]:
+        """The PE and those that its links lead from."""
+        return frozenset({pe, *(link.src for link in self.fabric.links_to[pe])})
 
     def _add_writers(self, node: Node) -> None:
         homes = sorted(self.homes.get(node.name, ()))
@@ -150,6 +181,13 @@ class _Edit:
     def _fresh(self) -> int:
         self._next += 1
         return self._next - 1
+
+
+def _is_crowded(dfg: DFG, fabric: Fabric) -> bool:
+    """Whether operations and moves of what they read take longer than the longest path."""
+    moved = sum(node.op is Opcode.LIVE_IN and is_variable(node.name) for node in dfg.nodes)
+    starts = earliest_starts([n.id for n in dfg.placed], dependences(dfg, fabric), 1) or {}
+    return len(dfg.operations) + moved > len(fabric.pes) * (1 + max(starts.values(), default=0))
 
 
 def _variables_of(problem: MapProblem, node: Node) -> list[tuple[str, str]]:
