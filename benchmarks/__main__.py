@@ -25,6 +25,7 @@ from benchmarks import (
     frames,
     gemm,
     general,
+    large,
     mappers,
     paper,
     precision,
@@ -106,20 +107,24 @@ GEMM = "gemm"
 SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
+LARGE = "large"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, SPLATS, PAPER, MAPPERS, POLYBENCH)  # the last ones take hours: by name only
+CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH)
+"""What is not made by default takes long: it is made by name."""
 MODULES = {
     ENGINES: engines,
     FRAMES: frames,
     QUALITY: quality,
     FORMATS: formats,
     SIMD: simd,
+    LARGE: large,
     SPLATS: splats,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
+    LARGE: lambda *_: large.rows(),
     SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
@@ -129,6 +134,7 @@ PLACES = {
     QUALITY: ("float32 on the host",),
     FRAMES: ("vivid",),
     FORMATS: ("any fabric",),
+    LARGE: ("vivid",),
     SPLATS: ("vivid",),
 }
 """Where tables are made that `--fabric` has no say in."""

@@ -13,7 +13,9 @@ from numba import prange
 import vividc
 from vividc.errors import ArgumentError, BundleError
 from vividc.frontend import KernelFunction
-from vividc.launch import nests_job
+from vividc.launch import nests_cycles, nests_job
+from vividc.launch.steps import Execute
+from vividc.launch.tiles import nests
 from vividc.program import Program, from_bytes
 
 M, V, C = "int32[:, ::1]", "int32[::1]", "int32[:, :, ::1]"
@@ -183,3 +185,33 @@ def test_overlaps_are_moved_to_both_and_nothing_else_twice() -> None:
     x, y = ints(128, 1024), ints(128, 1024)
     job = nests_job(program(blur), (x, y), {}, "vivid")
     assert job.moved < 1.3 * (x.nbytes + y.nbytes)
+
+
+@vividc.kernel(f"void({V}, {M})")
+def steps(count, x):
+    for t in range(len(count)):
+        for i in range(1, x.shape[0]):
+            for j in range(x.shape[1]):
+                x[i, j] += 3 * x[i - 1, j] + t
+
+
+def test_a_launch_of_many_steps_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nests, "MOST_STEPS", 300)
+    with pytest.raises(ArgumentError, match="more than 300 transfers and runs"):
+        nests_job(program(steps), (ints(99), ints(90, 100)), {}, "vivid")
+
+
+def test_rows_at_the_end_of_an_array_keep_their_pitch() -> None:
+    """A pitch of as many words as there are banks makes all rows meet in one."""
+    compiled = program(blur)
+    job = nests_job(compiled, (ints(200, 1024), ints(200, 1024)), {}, "vivid")
+    wish = compiled.nests[0].pitches.get("x")
+    runs = [step for step in job.steps if isinstance(step, Execute)]
+    assert wish is None or {step.inputs["x.pitch1"] % 8 for step in runs} == {wish}
+
+
+def test_the_prediction_is_near() -> None:
+    args = ints(200, 1024), ints(200, 1024)
+    expected = nests_cycles(program(blur), args, {}, "vivid")
+    cycles = vividc.simulate(program(blur), *args, fabric="vivid").cycles
+    assert 0.8 < expected / cycles < 1.2

@@ -71,6 +71,11 @@ class Job:
         """The steps so far."""
         return tuple(self._steps)
 
+    @property
+    def count(self) -> int:
+        """How many steps there are so far."""
+        return len(self._steps)
+
     def move_in(
         self,
         tiles: int | Sequence[int],

@@ -4,9 +4,9 @@ array it needs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,11 @@ _PARTS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32, 48, 64, 96, 128)
 """Into how many blocks the loops directly inside are cut."""
 _FEW = 2
 """So many blocks a tile are too few for transfers to go on while tiles compute."""
+_PLACES = (2, 1)
+"""How many blocks may have their windows in a scratchpad at once."""
+
+MOST_BLOCKS = 20_000
+"""Of a nest: more are not planned, as a launch of so many small ones has more steps than it may."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,17 +75,22 @@ Windows = ReadOnly[str, Window]
 @dataclass(frozen=True)
 class BlockPlan:
     """Blocks in the order of iterations, with the windows of each; `resident`: windows that all
-    blocks only read, and that are the same.
+    blocks only read, and that are the same; `places`: of so many blocks of a tile the windows are
+    in its scratchpad at once, so that those of one move while the other runs.
     """
 
     blocks: tuple[Block, ...]
     windows: tuple[Windows, ...]
     resident: Windows
+    places: int = 1
+
+    def place(self, slack: int) -> int:
+        """Bytes of a block's windows, with `slack` bytes more for each array."""
+        return max((_bytes_of(one, slack) for one in self.windows), default=0)
 
     def need(self, slack: int) -> int:
         """Bytes of a scratchpad, with `slack` bytes more for each array."""
-        own = max((_bytes_of(one, slack) for one in self.windows), default=0)
-        return _bytes_of(self.resident, slack) + own
+        return _bytes_of(self.resident, slack) + self.places * self.place(slack)
 
 
 def _bytes_of(windows: Windows, slack: int) -> int:
@@ -107,6 +117,11 @@ class NestLaunch:
     def room(self) -> int:
         """Bytes of a scratchpad."""
         return self.program.fabric.scratchpad.size_bytes
+
+    @property
+    def bounds(self) -> tuple[int, int]:
+        """First iteration, and the one after the last."""
+        return loop_bounds(self.parallel, self.inputs)
 
     def windows(self, block: Block) -> dict[str, Window]:
         """What a block needs."""
@@ -136,7 +151,10 @@ class NestLaunch:
             start, end = start // granule * granule, -(-end // granule) * granule
         wish = self.program.pitches.get(name)
         if wish is not None:
-            end += (wish - (end - start)) % self.program.fabric.scratchpad.banks
+            apart = (wish - (end - start)) % self.program.fabric.scratchpad.banks
+            end += apart
+            if end > length and start >= apart:  # the last columns have some before them
+                start, end = start - apart, end - apart
         return (start, end) if end <= length else columns
 
     def moved(self, windows: Windows) -> int:
@@ -159,44 +177,81 @@ class NestLaunch:
         return rows * granules * -(-granule // self.machine.dram.bytes_per_cycle)
 
 
-def plan_blocks(launch: NestLaunch) -> BlockPlan:
-    """Cut a nest so that it moves little, and all tiles have some of it.
+@dataclass(frozen=True, order=True, slots=True)
+class Choice:
+    """A way to cut a nest.
 
-    Raises
-    ------
-    ArgumentError
-        Not even a single iteration fits a scratchpad.
+    Attributes
+    ----------
+    channel
+        About the cycles of DRAM's channel, and what tiles wait for the first and the last blocks.
+    length
+        Iterations of a block.
+    parts
+        Into how many parts the loops inside are cut.
+    places
+        Of blocks, in each scratchpad.
     """
-    first, last = loop_bounds(launch.parallel, launch.inputs)
-    inside = inside_bounds(launch.parallel, launch.inputs, first, last)
+
+    channel: float
+    length: int
+    parts: int
+    places: int
+
+
+def block_choices(launch: NestLaunch) -> list[Choice]:
+    """Ways to cut a nest that should fit, what moves least first; none where nothing fits, or no
+    iteration is left.
+    """
+    first, last = launch.bounds
     if first >= last:
-        return BlockPlan((), (), {})
+        return []
+    inside = inside_bounds(launch.parallel, launch.inputs, first, last)
     width = inside[1] - inside[0] if launch.parallel.blocked else 1
-    choices = []
-    for parts in _PARTS if launch.parallel.blocked else (1,):
-        if parts == 1 or width >= 2 * parts:
-            choices += list(_sizes(launch, (first, last), inside, parts))
-    for _, length, parts in sorted(choices):
-        rows = length
-        plan = _plan(launch, (first, last), inside, rows, parts)
-        while plan.need(launch.slack) > launch.room and rows > 1:
-            rows = max(1, 3 * rows // 4)
-            plan = _plan(launch, (first, last), inside, rows, parts)
-        if plan.need(launch.slack) <= launch.room and (parts == 1 or _may_be_blocked(plan)):
-            return plan
-    raise _refusal(launch, _plan(launch, (first, last), inside, 1, 1))
+    counts = [n for n in _PARTS if n == 1 or (launch.parallel.blocked and width >= 2 * n)]
+    return sorted(
+        choice
+        for places in _PLACES
+        for parts in counts
+        for choice in _choices(launch, (first, last), inside, parts, places)
+    )
 
 
-def _sizes(
-    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], parts: int
-) -> Iterator[tuple[float, int, int]]:
-    """(cost, iterations of a block, parts) of what fits."""
+def middle_block(launch: NestLaunch, choice: Choice) -> tuple[int, Block]:
+    """How many blocks there are, and one of the middle."""
+    first, last = launch.bounds
+    cuts = _cut((first, last), choice.length)
+    inside = inside_bounds(launch.parallel, launch.inputs, first, last)
+    parts = _insides(launch, inside, choice.parts)
+    return len(cuts) * len(parts), Block(*cuts[len(cuts) // 2], parts[len(parts) // 2])
+
+
+def plan_of(launch: NestLaunch, choice: Choice) -> BlockPlan | None:
+    """The plan of a choice, with shorter blocks where the longest need more than those that were
+    looked at; None: it does not fit, or blocks may not run in another order.
+    """
+    first, last = launch.bounds
+    rows, inside = (first, last), inside_bounds(launch.parallel, launch.inputs, first, last)
+    if choice.parts * -(-(last - first) // choice.length) > MOST_BLOCKS:
+        return None
+    plan = _plan(launch, rows, inside, choice)
+    while plan.need(launch.slack) > launch.room and choice.length > 1:
+        choice = replace(choice, length=max(1, 3 * choice.length // 4))
+        plan = _plan(launch, rows, inside, choice)
+    fits = plan.need(launch.slack) <= launch.room
+    return plan if fits and (choice.parts == 1 or _may_be_blocked(plan)) else None
+
+
+def _choices(
+    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], parts: int, places: int
+) -> Iterator[Choice]:
+    """What fits."""
     count = rows[1] - rows[0]
     tiles = len(launch.machine.tiles)
     low, high = 0, count
     while low < high:
         middle = (low + high + 1) // 2
-        if _probe(launch, rows, inside, middle, parts)[0] <= launch.room:
+        if _probe(launch, rows, inside, middle, parts).need(places) <= launch.room:
             low = middle
         else:
             high = middle - 1
@@ -206,9 +261,10 @@ def _sizes(
             continue
         length = -(-count // -(-count // length))
         blocks = parts * -(-count // length)
-        moved = _probe(launch, rows, inside, length, parts)[1] * count / length * parts
+        probed = _probe(launch, rows, inside, length, parts)
+        moved = probed.moved * count / length * parts + probed.once
         waits = 1 + tiles / (2 * blocks) + _FEW * tiles / (blocks * blocks)
-        yield moved * waits, length, parts
+        yield Choice(moved * waits, length, parts, places)
 
 
 def _cut(rows: tuple[int, int], length: int) -> list[tuple[int, int]]:
@@ -224,35 +280,63 @@ def _insides(launch: NestLaunch, inside: tuple[int, int], parts: int) -> list[tu
     return _cut(inside, -(-length // granule) * granule)
 
 
+@dataclass(frozen=True, slots=True)
+class _Probe:
+    """The largest of a few blocks.
+
+    Attributes
+    ----------
+    resident, own
+        Bytes that a scratchpad needs for what all read alike, and for the rest.
+    once, moved
+        Cycles of DRAM's channel for these.
+    """
+
+    resident: int
+    own: int
+    once: int
+    moved: int
+
+    def need(self, places: int) -> int:
+        """Bytes of a scratchpad with so many places."""
+        return self.resident + places * self.own
+
+
 def _probe(
     launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], length: int, parts: int
-) -> tuple[int, int]:
-    """Bytes that a scratchpad needs, and cycles of DRAM's channel, of a block of the middle; of the
-    larger of it and the first, and the last.
-    """
+) -> _Probe:
+    """Of a block of the middle, the first, and the last."""
     cuts, halves = _cut(rows, length), _insides(launch, inside, parts)
-    needs, moves = [], []
-    for at in sorted({(0, 0), (len(cuts) // 2, len(halves) // 2), (len(cuts) - 1, 0)}):
-        windows = launch.windows(Block(*cuts[at[0]], halves[at[1]]))
-        needs.append(_bytes_of(windows, launch.slack))
-        moves.append(launch.moved(windows))
-    return max(needs), max(moves)
+    places = {(0, 0), (len(cuts) // 2, len(halves) // 2), (len(cuts) - 1, 0), (0, len(halves) - 1)}
+    found = [launch.windows(Block(*cuts[at[0]], halves[at[1]])) for at in sorted(places)]
+    resident = _common(found) if len(found) > 1 else {}
+    own = [{n: w for n, w in one.items() if n not in resident} for one in found]
+    return _Probe(
+        _bytes_of(resident, launch.slack),
+        max(_bytes_of(one, launch.slack) for one in own),
+        launch.moved(resident),
+        max(launch.moved(one) for one in own),
+    )
+
+
+def _common(windows: Sequence[Windows]) -> dict[str, Window]:
+    """Those that are alike and only read."""
+    return {
+        name: window
+        for name, window in windows[0].items()
+        if window.stores is None and all(one.get(name) == window for one in windows)
+    }
 
 
 def _plan(
-    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], length: int, parts: int
+    launch: NestLaunch, rows: tuple[int, int], inside: tuple[int, int], choice: Choice
 ) -> BlockPlan:
-    halves = _insides(launch, inside, parts)
-    blocks = [Block(*cut, part) for cut in _cut(rows, length) for part in halves]
+    halves = _insides(launch, inside, choice.parts)
+    blocks = [Block(*cut, part) for cut in _cut(rows, choice.length) for part in halves]
     windows = [launch.windows(block) for block in blocks]
-    first = windows[0]
-    resident = {
-        name: window
-        for name, window in first.items()
-        if window.stores is None and all(one.get(name) == window for one in windows)
-    }
+    resident = _common(windows)
     own = tuple({n: w for n, w in one.items() if n not in resident} for one in windows)
-    return BlockPlan(tuple(blocks), own, resident)
+    return BlockPlan(tuple(blocks), own, resident, choice.places)
 
 
 def _may_be_blocked(plan: BlockPlan) -> bool:
@@ -278,7 +362,11 @@ def _clash(one: Windows, other: Windows) -> bool:
     return False
 
 
-def _refusal(launch: NestLaunch, plan: BlockPlan) -> ArgumentError:
+def refusal(launch: NestLaunch) -> ArgumentError:
+    """What to tell of a nest of which no block fits a scratchpad."""
+    first, last = launch.bounds
+    inside = inside_bounds(launch.parallel, launch.inputs, first, last)
+    plan = _plan(launch, (first, first + 1), inside, Choice(0.0, 1, 1, 1))
     windows: dict[str, int] = {}
     for one in (*plan.windows, plan.resident):
         for name, window in one.items():

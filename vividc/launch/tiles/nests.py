@@ -17,14 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vividc.arch import Accelerator
+from vividc.errors import ArgumentError
 from vividc.launch.job import Job
-from vividc.launch.tiles.blocks import Array, BlockPlan, NestLaunch, Window, plan_blocks
+from vividc.launch.tiles.blocks import Array, BlockPlan, NestLaunch, Window
+from vividc.launch.tiles.chosen import Chosen, chosen
+from vividc.launch.tiles.placed import Placed
 from vividc.machine.parallel import Run
 from vividc.machine.words import WORD_BYTES, WORD_MASK
-from vividc.program import Program, pitch_words
+from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.footprint.boxes import Box, flat_arrays
 from vividc.sim.footprint.footprint import values_of
+
+MOST_STEPS = 50_000
+"""Of a launch graph: which steps wait for which takes a bit for every two, 160 MB."""
 
 
 def nests_job(
@@ -65,6 +71,25 @@ def runs_of(program: Program, inputs: ReadOnly[str, int]) -> Iterator[Run]:
     return order.runs(bound)
 
 
+def nests_cycles(
+    program: Program,
+    args: Sequence[object],
+    kwargs: ReadOnly[str, object],
+    fabric: str | os.PathLike[str] | Accelerator,
+) -> int:
+    """Cycles that `nests_job` is predicted to take: those of each nest, one after the other, and
+    the configurations.
+
+    Raises
+    ------
+    ArgumentError
+        As `nests_job`.
+    """
+    arrays, inputs = arguments(program, args, kwargs)
+    builder = _Builder(Job(fabric), program, arrays, inputs)
+    return builder.predicted(runs_of(program, inputs))
+
+
 @dataclass
 class _Traffic:
     """Which steps read and write which elements of an array, as far as later ones may have to wait
@@ -103,10 +128,23 @@ class _Traffic:
 
 
 @dataclass
-class _Tile:
-    """What the next block of a tile waits for: the last run, and what it moved out."""
+class _Pad:
+    """Which steps use which bytes of a scratchpad, as far as later ones may have to wait for them:
+    bytes that are taken again are forgotten, as whoever takes them waits for those before.
+    """
 
-    last: tuple[int, ...] = ()
+    uses: list[tuple[int, int, tuple[int, ...]]] = field(default_factory=list)
+    turn: int = 0
+    """Of the places of blocks, by which block is next."""
+
+    def before(self, start: int, end: int) -> set[int]:
+        """What a step that writes these bytes must wait for."""
+        return {n for a, b, steps in self.uses if a < end and start < b for n in steps}
+
+    def take(self, start: int, end: int, steps: tuple[int, ...]) -> None:
+        """Bytes that these steps use, which have waited for those before."""
+        self.uses = [use for use in self.uses if not (start <= use[0] and use[1] <= end)]
+        self.uses.append((start, end, steps))
 
 
 class _Builder:
@@ -126,8 +164,8 @@ class _Builder:
             name: _Traffic(1 if name in self._flat else array.ndim)
             for name, array in arrays.items()
         }
-        self._tiles: dict[int, _Tile] = defaultdict(_Tile)
-        self._plans: dict[tuple[int, tuple[int, ...]], BlockPlan] = {}
+        self._pads: dict[int, _Pad] = defaultdict(_Pad)
+        self._plans: dict[tuple[int, tuple[int, ...]], Chosen] = {}
         self._next = 0
 
     def _flat_arrays(self) -> frozenset[str]:
@@ -141,10 +179,20 @@ class _Builder:
 
     def build(self, runs: Iterable[Run]) -> Job:
         for number, counters in runs:
-            self._nest(number, {key: value & WORD_MASK for key, value in counters.items()})
+            self._nest(number, _words(counters))
         return self._job
 
-    def _nest(self, number: int, counters: ReadOnly[str, int]) -> None:
+    def predicted(self, runs: Iterable[Run]) -> int:
+        """Cycles of all these nests."""
+        total, held = 0, -1
+        for number, counters in runs:
+            _, expected = self._chosen(number, _words(counters))
+            total += expected.cycles + (expected.configuring if number != held else 0)
+            held = number
+        return total
+
+    def _chosen(self, number: int, counters: ReadOnly[str, int]) -> tuple[NestLaunch, Chosen]:
+        """A run of a nest, and how it is cut; one that depends on no counter, once."""
         nest = self._program.nests[number]
         parallel = nest.parallel
         assert parallel is not None
@@ -153,12 +201,34 @@ class _Builder:
         used = {term.key for term in parallel.terms}
         key = (number, tuple(counters[name] for name in sorted(counters) if name in used))
         if key not in self._plans:
-            self._plans[key] = plan_blocks(launch)
-        plan = self._plans[key]
+            self._plans[key] = chosen(launch)
+        return launch, self._plans[key]
+
+    def _nest(self, number: int, counters: ReadOnly[str, int]) -> None:
+        launch, expected = self._chosen(number, counters)
+        plan = expected.plan
+        self._demand_room(launch, len(plan.blocks))
         tiles = self._dealt(len(plan.blocks))
         resident = self._resident(launch, plan, tiles)
-        for number_, tile in enumerate(tiles):
-            self._block(launch, plan, number_, tile, resident)
+        for place, tile in enumerate(tiles):
+            self._block(launch, plan, place, tile, resident)
+
+    def _demand_room(self, launch: NestLaunch, blocks: int) -> None:
+        """A graph is made before it is checked and run: it has an end.
+
+        Raises
+        ------
+        ArgumentError
+            The steps so far and those of a run of a nest are more than `MOST_STEPS`.
+        """
+        steps = self._job.count + blocks * (1 + len(self._arrays))
+        if steps > MOST_STEPS:
+            raise ArgumentError(
+                f"a launch of {self._program.name} takes more than {MOST_STEPS:,} transfers and "
+                "runs of blocks",
+                loc=launch.parallel.loc,
+                hint="launch fewer iterations of the loops around at once",
+            )
 
     def _dealt(self, count: int) -> list[int]:
         tiles = len(self._job.accelerator.tiles)
@@ -166,42 +236,49 @@ class _Builder:
         self._next = (self._next + count) % tiles
         return dealt
 
-    def _resident(self, launch: NestLaunch, plan: BlockPlan, tiles: list[int]) -> _Placed:
+    def _resident(self, launch: NestLaunch, plan: BlockPlan, tiles: list[int]) -> Placed:
         """What all blocks read, moved once to all tiles."""
-        placed, used = _Placed(launch, 0), sorted(set(tiles))
+        placed, used = Placed(launch, 0), sorted(set(tiles))
         if not used:
             return placed
         self._hold(used, launch.program)
-        before = tuple(step for tile in used for step in self._tiles[tile].last)
         for name, window in plan.resident.items():
             placed.add(name, window)
             start = placed.starts[name]
             view = self._view(name, window.box)
-            after = {*before, *self._traffic[name].before(window.box, False)}
+            after = set(self._traffic[name].before(window.box, False))
+            after = after.union(*(self._pads[tile].before(start, placed.end) for tile in used))
             step = self._job.move_in(used, view, start, after=sorted(after))
             self._traffic[name].add(window.box, step, False)
             placed.moves.append(step)
+        for tile in used if placed.end else ():
+            self._pads[tile].take(0, placed.end, tuple(placed.moves))
         return placed
 
     def _hold(self, tiles: list[int], program: Program) -> None:
-        if not self._job.holds(tiles, program):
-            self._job.configure(tiles, program)
+        """Tiles that are configured one by one begin as soon as each is."""
+        for tile in tiles:
+            if not self._job.holds([tile], program):
+                self._job.configure(tile, program)
 
     def _block(
-        self, launch: NestLaunch, plan: BlockPlan, number: int, tile: int, resident: _Placed
+        self, launch: NestLaunch, plan: BlockPlan, number: int, tile: int, resident: Placed
     ) -> None:
-        placed = resident.copy()
-        before = self._tiles[tile].last
+        placed, pad = resident.copy(), self._pads[tile]
         windows = plan.windows[number]
+        start = resident.end + pad.turn % plan.places * plan.place(launch.slack)
+        placed.end = start
         for name, window in windows.items():
             placed.add(name, window)
+        before = pad.before(start, placed.end)
+        for name, window in windows.items():
             if window.is_moved_in:
                 after = {*before, *self._traffic[name].before(window.box, False)}
                 view = self._view(name, window.box)
                 step = self._job.move_in(tile, view, placed.starts[name], after=sorted(after))
                 self._traffic[name].add(window.box, step, False)
                 placed.moves.append(step)
-        inputs = {**launch.inputs, **plan.blocks[number].words(launch.parallel), **placed.words()}
+        inputs = placed.inputs(plan.blocks[number])
         stores = {
             name: placed.within(name, window.stores)
             for name, window in windows.items()
@@ -217,7 +294,10 @@ class _Builder:
             if window.stores is not None
             for step in self._moved_out(tile, name, window, placed.starts[name], run)
         ]
-        self._tiles[tile].last = (run, *out)
+        pad.take(start, placed.end, (run, *out))
+        if resident.end:
+            pad.take(0, resident.end, (run,))
+        pad.turn += 1
 
     def _moved_out(self, tile: int, name: str, window: Window, start: int, run: int) -> list[int]:
         """Steps that move what was stored: row by row, if the rows have more in the scratchpad."""
@@ -247,59 +327,6 @@ class _Builder:
         return flat[WORD_BYTES * start // each : -(-WORD_BYTES * end // each)]
 
 
-@dataclass
-class _Placed:
-    """Windows in a scratchpad, one behind the other from a byte on, and what moves them in."""
-
-    launch: NestLaunch
-    end: int
-    windows: dict[str, Window] = field(default_factory=dict)
-    starts: dict[str, int] = field(default_factory=dict)
-    moves: list[int] = field(default_factory=list)
-
-    def copy(self) -> _Placed:
-        """The same, to add to."""
-        return _Placed(
-            self.launch, self.end, dict(self.windows), dict(self.starts), list(self.moves)
-        )
-
-    def add(self, name: str, window: Window) -> None:
-        """Place a window so that elements are in the banks that the program wished for."""
-        banks = self.launch.program.fabric.scratchpad.banks
-        wish = self.launch.program.banks.get(name, 0) + self._first(name, window)
-        place = self.end // WORD_BYTES
-        self.starts[name] = WORD_BYTES * (place + (wish - place) % banks)
-        self.windows[name] = window
-        self.end = self.starts[name] + WORD_BYTES * window.words
-
-    def _first(self, name: str, window: Window) -> int:
-        """Words from an array's first element, were it there, to a window's."""
-        if len(window.box) == 1:
-            return window.box[0][0]
-        (row, _), (column, _) = window.box
-        return row * window.row + column
-
-    def within(self, name: str, box: Box) -> tuple[int, int]:
-        """First byte and end of a box in its window."""
-        first, end = self.windows[name].offset(box)
-        return self.starts[name] + first, self.starts[name] + end
-
-    def extents(self) -> dict[str, tuple[int, int]]:
-        """First byte and end of each array; of those that are not touched, nothing."""
-        found = dict.fromkeys(self.launch.arrays, (0, 0))
-        for name, window in self.windows.items():
-            start = self.starts[name]
-            found[name] = (start, start + WORD_BYTES * window.words)
-        return found
-
-    def words(self) -> dict[str, int]:
-        """Launch words: addresses and pitches."""
-        found = {f"&{name}": 0 for name in self.launch.arrays}
-        pitches = dict.fromkeys(self.launch.program.pitches, 0)
-        for name, window in self.windows.items():
-            first = WORD_BYTES * self._first(name, window)
-            found[f"&{name}"] = (self.starts[name] - first) & WORD_MASK
-            if name in pitches:
-                flat = name in self.launch.flat
-                pitches[name] = self.launch.arrays[name].shape[-1] if flat else window.row
-        return found | pitch_words(pitches)
+def _words(counters: ReadOnly[str, int]) -> dict[str, int]:
+    """Counters as launch words."""
+    return {key: value & WORD_MASK for key, value in counters.items()}
