@@ -2,7 +2,8 @@
 mean the same for all lengths; exit code 1 on a find.
 
 Nothing is mapped: a nest is written as SSA, legal trees of it are chosen at random (interchanged,
-fused, skewed, jammed, masked, in order), and the words that both leave in memory are compared.
+fused, skewed, jammed, masked, in order; of two loops as one), and the words that both leave in
+memory are compared.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from random import Random
 
@@ -28,6 +29,7 @@ from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.check import check_function
 from vividc.ssa.flow import find_loops
 from vividc.ssa.ir import Const, Function
+from vividc.ssa.loops.join import Joined, join
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import loops_of
 from vividc.ssa.polyhedral.orders.in_memory import in_memory
@@ -41,6 +43,7 @@ from vividc.ssa.polyhedral.orders.search import (
     moves,
     put,
     skewed,
+    together,
     with_factors,
 )
 from vividc.ssa.polyhedral.relations import Relations
@@ -129,6 +132,13 @@ class Search:
                 yield from _others(found)
             else:
                 self.counts[found.reason] += 1
+        for first, second in itertools.permutations(loops, 2):
+            made = join(function, first, second)
+            if isinstance(made, Joined):
+                found = find_scop(with_own_latches(made.function, made.header), made.header)
+                if isinstance(found, Scop):
+                    self.counts["two as one"] += 1
+                    yield found
 
     def _before(self, run: Run, chance: Random, known: int | None) -> Iterator[Before]:
         """What it does; not where it leaves its arrays."""
@@ -148,6 +158,8 @@ class Search:
         """Legal trees of a part, with random factors."""
         tree = tree_of(scop)
         too_long = self.counts[_TOO_LONG]
+        with suppress(isl.Error), _bounded():
+            tree = chance.choice([tree, *together(tree, relations)])
         for _ in range(_MOVES):
             if self.counts[_TOO_LONG] >= too_long + _STRIKES:
                 return

@@ -18,9 +18,9 @@ from vividc.compiler.planning.demands import obey
 from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
-from vividc.compiler.planning.parts import static_part, with_tree
+from vividc.compiler.planning.parts import joined_parts, static_part, with_tree
 from vividc.compiler.planning.plan import Draft, Plan, Stage
-from vividc.compiler.planning.restructure import Restructured, restructured
+from vividc.compiler.planning.restructure import Restructured, restructured, restructured_together
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
 from vividc.host import time_limit
@@ -175,6 +175,8 @@ class _Chooser(Draft):
         ways: list[list[Stage]] = []
         try:
             self._way(start, ways, restructure=self.options.restructure)
+            if self.options.restructure and any(joined_parts(start.state)):
+                self._way(start, ways, restructure=True, joins=True)
             for form in range(max(map(len, self.forms.values()), default=1) - 1):
                 self._way(start, ways, restructure=True, form=form)
                 ways[-1] = [replace(stage, reserve=True) for stage in ways[-1]]
@@ -185,18 +187,24 @@ class _Chooser(Draft):
             self.stages[first:] = _better_last(ways)
 
     def _way(
-        self, start: Stage, ways: list[list[Stage]], *, restructure: bool, form: int | None = None
+        self,
+        start: Stage,
+        ways: list[list[Stage]],
+        *,
+        restructure: bool,
+        form: int | None = None,
+        joins: bool = False,
     ) -> None:
         """Adds to `ways` the stages that `_improve` accepts from `start`."""
         first = len(self.stages)
         self.now = start
         try:
-            self._improve(restructure=restructure, form=form)
+            self._improve(restructure=restructure, form=form, joins=joins)
         finally:
             ways.append(self.stages[first:])
             del self.stages[first:]
 
-    def _improve(self, *, restructure: bool, form: int | None) -> None:
+    def _improve(self, *, restructure: bool, form: int | None, joins: bool = False) -> None:
         """Applies what pays: full unrolling, then threads, then other loops for affine nests, then
         interleaving, then flattening of what is still a nest, then unrolling of innermost loops.
 
@@ -205,12 +213,16 @@ class _Chooser(Draft):
         form
             Of restructured nests: its place among `forms`, or in them if they are fewer. None: the
             best one is looked for.
+        joins
+            Whether two nests that go through one matrix become one.
         """
         self._unroll_fully(self._awaited() if restructure else frozenset())
         unrolled = self.now.state.made
         if self.options.threads is None:
             for header in self.over_prange():
                 self._climb_threads(header)
+        if joins:
+            self._join()
         for header in self._outermost() if restructure else ():
             if form is None:
                 self._restructure(header)
@@ -335,6 +347,25 @@ class _Chooser(Draft):
         if kept:
             self.forms[header] = tuple(form for form, _ in kept)
             self.accept(kept[-1][1])
+
+    def _join(self) -> None:
+        """Gives pairs of nests that go through one matrix one nest of loops."""
+        tried: set[str] = set()
+        while True:
+            base = self.now
+            parts = (one for one in joined_parts(base.state) if one[0] not in tried)
+            header, state, part = next(parts, ("", base.state, None))
+            if part is None:
+                return
+            tried.add(header)
+            trips = expected_trips(state.function, state.hints)
+            most = self._most_operations(base, "restructuring")
+            found = restructured_together(state, part, self.estimator, trips, most)
+            if not isinstance(found, Refusal):
+                done = found[-1]
+                candidate = Candidate("restructuring", header, done.factor)
+                decision = self.note(base, candidate, done.estimate, "")
+                self.accept(Stage(done.state, done.estimate, decision, base))
 
     def _take(self, header: str, form: Restructured) -> None:
         """Gives a static-control part loops that were found before."""

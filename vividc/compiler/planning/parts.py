@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from vividc.compiler.planning.state import MOST_INSTRUCTIONS, State
 from vividc.ssa.analysis.levels import with_own_latches
 from vividc.ssa.flow import find_loops
+from vividc.ssa.loops.join import between, join
 from vividc.ssa.polyhedral.generate import generate
 from vividc.ssa.polyhedral.loops import Loops, expected_trips, iterations_of, loops_of
 from vividc.ssa.polyhedral.orders.realigned import realigned
@@ -19,6 +21,9 @@ from vividc.ssa.polyhedral.scop import Scop, find_scop
 from vividc.ssa.polyhedral.trees import Loop, tree_of
 from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
+
+_PLANE = 2
+"""Loops and subscripts of nests that are joined: they go through a matrix once."""
 
 _MOST_REALIGNED = 1
 """Orders with a sum's loop outermost that are compared with those of the source."""
@@ -52,6 +57,40 @@ def static_part(state: State, header: str) -> Scop | Refusal:
     if isinstance(scop, Scop) and all(len(statement.dims) == 1 for statement in scop.statements):
         return Refusal("it is one loop, not a nest")
     return scop
+
+
+def joined_parts(state: State) -> Iterator[tuple[str, State, Scop]]:
+    """Two outermost nests of two loops, one right after the other, that go through one matrix, as
+    one static-control part: the header of the first, the state with a loop around them, and the
+    part.
+    """
+    loops = find_loops(state.function)
+    outer = [one for one in loops if not any(one.header in o.blocks - {o.header} for o in loops)]
+    for first, second in itertools.permutations(outer, 2):
+        if between(state.function, first, second) is None:
+            continue
+        scops = [static_part(state, one.header) for one in (first, second)]
+        shared = [_matrices(one) for one in scops if isinstance(one, Scop)]
+        if len(shared) < len(scops) or not shared[0] & shared[1]:
+            continue
+        made = join(state.function, first, second)
+        if isinstance(made, Refusal):
+            continue
+        hints = {**state.hints, made.header: 1.0}
+        around = replace(state, function=made.function, hints=hints)
+        part = static_part(around, made.header)
+        if isinstance(part, Scop):
+            yield first.header, around, part
+
+
+def _matrices(scop: Scop) -> frozenset[str]:
+    """Arrays of which each element is accessed in few iterations: of more subscripts than one, as
+    many as there are loops at most.
+    """
+    if max(len(statement.dims) for statement in scop.statements) > _PLANE:
+        return frozenset()
+    accesses = [access for one in scop.statements for access in one.accesses.values()]
+    return frozenset(one.array for one in accesses if len(one.subscripts) == _PLANE)
 
 
 def expected_lengths(scop: Scop, trips: Mapping[str, float]) -> dict[str, float]:

@@ -27,6 +27,7 @@ from vividc.ssa.polyhedral.orders.search import (
     has_skews,
     is_legal,
     orders,
+    together,
     with_factors,
 )
 from vividc.ssa.polyhedral.relations import Relations
@@ -148,6 +149,19 @@ def restructured(
     return _ranked(made, estimator) or Refusal("no other loops can be generated")
 
 
+def restructured_together(
+    state: State,
+    part: Scop,
+    estimator: Estimator,
+    trips: Mapping[str, float],
+    most_operations: int,
+) -> tuple[Restructured, ...] | Refusal:
+    """As `restructured`, of a part of two nests: the best loops in which they are one nest."""
+    symbols = expected_lengths(part, trips)
+    climb = _Climb(state, 0, part, estimator, symbols, most_operations, are_two=True)
+    return _ranked(climb.climb(), estimator) or Refusal("they cannot be one nest")
+
+
 def _ranked(made: list[Restructured], estimator: Estimator) -> tuple[Restructured, ...]:
     """The tree with the fewest estimated cycles, before it one that is sure to be mapped."""
     made = sorted(made, key=lambda one: one.cycles)
@@ -202,6 +216,7 @@ class _Climb:
     estimator: Estimator
     symbols: Mapping[str, float]
     most_operations: int
+    are_two: bool = False
     _tried: dict[str, Restructured | None] = field(default_factory=dict)
     _smaller: int = 0
     """So many of the first factors take too many contexts in an order that was tried."""
@@ -218,8 +233,10 @@ class _Climb:
     @cached_property
     def start(self) -> tuple[float, Loop, list[tuple[Path, ...]]]:
         """The order with the fewest cycles, and what of it may be jammed."""
-        found = orders(tree_of(self.scop), self.relations)
-        return min(map(self._ranked, found), key=lambda one: one[0])
+        tree = tree_of(self.scop)
+        found = (together if self.are_two else orders)(tree, self.relations)
+        ranked = map(self._ranked, found)
+        return min(ranked, key=lambda one: one[0], default=(math.inf, tree, []))
 
     def least(self) -> float:
         """Cycles of the best order with the first factors."""

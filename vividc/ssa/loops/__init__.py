@@ -1,5 +1,5 @@
 """Transformations of loops before regions are cut.
 
-In order: `unroll`, `versions` (with a test before them), `flatten/`, `threads/`. Loops of
-affine nests are changed by `ssa.polyhedral`.
+In order: `unroll`, `versions` (with a test before them), `join` (two as one nest), `flatten/`,
+`threads/`. Loops of affine nests are changed by `ssa.polyhedral`.
 """

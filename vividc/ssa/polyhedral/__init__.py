@@ -6,5 +6,5 @@ To restructure: `forms` (integers as sums), `scop` (static-control parts are fou
 (dependences), `trees` (of loops), `rows` (of temporaries, for iterations that run together),
 `schedule` (order for isl), `orders` (that are worth trying), `loops` (what isl makes of a tree),
 `guards` (branches as predicates), `places` (which accesses meet), `words` (integers as
-instructions), `generate` (SSA).
+instructions), `registers` (values of places), `generate` (SSA).
 """

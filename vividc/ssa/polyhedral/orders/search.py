@@ -43,6 +43,28 @@ def orders(tree: Loop, relations: Relations) -> list[Loop]:
     return [*found, *(one for one in first if one is not None), *later]
 
 
+def together(tree: Loop, relations: Relations) -> Iterator[Loop]:
+    """Legal orders in which the two nests of a loop that runs once are one, interchanged or not:
+    one that goes through a matrix by rows and one by columns (mvt) need only one of these.
+    """
+    nests = [child for child in tree.children if isinstance(child, Loop)]
+    if len(nests) != len(tree.children) or len(nests) != 2:  # noqa: PLR2004 - nests
+        return
+    for pair in itertools.product(*([one, *_interchanged(one)] for one in nests)):
+        both = replace(tree, children=pair)
+        for fused in _fused(both):
+            [made] = fused.children
+            if isinstance(made, Loop) and is_legal(made, relations):
+                yield made
+
+
+def _interchanged(loop: Loop) -> Iterator[Loop]:
+    """A loop and the only one in it, the other way round."""
+    if len(loop.children) == 1 and isinstance(loop.children[0], Loop):
+        inner = loop.children[0]
+        yield replace(inner, children=(replace(loop, children=inner.children),))
+
+
 def _has_rows(tree: Loop, relations: Relations) -> bool:
     """Whether a loop around another one may be jammed."""
     holding = (path for path, loop in loops_in(tree) if _depth(loop.children))
@@ -63,10 +85,8 @@ def moves(tree: Loop, scop: Scop) -> Iterator[Loop]:
     for path, loop in loops_in(tree):
         for changed in (*_fused(loop), *_taken_in(loop, scop)):
             yield put(tree, path, changed)
-        if len(loop.children) == 1 and isinstance(loop.children[0], Loop):
-            inner = loop.children[0]
-            outer = replace(loop, children=inner.children)
-            yield put(tree, path, replace(inner, children=(outer,)))
+        for changed in _interchanged(loop):
+            yield put(tree, path, changed)
 
 
 def _fused(loop: Loop) -> Iterator[Loop]:
