@@ -76,6 +76,9 @@ _CLEARLY = 0.85
 16 iterations each are assumed, has 1.07 and takes 1.28 times its cycles.
 """
 
+_BEST = 1 << 10
+"""The place of the last of all forms: nests beside those that are joined have what was found."""
+
 _STEP = 0.95
 """A factor must do so much better than half of it."""
 
@@ -176,7 +179,7 @@ class _Chooser(Draft):
         try:
             self._way(start, ways, restructure=self.options.restructure)
             if self.options.restructure and any(joined_parts(start.state)):
-                self._way(start, ways, restructure=True, joins=True)
+                self._way(start, ways, restructure=True, form=_BEST, joins=True)
             for form in range(max(map(len, self.forms.values()), default=1) - 1):
                 self._way(start, ways, restructure=True, form=form)
                 ways[-1] = [replace(stage, reserve=True) for stage in ways[-1]]

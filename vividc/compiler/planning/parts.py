@@ -25,6 +25,11 @@ from vividc.ssa.rewrite.tidy import tidy
 _PLANE = 2
 """Loops and subscripts of nests that are joined: they go through a matrix once."""
 
+_MOST_JOINED = 4
+"""Loops in no other one of a kernel whose nests are joined. More take too long to plan: correlation
+132 s instead of 52 for 0.3 % of its cycles, deriche 89 s instead of 44 for 8 %.
+"""
+
 _MOST_REALIGNED = 1
 """Orders with a sum's loop outermost that are compared with those of the source."""
 
@@ -66,7 +71,7 @@ def joined_parts(state: State) -> Iterator[tuple[str, State, Scop]]:
     """
     loops = find_loops(state.function)
     outer = [one for one in loops if not any(one.header in o.blocks - {o.header} for o in loops)]
-    for first, second in itertools.permutations(outer, 2):
+    for first, second in itertools.permutations(outer, 2) if len(outer) <= _MOST_JOINED else ():
         if between(state.function, first, second) is None:
             continue
         scops = [static_part(state, one.header) for one in (first, second)]
