@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
@@ -19,7 +18,7 @@ from vividc.compiler.planning.estimate import Estimate, Estimator
 from vividc.compiler.planning.interleave import loops_around_waiting
 from vividc.compiler.planning.options import LoopOptions
 from vividc.compiler.planning.parts import joined_parts, static_part, with_tree
-from vividc.compiler.planning.plan import Draft, Plan, Stage
+from vividc.compiler.planning.plan import Draft, Plan, Stage, better_last, clearly_better
 from vividc.compiler.planning.restructure import Restructured, restructured, restructured_together
 from vividc.compiler.planning.state import State
 from vividc.errors import TimeLimit
@@ -71,11 +70,6 @@ of deriche, which save 0.04, take the constant stores that its other loops need.
 
 _NO_GAIN = "does not pay"
 
-_CLEARLY = 0.85
-"""For interleaved iterations of a nest, times the cycles of the restructured one: jacobi-2d, where
-16 iterations each are assumed, has 1.07 and takes 1.28 times its cycles.
-"""
-
 _BEST = 1 << 10
 """The place of the last of all forms: nests beside those that are joined have what was found."""
 
@@ -125,33 +119,6 @@ def choose(
     return Plan(tuple(chooser.stages), tuple(chooser.decisions), asked)
 
 
-def _clearly_better(stages: list[Stage], restructured: Stage) -> list[Stage]:
-    """Without those of interleaved iterations, unless these are better by more than lengths that
-    are not known may change: they load each element again that restructured ones share.
-    """
-    if stages and stages[-1].estimate.cycles < _CLEARLY * restructured.estimate.cycles:
-        return stages
-    return [stage for stage in stages if not any(map(_is_interleaving, stage.lineage()))]
-
-
-def _is_interleaving(stage: Stage) -> bool:
-    return stage.decision is not None and stage.decision.kind == "interleaving"
-
-
-def _better_last(ways: list[list[Stage]]) -> list[Stage]:
-    """The stages of all ways, those with fewer cycles behind others; what is in reserve for the
-    next one of its way comes before that.
-    """
-    keyed: list[tuple[float, Stage]] = []
-    for way in ways:
-        for stage, after in itertools.zip_longest(way, way[1:]):
-            cycles = stage.estimate.cycles
-            if stage.reserve and after is not None:
-                cycles = max(cycles, after.estimate.cycles)
-            keyed.append((cycles, stage))
-    return [stage for _, stage in sorted(keyed, key=lambda one: -one[0])]
-
-
 @dataclass
 class _Chooser(Draft):
     """`forms`: what headers of nests can be given instead, the best last, before it those that are
@@ -185,9 +152,9 @@ class _Chooser(Draft):
                 ways[-1] = [replace(stage, reserve=True) for stage in ways[-1]]
             if self.forms:
                 self._way(start, ways, restructure=False)
-                ways[-1] = _clearly_better(ways[-1], ways[0][-1])
+                ways[-1] = clearly_better(ways[-1], ways[0][-1])
         finally:
-            self.stages[first:] = _better_last(ways)
+            self.stages[first:] = better_last(ways)
 
     def _way(
         self,
@@ -255,7 +222,7 @@ class _Chooser(Draft):
         try:
             self._flatten_and_unroll()
         finally:
-            self.stages[first:] = _better_last([self.stages[first:], *ways])
+            self.stages[first:] = better_last([self.stages[first:], *ways])
 
     def _flatten_and_unroll(self) -> None:
         """Flattens nests where it pays, unrolls innermost loops."""
