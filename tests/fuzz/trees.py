@@ -122,10 +122,10 @@ class Search:
                     self._compare(made, before, f"seed {seed}: {describe(tree)}")
 
     def _parts(self, function: Function) -> Iterator[Scop]:
-        loops = find_loops(function)
+        every = find_loops(function)
+        around = [(a, b) for a in every for b in every if b.header in a.blocks - {a.header}]
+        loops = [one for one in every if one not in [inner for _, inner in around]]
         for loop in loops:
-            if any(loop.header in other.blocks and other is not loop for other in loops):
-                continue
             found = find_scop(with_own_latches(function, loop.header), loop.header)
             if isinstance(found, Scop):
                 yield found
