@@ -223,11 +223,11 @@ def _compiled(
         everything = (*told, *program.warnings)
         program = replace(program, warnings=everything, parallel=parallel, products=products)
         if isinstance(loaded, Accelerator):
-            program = priced(program, loaded)
-            if (products is None and mode == AUTO) or mode == GPU:
+            program = replace(priced(program, loaded), accelerator=loaded.source)
+            if mode in (AUTO, GPU):
                 again = watch.untold(lambda: kernel.lower(strict_fp=strict_fp))
                 program = with_nests(program, again, parallel, one)
-                if mode == AUTO and not reason:
+                if mode == AUTO and products is None and not reason:
                     program = with_products(program, again, loaded)
         place.write(program)
     warned = tuple(

@@ -59,7 +59,11 @@ def check_kernel_mode(mode: str) -> None:
 
 
 def choose_for(
-    program: Program, launch: Launch, machine: Accelerator, tiles: int | None = None
+    program: Program,
+    launch: Launch,
+    machine: Accelerator,
+    tiles: int | None = None,
+    blocks: int | None = None,
 ) -> KernelChoice:
     """The mode in which a launch of products runs.
 
@@ -67,6 +71,9 @@ def choose_for(
     ----------
     tiles
         How many run it in GPU-like mode; None: all if it has a parallel loop, otherwise one.
+    blocks
+        Cycles that blocks of the kernel's nests are predicted to take, if those would run in
+        GPU-like mode.
 
     Raises
     ------
@@ -83,7 +90,7 @@ def choose_for(
         return KernelChoice(asked, "asked for", {asked: cycles})
     if tiles is None:
         tiles = 1 if program.parallel is None else len(machine.tiles)
-    costs = {GPU: _on_tiles(program, launch, machine, tiles)}
+    costs = {GPU: _on_tiles(program, launch, machine, tiles) if blocks is None else blocks}
     refused = ""
     for mode in MODES:
         try:
@@ -93,7 +100,7 @@ def choose_for(
             refused += f"; {mode} not: {error.reason}"
     best = min(costs, key=lambda mode: costs[mode])
     listed = ", ".join(f"{mode} {_told(count)}" for mode, count in costs.items())
-    on = f" ({tiles} tile{'s' if tiles > 1 else ''})"
+    on = f" ({tiles} tile{'s' if tiles > 1 else ''})" if blocks is None else " (blocks of nests)"
     listed = listed.replace(f"{GPU} ", f"{GPU}{on} ", 1)
     return KernelChoice(best, f"fewest cycles predicted: {listed}{refused}", costs)
 

@@ -18,7 +18,7 @@ from vividc.gemm.kernels.sequence import Launch, Unfit
 from vividc.gemm.kernels.sequence import Sequence as Steps
 from vividc.gemm.modes import check_mode
 from vividc.gemm.passes import with_arrays
-from vividc.launch import Job, JobResult, Spread, nests_job, spread
+from vividc.launch import Job, JobResult, Spread, nests_cycles, nests_job, spread
 from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
@@ -184,6 +184,21 @@ def _whole_or_nests(
     return nests if whole is None or nests.moved < whole.job.moved else whole
 
 
+def _predicted_blocks(
+    program: Program,
+    args: Sequence[object],
+    kwargs: Mapping[str, object],
+    machine: Accelerator,
+) -> int | None:
+    """Cycles of a launch by blocks of nests; None: it would not run so."""
+    if program.order is None or _whole(program, args, kwargs, machine)[0] is not None:
+        return None
+    try:
+        return nests_cycles(program, args, kwargs, machine)
+    except ArgumentError:
+        return None
+
+
 def _check_spread(program: object, fabric: object, observer: Observer | None) -> None:
     """Refuse arguments that cannot be run on an accelerator.
 
@@ -231,7 +246,8 @@ def _simulate_products(
             f"{program.name} cannot run in mode {products.mode}: {error.reason}",
             hint="compile it with mode gpu, or auto",
         ) from error
-    mode = choose_for(program, launch, machine).mode
+    blocks = _predicted_blocks(program, args, kwargs, machine) if products.mode == AUTO else None
+    mode = choose_for(program, launch, machine, blocks=blocks).mode
     if mode == GPU:
         return None
     steps = Steps(launch, check_mode(mode), machine)
