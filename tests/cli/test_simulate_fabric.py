@@ -60,8 +60,15 @@ def test_a_spread_run_is_checked_and_told(program: Path) -> None:
     assert told["stats"]["stalls"]["configuration"] > 0
 
 
+def test_a_program_runs_on_what_it_was_compiled_for(program: Path) -> None:
+    code, text = simulate(program, "--json")
+    assert code == 0, text
+    assert json.loads(text)["fabric"] == "vivid"
+
+
 def test_one_tile_does_not_hold_the_arrays(program: Path) -> None:
-    code, text = simulate(program)
+    """It is what a waveform is of."""
+    code, text = simulate(program, "--vcd", str(program.parent / "t.vcd"))
     assert code == 2
     assert "72000 bytes" in text
 

@@ -252,7 +252,7 @@ def test_one_tile_and_any_chunk_length_give_the_same_bits(kernel: Any, programs:
     program = programs(kernel)
     args = small[kernel.name]
     alone = copies(args)
-    expected = vividc.simulate(program, *alone)
+    expected = vividc.simulate(program, *alone, fabric=program.fabric)
     for chunk in (1, 7, 100):
         got = copies(args)
         result = spread(program, got, {}, "vivid", SpreadOptions(chunk=chunk)).simulate()

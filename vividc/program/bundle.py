@@ -97,6 +97,7 @@ class Manifest:
     pitches: dict[str, int] = field(default_factory=dict)
     nests: int = 0
     order: Order | None = None
+    accelerator: str = ""
 
 
 _ADAPTER: Final = TypeAdapter(Manifest)

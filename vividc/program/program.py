@@ -89,6 +89,9 @@ class Program:
     nests, order
         The kernel as programs of a nest of loops each, blocks of which a launch gives to tiles, and
         how the nests follow each other; none if it is no such sequence.
+    accelerator
+        YAML text of the accelerator that it was compiled for, where it runs unless a launch says
+        otherwise; "" if that was one tile.
     """
 
     name: str
@@ -114,6 +117,7 @@ class Program:
     pitches: ReadOnly[str, int] = field(default_factory=dict)
     nests: tuple[Program, ...] = ()
     order: Order | None = None
+    accelerator: str = ""
 
     def __repr__(self) -> str:
         names = ", ".join(param.name for param in self.params)
@@ -258,6 +262,7 @@ def _manifest(program: Program) -> Manifest:
         pitches=dict(program.pitches),
         nests=len(program.nests),
         order=program.order,
+        accelerator=program.accelerator,
         debug=program.debug,
         regions=program.regions,
         provenance=program.provenance,
@@ -321,6 +326,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         pitches=manifest.pitches,
         nests=_read_nests(reader, manifest),
         order=manifest.order,
+        accelerator=manifest.accelerator,
         debug=manifest.debug,
         regions=manifest.regions,
         provenance=manifest.provenance,

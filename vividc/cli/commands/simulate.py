@@ -9,6 +9,7 @@ import click
 import numpy as np
 
 import vividc
+from vividc.arch import Accelerator, load_accelerator
 from vividc.cli import options
 from vividc.cli.arrays import RETURN_KEY, Array, read_arguments, write_results
 from vividc.cli.files import check_apart, check_output
@@ -24,6 +25,7 @@ from vividc.cli.reports.cycle_progress import cycle_progress
 from vividc.cli.reports.job import print_job
 from vividc.cli.reports.report import percent, print_json, print_table, progress
 from vividc.cli.reports.views import Views, view_options
+from vividc.gemm.kernels.choice import accelerator_of
 from vividc.launch import JobResult
 from vividc.program import CUT_SHORT, Program
 from vividc.sim import AUTO, CYCLE_LIMIT, ENGINES, Result
@@ -79,8 +81,8 @@ MISMATCH: Final = 5
 @click.option(
     "--fabric",
     metavar="F",
-    help="An accelerator (vivid, vivid-unit, or a YAML file): spread the loop over prange over its "
-    "tiles. [default: one tile]",
+    help="An accelerator (vivid, vivid-unit, or a YAML file): spread loops over its tiles. "
+    "[default: what P.vivid was compiled for]",
 )
 @options.as_json
 def command(
@@ -111,19 +113,22 @@ def command(
     host = find_kernel(loaded, program, source) if check else None
     # The run changes the arguments in place, and the host needs them as they were.
     given = {name: array.copy() for name, array in arguments.items()}
-    job = None if fabric is None else _simulate_job(loaded, arguments, cycle_limit, engine, fabric)
+    machine = _machine_of(loaded, fabric, views)
+    job = None
+    if machine is not None:
+        job = _simulate_job(loaded, arguments, cycle_limit, engine, machine)
     result = _simulate(loaded, arguments, cycle_limit, engine, views) if job is None else job
     # Last: the host checks no index, and an access that the run refuses would destroy its memory.
     expected = None if host is None else _with_value(*run_reference(host, given))
     if outputs is not None:
         write_results(outputs, arguments, result.value)
-    views.write(loaded, result, fabric)
+    views.write(loaded, result, machine)
     wrong = _compare(arguments, result, expected, Tolerance(rtol, atol))
     if as_json:
         body = _as_object(loaded, result, outputs, expected is not None, wrong)
-        print_json(SCHEMA, {**body, **_shown(loaded, result, fabric, views)})
+        print_json(SCHEMA, {**body, **_shown(loaded, result, machine, views)})
     else:
-        _print(loaded, result, fabric, views)
+        _print(loaded, result, machine, views)
         _print_outcome(loaded, result, outputs, expected is not None, wrong)
     for item in wrong:
         click.echo(f"vividc: mismatch: {item}", err=True)
@@ -138,6 +143,13 @@ def _refuse_nonsense(source: str | None, check: bool, fabric: str | None, views:
         raise click.UsageError("--vcd and --plot show the cycles of one tile, not --fabric's")
 
 
+def _machine_of(program: Program, fabric: str | None, views: Views) -> Accelerator | None:
+    """The accelerator to run on; None: one tile, of which alone --vcd and --plot can show all."""
+    if fabric is not None:
+        return load_accelerator(fabric)
+    return None if {"vcd", "plot"} & views.files.keys() else accelerator_of(program)
+
+
 def _check_outputs(outputs: Path | None, views: Views, inputs: tuple[Path, ...]) -> None:
     written = {f"--{name}": path for name, path in views.files.items()}
     if outputs is not None:
@@ -147,20 +159,22 @@ def _check_outputs(outputs: Path | None, views: Views, inputs: tuple[Path, ...])
 
 
 def _shown(
-    program: Program, result: Result | JobResult, fabric: str | None, views: Views
+    program: Program, result: Result | JobResult, machine: Accelerator | None, views: Views
 ) -> dict[str, object]:
-    shown = views.as_object(program, result, fabric)
-    return {**shown, "fabric": fabric} if isinstance(result, JobResult) else shown
+    shown = views.as_object(program, result, machine)
+    return shown if machine is None else {**shown, "fabric": machine.name}
 
 
-def _print(program: Program, result: Result | JobResult, fabric: str | None, views: Views) -> None:
+def _print(
+    program: Program, result: Result | JobResult, machine: Accelerator | None, views: Views
+) -> None:
     if isinstance(result, JobResult):
-        print_job(program, str(fabric), result)
+        print_job(program, "" if machine is None else machine.name, result)
     else:
         _print_regions(program, result)
     if program.hurried:
         click.echo(f"compiling {CUT_SHORT}")
-    views.print(program, result, fabric)
+    views.print(program, result, machine)
 
 
 def _simulate(
@@ -181,12 +195,16 @@ def _simulate(
 
 
 def _simulate_job(
-    program: Program, arguments: dict[str, Array], cycle_limit: int, engine: str, fabric: str
+    program: Program,
+    arguments: dict[str, Array],
+    cycle_limit: int,
+    engine: str,
+    machine: Accelerator,
 ) -> JobResult:
     values = scalars_unpacked(arguments, program.params)
-    with progress(f"simulating {program.name} on {fabric}"):
+    with progress(f"simulating {program.name} on {machine.name}"):
         return vividc.simulate(
-            program, *values, fabric=fabric, cycle_limit=cycle_limit, engine=engine
+            program, *values, fabric=machine, cycle_limit=cycle_limit, engine=engine
         )
 
 

@@ -11,7 +11,7 @@ from typing import Any, Final, TypeVar
 
 import click
 
-from vividc.arch import load_accelerator
+from vividc.arch import Accelerator
 from vividc.arch.cost.tables import DEFAULT_TABLE, CostTable, load_costs
 from vividc.cli import options
 from vividc.cli.files import check_output
@@ -103,56 +103,65 @@ class Views:
         if self.plot is not None:
             _draw(self.plot, heat_map(recording))
 
-    def write(self, program: Program, result: Result | JobResult, fabric: str | None) -> None:
-        """Write what the run itself tells; `fabric`: the accelerator of a job."""
+    def write(
+        self, program: Program, result: Result | JobResult, machine: Accelerator | None
+    ) -> None:
+        """Write what the run itself tells; `machine`: the accelerator of a job."""
         if self.trace is not None:
-            trace = self._trace_of(program, result, fabric)
+            trace = self._trace_of(program, result, machine)
             _write(self.trace, json.dumps(trace, allow_nan=False) + "\n")
         if self.roofline is not None:
-            _draw(self.roofline, _roofline_of(program, result, fabric))
+            _draw(self.roofline, _roofline_of(program, result, machine))
 
     def energy(
-        self, program: Program, result: Result | JobResult, fabric: str | None
+        self, program: Program, result: Result | JobResult, machine: Accelerator | None
     ) -> EnergyReport | None:
         """The run's energy, if asked for."""
         if self.costs is None:
             return None
         if isinstance(result, JobResult):
-            tiles = len(load_accelerator(str(fabric)).tiles)
+            assert machine is not None
+            tiles = len(machine.tiles)
             work = work_of_job(result.stats, tiles)
         else:
             work = work_of(result.stats)
         return energy(work, program.fabric, self.costs, node_nm=self.node_nm)
 
     def as_object(
-        self, program: Program, result: Result | JobResult, fabric: str | None
+        self, program: Program, result: Result | JobResult, machine: Accelerator | None
     ) -> dict[str, object]:
         """What the JSON object says of the views."""
         return {
-            "energy": self.energy(program, result, fabric),
+            "energy": self.energy(program, result, machine),
             "views": {name: str(path) for name, path in self.files.items()},
         }
 
-    def print(self, program: Program, result: Result | JobResult, fabric: str | None) -> None:
+    def print(
+        self, program: Program, result: Result | JobResult, machine: Accelerator | None
+    ) -> None:
         """Print the views that are text."""
-        report = self.energy(program, result, fabric)
+        report = self.energy(program, result, machine)
         if report is not None:
             print_energy(report)
         for path in self.files.values():
             click.echo(f"written: {path}")
 
     def _trace_of(
-        self, program: Program, result: Result | JobResult, fabric: str | None
+        self, program: Program, result: Result | JobResult, machine: Accelerator | None
     ) -> dict[str, object]:
         if isinstance(result, JobResult):
+            assert machine is not None
             clock = program.fabric.clock_ghz
-            return job_trace(result.events, name=str(fabric), clock_ghz=clock)
+            return job_trace(result.events, name=machine.name, clock_ghz=clock)
         return run_trace(program, self.timeline.spans, dropped=self.timeline.dropped)
 
 
-def _roofline_of(program: Program, result: Result | JobResult, fabric: str | None) -> Picture:
+def _roofline_of(
+    program: Program, result: Result | JobResult, machine: Accelerator | None
+) -> Picture:
     if isinstance(result, JobResult):
-        return job_roofline(load_accelerator(str(fabric)), result.stats, program.name)
+        assert machine is not None
+        return job_roofline(machine, result.stats, program.name)
     points = tile_points(result.stats, program.name)
     title = f"{program.name} on {program.fabric_name}: roofline"
     return roofline(points, len(program.fabric.pes), [tile_roof(program)], title)

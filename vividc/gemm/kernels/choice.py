@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from vividc import arch
 from vividc.arch import Accelerator
 from vividc.errors import ArchError, ArgumentError, quoted
 from vividc.gemm.kernels.sequence import Launch, Unfit
@@ -56,6 +57,18 @@ def check_kernel_mode(mode: str) -> None:
     known = (AUTO, GPU, *MODES)
     if not isinstance(mode, str) or mode not in known:
         raise ArgumentError(f"unknown mode {quoted(mode)}", hint=f"modes: {', '.join(known)}")
+
+
+def accelerator_of(program: Program) -> Accelerator | None:
+    """The accelerator that a program was compiled for; None: it was one tile.
+
+    Raises
+    ------
+    ArchError
+        Its text, which came in a file, describes none.
+    """
+    text = program.accelerator
+    return arch.load_accelerator_text(text, f"{program.name}.vivid") if text else None
 
 
 def choose_for(

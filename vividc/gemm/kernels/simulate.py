@@ -10,9 +10,9 @@ from typing import overload
 import numpy as np
 
 from vividc import arch
-from vividc.arch import Accelerator
+from vividc.arch import Accelerator, Fabric
 from vividc.errors import ArchError, ArgumentError, demand_type
-from vividc.gemm.kernels.choice import AUTO, GPU, choose_for
+from vividc.gemm.kernels.choice import AUTO, GPU, accelerator_of, choose_for
 from vividc.gemm.kernels.nests import simulate_products
 from vividc.gemm.kernels.sequence import Launch, Unfit
 from vividc.gemm.kernels.sequence import Sequence as Steps
@@ -32,7 +32,7 @@ Machine = str | os.PathLike[str] | Accelerator
 def simulate(
     program: Program,
     *args: object,
-    fabric: None = None,
+    fabric: Fabric | None = None,
     progress: Progress | None = None,
     cycle_limit: int = CYCLE_LIMIT,
     engine: str = AUTO,
@@ -57,7 +57,7 @@ def simulate(
 def simulate(
     program: Program,
     *args: object,
-    fabric: Machine | None = None,
+    fabric: Machine | Fabric | None = None,
     progress: Progress | None = None,
     cycle_limit: int = CYCLE_LIMIT,
     engine: str = AUTO,
@@ -74,7 +74,9 @@ def simulate(
     fabric
         An accelerator, by name, YAML file or as an object: the loop over `numba.prange` is spread
         over its tiles, and arrays are cut into slices that fit the scratchpads
-        (docs/accelerator.md). None: one tile, whose scratchpad holds all arrays.
+        (docs/accelerator.md); the result is a JobResult. The tile that the program was compiled
+        for: it alone, whose scratchpad holds all arrays. None: what the program was compiled for,
+        or one tile of that if somebody observes.
     progress
         Called now and then with the cycles run so far; of one tile only.
     cycle_limit
@@ -94,7 +96,8 @@ def simulate(
     SimulationError
         The program broke a rule of the machine, or ran past `cycle_limit`.
     """
-    if fabric is None:
+    machine = _machine_of(program, fabric, observer)
+    if machine is None:
         return simulate_tile(
             program,
             *args,
@@ -104,48 +107,59 @@ def simulate(
             observer=observer,
             **kwargs,
         )
-    _check_spread(program, fabric, observer)
     if program.products is not None:
-        result = _simulate_products(program, args, kwargs, fabric, engine, cycle_limit)
+        result = _simulate_products(program, args, kwargs, machine, engine, cycle_limit)
         if result is not None:
             return result
-    return _simulate_loops(program, args, kwargs, fabric, engine, cycle_limit)
+    return _simulate_loops(program, args, kwargs, machine, engine, cycle_limit)
+
+
+def _machine_of(
+    program: Program, fabric: Machine | Fabric | None, observer: Observer | None
+) -> Accelerator | None:
+    """Where a program is to run; None: one tile."""
+    if fabric is None:
+        is_known = isinstance(program, Program) and observer is None
+        return accelerator_of(program) if is_known else None
+    if isinstance(program, Program) and fabric in (program.fabric, program.fabric_name):
+        return None
+    _check_spread(program, fabric, observer)
+    if isinstance(fabric, Accelerator):
+        return fabric
+    assert not isinstance(fabric, Fabric)
+    return arch.load_accelerator(fabric)
 
 
 def _simulate_loops(
     program: Program,
     args: Sequence[object],
     kwargs: Mapping[str, object],
-    fabric: Machine,
+    machine: Accelerator,
     engine: str,
     cycle_limit: int,
 ) -> JobResult:
     """The kernel as it is, unless that fits no scratchpad, its nests move less, or some of them are
     matrix products that take less in a TPU-like mode.
     """
-    whole, refused = _whole(program, args, kwargs, fabric)
+    whole, refused = _whole(program, args, kwargs, machine)
     if program.parallel is None and any(nest.products for nest in program.nests):
         result = simulate_products(
             program,
             args,
             kwargs,
-            _accelerator(fabric),
+            machine,
             on_one_tile=whole is not None,
             engine=engine,
             cycle_limit=cycle_limit,
         )
         if result is not None:
             return result
-    job = _whole_or_nests(program, args, kwargs, fabric, whole, refused)
+    job = _whole_or_nests(program, args, kwargs, machine, whole, refused)
     return job.simulate(engine=engine, cycle_limit=cycle_limit)
 
 
-def _accelerator(fabric: Machine) -> Accelerator:
-    return fabric if isinstance(fabric, Accelerator) else arch.load_accelerator(fabric)
-
-
 def _whole(
-    program: Program, args: Sequence[object], kwargs: Mapping[str, object], fabric: Machine
+    program: Program, args: Sequence[object], kwargs: Mapping[str, object], machine: Accelerator
 ) -> tuple[Spread | None, ArgumentError | None]:
     """The launch graph of the kernel as it is, or why it has none, if it has nests instead.
 
@@ -155,7 +169,7 @@ def _whole(
         It has none, and no nests.
     """
     try:
-        return spread(program, args, kwargs, fabric), None
+        return spread(program, args, kwargs, machine), None
     except ArgumentError as error:
         if program.order is None:
             raise
@@ -166,7 +180,7 @@ def _whole_or_nests(
     program: Program,
     args: Sequence[object],
     kwargs: Mapping[str, object],
-    fabric: Machine,
+    machine: Accelerator,
     whole: Spread | None,
     refused: ArgumentError | None,
 ) -> Spread | Job:
@@ -174,7 +188,7 @@ def _whole_or_nests(
     if whole is not None and (program.order is None or program.parallel is None):
         return whole
     try:
-        nests = nests_job(program, args, kwargs, fabric)
+        nests = nests_job(program, args, kwargs, machine)
     except ArgumentError:
         if whole is not None:
             return whole
@@ -221,7 +235,7 @@ def _simulate_products(
     program: Program,
     args: Sequence[object],
     kwargs: Mapping[str, object],
-    fabric: Machine,
+    machine: Accelerator,
     engine: str,
     cycle_limit: int,
 ) -> JobResult | None:
@@ -230,7 +244,6 @@ def _simulate_products(
     assert products is not None
     if products.mode == GPU:
         return None
-    machine = _accelerator(fabric)
     arrays, inputs = arguments(program, args, kwargs)
     floats = {
         name: array.view(np.float32) for name, array in arrays.items() if array.dtype == np.float32
