@@ -71,3 +71,44 @@ def test_a_loop_to_a_number_that_is_no_length_is_a_part() -> None:
 )
 def test_why_a_loop_is_no_part(given: dict[str, str], reason: str) -> None:
     assert found(**given) == reason
+
+
+BEHIND = """b0:
+  jump b1
+b1:
+  %0 i32 = phi [b0: 0x0, b7: %9]
+  %1 pred = icmp.slt %0, $"x.shape0"
+  branch %1 b2 else b8
+b2:
+  jump b3
+b3:
+  %2 i32 = phi [b2: 0x0, b4: %5]
+  %3 pred = icmp.slt %2, %0
+  branch %3 b4 else b5
+b4:
+  %4 none = store $"&x", %2, 0x1 array "x" shift 2
+  %5 i32 = add %2, 0x1 exact
+  jump b3
+b5:
+{behind}
+  jump b7
+b7:
+  %9 i32 = add %0, 0x1 exact
+  jump b1
+b8:
+  return
+"""
+
+
+@pytest.mark.parametrize(
+    ("behind", "reason"),
+    [
+        ('  %6 none = store $"&x", %0, 0x2 array "x" shift 2', ""),
+        ('  %6 none = store $"&x", %2, 0x2 array "x" shift 2', "a counter is read behind its loop"),
+        ('  %6 none = store $"&x", %0, %2 array "x" shift 2', "a counter is read behind its loop"),
+    ],
+    ids=["not read", "as a subscript", "as a number"],
+)
+def test_a_counter_means_nothing_behind_its_loop(behind: str, reason: str) -> None:
+    made = find_scop(function(BEHIND.format(behind=behind)), "b1")
+    assert (made.reason if isinstance(made, Refusal) else "") == reason

@@ -190,7 +190,7 @@ class _Raising:
         self.depth: dict[int, int] = {}
         self.counters: dict[str, Counter] = {}
         self.inclusive: dict[str, bool] = {}
-        self.limits: frozenset[str] = frozenset()
+        self.limits = self.over = frozenset[str]()
         self.guards: tuple[Form, ...] = ()
         self.count = 0
         self.dtypes = {p.name: p.dtype for p in function.params}
@@ -260,6 +260,7 @@ class _Raising:
             nest = self._nest(inner, dims)
             children += self._header(inner, dims, {nest.dim.name: nest.dim.bounds[0]})
             children.append(nest)
+            self.over |= {nest.dim.name}
         if self.guards != outer:
             children += self._statement(chunk, dims, ())
             chunk, self.guards = [], outer
@@ -357,7 +358,7 @@ class _Raising:
         """A bound as a form whose sums do not wrap."""
         if isinstance(value, Const):
             return Form((), signed(value.word))
-        if value in self.counted:
+        if value in self.counted and not self.over & self.counted[value].names:
             return self.counted[value]
         instr = definition_of(self.function, value)
         if isinstance(instr, Instr) and instr.op in (Opcode.ADD, Opcode.SUB) and instr.exact:
@@ -406,7 +407,7 @@ class _Raising:
                 result = result.plus(Form((), factor))
             elif len(monomial) > 1:
                 return None
-            elif monomial[0] in self.values:
+            elif monomial[0] in self.values and not self.over & self.values[monomial[0]].names:
                 result = result.plus(self.values[monomial[0]], factor)
             elif self._is_fixed(monomial[0]):
                 result = result.plus(symbol(self._symbol(monomial[0])), factor)
@@ -419,6 +420,9 @@ class _Raising:
     ) -> list[Statement]:
         if not chunk and not copies:
             return []
+        used = [value for instr in chunk for value in instr.operands] + [v for _, v in copies]
+        if any(self.over & self.values[value].names for value in used if value in self.values):
+            raise _NotStatic("a counter is read behind its loop")
         accesses = {i.id: self._access(i) for i in chunk if i.op in MEMORY}
         name = f"S{self.count}"
         self.count += 1

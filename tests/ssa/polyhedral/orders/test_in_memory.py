@@ -137,6 +137,10 @@ def test_random_sums() -> None:
     assert sum(map(demand_same_in_memory, range(100))) > 3
 
 
+def test_a_bound_that_is_a_counter_behind_its_loop() -> None:
+    demand_same_in_memory(150)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 1000))
 def test_more_random_sums(seed: int) -> None:
