@@ -22,7 +22,7 @@ from vividc.launch import Job, JobResult, Spread, nests_cycles, nests_job, sprea
 from vividc.program import Program
 from vividc.sim.bind import arguments
 from vividc.sim.engine import Observer, Progress
-from vividc.sim.run import CYCLE_LIMIT, Result
+from vividc.sim.run import CYCLE_LIMIT, Result, check_run
 from vividc.sim.run import simulate as simulate_tile
 
 Machine = str | os.PathLike[str] | Accelerator
@@ -107,6 +107,7 @@ def simulate(
             observer=observer,
             **kwargs,
         )
+    check_run(cycle_limit, progress, observer)
     if program.products is not None:
         result = _simulate_products(program, args, kwargs, machine, engine, cycle_limit)
         if result is not None:
@@ -121,7 +122,7 @@ def _machine_of(
     if fabric is None:
         is_known = isinstance(program, Program) and observer is None
         return accelerator_of(program) if is_known else None
-    if isinstance(program, Program) and fabric in (program.fabric, program.fabric_name):
+    if isinstance(program, Program) and _is_tile_of(program, fabric):
         return None
     _check_spread(program, fabric, observer)
     if isinstance(fabric, Accelerator):
@@ -211,6 +212,12 @@ def _predicted_blocks(
         return nests_cycles(program, args, kwargs, machine)
     except ArgumentError:
         return None
+
+
+def _is_tile_of(program: Program, fabric: Machine | Fabric) -> bool:
+    if isinstance(fabric, Fabric):
+        return fabric == program.fabric
+    return isinstance(fabric, str) and fabric == program.fabric_name
 
 
 def _check_spread(program: object, fabric: object, observer: Observer | None) -> None:
