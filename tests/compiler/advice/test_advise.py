@@ -11,6 +11,7 @@ import pytest
 from numba import prange
 
 import vividc
+from tests.marks import with_slow
 from vividc import LoopOptions, arch
 from vividc.compiler.advice.advise import LEAST_GAIN, Hint, advise
 
@@ -319,7 +320,7 @@ def _advice(kernel: Any, given: dict[str, Any]) -> tuple[Hint, ...]:
     return _ADVICE[key]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", with_slow(CASES, {"tiles"}))
 def test_following_it_saves_cycles(name: str) -> None:
     case = CASES[name]
     hint, *_ = _of(_advice(case.kernel, case.given), case)
