@@ -76,6 +76,8 @@ _BESIDE = {
     "polyhedral/orders/bands": ("polyhedral/orders/realigned",),
     "polyhedral/orders/families": ("polyhedral/orders/realigned",),
     "polyhedral/orders/search": ("polyhedral/orders",),
+    "polyhedral/writing/registers": ("polyhedral/generate", "polyhedral/streams"),
+    "polyhedral/writing/words": ("polyhedral/generate",),
 }
 """Tests of modules beside those named after them: they are no pass by themselves."""
 

@@ -293,3 +293,44 @@ def test_indices_in_bytes_and_in_elements_are_of_the_same_elements() -> None:
     interpret(function, mine)
     interpret(tidy(made.function), theirs)
     assert np.array_equal(mine, theirs)
+
+
+@vividc.kernel("void(int32[:, ::1])")
+def reaches(p):
+    """Row k and column k are written in the iterations that read them; k < rows, columns."""
+    for k in range(min(p.shape[0], p.shape[1])):
+        for i in range(p.shape[0]):
+            for j in range(p.shape[1]):
+                p[i, j] = p[i, j] | (p[i, k] - 2 * p[k, j])
+
+
+@pytest.mark.parametrize("masked", [False, True])
+@pytest.mark.parametrize("path", [(), (0,), (0, 0)])
+def test_what_a_loop_may_store_to_stays_in_registers(path: tuple[int, ...], masked: bool) -> None:
+    """Each is what was stored where it is the same element: a loop over columns of four rows loads
+    these and row k, and what they have of column k before.
+    """
+    function = tidy(reaches.lower())
+    [scop] = parts_of(function)
+    relations = Relations(scop)
+    tree = with_factors(tree_of(scop), {path: 4}, masked=masked) if path else tree_of(scop)
+    assert is_legal(tree, relations)
+    loops = loops_of(tree, relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops, masks=masked)
+    assert not isinstance(made, Refusal)
+    after = tidy(made.function)
+    inner = {(): 2, (0,): 5, (0, 0): 8}
+    most = max(
+        sum(i.op is Opcode.LOAD for b in after.blocks if b.name in loop.blocks for i in b.instrs)
+        for loop in find_loops(after)
+        if not any(o.header in loop.blocks for o in find_loops(after) if o != loop)
+    )
+    assert most == inner[path]
+    for shape in ((1, 1), (5, 5), (4, 9), (9, 4), (0, 3)):
+        mine, theirs = (
+            np.random.default_rng(1).integers(-(2**31), 2**31, shape).astype(np.int32) for _ in "12"
+        )
+        interpret(function, mine)
+        interpret(after, theirs)
+        assert np.array_equal(mine, theirs), shape

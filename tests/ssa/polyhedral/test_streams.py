@@ -38,6 +38,16 @@ def stencil(a, steps):
                 a[i, j] = above + a[i, j - 1] * a[i, j] - a[i, j + 1] + below
 
 
+@vividc.kernel("void(int32[:, ::1], int32[:, ::1])")
+def anchored(a, b):
+    """All of a row read its third element, which some iterations that others follow store."""
+    for i in range(1, a.shape[0] - 1):
+        for j in range(1, a.shape[1] - 1):
+            b[i, j] = 7 * a[i, 2] - b[i, j]
+            if j >= i:
+                a[i, j] = 3 * a[i, j - 1] - 5 * a[i, j + 1] + a[i, j]
+
+
 def trees(scop: Scop, relations: Relations) -> dict[str, Loop]:
     """The skewed trees with rows and tiles that run together, by what they are called."""
     found = {}
@@ -85,6 +95,30 @@ def test_what_is_carried_is_what_memory_has(name: str) -> None:
             interpret(function, mine, np.int32(steps))
             interpret(plain, theirs, np.int32(steps))
             assert np.array_equal(mine, theirs), (shape, steps)
+
+
+@pytest.mark.parametrize("factor", [2, 3])
+def test_a_register_beside_a_stream_is_what_memory_has(factor: int) -> None:
+    """What is stored to a row may be what is in the register: their subscripts are compared."""
+    plain = tidy(anchored.lower())
+    [scop] = parts_of(plain)
+    relations = Relations(scop)
+    tree = with_factors(tree_of(scop), {(): factor}, masked=True)
+    assert is_legal(tree, relations)
+    loops = loops_of(tree, relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops, masks=True)
+    assert not isinstance(made, Refusal)
+    function = tidy(made.function)
+    assert innermost(function, Opcode.LOAD) == 2 * factor
+    for shape in ((3, 4), (4, 7), (7, 5), (6, 3)):
+        mine, theirs = (
+            np.random.default_rng(1).integers(-(2**31), 2**31, (2, *shape)).astype(np.int32)
+            for _ in "12"
+        )
+        interpret(function, *mine)
+        interpret(plain, *theirs)
+        assert np.array_equal(mine, theirs), shape
 
 
 def test_elements_between_those_accessed_are_in_a_box() -> None:

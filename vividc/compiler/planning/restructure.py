@@ -346,6 +346,12 @@ class _Climb:
                     work += _FACTORS_OF_WAITING.get(factors, ())
             if cycles * _PAYS > plain and not is_tile:
                 work += _SMALLER_FACTORS.get(factors, ())
+            if (
+                failed
+                and not work
+                and first == min(found, key=lambda one: self._cycles(found[one]))
+            ):
+                work += _SMALLER_FACTORS.get(first, ())  # larger ones of one loop may fit yet
         made = [tree, *found.values()]
         if not has_skews(tree):
             best = min(found, key=lambda one: self._cycles(found[one]))

@@ -5,6 +5,6 @@ recovered from flat indices), `distances` (between iterations whose accesses tou
 To restructure: `forms` (integers as sums), `scop` (static-control parts are found), `relations`
 (dependences), `trees` (of loops), `rows` (of temporaries, for iterations that run together),
 `schedule` (order for isl), `orders` (that are worth trying), `loops` (what isl makes of a tree),
-`guards` (branches as predicates), `places` (which accesses meet), `words` (integers as
-instructions), `registers` (values of places), `generate` (SSA).
+`guards` (branches as predicates), `places` (which accesses meet), `writing` (of words and
+registers), `generate` (SSA).
 """

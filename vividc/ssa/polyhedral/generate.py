@@ -1,10 +1,9 @@
 """From the loops of a schedule back to SSA, with values kept in registers.
 
-What was loaded or stored is known until something that may be the same element is stored. What a
-loop reads and writes at one place in all its iterations is carried by a phi, loaded before it and
-stored after; so is what an innermost loop reads at a place of the iteration before, loaded before
-it (Callahan, Carr and Kennedy, "Improving register allocation for subscripted variables", 1990).
-Stores wait until an iteration ends, or something may meet them.
+What a loop reads and writes at one place in all its iterations is carried by a phi, loaded before
+it and stored after; so is what an innermost loop reads at a place of the iteration before, loaded
+before it (Callahan, Carr and Kennedy, "Improving register allocation for subscripted variables",
+1990), and what it only reads at one place, though it may store there in some (floyd-warshall).
 """
 
 from __future__ import annotations
@@ -24,12 +23,13 @@ from vividc.ssa.edit import (
 )
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
 from vividc.ssa.polyhedral.guards import ALWAYS, Guard, implies, masked, moved, names_of
-from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run, Test
+from vividc.ssa.polyhedral.loops import Code, For, If, Loops, Run
 from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places, Rotated, Stream
 from vividc.ssa.polyhedral.relations import Rows
 from vividc.ssa.polyhedral.rows import arrays_of_rows
 from vividc.ssa.polyhedral.scop import Scop
-from vividc.ssa.polyhedral.words import Words
+from vividc.ssa.polyhedral.writing.registers import Registers
+from vividc.ssa.polyhedral.writing.words import Words
 from vividc.ssa.rewrite.refusal import Refusal
 
 
@@ -83,16 +83,14 @@ class _Writer:
         self.loops = loops = places.loops
         self.places = places
         self.words = Words(FreshIds(scop.function), scop.symbols, loops.quotients)
-        self.known: dict[Place, Known] = {}
+        self.registers = Registers(scop, places, self.words)
         self.made: dict[str, Made] = {}
         self.branches: dict[str, str] = {}
         self._taken = {block.name for block in scop.function.blocks}
-        self._types = {i.id: i.type for block in scop.function.blocks for i in block.items}
         self._blocks: list[Block] = []
         self._name = ""
         self._phis: tuple[Phi, ...] = ()
         self._certain: list[Accessed] = []
-        self._predicates: dict[Guard, Value] = {}
 
     def generated(self) -> Generated:
         """The whole function."""
@@ -104,12 +102,12 @@ class _Writer:
         first = self._open(self._fresh("part"))
         carried = [phi for phi in header.phis if scop.depth.get(phi.id) == 0]
         for phi in carried:
-            self.known[Place(phi.id, ())] = Known(incoming(phi, scop.entry))
+            self.registers.known[Place(phi.id, ())] = Known(incoming(phi, scop.entry))
         self._all(self.loops.code)
-        self._store_all()
+        self.registers.store_all()
         last = self._name
         self._close(Branch(scop.exit, loc=header.branch.loc))
-        finals = {phi.id: self.known[Place(phi.id, ())].value for phi in carried}
+        finals = {phi.id: self.registers.known[Place(phi.id, ())].value for phi in carried}
         return Generated(substitute(self._spliced(first, last), finals), self.made, self.branches)
 
     def _spliced(self, first: str, last: str) -> Function:
@@ -182,9 +180,9 @@ class _Writer:
         stays = self.words.emit(Opcode.ICMP_SLT, Ref(counter), limit)
         test = tuple(self.words.instrs)
         position = len(self._blocks)
-        outside, predicates = dict(self.known), dict(self._predicates)
+        outside, predicates = dict(self.registers.known), dict(self.registers.predicates)
         for place, ident in phis.items():
-            self.known[place] = replace(entered[place], value=Ref(ident))
+            self.registers.known[place] = replace(entered[place], value=Ref(ident))
         self._open(body)
         next_counter, lasts = self._body(loop, Ref(counter), carried, rotated, streams)
         latch = self._name
@@ -192,13 +190,13 @@ class _Writer:
         made = [Phi(counter, Type.I32, ((before, first), (latch, next_counter)), loc)]
         for place, ident in phis.items():
             values = ((before, entered[place].value), (latch, lasts[place]))
-            made.append(Phi(ident, self._type(place), values, loc))
+            made.append(Phi(ident, self.registers.type_of(place), values, loc))
         head = Block(header, tuple(made), test, Branch(body, stays, after, loc=loc))
         self._blocks.insert(position, head)
         self._open(after)
-        self._predicates = predicates
+        self.registers.predicates = predicates
         for place, known in carried.items():
-            store = self.known[place].store
+            store = self.registers.known[place].store
             outside[place] = replace(known, value=Ref(phis[place]), store=store, stored=None)
         self._leave(outside, unsure)
 
@@ -209,18 +207,18 @@ class _Writer:
         held = ALWAYS if one.streamed else one.guard
         if guard is None:
             return Known(Const(0), guard=held)  # nothing reads it
-        known = self.known.get(place)
+        known = self.registers.known.get(place)
         if known is not None and implies(guard, known.guard):
             return Known(known.value, guard=held)
         runs = self.words.emit(Opcode.ICMP_SLT, first, limit)
         self.words.names[loop.name] = first
-        when = self.predicate(guard)
+        when = self.registers.predicate(guard)
         both = runs if when is None else self.words.emit(Opcode.AND, runs, when)
-        value = self.load(one.load, place, both)
+        value = self.registers.load(one.load, place, both)
         del self.words.names[loop.name]
         self.words.forget((loop.name,))
-        for own in [one for one in self._predicates if loop.name in names_of(one)]:
-            del self._predicates[own]
+        for own in [one for one in self.registers.predicates if loop.name in names_of(one)]:
+            del self.registers.predicates[own]
         return Known(value, guard=held)
 
     def _body(
@@ -232,23 +230,27 @@ class _Writer:
         streams: tuple[Stream, ...],
     ) -> tuple[Value, dict[Place, Value]]:
         """One iteration; the counter of the next, and what places are in it at first."""
-        entered = dict(self.known)
+        entered = dict(self.registers.known)
         self.words.names[loop.name] = counter
         self.words.order.append(loop.name)
         for place, one in rotated.items():
-            self.known[place] = replace(self.known[place], when=self.predicate(one.guard))
+            self.registers.known[place] = replace(
+                self.registers.known[place], when=self.registers.predicate(one.guard)
+            )
         for stream in streams:
-            place, when = stream.places[0], self.predicate(stream.guards[0])
-            self.known[place] = Known(self.load(stream.load, place, when), when=when)
+            place, when = stream.places[0], self.registers.predicate(stream.guards[0])
+            self.registers.known[place] = Known(
+                self.registers.load(stream.load, place, when), when=when
+            )
         self._all(loop.body)
-        for place, known in list(self.known.items()):
+        for place, known in list(self.registers.known.items()):
             if known.store is not None and place not in own and known != entered.get(place):
-                self._store(place)
-        lasts = {place: self.known[place].value for place in own}
+                self.registers.flush(place)
+        lasts = {place: self.registers.known[place].value for place in own}
         for place, one in rotated.items():
-            is_known = one.streamed and one.source in self.known
-            value = self.known[one.source].value if is_known else None
-            lasts[place] = value or self.loaded(one.load, one.source, one.guard)
+            is_known = one.streamed and one.source in self.registers.known
+            value = self.registers.known[one.source].value if is_known else None
+            lasts[place] = value or self.registers.loaded(one.load, one.source, one.guard)
         self.words.order.pop()
         following = self.words.emit(Opcode.ADD, counter, loop.step, exact=True)
         del self.words.names[loop.name]
@@ -257,11 +259,11 @@ class _Writer:
 
     def _leave(self, outside: dict[Place, Known], unsure: set[Place]) -> None:
         """After a loop: what it has loaded only if it runs is stored, and then not known."""
-        self.known = outside
+        self.registers.known = outside
         for place in unsure:
-            if self.known[place].store is not None:
-                self._store(place)
-            del self.known[place]
+            if self.registers.known[place].store is not None:
+                self.registers.flush(place)
+            del self.registers.known[place]
 
     def _carried(
         self, loop: For, accessed: Accessed, first: Value, limit: Value
@@ -274,53 +276,60 @@ class _Writer:
         self._settle(accessed, fixed)
         unsure = set()
         runs: Value | None = None
+        known = self.registers.known
         for place, guard in fixed.items():
-            known = self.known.get(place)
-            if known is not None and (place.is_scalar or implies(guard, known.guard)):
+            entered = known.get(place)
+            if entered is not None and (place.is_scalar or implies(guard, entered.guard)):
+                if entered.store is not None and self._is_changed(place, accessed):
+                    self.registers.flush(place)
                 continue
-            self._drop(place)
+            self.registers.drop(place)
             if place not in accessed.loads:
                 continue
-            when = self.predicate(guard)
+            when = self.registers.predicate(guard)
             if not any(sure.is_sure(place, guard) for sure in self._certain):
                 unsure.add(place)
                 runs = runs or self.words.emit(Opcode.ICMP_SLT, first, limit)
                 when = runs if when is None else self.words.emit(Opcode.AND, runs, when)
-            value = self.load(accessed.loads[place], place, when)
-            self.known[place] = Known(value, None, when, guard)
-        carried = {p: self.known[p] for p in fixed if accessed.written[p] and p in self.known}
-        for place, known in carried.items():
-            if place.is_scalar and accessed.guards[place] != {known.guard}:
-                carried[place] = replace(known, guard=ALWAYS)
+            value = self.registers.load(accessed.loads[place], place, when)
+            known[place] = Known(value, None, when, guard)
+        carried = {p: known[p] for p in fixed if p in known and self.places.is_met(p, accessed)}
+        for place, entered in carried.items():
+            if place.is_scalar and accessed.guards[place] != {entered.guard}:
+                carried[place] = replace(entered, guard=ALWAYS)
         return carried, unsure
 
+    def _is_changed(self, place: Place, accessed: Accessed) -> bool:
+        """Whether only stores to what may be the same element write a place."""
+        return not accessed.written[place] and self.places.is_met(place, accessed)
+
     def _settle(self, accessed: Accessed, fixed: Collection[Place]) -> None:
-        for place in [p for p in self.known if not p.is_scalar and p not in fixed]:
+        for place in [p for p in self.registers.known if not p.is_scalar and p not in fixed]:
             meets = [other for other in accessed.written if self.places.may_meet(place, other)]
-            if meets and self.known[place].store is not None:
-                self._store(place)
+            if meets and self.registers.known[place].store is not None:
+                self.registers.flush(place)
             if any(accessed.written[other] for other in meets):
-                del self.known[place]
+                del self.registers.known[place]
 
     def _if(self, item: If) -> None:
-        self._store_all()
+        self.registers.store_all()
         loc = self.words.loc
         condition = self.words.test(item.test)
-        before, names = dict(self.known), dict(self.words.names)
-        predicates = self._predicates
+        before, names = dict(self.registers.known), dict(self.words.names)
+        predicates = self.registers.predicates
         then, otherwise, join = (self._fresh(f"part.{stem}") for stem in ("then", "else", "join"))
         self._close(Branch(then, condition, otherwise, loc=loc))
         self.branches[then] = item.name
         ends = []
         for name, code in ((then, item.then), (otherwise, item.otherwise)):
             self._open(name)
-            self.known, self.words.names = dict(before), dict(names)
-            self._predicates = dict(predicates)
+            self.registers.known, self.words.names = dict(before), dict(names)
+            self.registers.predicates = dict(predicates)
             self._all(code)
-            self._store_all()
-            ends.append((self._name, self.known))
+            self.registers.store_all()
+            ends.append((self._name, self.registers.known))
             self._close(Branch(join, loc=loc))
-        self.words.names, self._predicates = names, predicates
+        self.words.names, self.registers.predicates = names, predicates
         self._open(join)
         self._phis = tuple(self._joined(*ends))
 
@@ -330,107 +339,19 @@ class _Writer:
         """The phis of what both sides know; what only one knows is forgotten."""
         phis: list[Phi] = []
         (first, left), (second, right) = one, other
-        self.known = {}
+        self.registers.known = {}
         for place in left:
             known, same = left[place], right.get(place)
             if same is None or (known.when, known.guard) != (same.when, same.guard):
                 continue
             values = ((first, known.value), (second, same.value))
-            self.known[place] = known
+            self.registers.known[place] = known
             if values[0][1] != values[1][1]:
-                phis.append(Phi(self.words.ids(), self._type(place), values, self.words.loc))
-                self.known[place] = replace(known, value=Ref(phis[-1].id))
+                phis.append(
+                    Phi(self.words.ids(), self.registers.type_of(place), values, self.words.loc)
+                )
+                self.registers.known[place] = replace(known, value=Ref(phis[-1].id))
         return phis
-
-    def _type(self, place: Place) -> Type:
-        kind = self._types[place.owner] if isinstance(place.owner, int) else None
-        owner = str(place.owner)
-        kind = kind or self.scop.elements[self.places.arrays.get(owner, owner)]
-        assert isinstance(kind, Type)
-        return kind
-
-    # Memory
-
-    def loaded(self, instr: Instr, place: Place, guard: Guard) -> Value:
-        """The value of an element where a guard holds."""
-        known = self.known.get(place)
-        if known is None or not implies(guard, known.guard):
-            self._drop(place)
-            when = self.predicate(guard)
-            known = self.known[place] = Known(self.load(instr, place, when), None, when, guard)
-        return known.value
-
-    def load(self, instr: Instr, place: Place, when: Value | None = None) -> Value:
-        """The value of an element, loaded as by `instr`."""
-        for other, known in list(self.known.items()):
-            if known.store is not None and other != place and self.places.may_meet(place, other):
-                self._store(other)
-        return self.words.access(instr, place, () if when is None else (when,))
-
-    def store(self, instr: Instr, place: Place, value: Value, guard: Guard) -> None:
-        """An element has a value from now on where the guard holds, to be stored as by `instr`."""
-        for other in list(self.known):
-            if other == place or other.is_scalar or not self.places.may_meet(place, other):
-                continue
-            self._drop(other)
-        before = self.known.get(place)
-        apart = before is not None and not implies(before.guard, guard)
-        if before is not None and apart and not implies(guard, before.guard):
-            self._drop(place)
-        load = self.scop.narrow.get(instr.array)
-        held = value if load is None else self.words.as_loaded(load, value)
-        self.put(place, held, guard, instr)
-
-    def put(self, place: Place, value: Value, guard: Guard, instr: Instr | None = None) -> None:
-        """A place has a value from now on where the guard holds."""
-        before = self.known.get(place)
-        if before is None or implies(before.guard, guard):
-            same = before is not None and before.guard == guard
-            when = before.when if before is not None and same else self.predicate(guard)
-            self.known[place] = Known(value, instr, None if place.is_scalar else when, guard)
-            return
-        when = self.predicate(guard)
-        assert when is not None
-        operands = (when, value, before.value)
-        chosen = Instr(self.words.ids(), Opcode.SELECT, self._type(place), operands)
-        self.words.instrs.append(replace(chosen, loc=self.words.loc))
-        if before.store is not None and before.stored is not None:
-            if implies(guard, before.stored):
-                guard = before.stored
-            elif not implies(before.stored, guard):
-                self._store(place)
-        stored = guard if before.stored is not None or before.store is None else None
-        self.known[place] = replace(before, value=Ref(chosen.id), store=instr, stored=stored)
-
-    def predicate(self, guard: Guard) -> Value | None:
-        """The word of a guard; None if it always holds."""
-        if guard and guard not in self._predicates:
-            order = {name: place for place, name in enumerate(self.words.order)}
-            depths = {one: max((order.get(n, -1) for n in one.names), default=-1) for one in guard}
-            tests = tuple(Test(">=", f) for f in sorted(guard, key=lambda f: (depths[f], str(f))))
-            test = tests[0] if len(tests) == 1 else Test("and", parts=tests)
-            self._predicates[guard] = self.words.test(test)
-        return self._predicates.get(guard)
-
-    def _drop(self, place: Place) -> None:
-        """Forgets the value of a place; it is in memory then."""
-        known = self.known.get(place)
-        if known is not None and known.store is not None:
-            self._store(place)
-        self.known.pop(place, None)
-
-    def _store(self, place: Place) -> None:
-        known = self.known[place]
-        assert known.store is not None
-        self.known[place] = replace(known, store=None, stored=None)
-        under = known.when if known.stored is None else self.predicate(known.stored)
-        when = () if under is None else (under,)
-        self.words.access(known.store, place, (known.value, *when))
-
-    def _store_all(self) -> None:
-        for place, known in list(self.known.items()):
-            if known.store is not None:
-                self._store(place)
 
 
 @dataclass
@@ -460,7 +381,7 @@ class _Running:
         left = [(ident, self.own[ident]) for ident in self.statement.writes]
         left += [(ident, self._operand(value)) for ident, value in self.statement.copies]
         for ident, value in left:
-            self.writer.put(self._scalar(ident), value, self.guard)
+            self.writer.registers.put(self._scalar(ident), value, self.guard)
 
     def _scalar(self, ident: int) -> Place:
         return self.writer.places.scalar(ident, self.run)
@@ -474,9 +395,9 @@ class _Running:
         if value.id in scop.indices:
             return self.writer.words.of(scop.indices[value.id].substituted(self.at))
         if value.id in scop.depth:
-            if self._scalar(value.id) not in self.writer.known:
+            if self._scalar(value.id) not in self.writer.registers.known:
                 raise _Unkept("a value would have to wait in memory")
-            return self.writer.known[self._scalar(value.id)].value
+            return self.writer.registers.known[self._scalar(value.id)].value
         if scop.function.block_of[value.id] in scop.loop.blocks:
             raise _Unkept("a value is computed from addresses")
         return value
@@ -485,6 +406,6 @@ class _Running:
         access = self.statement.accesses[instr.id]
         place = self.writer.places.element(access, self.run)
         if access.is_store:
-            self.writer.store(instr, place, self._operand(instr.operands[2]), self.guard)
+            self.writer.registers.store(instr, place, self._operand(instr.operands[2]), self.guard)
             return
-        self.own[instr.id] = self.writer.loaded(instr, place, self.guard)
+        self.own[instr.id] = self.writer.registers.loaded(instr, place, self.guard)

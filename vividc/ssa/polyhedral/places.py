@@ -249,10 +249,13 @@ class Places:
 
     def fixed(self, loop: For, accessed: Accessed) -> dict[Place, Guard]:
         """Places that are the same in all iterations of a loop, which each iteration accesses under
-        the same guard at least, and which no other access of the loop may meet.
+        the same guard at least, and which no other access of the loop may meet, unless it only
+        loads them and stores to what it may meet in no loop or branch inside.
         """
         inner = self.varying(loop)
-        direct = self.accessed(item for item in loop.body if self.is_masked(item)).guards
+        own = self.accessed(item for item in loop.body if self.is_masked(item))
+        direct = own.guards
+        within = self.accessed(item for item in loop.body if not self.is_masked(item))
         result = {}
         for place, written in accessed.written.items():
             if place.names & inner:
@@ -266,9 +269,18 @@ class Places:
             ]
             if place.is_scalar:
                 result[place] = ALWAYS
-            elif guards and not any((written or w) and self.may_meet(place, p) for p, w in others):
+            elif not guards:
+                continue
+            elif self.carries and not written:
+                if not self.is_met(place, within):
+                    result[place] = guards[0]
+            elif not any((written or w) and self.may_meet(place, p) for p, w in others):
                 result[place] = guards[0]
         return result
+
+    def is_met(self, place: Place, accessed: Accessed) -> bool:
+        """Whether a store to a place, or to what may be the same element, is among accesses."""
+        return any(w and self.may_meet(place, p) for p, w in accessed.written.items())
 
     def rotated(self, loop: For, accessed: Accessed) -> Iterator[Rotated]:
         """Places that an iteration of an innermost loop loads, and the one before it accesses too,
