@@ -21,12 +21,17 @@ def test_homes_take_room_before_they_are_written() -> None:
     }
 
 
-def delivered(text: str, **homes: int) -> Delivery:
-    """A region on `vivid-tile`; each variable has one home."""
+def delivered(text: str, taken: int = 0, **homes: int) -> Delivery:
+    """A region on `vivid-tile`; each variable has one home, where `taken` entries of the constant
+    store are other regions'.
+    """
     fabric = arch.load("vivid-tile")
     assert isinstance(fabric, Fabric)
     region = Region("straight", "straight", parse(text))
-    return deliver(region, {f"%{name}": frozenset({pe}) for name, pe in homes.items()}, fabric)
+    places = {f"%{name}": frozenset({pe}) for name, pe in homes.items()}
+    others = frozenset(("const", 100 + number) for number in range(taken))
+    held = with_homes({pe.id: others for pe in fabric.pes}, places)
+    return deliver(region, places, fabric, held)
 
 
 def movs(ready: Delivery) -> int:
@@ -45,6 +50,12 @@ def test_the_only_reader_of_a_variable_lies_where_it_does() -> None:
     ready = delivered(COUNTER, i=5)
     assert to_text(ready.dfg).strip() == COUNTER.strip()
     assert ready.allowed == {2: {5}, 3: {5}}
+
+
+def test_a_constant_that_has_no_room_there_does_not_lie_there() -> None:
+    entries = arch.load_tile("vivid-tile").pes[5].constants
+    assert movs(delivered(COUNTER, taken=entries - 2, i=5)) == 0
+    assert movs(delivered(COUNTER, taken=entries - 1, i=5)) == 1
 
 
 def test_what_two_operations_read_is_moved() -> None:

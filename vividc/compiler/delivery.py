@@ -72,11 +72,16 @@ def variable_homes(kernel: Kernel, fabric: Fabric, loops: Mapping[int, RegionMap
     return {name: frozenset(pes) for name, pes in homes.items()}
 
 
-def deliver(region: Region, homes: Homes, fabric: Fabric) -> Delivery:
+def deliver(region: Region, homes: Homes, fabric: Fabric, held: Residents) -> Delivery:
     """`region`'s graph with a live-out for each home of each variable written, and a `mov` for
     each variable read but by one operation alone that can lie where the variable does.
+
+    Parameters
+    ----------
+    held
+        Entries of the constant stores that are taken, those of the variables among them.
     """
-    edit = _Edit(region.dfg, homes, fabric)
+    edit = _Edit(region.dfg, homes, fabric, held)
     for node in region.dfg.nodes:
         edit.add(node)
     return Delivery(edit.finish(), edit.allowed)
@@ -85,10 +90,12 @@ def deliver(region: Region, homes: Homes, fabric: Fabric) -> Delivery:
 class _Edit:
     """Copies a straight region's graph, node by node."""
 
-    def __init__(self, dfg: DFG, homes: Homes, fabric: Fabric) -> None:
+    def __init__(self, dfg: DFG, homes: Homes, fabric: Fabric, held: Residents) -> None:
         self.dfg = dfg
         self.homes = homes
         self.fabric = fabric
+        self.problem = MapProblem(dfg, fabric)
+        self.held = {pe.id: held.get(pe.id, frozenset()) for pe in fabric.pes}
         self.crowded = _is_crowded(dfg, fabric)
         self.nodes: list[Node] = []
         self.extra: list[Edge] = []
@@ -152,14 +159,19 @@ class _Edit:
             return False
         others = {node.name for node in operands if is_variable(node.name)} - {variable.name}
         pes = self.allowed.get(reader.id, frozenset(self.fabric.hosts(reader)))
+        keys = frozenset(self.problem.constants_of(reader))
         shared = frozenset(
             pe
             for pe in pes & self.homes[variable.name]
+            if len(self.held[pe] | keys) <= self.fabric.pes[pe].constants
             if self.crowded or all(self._around(pe) & self.homes[other] for other in others)
         )
-        if shared:
-            self.allowed[reader.id] = shared
-        return bool(shared)
+        if not shared:
+            return False
+        self.allowed[reader.id] = shared
+        for pe in shared:  # it has room there, whatever else does
+            self.held[pe] |= keys
+        return True
 
     def _around(self, pe: int) -> frozenset[int]:
         """The PE and those that its links lead from."""

@@ -160,8 +160,8 @@ def _with_straight(
     straight = [(i, r) for i, r in enumerate(kernel.regions) if r.kind != "loop"]
     pace = _Pace(sum(len(region.dfg.placed) for _, region in straight))
     for index, region in straight:
-        ready = deliver(region, homes, fabric)
         held = with_homes(residents(fabric, done), homes)
+        ready = deliver(region, homes, fabric, held)
         problem = MapProblem(ready.dfg, fabric, ready.allowed, held)
         try:
             results[index] = _map_straight(problem, options, pace, frugal=frugal)
