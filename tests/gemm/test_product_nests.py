@@ -97,3 +97,32 @@ def test_it_travels_in_the_bundle_and_is_explained(program: Program) -> None:
     text = explain(program, arch.load_accelerator("vivid"))
     assert "matrix product c = d b + c: 4096x64 by 64x64: mode tpu" in text
     assert "test_product_nests.py:29" in text
+
+
+@vividc.kernel("void(float32[:, ::1], float32[:, ::1], float32[::1])")
+def centred(a, c, mean):
+    """Columns first: they fit a scratchpad as boxes, and not as one axis of words, as the product
+    would have them.
+    """
+    for j in range(a.shape[1]):
+        mean[j] = np.float32(0)
+        for i in range(a.shape[0]):
+            mean[j] += a[i, j]
+    for i in range(c.shape[0]):
+        for j in range(i, c.shape[0]):
+            c[i, j] = np.float32(0)
+            for k in range(a.shape[0]):
+                c[i, j] += a[k, i] * a[k, j]
+            c[j, i] = c[i, j]
+
+
+@pytest.mark.slow
+def test_loops_beside_a_product_go_through_boxes_of_their_own() -> None:
+    program = vividc.compile(centred, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+    assert [nest.products is not None for nest in program.nests] == [False, True]
+    arrays = [random(120, 96), random(96, 96), random(96)]
+    numbas = [array.copy() for array in arrays]
+    vividc.simulate(program, *arrays, fabric="vivid")
+    centred(*numbas)
+    for mine, numba in zip(arrays, numbas, strict=True):
+        assert np.abs(mine - numba).max() <= 1e-4 * np.abs(numba).max()

@@ -38,7 +38,7 @@ def nests_job(
     args: Sequence[object],
     kwargs: ReadOnly[str, object],
     fabric: str | os.PathLike[str] | Accelerator,
-    runs: Iterable[Run] | None = None,
+    runs: Sequence[Run] | None = None,
 ) -> Job:
     """The launch graph of a program's nests on these arguments.
 
@@ -53,8 +53,11 @@ def nests_job(
         The arguments do not fit the kernel, or an iteration of a nest no scratchpad.
     """
     arrays, inputs = arguments(program, args, kwargs)
-    builder = _Builder(Job(fabric), program, arrays, inputs)
-    return builder.build(runs_of(program, inputs) if runs is None else runs)
+    if runs is None:
+        every = range(len(program.nests))
+        return _Builder(Job(fabric), program, arrays, inputs, every).build(runs_of(program, inputs))
+    used = {number for number, _ in runs}
+    return _Builder(Job(fabric), program, arrays, inputs, used).build(runs)
 
 
 def runs_of(program: Program, inputs: ReadOnly[str, int]) -> Iterator[Run]:
@@ -86,7 +89,7 @@ def nests_cycles(
         As `nests_job`.
     """
     arrays, inputs = arguments(program, args, kwargs)
-    builder = _Builder(Job(fabric), program, arrays, inputs)
+    builder = _Builder(Job(fabric), program, arrays, inputs, range(len(program.nests)))
     return builder.predicted(runs_of(program, inputs))
 
 
@@ -154,12 +157,13 @@ class _Builder:
         program: Program,
         arrays: ReadOnly[str, Array],
         inputs: ReadOnly[str, int],
+        used: Iterable[int],
     ) -> None:
         self._job = job
         self._program = program
         self._arrays = arrays
         self._inputs = inputs
-        self._flat = self._flat_arrays()
+        self._flat = self._flat_arrays(used)
         self._traffic = {
             name: _Traffic(1 if name in self._flat else array.ndim)
             for name, array in arrays.items()
@@ -168,11 +172,11 @@ class _Builder:
         self._plans: dict[tuple[int, tuple[int, ...]], Chosen] = {}
         self._next = 0
 
-    def _flat_arrays(self) -> frozenset[str]:
-        """Arrays that are one axis of words in some nest, and so in all."""
+    def _flat_arrays(self, used: Iterable[int]) -> frozenset[str]:
+        """Arrays that are one axis of words in one of these nests, and so in all of the graph."""
         shapes = {name: array.shape for name, array in self._arrays.items()}
         flat = {name for name, array in self._arrays.items() if array.itemsize != WORD_BYTES}
-        for nest in self._program.nests:
+        for nest in (self._program.nests[number] for number in used):
             assert nest.parallel is not None
             flat |= flat_arrays(nest.parallel, shapes, nest.pitches)
         return frozenset(flat)
