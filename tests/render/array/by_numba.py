@@ -53,6 +53,12 @@ def launch_by_numba(
             array[...] = results[name].reshape(array.shape)
 
 
+def gather_by_numba(
+    host: Host, ledger: Ledger, stage: str, table: np.ndarray, rows: Sequence[np.ndarray]
+) -> np.ndarray:
+    return np.concatenate([table[part] for part in rows])
+
+
 def samples_of(march: March, count: int) -> tuple[Float32Array, Float32Array]:
     """Random points in occupied cells, neighbours next to each other, and directions."""
     rng = np.random.default_rng(7)

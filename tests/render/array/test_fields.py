@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, launch_by_numba, samples_of
+from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba, samples_of
 from vividc.gemm import Layer
 from vividc.render import (
     SceneError,
@@ -22,7 +22,7 @@ from vividc.render import (
 )
 from vividc.render.array import ArrayField, ArrayOptions, Device, Ledger, open_device, render_array
 from vividc.render.array.device import block_map
-from vividc.render.array.models import factors, hash_encoding
+from vividc.render.array.models import factors, hash_encoding, instant_ngp, tensorf
 from vividc.render.array.models.hash_encoding import hash_encoding as encoding_of
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.tensorf import TensoRFField
@@ -52,6 +52,8 @@ METHODS = {
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     for module in (block_map, factors, hash_encoding):
         monkeypatch.setattr(module, "run_shares", launch_by_numba)
+    for module in (instant_ngp, tensorf):
+        monkeypatch.setattr(module, "gather_rows", gather_by_numba)
     return Host()
 
 
@@ -69,7 +71,8 @@ def assert_like_reference(method: Method, device: object, count: int) -> Ledger:
     exact, exact_features = model.density(points, linear)
     np.testing.assert_allclose(thickness, exact, rtol=method.thickness, atol=1e-6)
     np.testing.assert_allclose(features, exact_features, atol=method.features)
-    colour = field.colour(points, exact_features, directions, ledger)
+    rays = np.arange(count, dtype=np.int32)
+    colour = field.colour(points, exact_features, rays, directions, ledger)
     np.testing.assert_allclose(
         colour, model.colour(points, exact_features, directions, linear), atol=5e-5
     )
@@ -96,8 +99,9 @@ def test_a_sample_does_not_depend_on_the_others(method: Method, host: Host) -> N
     fewer, fewer_features = field.density(points[some], Ledger())
     np.testing.assert_array_equal(fewer, thickness[some])
     np.testing.assert_array_equal(fewer_features, features[some])
-    whole = field.colour(points, features, directions, Ledger())
-    part = field.colour(points[some], features[some], directions[some], Ledger())
+    rays = np.arange(200, dtype=np.int32)
+    whole = field.colour(points, features, rays, directions, Ledger())
+    part = field.colour(points[some], features[some], rays[some], directions, Ledger())
     np.testing.assert_array_equal(part, whole[some])
 
 
@@ -108,7 +112,8 @@ def test_no_samples_at_all(method: Method, host: Host) -> None:
     none = np.zeros((0, 3), np.float32)
     thickness, features = field.density(none, Ledger())
     assert thickness.shape == (0,)
-    assert field.colour(none, features, none, Ledger()).shape == (0, 3)
+    rays = np.zeros(0, np.int32)
+    assert field.colour(none, features, rays, none, Ledger()).shape == (0, 3)
 
 
 @pytest.mark.slow

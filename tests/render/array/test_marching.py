@@ -42,9 +42,14 @@ class HostField:
         return thickness, np.ascontiguousarray(features)
 
     def colour(
-        self, points: np.ndarray, features: np.ndarray, directions: np.ndarray, ledger: Ledger
+        self,
+        points: np.ndarray,
+        features: np.ndarray,
+        rays: np.ndarray,
+        directions: np.ndarray,
+        ledger: Ledger,
     ) -> np.ndarray:
-        return self.model.colour(points, features, directions, linear)
+        return self.model.colour(points, features, directions[rays], linear)
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.render.array.by_numba import Host, launch_by_numba, samples_of
+from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba, samples_of
 from vividc.formats import E4M3, F16, FORMATS, Format, round_array, to_floats
 from vividc.gemm import Layer
 from vividc.gemm.packed import packed
@@ -30,7 +30,7 @@ from vividc.render.array import (
     render_array,
 )
 from vividc.render.array.device import block_map
-from vividc.render.array.models import factors, hash_encoding
+from vividc.render.array.models import factors, hash_encoding, instant_ngp, tensorf
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.tensorf import TensoRFField
 from vividc.render.array.network import narrow
@@ -50,6 +50,8 @@ Make = Callable[..., ArrayField]
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     for module in (block_map, factors, hash_encoding):
         monkeypatch.setattr(module, "run_shares", launch_by_numba)
+    for module in (instant_ngp, tensorf):
+        monkeypatch.setattr(module, "gather_rows", gather_by_numba)
     monkeypatch.setattr(narrow, "tpu_choice", lambda *_: Choice("tpu-unified", 1))
     monkeypatch.setattr(narrow, "run_systolic", systolic_by_numpy)
     return Host()
@@ -145,7 +147,8 @@ def test_narrow_fields_are_near_the_reference(
     field = make(model, host, precision)
     thickness, features = field.density(points, Ledger())
     exact, exact_features = model.density(points, linear)
-    colour = field.colour(points, features, directions, Ledger())
+    rays = np.arange(200, dtype=np.int32)
+    colour = field.colour(points, features, rays, directions, Ledger())
     truth = model.colour(points, exact_features, directions, linear)
     bound = {"fp16": 2e-3, "fp8": 0.12}[precision]
     assert np.abs(colour - truth).mean() < bound / 4
@@ -154,7 +157,7 @@ def test_narrow_fields_are_near_the_reference(
     some = np.arange(3, 200, 7)
     fewer, fewer_features = field.density(points[some], Ledger())
     np.testing.assert_array_equal(fewer, thickness[some])
-    part = field.colour(points[some], fewer_features, directions[some], Ledger())
+    part = field.colour(points[some], fewer_features, rays[some], directions, Ledger())
     np.testing.assert_array_equal(part, colour[some])
 
 
@@ -170,7 +173,8 @@ def test_features_that_fill_no_words_are_rounded_apart(host: Host) -> None:
     exact = odd.colour(points, odd.density(points, linear)[1], directions, linear)
     ledger = Ledger()
     field = InstantNGPField(odd, host, "fp8")
-    found = field.colour(points, field.density(points, ledger)[1], directions, ledger)
+    rays = np.arange(40, dtype=np.int32)
+    found = field.colour(points, field.density(points, ledger)[1], rays, directions, ledger)
     assert np.abs(found - exact).max() < 0.12
 
 

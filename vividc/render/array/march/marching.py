@@ -11,15 +11,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from vividc import LoopOptions
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.gather import gather_rows
+from vividc.render.array.device.gather import Word, gather_rows, joined
 from vividc.render.array.device.launches import Launch, Move, run_launches
 from vividc.render.array.march.bricks import Bricks, pack_bricks
-from vividc.render.array.models.field import ArrayField
+from vividc.render.array.models.field import ArrayField, Features
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -113,7 +114,7 @@ class Marcher:
         points, rays = self._points(blocks, items, entries)
         ledger.count(density_samples=len(points))
         thickness = np.zeros(0, dtype=np.float32)
-        features = np.zeros((0, 1), dtype=np.float32)
+        features: Features = np.zeros((0, 1), dtype=np.float32)
         if len(points):
             thickness, features = self._field.density(points, ledger)
         survivors, left = self._light(blocks, thickness, rays)
@@ -121,7 +122,8 @@ class Marcher:
         ledger.count(colour_samples=survivors.total, counted_samples=int(counted))
         colours = np.zeros((0, 3), dtype=np.float32)
         if survivors.total:
-            colours = self._field.colour(*self._compacted(survivors, points, features), ledger)
+            compacted = self._compacted(survivors, points, features)
+            colours = self._field.colour(*compacted, self._directions, ledger)
         return self._accumulate(survivors, colours, left).reshape(-1, RAYS, 4)
 
     def _camera_rays(self, corners: Int32Array) -> Float32Array:
@@ -246,20 +248,20 @@ class Marcher:
         return _Survivors(kept, kept_rays, weights, tuple(blocks), tuple(counts)), left
 
     def _compacted(
-        self, survivors: _Survivors, points: Float32Array, features: Float32Array
-    ) -> tuple[Float32Array, Float32Array, Float32Array]:
-        """Return points, features and directions of the survivors: rows that DMA gathers.
+        self, survivors: _Survivors, points: Float32Array, features: Features
+    ) -> tuple[Float32Array, Features, Int32Array]:
+        """Return points, features and rays of the survivors: rows that DMA gathers.
 
         Without lookahead all samples survive, and points and features are where they should be.
         """
         rays = [survivors.rays[part] for part in survivors.parts()]
-        directions = self._gathered(self._directions, rays)
+        listed = joined(self._device, self._ledger, "compaction", rays)
         if not self._lookahead:
-            return points, features, directions
+            return points, features, listed
         samples = [survivors.samples[part] for part in survivors.parts()]
-        return self._gathered(points, samples), self._gathered(features, samples), directions
+        return self._gathered(points, samples), self._gathered(features, samples), listed
 
-    def _gathered(self, table: Float32Array, rows: Sequence[Int32Array]) -> Float32Array:
+    def _gathered(self, table: npt.NDArray[Word], rows: Sequence[Int32Array]) -> npt.NDArray[Word]:
         return gather_rows(self._device, self._ledger, "compaction", table, rows)
 
     def _accumulate(

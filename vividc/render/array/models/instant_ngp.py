@@ -10,13 +10,14 @@ import numpy as np
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.models.field import ModelField
+from vividc.render.array.device.gather import gather_rows
+from vividc.render.array.models.field import Features, ModelField
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
 from vividc.render.array.network.networks import batches, dense_layer, room_for
 from vividc.render.array.options import RenderPrecision
-from vividc.render.arrays import Float32Array
+from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
@@ -79,12 +80,18 @@ class InstantNGPField(ModelField):
         return thickness.reshape(-1)[:count], features.reshape(-1, self._features)[:count]
 
     def colour(
-        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+        self,
+        points: Float32Array,
+        features: Features,
+        rays: Int32Array,
+        directions: Float32Array,
+        ledger: Ledger,
     ) -> Float32Array:
-        """Return r, g, b [n, 3] of features seen along unit `directions` [n, 3]."""
+        """Return r, g, b [n, 3] of features seen along their rays' unit `directions` [R, 3]."""
         count = len(features)
+        directions = gather_rows(self._device, ledger, "compaction", directions, [rays])
         rgb = room_for(count, _CHANNELS)
-        for place, (blocks, seen) in batches(_BATCH, features, directions):
+        for place, (blocks, seen) in batches(_BATCH, features.view(np.float32), directions):
             self._colour(blocks, seen, rgb[place], ledger)
         return rgb.reshape(-1, _CHANNELS)[:count]
 

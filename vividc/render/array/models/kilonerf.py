@@ -15,12 +15,10 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Launch, Move, run_launches
-from vividc.render.array.models.field import ModelField
-from vividc.render.arrays import Float32Array
+from vividc.render.array.models.field import Features, ModelField
+from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance import KiloNeRF
-
-Int32Array = npt.NDArray[np.int32]
 
 _KERNELS = "render/kilonerf"
 _POSITION_TERMS = 63
@@ -117,10 +115,16 @@ class KiloNeRFOnArray(ModelField):
         return thickness, grouped.places.view(np.float32)[:, None]
 
     def colour(
-        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+        self,
+        points: Float32Array,
+        features: Features,
+        rays: Int32Array,
+        directions: Float32Array,
+        ledger: Ledger,
     ) -> Float32Array:
-        """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
+        """Return r, g, b [n, 3] of points seen along their rays' unit `directions` [R, 3]."""
         device = self._device
+        directions = gather_rows(device, ledger, "compaction", directions, [rays])
         networks, _ = self.cells_of(points, ledger)
         grouped = self._sorted(networks, ledger)
         directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])

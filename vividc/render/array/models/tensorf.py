@@ -10,13 +10,14 @@ import numpy.typing as npt
 from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.models.factors import CHANNELS, Pair, channel_pairs, factor_grid
-from vividc.render.array.models.field import ModelField
+from vividc.render.array.models.field import Features, ModelField
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
 from vividc.render.array.network.networks import batches, dense_layer, room_for
 from vividc.render.array.options import RenderPrecision
-from vividc.render.arrays import Float32Array
+from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
 
@@ -79,10 +80,16 @@ class TensoRFField(ModelField):
         return thickness.reshape(-1)[:count], np.zeros((count, 0), dtype=np.float32)
 
     def colour(
-        self, points: Float32Array, features: Float32Array, directions: Float32Array, ledger: Ledger
+        self,
+        points: Float32Array,
+        features: Features,
+        rays: Int32Array,
+        directions: Float32Array,
+        ledger: Ledger,
     ) -> Float32Array:
-        """Return r, g, b [n, 3] of points seen along unit `directions` [n, 3]."""
+        """Return r, g, b [n, 3] of points seen along their rays' unit `directions` [R, 3]."""
         count = len(points)
+        directions = gather_rows(self._device, ledger, "compaction", directions, [rays])
         rgb = room_for(count, _CHANNELS)
         for place, (blocks, seen) in batches(_BATCH, points, directions):
             self._colour(blocks.reshape(-1, 3), seen, rgb[place], ledger)
