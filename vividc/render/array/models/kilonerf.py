@@ -129,10 +129,10 @@ class KiloNeRFOnArray(ModelField):
         grouped = self._sorted(networks, ledger)
         directions = gather_rows(device, ledger, "grouping", directions, [grouped.order])
         rows = gather_rows(device, ledger, "grouping", features, [grouped.order])
-        features = gather_rows(
+        inputs = gather_rows(
             device, ledger, "grouping", self._features, [rows[:, 0].view(np.int32)]
         )
-        colours = self._colour_network(features, directions, grouped.pieces, ledger)
+        colours = self._colour_network(inputs, directions, grouped.pieces, ledger)
         return gather_rows(device, ledger, "grouping", colours, [grouped.places])
 
     def _density_network(
