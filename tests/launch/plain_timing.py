@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
+
 from vividc.arch import Accelerator
 from vividc.launch import Event
 from vividc.launch.functional import Outcome
@@ -93,7 +95,11 @@ class TransferRun:
         line = max(WORD_BYTES, WORD_BYTES * (WORD_BYTES * banks // step.pitch))
         pieces = job.outcome.gathered[number] if step.kind == "gather" else step.pieces
         self.job, self.engine, self.number, self.step = job, engine, number, step
-        self.indices = list(bursts(machine, step.index_pieces, line))
+        where = step.index_pieces
+        if step.listed is not None:
+            size = WORD_BYTES * (1 + job.outcome.listed[number])
+            where = Pieces(0, np.array([(step.listed.address, size)]))
+        self.indices = list(bursts(machine, where, line))
         self.bursts = list(bursts(machine, pieces, line))
         self.sent = self.arrived = 0
 
@@ -103,6 +109,10 @@ class TransferRun:
         self.job.clock.at(ready, ask if self.bursts or self.indices else self.end)
 
     def ask_index(self, cycle: int) -> None:
+        if self.step.listed is not None:
+            holds = self.indices[self.sent].noc_cycles
+            self.job.noc.request(cycle, self.engine, holds, self.list_granted)
+            return
         holds = self.indices[self.sent].dram_cycles
         self.job.dram.request(cycle, self.engine, holds, self.index_granted)
 
@@ -116,6 +126,20 @@ class TransferRun:
             return
         self.sent = 0
         known = left + self.job.machine.dram.latency
+        self.job.clock.at(known, self.ask if self.bursts else self.end)
+
+    def list_granted(self, cycle: int) -> None:
+        burst, machine = self.indices[self.sent], self.job.machine
+        self.job.moved["noc"] += burst.size
+        self.job.moved["scratchpad_out"] += burst.size
+        self.job.take_banks(self.step.tiles[0], burst.pad_cycles, cycle)
+        self.sent += 1
+        left = cycle + burst.noc_cycles
+        if self.sent < len(self.indices):
+            self.job.clock.at(left, self.ask_index)
+            return
+        self.sent = 0
+        known = left + machine.noc.latency
         self.job.clock.at(known, self.ask if self.bursts else self.end)
 
     def ask(self, cycle: int) -> None:

@@ -13,7 +13,7 @@ from tests.launch.kernels import double, program, saxpy, total
 from vividc import arch
 from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError, ArgumentError, CycleLimit, SimulationError
-from vividc.launch import At, Job
+from vividc.launch import At, Job, Listed
 
 
 def test_strided_pieces_go_in_and_out() -> None:
@@ -41,6 +41,31 @@ def test_a_gather_takes_the_rows_that_earlier_steps_wrote() -> None:
     job.simulate()
     assert rows.tolist() == [2, 4, 6]
     assert (out == table[rows]).all()
+
+
+def test_a_gather_takes_the_rows_that_a_run_listed_as_far_as_its_bound() -> None:
+    table = np.arange(40, dtype=np.int32).reshape(10, 4)
+    halves = np.array([2, 3, 1, 4, 0], np.int32)  # how many, and rows; then doubled
+    out = np.full((3, 4), -1, np.int32)
+    job = Job("vivid")
+    first = job.move_in(0, halves, 32)
+    run = job.run(0, program(double), x=At(32, (5,)), n=5, after=[first])
+    rows_in = job.gather(0, table, Listed(32, 3), 64, after=[run])
+    job.move_out(0, 64, out, after=[rows_in])
+    result = job.simulate()
+    assert (out == table[[6, 2, 8]]).all()
+    assert result.stats["bytes"]["scratchpad_out"] == 4 * 4 + out.nbytes
+
+
+def test_a_list_is_read_where_it_is_complete() -> None:
+    table, rows = np.zeros((10, 4), np.int32), np.array([1, 3], np.int32)
+    job = Job("vivid")
+    job.move_in(0, rows, 0)
+    job.gather(0, table, Listed(0, 1), 64)
+    with pytest.raises(ArgumentError, match="their order is not given"):
+        job.simulate()
+    with pytest.raises(ArgumentError, match="for one tile"):
+        job.gather((0, 1), table, Listed(0, 1), 64)
 
 
 def test_runs_return_values() -> None:

@@ -17,7 +17,7 @@ from vividc import arch
 from vividc.arch import Accelerator, TileGroup
 from vividc.launch.functional import Outcome
 from vividc.launch.hazards import predecessors
-from vividc.launch.steps import Configure, Execute, Pieces, Step, Transfer
+from vividc.launch.steps import Configure, Execute, Listed, Pieces, Step, Transfer
 from vividc.launch.timing import schedule
 
 CAUSES = ("dma", "configuration", "dependency", "launch", "scratchpad")
@@ -92,7 +92,11 @@ class RandomJob:
         tiles = several[:1] if kind == "move out" else several
         if kind == "gather":
             self.outcome.gathered[number] = random_pieces(self.rng, 30)
-            chosen["index_pieces"] = random_pieces(self.rng, 4)
+            if len(tiles) == 1 and self.rng.random() < 0.5:
+                chosen["listed"] = Listed(int(self.rng.choice([0, 36])), 900)
+                self.outcome.listed[number] = int(self.rng.choice([0, 1, 60, 200]))
+            else:
+                chosen["index_pieces"] = random_pieces(self.rng, 4)
         pitch = int(self.rng.choice([4, 4, 8, 64]))
         pieces = random_pieces(self.rng, 6)
         return Transfer(kind, tiles, 0, pieces, np.empty(0), pitch=pitch, **chosen)

@@ -34,10 +34,13 @@ class Outcome:
         What each run of a tile gave, by step.
     gathered
         Places of the rows that each gather moved, by step.
+    listed
+        How many indices each gather read in a scratchpad, by step.
     """
 
     runs: dict[int, Run] = field(default_factory=dict)
     gathered: dict[int, Pieces] = field(default_factory=dict)
+    listed: dict[int, int] = field(default_factory=dict)
 
 
 def carry_out(
@@ -122,7 +125,7 @@ class _State:
             self.working.write(step.view, raw)
             return
         view = self.working.read(step.view)
-        if step.indices is not None:
+        if step.kind == "gather":
             view = self._chosen(number, step, view)
         raw = np.ascontiguousarray(view).reshape(-1).view(np.uint8)
         if view.dtype == np.bool_:
@@ -139,8 +142,7 @@ class _State:
         return pad[step.places(size)]
 
     def _chosen(self, number: int, step: Transfer, view: Array) -> Array:
-        assert step.indices is not None
-        indices = self.working.read(step.indices).astype(np.int64)
+        indices = self._indices(number, step).astype(np.int64)
         wrong = indices[(indices < 0) | (indices >= len(view))]
         if wrong.size:
             raise ArgumentError(
@@ -148,6 +150,15 @@ class _State:
             )
         self.outcome.gathered[number] = self._buffers.rows(step.view, indices)
         return view[indices]
+
+    def _indices(self, number: int, step: Transfer) -> Array:
+        if step.listed is None:
+            assert step.indices is not None
+            return self.working.read(step.indices)
+        first, end = (byte // WORD_BYTES for byte in step.listed.extent)
+        count, *_ = words = self._pads[step.tiles[0]][first:end]
+        self.outcome.listed[number] = min(int(count), step.listed.most)
+        return words[1 : 1 + self.outcome.listed[number]]
 
     def tile(self, step: Step) -> Tile:
         """The tile that holds the program of a run."""

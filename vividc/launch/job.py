@@ -20,7 +20,7 @@ from vividc.launch.kept import Kept
 from vividc.launch.memory import Buffers
 from vividc.launch.own_arrays import OwnArrays
 from vividc.launch.simulate import JobResult, simulate_steps
-from vividc.launch.steps import Configure, Execute, Step, Transfer
+from vividc.launch.steps import Configure, Execute, Listed, Step, Transfer
 from vividc.program import WORD_BYTES, Program, pitch_words, pitches_of
 from vividc.program.encoder.reflect import reflected_program
 from vividc.sim.bind import refuse_other_sizes, scalar_inputs
@@ -105,13 +105,13 @@ class Job:
         self,
         tiles: int | Sequence[int],
         source: NDArray[np.generic],
-        indices: NDArray[np.generic],
+        indices: NDArray[np.generic] | Listed,
         address: int,
         *,
         after: Sequence[int] = (),
     ) -> int:
         """Copy `source[indices]`, whole rows of a C-contiguous array, to the scratchpads. The
-        engine reads the indices from DRAM when the step runs.
+        engine reads the indices when the step runs: from DRAM, or from the one tile's scratchpad.
 
         Raises
         ------
@@ -119,26 +119,32 @@ class Job:
             As for `move_in`, or the indices are not one-dimensional 32-bit integers.
         """
         where = self._tiles(tiles)
-        array, chosen = _array(source), _array(indices)
+        array = _array(source)
         if not array.flags.c_contiguous or array.ndim == 0:
             raise ArgumentError("a gather's source must be a C-contiguous array")
-        if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
-            raise ArgumentError("a gather's indices must be one-dimensional, of int32 or uint32")
-        row = array[:1].nbytes if len(array) else array.itemsize
-        self._fits(address, row * len(chosen), where)
-        self._own.refill(where, address, address + row * len(chosen))
-        offset = self._buffers.pieces(array)
-        step = Transfer(
-            "gather",
-            where,
-            address,
-            offset,
-            array,
-            self._buffers.pieces(chosen),
-            chosen,
-            self._after(after),
-        )
+        base, known = self._buffers.pieces(array), self._after(after)
+        if isinstance(indices, Listed):
+            self._check_listed(indices, where)
+            step = Transfer("gather", where, address, base, array, after=known, listed=indices)
+        else:
+            chosen = _array(indices)
+            if chosen.dtype not in (np.int32, np.uint32) or chosen.ndim != 1:
+                text = "a gather's indices must be one-dimensional, of int32 or uint32"
+                raise ArgumentError(text)
+            pieces = self._buffers.pieces(chosen)
+            step = Transfer("gather", where, address, base, array, pieces, chosen, known)
+        self._fits(address, step.size, where)
+        self._own.refill(where, address, address + step.size)
         return self._add(step)
+
+    def _check_listed(self, listed: Listed, tiles: tuple[int, ...]) -> None:
+        if len(tiles) != 1:
+            raise ArgumentError("a gather by a list in a scratchpad is for one tile")
+        start, end = listed.extent
+        if start % WORD_BYTES:
+            raise ArgumentError(f"a list of indices starts at {start}, not at a multiple of 4")
+        self._fits(start, end - start, tiles, "the list of indices")
+        self._own.demand_kept(tiles[0], start, end, "a gather")
 
     def move_out(
         self,

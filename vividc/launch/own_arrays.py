@@ -85,13 +85,7 @@ def _held(tile: int, steps: Sequence[Step]) -> Iterator[tuple[int, int]]:
         if tile not in tiles_of(step):
             continue
         if isinstance(step, Transfer) and step.kind != "move out":
-            yield step.extent(_bytes_of(step))
+            yield step.extent(step.size)
         elif isinstance(step, Execute):
             own = {local.name for local in step.program.locals}
             yield from (extent for name, extent in step.stores.items() if name not in own)
-
-
-def _bytes_of(step: Transfer) -> int:
-    if step.indices is None:
-        return step.view.nbytes
-    return step.view[:1].nbytes * len(step.indices)

@@ -26,6 +26,21 @@ class Pieces:
     spans: NDArray[np.int64]
 
 
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """Indices that a run leaves in the scratchpad of its tile: the word at byte `address` says how
+    many follow it, of which a gather takes the first `most`.
+    """
+
+    address: int
+    most: int
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """First byte and end of the longest list and its length."""
+        return self.address, self.address + WORD_BYTES * (1 + self.most)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Transfer:
     """Moves bytes of DRAM to or from one place in the scratchpads, where they lie one after the
@@ -39,6 +54,8 @@ class Transfer:
         First byte in the scratchpad.
     index_pieces
         Where a gather's indices lie: they are read first, and go no further than the engine.
+    listed
+        Where they lie if that is in the scratchpad.
     view
         The array whose elements move, as the caller gave it (gather: its chosen rows).
     after
@@ -56,6 +73,15 @@ class Transfer:
     indices: Array | None = None
     after: tuple[int, ...] = ()
     pitch: int = WORD_BYTES
+    listed: Listed | None = None
+
+    @property
+    def size(self) -> int:
+        """Bytes that go to or from each scratchpad, at most."""
+        if self.kind != "gather" or (self.indices is None and self.listed is None):
+            return self.view.nbytes
+        rows = self.listed.most if self.indices is None else len(self.indices)
+        return rows * self.view[:1].nbytes
 
     def places(self, size: int) -> slice:
         """Where `size` bytes lie: of the scratchpad's bytes if they lie together, else of its

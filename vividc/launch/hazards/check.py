@@ -45,9 +45,11 @@ def _of_scratchpads(steps: Sequence[Step]) -> Ints:
             for place in _extents(step, own[id(program)]):
                 rows += (step.tile, *place[:2], number, place[2])
         elif isinstance(step, Transfer):
-            start, end = step.extent(_size(step))
+            start, end = step.extent(step.size)
             for tile in step.tiles:
                 rows += (tile, start, end, number, step.kind != "move out")
+            if step.listed is not None:
+                rows += (step.tiles[0], *step.listed.extent, number, False)
     return np.array(rows, dtype=np.int64).reshape(-1, 5)
 
 
@@ -57,13 +59,6 @@ def _extents(step: Execute, own: frozenset[str]) -> Iterator[tuple[int, int, boo
         yield start, end, name in own
     for start, end in step.stores.values():
         yield start, end, True
-
-
-def _size(step: Transfer) -> int:
-    """Bytes in the scratchpad."""
-    if step.kind == "gather" and step.indices is not None:
-        return len(step.indices) * step.view[:1].nbytes
-    return step.view.nbytes
 
 
 def _of_dram(steps: Sequence[Step]) -> Ints:

@@ -14,6 +14,8 @@ from vividc.launch.timing.bursts import cut_of, cut_pieces, line_bytes
 from vividc.launch.timing.state import (
     CHANNEL,
     CONFIGURE,
+    DRAM_BYTES,
+    DRAM_CYCLES,
     EVENTS,
     MOVE_IN,
     MOVE_OUT,
@@ -26,6 +28,7 @@ from vividc.launch.timing.state import (
     Queues,
     State,
 )
+from vividc.program import WORD_BYTES
 
 _EVENTS_OF_A_STEP = 10
 _EVENTS_OF_A_BURST = 10
@@ -190,13 +193,13 @@ def _bursts(
     """
     parts: list[Ints] = [np.empty((0, 2), dtype=np.int64)]
     counts = np.zeros((len(steps), 2), dtype=np.int64)
-    lines = _zeros(len(steps))
+    lines, in_pads = _zeros(len(steps)), np.zeros(len(steps), dtype=np.bool_)
     for number, step in enumerate(steps):
         if isinstance(step, Transfer):
             lines[number] = line_bytes(accelerator, step)
-            if step.index_pieces is not None:
-                parts.append(step.index_pieces.spans)
-                counts[number, 0] = len(parts[-1])
+            parts.append(_index_spans(step, outcome.listed.get(number, 0)))
+            counts[number, 0] = len(parts[-1])
+            in_pads[number] = step.listed is not None
             parts.append(outcome.gathered.get(number, step.pieces).spans)
             counts[number, 1] = len(parts[-1])
     owners = np.repeat(np.arange(len(steps)), counts.sum(axis=1))
@@ -204,4 +207,16 @@ def _bursts(
     ends = np.zeros(2 * len(steps) + 1, dtype=np.int64)
     np.cumsum(counts.reshape(-1), out=ends[1:])
     bounds = first[ends]
-    return bounds[0:-1:2], bounds[1::2], bounds[2::2], bursts
+    starts, data, behind = bounds[0:-1:2], bounds[1::2], bounds[2::2]
+    for number in np.flatnonzero(in_pads):
+        bursts[starts[number] : data[number], (DRAM_BYTES, DRAM_CYCLES)] = 0
+    return starts, data, behind, bursts
+
+
+def _index_spans(step: Transfer, listed: int) -> Ints:
+    """Where a gather's indices lie: in DRAM, or in a scratchpad so many behind their number."""
+    if step.listed is not None:
+        return np.array([(step.listed.address, WORD_BYTES * (1 + listed))], dtype=np.int64)
+    if step.index_pieces is not None:
+        return step.index_pieces.spans
+    return np.empty((0, 2), dtype=np.int64)

@@ -74,8 +74,15 @@ def _go_on(graph: Graph, queues: Queues, step: int, burst: int, cycle: int) -> N
 def ask(graph: Graph, queues: Queues, state: State, burst: int, cycle: int) -> None:
     """The engine asks for its next burst where that begins."""
     step = graph.bursts[burst, OWNER]
-    server = NETWORK if graph.kind[step] == MOVE_OUT else CHANNEL
+    leaves_tile = graph.kind[step] == MOVE_OUT or _is_list(graph, burst)
+    server = NETWORK if leaves_tile else CHANNEL
     ask_for(graph, queues, state, server, burst, cycle)
+
+
+@inlined
+def _is_list(graph: Graph, burst: int) -> bool:
+    """Whether a burst brings a gather's indices from a scratchpad: it never crosses the channel."""
+    return bool(graph.bursts[burst, DRAM_CYCLES] == 0)
 
 
 @inlined
@@ -120,15 +127,20 @@ def take_noc(
     step = graph.bursts[burst, OWNER]
     left = cycle + graph.bursts[burst, NOC_CYCLES]
     state.moved[NOC] += graph.bursts[burst, SIZE]
-    if graph.kind[step] != MOVE_OUT:
+    is_list = _is_list(graph, burst)
+    if graph.kind[step] != MOVE_OUT and not is_list:
         at(queues, left + machine.noc_latency, ARRIVE_AT_TILE, burst)
         return
-    if burst + 1 < graph.data_end[step]:
-        at(queues, left, ASK, burst + 1)
     state.moved[SCRATCHPAD_OUT] += graph.bursts[burst, SIZE]
     tile = graph.tile_items[graph.tile_begin[step]]
     take_banks(queues, state, tile, graph.bursts[burst, PAD_CYCLES], cycle)
-    at(queues, left + machine.noc_latency, ARRIVE_AT_DRAM, burst)
+    following = burst + 1
+    if is_list and following == graph.data_begin[step]:
+        _go_on(graph, queues, step, following, left + machine.noc_latency)
+    elif following < graph.data_end[step]:
+        at(queues, left, ASK, following)
+    if not is_list:
+        at(queues, left + machine.noc_latency, ARRIVE_AT_DRAM, burst)
 
 
 @inlined
