@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 
 import numpy as np
 
@@ -40,22 +41,22 @@ class Clock:
 
 
 class Server:
-    """One at a time: who waits longest, then the lowest number."""
+    """One at a time: the oldest."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._waiting: list[tuple[int, int, int, int, Action]] = []
+        self._waiting: list[tuple[int, int, int, Action]] = []
         self._free_from = self._count = self.busy = 0
 
-    def request(self, cycle: int, number: int, holds: int, granted: Action) -> None:
-        heapq.heappush(self._waiting, (cycle, number, self._count, holds, granted))
+    def request(self, cycle: int, age: int, holds: int, granted: Action) -> None:
+        heapq.heappush(self._waiting, (age, self._count, holds, granted))
         self._count += 1
         self._clock.at(max(cycle, self._free_from), self._grant, rank=1)
 
     def _grant(self, cycle: int) -> None:
         if not self._waiting or cycle < self._free_from:
             return
-        _, _, _, holds, granted = heapq.heappop(self._waiting)
+        _, _, holds, granted = heapq.heappop(self._waiting)
         self._free_from = cycle + holds
         self.busy += holds
         if self._waiting:
@@ -80,7 +81,7 @@ def bursts(machine: Accelerator, pieces: Pieces | None, line: int) -> Iterator[B
             stop = min(end, (start // length + 1) * length)
             moved = -(-stop // granule) * granule - start // granule * granule
             pad = -(-(stop - start) // line)
-            noc = max(-(-(stop - start) // machine.noc.bytes_per_cycle), pad)
+            noc = -(-(stop - start) // machine.noc.bytes_per_cycle)
             channel = -(-moved // machine.dram.bytes_per_cycle)
             yield Burst(stop - start, moved, channel, noc, pad)
             start = stop
@@ -95,6 +96,7 @@ class TransferRun:
         line = max(WORD_BYTES, WORD_BYTES * (WORD_BYTES * banks // step.pitch))
         pieces = job.outcome.gathered[number] if step.kind == "gather" else step.pieces
         self.job, self.engine, self.number, self.step = job, engine, number, step
+        self.age = next(job.ages)
         where = step.index_pieces
         if step.listed is not None:
             size = WORD_BYTES * (1 + job.outcome.listed[number])
@@ -111,10 +113,10 @@ class TransferRun:
     def ask_index(self, cycle: int) -> None:
         if self.step.listed is not None:
             holds = self.indices[self.sent].noc_cycles
-            self.job.noc.request(cycle, self.engine, holds, self.list_granted)
+            self.job.noc.request(cycle, self.age, holds, self.list_granted)
             return
         holds = self.indices[self.sent].dram_cycles
-        self.job.dram.request(cycle, self.engine, holds, self.index_granted)
+        self.job.dram.request(cycle, self.age, holds, self.index_granted)
 
     def index_granted(self, cycle: int) -> None:
         burst = self.indices[self.sent]
@@ -134,20 +136,19 @@ class TransferRun:
         self.job.moved["scratchpad_out"] += burst.size
         self.job.take_banks(self.step.tiles[0], burst.pad_cycles, cycle)
         self.sent += 1
-        left = cycle + burst.noc_cycles
+        passed = self.through_ports(burst, cycle)
         if self.sent < len(self.indices):
-            self.job.clock.at(left, self.ask_index)
+            self.job.clock.at(passed - machine.noc.latency, self.ask_index)
             return
         self.sent = 0
-        known = left + machine.noc.latency
-        self.job.clock.at(known, self.ask if self.bursts else self.end)
+        self.job.clock.at(passed, self.ask if self.bursts else self.end)
 
     def ask(self, cycle: int) -> None:
         burst = self.bursts[self.sent]
         if self.step.kind == "move out":
-            self.job.noc.request(cycle, self.engine, burst.noc_cycles, self.leaves_tile)
+            self.job.noc.request(cycle, self.age, burst.noc_cycles, self.leaves_tile)
         else:
-            self.job.dram.request(cycle, self.engine, burst.dram_cycles, self.leaves_dram)
+            self.job.dram.request(cycle, self.age, burst.dram_cycles, self.leaves_dram)
 
     def next(self, cycle: int) -> Burst:
         self.sent += 1
@@ -164,10 +165,18 @@ class TransferRun:
     def cross(self, burst: Burst, cycle: int) -> None:
         def granted(now: int) -> None:
             self.job.moved["noc"] += burst.size
-            arrives = now + burst.noc_cycles + self.job.machine.noc.latency
+            arrives = self.through_ports(burst, now)
             self.job.clock.at(arrives, partial(self.reaches_tile, burst))
 
-        self.job.noc.request(cycle, self.engine, burst.noc_cycles, granted)
+        self.job.noc.request(cycle, self.age, burst.noc_cycles, granted)
+
+    def through_ports(self, burst: Burst, granted: int) -> int:
+        """When the last word has passed the ports: all of them take the burst together."""
+        free = [self.job.ports[tile] for tile in self.step.tiles]
+        begins = max(granted + self.job.machine.noc.latency, *free)
+        ends = begins + max(burst.noc_cycles, burst.pad_cycles)
+        self.job.ports.update(dict.fromkeys(self.step.tiles, ends))
+        return ends
 
     def reaches_tile(self, burst: Burst, cycle: int) -> None:
         for tile in self.step.tiles:
@@ -176,11 +185,11 @@ class TransferRun:
         self.arrive(cycle)
 
     def leaves_tile(self, cycle: int) -> None:
-        burst = self.next(cycle + self.bursts[self.sent].noc_cycles)
+        arrives = self.through_ports(self.bursts[self.sent], cycle)
+        burst = self.next(arrives - self.job.machine.noc.latency)
         self.job.moved["noc"] += burst.size
         self.job.moved["scratchpad_out"] += burst.size
         self.job.take_banks(self.step.tiles[0], burst.pad_cycles, cycle)
-        arrives = cycle + burst.noc_cycles + self.job.machine.noc.latency
         self.job.clock.at(arrives, partial(self.to_dram, burst))
 
     def to_dram(self, burst: Burst, cycle: int) -> None:
@@ -189,7 +198,7 @@ class TransferRun:
             self.job.moved["dram_wanted"] += burst.size
             self.job.clock.at(now + burst.dram_cycles, self.arrive)
 
-        self.job.dram.request(cycle, self.engine, burst.dram_cycles, granted)
+        self.job.dram.request(cycle, self.age, burst.dram_cycles, granted)
 
     def read(self, burst: Burst) -> None:
         self.job.moved["dram_read"] += burst.dram_bytes
@@ -256,8 +265,10 @@ class PlainTiming:
         self.events: list[Event] = []
         self.left = [len(before) for before in waits]
         self.engines = list(range(machine.dma.engines))
+        self.ages = count()
         self.queue: list[tuple[int, int]] = []
         units = range(len(machine.units))
+        self.ports = dict.fromkeys(units, 0)
         self.stalls: list[Counter[str]] = [Counter() for _ in units]
         self.free_from = [0 for _ in units]
         self.running: list[int | None] = [None for _ in units]

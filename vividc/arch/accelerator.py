@@ -36,8 +36,8 @@ class DRAM:
 
 @dataclass(frozen=True, slots=True)
 class NoC:
-    """The network between the DMA engines and the tiles: bandwidth in bytes a cycle over all tiles,
-    latency in cycles.
+    """The network between the DMA engines and the tiles: bandwidth of its trunk in bytes a cycle,
+    latency in cycles. Each tile has a port of its own, as wide as a line of its scratchpad.
     """
 
     bytes_per_cycle: int

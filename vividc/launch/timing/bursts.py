@@ -77,12 +77,11 @@ def _cut(cut: Cut, owners: Ints, lines: Ints, pieces: Ints, bursts: Ints) -> Non
             stop = min(end, (start // cut.length + 1) * cut.length)
             moved = -(-stop // cut.granule) * cut.granule - start // cut.granule * cut.granule
             size = stop - start
-            pad = -(-size // lines[piece])
             bursts[place, SIZE] = size
             bursts[place, DRAM_BYTES] = moved
             bursts[place, DRAM_CYCLES] = -(-moved // cut.channel)
-            bursts[place, NOC_CYCLES] = max(-(-size // cut.network), pad)
-            bursts[place, PAD_CYCLES] = pad
+            bursts[place, NOC_CYCLES] = -(-size // cut.network)
+            bursts[place, PAD_CYCLES] = -(-size // lines[piece])
             bursts[place, OWNER] = owners[piece]
             place += 1
             start = stop

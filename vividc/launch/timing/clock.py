@@ -25,9 +25,6 @@ from vividc.launch.timing.state import EVENTS, NOTHING, Queues, State
 version.
 """
 
-_ENGINES_SHIFT = 40
-"""Requests of a cycle are told apart by engine, and then by order."""
-
 
 @inlined
 def at(queues: Queues, cycle: int, what: int, item: int) -> None:
@@ -45,12 +42,11 @@ def granted_at(queues: Queues, cycle: int, what: int, item: int) -> None:
 def request(
     queues: Queues, state: State, server: int, cycle: int, who: tuple[int, int, int]
 ) -> None:
-    """Ask for channel or NoC: `who` is an engine, for how many cycles, and its burst. The one that
-    waits longest is served first, then that of the engine with the lowest number.
+    """Ask for channel or NoC: `who` is a transfer's age, for how many cycles, and its burst. The
+    oldest transfer is served first.
     """
-    engine, holds, burst = who
-    order = (engine << _ENGINES_SHIFT) + queues.pushed[server]
-    push(queues, server, (cycle, order, holds, burst))
+    age, holds, burst = who
+    push(queues, server, (age, queues.pushed[server], holds, burst))
     look(queues, state, server, max(cycle, state.free_at[server]))
 
 
@@ -64,7 +60,7 @@ def look(queues: Queues, state: State, server: int, cycle: int) -> None:
 
 @inlined
 def serve(queues: Queues, state: State, server: int, cycle: int) -> int:
-    """Return who has waited longest; `NOTHING` if the server is busy or nobody waits."""
+    """Return the burst of the oldest transfer that waits; `NOTHING` if the server is busy or nobody waits."""
     if cycle == state.looks_at[server]:
         state.looks_at[server] = NOTHING
     if queues.length[server] == 0 or cycle < state.free_at[server]:

@@ -12,7 +12,7 @@ MOVE_IN, MOVE_OUT, CONFIGURE, RUN = 0, 1, 2, 3
 
 SIZE, DRAM_BYTES, DRAM_CYCLES, NOC_CYCLES, PAD_CYCLES, OWNER = range(6)
 """Columns of `Graph.bursts`: bytes that are wanted; bytes that DRAM moves, whole granules; how long
-the burst holds the channel, the NoC, and the banks of a scratchpad; its step.
+the burst holds the channel, the NoC's trunk, and a tile's port and banks; its step.
 """
 
 DRAM_READ, DRAM_WRITTEN, DRAM_WANTED, NOC, SCRATCHPAD_IN, SCRATCHPAD_OUT = range(6)
@@ -108,9 +108,11 @@ class State(NamedTuple):
 
     Attributes
     ----------
-    left, ready, start, end, engine, arrived
+    left, ready, start, end, engine, age, arrived
         By step: steps that it waits for still; when all of them were done; when it ran; what served
-        it; bursts that have arrived.
+        it, and how many transfers had started before; bursts that have arrived.
+    started
+        [1]: transfers that have started.
     running, issue_from, stop, version, free_from
         By tile: the step that runs or `NOTHING`; when it issues; when it will end, as far as is
         known, and how often that was changed; when the last run ended.
@@ -118,6 +120,8 @@ class State(NamedTuple):
         By tile and cause.
     is_free
         By DMA engine.
+    port_free
+        By tile: when its port of the NoC has passed all that it was given.
     free_at, looks_at, busy
         By `CHANNEL` and `NETWORK`: when it is free; the cycle in which it will see who waits, or
         `NOTHING`; cycles that it served.
@@ -135,7 +139,9 @@ class State(NamedTuple):
     start: Ints
     end: Ints
     engine: Ints
+    age: Ints
     arrived: Ints
+    started: Ints
     running: Ints
     issue_from: Ints
     stop: Ints
@@ -143,6 +149,7 @@ class State(NamedTuple):
     free_from: Ints
     stalls: Ints
     is_free: Ints
+    port_free: Ints
     free_at: Ints
     looks_at: Ints
     busy: Ints

@@ -57,6 +57,8 @@ def start_transfers(
             _, _, _, step = pop(queues, TRANSFERS)
             state.start[step] = cycle
             state.engine[step] = engine
+            state.age[step] = state.started[0]
+            state.started[0] += 1
             first, ready = graph.index_begin[step], cycle + machine.setup_cycles
             _go_on(graph, queues, step, first, ready)
 
@@ -90,9 +92,9 @@ def ask_for(
     graph: Graph, queues: Queues, state: State, server: int, burst: int, cycle: int
 ) -> None:
     """A burst asks for channel or NoC."""
-    engine = state.engine[graph.bursts[burst, OWNER]]
+    age = state.age[graph.bursts[burst, OWNER]]
     holds = graph.bursts[burst, NOC_CYCLES if server == NETWORK else DRAM_CYCLES]
-    request(queues, state, server, cycle, (engine, holds, burst))
+    request(queues, state, server, cycle, (age, holds, burst))
 
 
 @inlined
@@ -123,24 +125,38 @@ def take_channel(
 def take_noc(
     graph: Graph, queues: Queues, state: State, machine: Machine, burst: int, cycle: int
 ) -> None:
-    """The NoC is granted to a burst."""
+    """The NoC's trunk is granted to a burst; a busy port keeps it waiting, but not the trunk."""
     step = graph.bursts[burst, OWNER]
-    left = cycle + graph.bursts[burst, NOC_CYCLES]
+    passed = _pass_ports(graph, state, burst, cycle + machine.noc_latency)
     state.moved[NOC] += graph.bursts[burst, SIZE]
     is_list = _is_list(graph, burst)
     if graph.kind[step] != MOVE_OUT and not is_list:
-        at(queues, left + machine.noc_latency, ARRIVE_AT_TILE, burst)
+        at(queues, passed, ARRIVE_AT_TILE, burst)
         return
     state.moved[SCRATCHPAD_OUT] += graph.bursts[burst, SIZE]
     tile = graph.tile_items[graph.tile_begin[step]]
     take_banks(queues, state, tile, graph.bursts[burst, PAD_CYCLES], cycle)
     following = burst + 1
     if is_list and following == graph.data_begin[step]:
-        _go_on(graph, queues, step, following, left + machine.noc_latency)
+        _go_on(graph, queues, step, following, passed)
     elif following < graph.data_end[step]:
-        at(queues, left, ASK, following)
+        at(queues, passed - machine.noc_latency, ASK, following)
     if not is_list:
-        at(queues, left + machine.noc_latency, ARRIVE_AT_DRAM, burst)
+        at(queues, passed, ARRIVE_AT_DRAM, burst)
+
+
+@inlined
+def _pass_ports(graph: Graph, state: State, burst: int, cycle: int) -> int:
+    """Return when a burst that reaches the ports of its tiles in a cycle has passed them all, a line
+    of the scratchpads a cycle. Ports pass one burst after the other, as the trunk grants them.
+    """
+    step = graph.bursts[burst, OWNER]
+    for place in range(graph.tile_begin[step], graph.tile_begin[step + 1]):
+        cycle = max(cycle, state.port_free[graph.tile_items[place]])
+    cycle += max(graph.bursts[burst, NOC_CYCLES], graph.bursts[burst, PAD_CYCLES])
+    for place in range(graph.tile_begin[step], graph.tile_begin[step + 1]):
+        state.port_free[graph.tile_items[place]] = cycle
+    return cycle
 
 
 @inlined
