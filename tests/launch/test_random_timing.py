@@ -29,8 +29,8 @@ def random_machine(rng: np.random.Generator) -> Accelerator:
     rows, cols = (int(rng.choice([1, 2, 4])) for _ in range(2))
     text = (
         f"extends: vivid\nname: test\ntiles: {{rows: {rows}, cols: {cols}}}\n"
-        f"dram: {{bytes_per_cycle: {rng.choice([4, 32, 48, 128])}, latency: {rng.choice([0, 3, 100])},"
-        f" granule_bytes: {rng.choice([4, 32, 64])}}}\n"
+        f"dram: {{bytes_per_cycle: {rng.choice([4, 32, 48, 128])},"
+        f" latency: {rng.choice([0, 3, 100])}, granule_bytes: {rng.choice([4, 32, 64])}}}\n"
         f"noc: {{bytes_per_cycle: {rng.choice([4, 24, 32, 128])}, latency: {rng.choice([0, 8])}}}\n"
         f"dma: {{engines: {rng.integers(1, 6)}, setup_cycles: {rng.choice([0, 1, 16])},"
         f" burst_bytes: {rng.choice([64, 256])}}}\n"

@@ -60,7 +60,9 @@ def look(queues: Queues, state: State, server: int, cycle: int) -> None:
 
 @inlined
 def serve(queues: Queues, state: State, server: int, cycle: int) -> int:
-    """Return the burst of the oldest transfer that waits; `NOTHING` if the server is busy or nobody waits."""
+    """Return the burst of the oldest transfer that waits; `NOTHING` if the server is busy, or
+    nobody waits.
+    """
     if cycle == state.looks_at[server]:
         state.looks_at[server] = NOTHING
     if queues.length[server] == 0 or cycle < state.free_at[server]:

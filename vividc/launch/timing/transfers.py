@@ -147,8 +147,8 @@ def take_noc(
 
 @inlined
 def _pass_ports(graph: Graph, state: State, burst: int, cycle: int) -> int:
-    """Return when a burst that reaches the ports of its tiles in a cycle has passed them all, a line
-    of the scratchpads a cycle. Ports pass one burst after the other, as the trunk grants them.
+    """Return when a burst that reaches its tiles' ports in a cycle has passed them all, a line of
+    the scratchpads a cycle. Ports pass one burst after the other, as the trunk grants them.
     """
     step = graph.bursts[burst, OWNER]
     for place in range(graph.tile_begin[step], graph.tile_begin[step + 1]):
