@@ -1,13 +1,16 @@
-"""The encoding of Instant-NGP (Mueller et al. 2022) for grids that fit no scratchpad: the cells of
-samples, each once; table rows of their corners; trilinear interpolation of gathered rows.
+"""The encoding of Instant-NGP (Mueller et al. 2022) for grids that fit no scratchpad, two levels at
+a time: the cells that samples lie in, each once, and the table rows of their corners; then, when
+DMA has brought these, trilinear interpolation.
 
-A cell is a word, ten bits an axis.
+A cell is a word, ten bits an axis. Levels are told by scale, resolution (0: hashed), entries
+(hashed: less one) and first row.
 """
 
 import numpy as np
 from numba import njit
 
 import vividc
+from vividc import lang
 
 HALF = np.float32(0.5)
 NO_CELL = np.uint32(0xFFFFFFFF)
@@ -17,48 +20,18 @@ AXIS = np.uint32(1023)
 PLACES = np.uint32(128)
 PRIME_Y = np.uint32(2654435761)
 PRIME_Z = np.uint32(805459861)
-
-
-@vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], uint32[::1], uint32[::1], uint32[::1],"
-    " uint32[:, ::1], uint32[::1])"
-)
-def find_cells(points, low, scales, seen, where, cells, slots, ends):
-    """List the cells that the points lie in, level by level.
-
-    `slots` says where in `cells` that of each level and point is; a level's are those from
-    `ends[level]` up to `ends[level + 1]`. A cell that was met lately is not listed again: a
-    direct-mapped cache of 128 remembers them in `seen` and `where`.
-    """
-    low_x = low[0]
-    low_y = low[1]
-    low_z = low[2]
-    count = np.uint32(0)
-    ends[0] = count
-    for level in range(len(scales)):
-        for place in range(len(seen)):
-            seen[place] = NO_CELL
-        scale = scales[level]
-        for i in range(points.shape[0]):
-            x = np.uint32(np.int32((points[i, 0] - low_x) * scale + HALF))
-            y = np.uint32(np.int32((points[i, 1] - low_y) * scale + HALF))
-            z = np.uint32(np.int32((points[i, 2] - low_z) * scale + HALF))
-            cell = x | (y << TEN) | (z << np.uint32(20))
-            place = (x ^ (y << np.uint32(2)) ^ (z << np.uint32(4))) & (PLACES - ONE)
-            new = seen[place] != cell
-            slot = count if new else where[place]
-            seen[place] = cell
-            where[place] = slot
-            cells[count] = cell
-            slots[level, i] = slot
-            count += np.uint32(1) if new else np.uint32(0)
-        ends[level + 1] = count
+LOW = np.uint32(0xFFFF)
+SIXTEEN = np.uint32(16)
+FIRST = np.uint32(8)
+"""Word of `rows` from which the rows lie that were asked for."""
 
 
 @njit
 def put_rows(rows, c, row):
-    """Rows of the eight corners; x changes fastest."""
-    first = np.uint32(c << np.uint32(3))
+    """Rows of the eight corners of cell c, behind the word that says how many rows there are; x
+    changes fastest.
+    """
+    first = np.uint32(np.uint32(c << np.uint32(3)) + ONE)
     rows[first] = row[0]
     rows[first + np.uint32(1)] = row[1]
     rows[first + np.uint32(2)] = row[2]
@@ -120,26 +93,89 @@ def hashed_corners(cell, mask, offset):
     )
 
 
-@vividc.kernel("void(uint32[::1], uint32[::1], uint32[:, ::1], int32, int32, uint32[::1])")
-def corner_rows(cells, ends, grids, level, stop, rows):
-    """Table rows of the corners of each cell of some levels.
+@njit
+def cell_of(x, y, z, scale):
+    """The cell that a point is in, and its place among those that are remembered."""
+    i = np.uint32(np.int32(x * scale + HALF))
+    j = np.uint32(np.int32(y * scale + HALF))
+    k = np.uint32(np.int32(z * scale + HALF))
+    place = (i ^ (j << np.uint32(2)) ^ (k << np.uint32(4))) & (PLACES - ONE)
+    return i | (j << TEN) | (k << np.uint32(20)), place
 
-    `cells` starts with those of `level`. A row of `grids` is: resolution (0 if hashed), entries
-    (hashed: less one), first row.
+
+@njit
+def list_cells(points, low, scale, seen, where, other_seen, other_where, cells, slots):
+    """List the cells of two levels, those of the second in the second half of `cells`; returns how
+    many of each. `slots` says which are a point's: 16 bits each.
+
+    A cell that was met lately is not listed again: direct-mapped caches of 128 remember them in
+    `seen` and `where`. The two levels' do not wait for each other.
     """
-    first = ends[level]
-    for k in range(level, stop):
-        begin = np.uint32(ends[k] - first)
-        end = np.uint32(ends[k + 1] - first)
-        resolution = grids[k, 0]
-        entries = grids[k, 1]
-        offset = grids[k, 2]
+    for place in range(128):
+        seen[place] = NO_CELL
+        other_seen[place] = NO_CELL
+    second = np.uint32(points.shape[0])
+    count = np.uint32(0)
+    other_count = np.uint32(0)
+    for i in range(points.shape[0]):
+        x = points[i, 0] - low[0]
+        y = points[i, 1] - low[1]
+        z = points[i, 2] - low[2]
+        cell, place = cell_of(x, y, z, scale[0])
+        new = seen[place] != cell
+        slot = count if new else where[place]
+        seen[place] = cell
+        where[place] = slot
+        cells[count] = cell
+        count += ONE if new else np.uint32(0)
+        cell, place = cell_of(x, y, z, scale[1])
+        new = other_seen[place] != cell
+        other = other_count if new else other_where[place]
+        other_seen[place] = cell
+        other_where[place] = other
+        cells[second + other_count] = cell
+        other_count += ONE if new else np.uint32(0)
+        slots[i] = slot | (other << SIXTEEN)
+    return count, other_count
+
+
+@njit
+def ask_for_rows(points, counts, grid, other_grid, cells, slots, rows, room):
+    """Ask for the rows of the cells' corners, or for none if there are more cells than room; behind
+    the points' slots lie the number of the first level's cells, and of all.
+    """
+    total = counts[0] + counts[1]
+    fits = total <= np.uint32(room)
+    samples = np.uint32(points.shape[0])
+    slots[samples] = counts[0]
+    slots[samples + ONE] = total
+    rows[0] = np.uint32(total << np.uint32(3)) if fits else np.uint32(0)
+    for k in range(2):
+        resolution = other_grid[0] if k else grid[0]
+        entries = other_grid[1] if k else grid[1]
+        offset = other_grid[2] if k else grid[2]
+        begin = counts[0] if k else np.uint32(0)
+        end = counts[1] if k else counts[0]
+        end = end if fits else np.uint32(0)
+        source = samples if k else np.uint32(0)
         if resolution > np.uint32(0):
-            for c in range(begin, end):
-                put_rows(rows, np.uint32(c), dense_corners(cells[c], resolution, entries, offset))
+            for c in range(end):
+                at = np.uint32(c)
+                corners = dense_corners(cells[source + at], resolution, entries, offset)
+                put_rows(rows, begin + at, corners)
         else:
-            for c in range(begin, end):
-                put_rows(rows, np.uint32(c), hashed_corners(cells[c], entries, offset))
+            for c in range(end):
+                at = np.uint32(c)
+                put_rows(rows, begin + at, hashed_corners(cells[source + at], entries, offset))
+
+
+@njit
+def within(x, y, z, scale):
+    """Where a point lies in its cell."""
+    x = x * scale + HALF
+    y = y * scale + HALF
+    z = z * scale + HALF
+    return x - np.float32(np.int32(x)), y - np.float32(np.int32(y)), z - np.float32(np.int32(z))
 
 
 @njit
@@ -149,46 +185,124 @@ def between(low, high, share):
 
 
 @njit
-def corners(table, first):
-    """Both features of two neighbours along x."""
-    return (
-        (table[first], table[first + np.uint32(1)]),
-        (table[first + np.uint32(2)], table[first + np.uint32(3)]),
+def blended(c0, c1, c2, c3, c4, c5, c6, c7, at):
+    """Both features at a place in a cell, from those of its corners."""
+    front = between(between(c0, c1, at[0]), between(c2, c3, at[0]), at[1])
+    back = between(between(c4, c5, at[0]), between(c6, c7, at[0]), at[1])
+    return between(front, back, at[2])
+
+
+@njit
+def pair(rows, at):
+    """Both features of a row of float32."""
+    return lang.bitcast_f32(rows[at]), lang.bitcast_f32(rows[at + ONE])
+
+
+@njit
+def from_pairs(rows, first, at):
+    """Both features at a place in the cell whose rows of two words begin at `first`."""
+    return blended(
+        pair(rows, first),
+        pair(rows, first + np.uint32(2)),
+        pair(rows, first + np.uint32(4)),
+        pair(rows, first + np.uint32(6)),
+        pair(rows, first + np.uint32(8)),
+        pair(rows, first + np.uint32(10)),
+        pair(rows, first + np.uint32(12)),
+        pair(rows, first + np.uint32(14)),
+        at,
+    )
+
+
+@njit
+def halves(word):
+    """Both features of a row of float16."""
+    first = np.float32(lang.fp16_from_bits(word & LOW))
+    return first, np.float32(lang.fp16_from_bits(word >> SIXTEEN))
+
+
+@njit
+def from_halves(rows, first, at):
+    """As `from_pairs`, of rows of a word."""
+    return blended(
+        halves(rows[first]),
+        halves(rows[first + ONE]),
+        halves(rows[first + np.uint32(2)]),
+        halves(rows[first + np.uint32(3)]),
+        halves(rows[first + np.uint32(4)]),
+        halves(rows[first + np.uint32(5)]),
+        halves(rows[first + np.uint32(6)]),
+        halves(rows[first + np.uint32(7)]),
+        at,
     )
 
 
 @vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], float32[::1], uint32[:, ::1], int32, uint32,"
-    " float32[:, :, ::1])"
+    "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, uint32, uint32,"
+    " uint32, uint32, uint32, uint32, int32, uint32[::1], uint32[::1], uint32[::1], uint32[::1],"
+    " uint32[::1], uint32[::1], uint32[::1], float32[:, :, ::1])"
 )
-def interpolate(points, low, scales, table, slots, level, first, out):
-    """Two features of some levels from `level` on, trilinear.
-
-    `table` has the 16 words of each cell from number `first` on; `out` is by block of 16 samples,
-    feature and sample.
+def two_levels(
+    phase, points, low_x, low_y, low_z, scale, scale_1, resolution, entries, offset,
+    resolution_1, entries_1, offset_1, room, seen, where, seen_1, where_1, cells, slots, rows, out,
+):  # fmt: skip
+    """Two features of each of two levels, by block of 16 samples, feature and sample. Returns how
+    many cells the points lie in: if there are more than `room`, nothing was computed.
     """
-    low_x = low[0]
-    low_y = low[1]
-    low_z = low[2]
-    for k in range(slots.shape[0]):
-        scale = scales[level + k]
-        for i in range(points.shape[0]):
-            x = (points[i, 0] - low_x) * scale + HALF
-            y = (points[i, 1] - low_y) * scale + HALF
-            z = (points[i, 2] - low_z) * scale + HALF
-            x -= np.float32(np.int32(x))
-            y -= np.float32(np.int32(y))
-            z -= np.float32(np.int32(z))
-            cell = np.uint32((slots[k, i] - first) << np.uint32(4))
-            c0, c1 = corners(table, cell)
-            c2, c3 = corners(table, cell + np.uint32(4))
-            c4, c5 = corners(table, cell + np.uint32(8))
-            c6, c7 = corners(table, cell + np.uint32(12))
-            front = between(between(c0, c1, x), between(c2, c3, x), y)
-            back = between(between(c4, c5, x), between(c6, c7, x), y)
-            both = between(front, back, z)
-            block = np.uint32(i) >> np.uint32(4)
-            sample = np.uint32(i) & np.uint32(15)
-            feature = np.uint32(k) << ONE
-            out[block, feature, sample] = both[0]
-            out[block, feature + ONE, sample] = both[1]
+    low = low_x, low_y, low_z
+    if phase == 0:
+        counts = list_cells(
+            points, low, (scale, scale_1), seen, where, seen_1, where_1, cells, slots
+        )
+        grid, grid_1 = (resolution, entries, offset), (resolution_1, entries_1, offset_1)
+        ask_for_rows(points, counts, grid, grid_1, cells, slots, rows, room)
+        return np.int32(0)
+    samples = np.uint32(points.shape[0])
+    second = np.uint32(FIRST + (slots[samples] << np.uint32(4)))
+    total = np.int32(slots[samples + ONE])
+    for i in range(points.shape[0] if total <= room else 0):
+        x, y, z = points[i, 0] - low_x, points[i, 1] - low_y, points[i, 2] - low_z
+        first = np.uint32(((slots[i] & LOW) << np.uint32(4)) + FIRST)
+        other = np.uint32(((slots[i] >> SIXTEEN) << np.uint32(4)) + second)
+        a = from_pairs(rows, first, within(x, y, z, scale))
+        b = from_pairs(rows, other, within(x, y, z, scale_1))
+        block = np.uint32(i) >> np.uint32(4)
+        sample = np.uint32(i) & np.uint32(15)
+        out[block, 0, sample] = a[0]
+        out[block, 1, sample] = a[1]
+        out[block, 2, sample] = b[0]
+        out[block, 3, sample] = b[1]
+    return total
+
+
+@vividc.kernel(
+    "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, uint32, uint32,"
+    " uint32, uint32, uint32, uint32, int32, uint32[::1], uint32[::1], uint32[::1], uint32[::1],"
+    " uint32[::1], uint32[::1], uint32[::1], uint32[:, :, ::1])"
+)
+def two_levels_fp8(
+    phase, points, low_x, low_y, low_z, scale, scale_1, resolution, entries, offset,
+    resolution_1, entries_1, offset_1, room, seen, where, seen_1, where_1, cells, slots, rows, out,
+):  # fmt: skip
+    """As `two_levels`, of rows of two float16; the four features are float8, in a word."""
+    low = low_x, low_y, low_z
+    if phase == 0:
+        counts = list_cells(
+            points, low, (scale, scale_1), seen, where, seen_1, where_1, cells, slots
+        )
+        grid, grid_1 = (resolution, entries, offset), (resolution_1, entries_1, offset_1)
+        ask_for_rows(points, counts, grid, grid_1, cells, slots, rows, room)
+        return np.int32(0)
+    samples = np.uint32(points.shape[0])
+    second = np.uint32(FIRST + (slots[samples] << np.uint32(3)))
+    total = np.int32(slots[samples + ONE])
+    for i in range(points.shape[0] if total <= room else 0):
+        x, y, z = points[i, 0] - low_x, points[i, 1] - low_y, points[i, 2] - low_z
+        first = np.uint32(((slots[i] & LOW) << np.uint32(3)) + FIRST)
+        other = np.uint32(((slots[i] >> SIXTEEN) << np.uint32(3)) + second)
+        a = from_halves(rows, first, within(x, y, z, scale))
+        b = from_halves(rows, other, within(x, y, z, scale_1))
+        block = np.uint32(i) >> np.uint32(4)
+        sample = np.uint32(i) & np.uint32(15)
+        out[block, 0, sample] = lang.pack_fp8(a[0], a[1], b[0], b[1])
+    return total

@@ -15,6 +15,7 @@ from vividc import lang
 
 ONE = np.float32(1.0)
 LARGEST = np.float32(80.0)
+TWO = np.uint32(2)
 
 # Degree 4 (16 values) in the order and signs of tiny-cuda-nn.
 Y0 = np.float32(0.28209479177387814)
@@ -39,6 +40,30 @@ def density(x, limit, step, thickness, features):
         for sample in range(16):
             for feature in range(features.shape[2]):
                 features[block, sample, feature] = x[block, feature, sample]
+    for block in range(x.shape[0]):
+        for sample in range(16):
+            thickness[block, sample] = math.exp(min(x[block, 0, sample], limit)) * step
+
+
+@njit
+def word(a, b, c, d, scale):
+    """Four numbers, times `scale`, as float8."""
+    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
+
+
+@vividc.kernel(
+    "void(float32[:, :, ::1], float32, float32, float32, float32[:, ::1], uint32[:, :, ::1])"
+)
+def density_fp8(x, limit, step, scale, thickness, features):
+    """As `density`; outputs, a multiple of four, times `scale`, four to a word."""
+    for block in range(x.shape[0]):
+        for sample in range(16):
+            for k in range(features.shape[2]):
+                a = x[block, 4 * k, sample]
+                b = x[block, 4 * k + 1, sample]
+                c = x[block, 4 * k + 2, sample]
+                d = x[block, 4 * k + 3, sample]
+                features[block, sample, k] = word(a, b, c, d, scale)
     for block in range(x.shape[0]):
         for sample in range(16):
             thickness[block, sample] = math.exp(min(x[block, 0, sample], limit)) * step
@@ -102,30 +127,30 @@ def colour_inputs(features, directions, out):
                 out[block, feature + 16, sample] = features[block, sample, feature]
 
 
-@njit
-def word(a, b, c, d, scale):
-    """Four numbers, times `scale`, as float8."""
-    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
+@vividc.kernel("void(float32[:, :, ::1], float32, uint32[:, :, ::1])")
+def directions_fp8(directions, scale, out):
+    """16 spherical harmonics of unit directions, times `scale`, four to a word, [block, 16, 4]."""
+    for block in range(out.shape[0]):
+        for ray in range(16):
+            t = harmonics(directions, block, ray)
+            out[block, ray, 0] = word(t[0], t[1], t[2], t[3], scale)
+            out[block, ray, 1] = word(t[4], t[5], t[6], t[7], scale)
+            out[block, ray, 2] = word(t[8], t[9], t[10], t[11], scale)
+            out[block, ray, 3] = word(t[12], t[13], t[14], t[15], scale)
 
 
-@vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1], float32, uint32[:, :, ::1])")
-def colour_inputs_fp8(features, directions, scale, out):
-    """`colour_inputs` times `scale`, four to a word; features are a multiple of four."""
+@vividc.kernel("void(uint32[:, :, ::1], uint32[::1], uint32[:, :, ::1])")
+def colour_inputs_fp8(features, seen, out):
+    """The network's inputs from words by sample: four of the direction, then those of features."""
     for block in range(out.shape[0]):
         for sample in range(16):
-            t = harmonics(directions, block, sample)
-            out[block, 0, sample] = word(t[0], t[1], t[2], t[3], scale)
-            out[block, 1, sample] = word(t[4], t[5], t[6], t[7], scale)
-            out[block, 2, sample] = word(t[8], t[9], t[10], t[11], scale)
-            out[block, 3, sample] = word(t[12], t[13], t[14], t[15], scale)
+            first = np.uint32((np.uint32(block) << np.uint32(6)) + (np.uint32(sample) << TWO))
+            for k in range(4):
+                out[block, k, sample] = seen[first + np.uint32(k)]
     for block in range(out.shape[0]):
         for sample in range(16):
-            for k in range(out.shape[1] - 4):
-                a = features[block, sample, 4 * k]
-                b = features[block, sample, 4 * k + 1]
-                c = features[block, sample, 4 * k + 2]
-                d = features[block, sample, 4 * k + 3]
-                out[block, k + 4, sample] = word(a, b, c, d, scale)
+            for k in range(features.shape[2]):
+                out[block, k + 4, sample] = features[block, sample, k]
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32[:, :, ::1])")

@@ -78,10 +78,10 @@ class Transfer:
     @property
     def size(self) -> int:
         """Bytes that go to or from each scratchpad, at most."""
-        if self.kind != "gather" or (self.indices is None and self.listed is None):
-            return self.view.nbytes
-        rows = self.listed.most if self.indices is None else len(self.indices)
-        return rows * self.view[:1].nbytes
+        row = self.view[:1].nbytes
+        if self.listed is not None:
+            return row * self.listed.most
+        return self.view.nbytes if self.indices is None else row * len(self.indices)
 
     def places(self, size: int) -> slice:
         """Where `size` bytes lie: of the scratchpad's bytes if they lie together, else of its

@@ -25,32 +25,50 @@ class Host:
     def programs(self) -> Host:
         return self
 
-    def get(self, kernel: str) -> KernelFunction:
+    def get(self, kernel: str, **options: object) -> KernelFunction:
         path, _, name = kernel.partition(":")
         found: KernelFunction = getattr(kernel_module(kernel_folder() / f"{path}.py"), name)
         return found
 
 
 def launch_by_numba(
-    host: Host, ledger: Ledger, stage: str, kernel: str, shares: Sequence[Sequence[Launch]]
-) -> None:
+    host: Host,
+    ledger: Ledger,
+    stage: str,
+    kernel: str,
+    shares: Sequence[Sequence[Launch]],
+    **options: object,
+) -> list[list[int]]:
     function = host.get(kernel)
-    flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
     assert len(shares) <= host.tiles
-    for launch in (launch for share in shares for launch in share):
-        assert sum(launch.sizes.values()) <= host.scratchpad_bytes
-        given: dict[str, object] = dict(launch.scalars)
-        for name, array in {**launch.shared, **launch.inputs}.items():
-            rows = array.table[array.indices] if isinstance(array, Gathered) else array
-            given[name] = rows.flatten() if flat[name] else rows.copy()
-        given |= {name: np.zeros(shape, np.uint32) for name, shape in launch.shapes.items()}
-        results = {
-            name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
-            for name, array in launch.outputs.items()
-        }
-        function(*({**given, **results}[name] for name in flat))
-        for name, array in launch.outputs.items():
-            array[...] = results[name].reshape(array.shape)
+    return [[_launched(host, function, launch) for launch in share] for share in shares]
+
+
+def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
+    flat = {parameter.name: parameter.ndim == 1 for parameter in function.params}
+    assert sum(launch.sizes.values()) <= host.scratchpad_bytes
+    given: dict[str, object] = dict(launch.scalars)
+    for name, array in {**launch.shared, **launch.inputs}.items():
+        rows = array.table[array.indices] if isinstance(array, Gathered) else array
+        given[name] = rows.flatten() if flat[name] else rows.copy()
+    given |= {name: np.zeros(s, np.uint32) for name, s in {**launch.shapes, **launch.work}.items()}
+    given |= {name: np.zeros(some.shape, np.uint32) for name, some in launch.fetched.items()}
+    results = {
+        name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
+        for name, array in launch.outputs.items()
+    }
+    given |= results
+    if launch.fetched:
+        function(*({**given, "phase": 0}[name] for name in flat))
+        given["phase"] = 1
+    for name, some in launch.fetched.items():
+        listed = given[name]
+        rows = some.table[listed[1 : 1 + min(listed[0], some.most)]].view(np.uint32).ravel()
+        listed[some.first : some.first + len(rows)] = rows
+    value = function(*(given[name] for name in flat))
+    for name, array in launch.outputs.items():
+        array[...] = results[name].reshape(array.shape)
+    return int(value or 0)
 
 
 def gather_by_numba(

@@ -138,37 +138,59 @@ def test_a_picture_of_the_array_is_the_references(name: str) -> None:
 def test_cells_are_gathered_once_a_chunk(host: Host) -> None:
     """Samples of one cell in every level take one cell's rows in each."""
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
-    points = np.repeat(samples_of(model.march, 1)[0], 128, axis=0).reshape(-1, 16, 3)
+    points = np.repeat(samples_of(model.march, 1)[0], 128, axis=0)
     ledger = Ledger()
-    encoding_of(model).encode(host, ledger, "encoding", points)
+    out = np.zeros((8, 32, 16), np.float32)
+    encoding_of(model, None).encode(host, ledger, "encoding", points, out)
     assert ledger.counts["encoded_cells"] == len(model.levels)
+
+
+@pytest.mark.parametrize("scale", [None, np.float32(64)])
+def test_samples_with_more_cells_than_there_is_room_for_go_in_halves(
+    scale: np.float32 | None, host: Host
+) -> None:
+    """Random points have a cell each in the fine levels; an odd last level is there twice."""
+    model = read_scene(MIC / "mic_ngp_hash.npz")[1]
+    model = replace(model, levels=model.levels[9:])
+    points = np.random.default_rng(5).permutation(samples_of(model.march, 2000)[0])
+    encoding, ledger = encoding_of(model, scale), Ledger()
+    width = encoding.features if scale is None else encoding.features // 4
+    whole = np.zeros((125, width, 16), np.float32)
+    encoding.encode(host, ledger, "encoding", points, whole)
+    assert ledger.counts["words_read_by_host"] > 4 * -(-2000 // 128)
+    apart = np.zeros((1, width, 16), np.float32)
+    for block in (0, 60, 124):
+        encoding.encode(host, ledger, "", points[16 * block : 16 * block + 16], apart)
+        np.testing.assert_array_equal(apart[0].view(np.uint32), whole[block].view(np.uint32))
+    if scale is None:
+        np.testing.assert_array_equal(whole[:, -4:-2], whole[:, -2:])
 
 
 def test_a_level_finer_than_a_cells_number_is_refused() -> None:
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     fine = replace(model.levels[-1], scale=np.float32(2047))
     with pytest.raises(SceneError, match="2047 cells a side"):
-        encoding_of(replace(model, levels=(*model.levels[:-1], fine)))
+        encoding_of(replace(model, levels=(*model.levels[:-1], fine)), None)
 
 
 def test_other_numbers_of_features_a_row_are_refused() -> None:
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     wide = replace(model.levels[0], table=np.zeros((4096, 4), np.float32))
     with pytest.raises(SceneError, match="4 features a row"):
-        encoding_of(replace(model, levels=(wide, *model.levels[1:])))
+        encoding_of(replace(model, levels=(wide, *model.levels[1:])), None)
 
 
 def test_a_dense_level_of_too_few_entries_is_refused() -> None:
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     short = replace(model.levels[0], table=model.levels[0].table[:2000])
     with pytest.raises(SceneError, match="2000 entries"):
-        encoding_of(replace(model, levels=(short, *model.levels[1:])))
+        encoding_of(replace(model, levels=(short, *model.levels[1:])), None)
 
 
 def test_a_box_outside_the_cube_is_refused() -> None:
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     with pytest.raises(SceneError, match="leaves the cube"):
-        encoding_of(replace(model, cube_side=model.cube_side / 2))
+        encoding_of(replace(model, cube_side=model.cube_side / 2), None)
 
 
 @pytest.mark.parametrize("groups", [None, 3])

@@ -161,7 +161,7 @@ def test_narrow_fields_are_near_the_reference(
     np.testing.assert_array_equal(part, colour[some])
 
 
-def test_features_that_fill_no_words_are_rounded_apart(host: Host) -> None:
+def test_features_that_fill_no_words_are_filled_up(host: Host) -> None:
     model = read_scene(MIC / "mic_ngp_hash.npz")[1]
     density, colour = model.density_weights, model.colour_weights
     odd = replace(

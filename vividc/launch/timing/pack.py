@@ -211,7 +211,7 @@ def _bursts(
     np.cumsum(counts.reshape(-1), out=ends[1:])
     bounds = first[ends]
     starts, data, behind = bounds[0:-1:2], bounds[1::2], bounds[2::2]
-    for number in np.flatnonzero(in_pads):
+    for number in np.flatnonzero(in_pads).tolist():
         bursts[starts[number] : data[number], (DRAM_BYTES, DRAM_CYCLES)] = 0
     return starts, data, behind, bursts
 

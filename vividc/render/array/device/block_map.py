@@ -12,7 +12,7 @@ import numpy.typing as npt
 from vividc.launch.turns import neighbours
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Launch, Words, run_shares
+from vividc.render.array.device.launches import Gathered, Launch, Words, run_shares
 
 _LAUNCHES = 4
 """A tile gets at least so many launches, so that there is something to hide transfers behind."""
@@ -30,7 +30,7 @@ class BlockMap:
         As in `Programs.get`. Its parameter `blocks`, if it has one, gets the blocks of a launch.
     inputs, outputs
         By parameter, [B, ...]: a launch gets the rows of its blocks, flat if the parameter has one
-        dimension.
+        dimension. Of an input that is gathered the indices are [B, n]; its parameter is flat.
     shared
         By group, by parameter: what the launches of a group's blocks all get.
     scalars
@@ -40,7 +40,7 @@ class BlockMap:
     """
 
     kernel: str
-    inputs: Mapping[str, Words]
+    inputs: Mapping[str, Words | Gathered]
     outputs: Mapping[str, Words]
     shared: Sequence[Mapping[str, Words]] = ({},)
     scalars: Mapping[str, object] = field(default_factory=dict)
@@ -69,7 +69,7 @@ class BlockMap:
     def _spans(self, first: int, last: int, room: int) -> Iterator[tuple[int, int]]:
         """Blocks of each launch, whose arrays have `room` bytes."""
         arrays = (*self.inputs.values(), *self.outputs.values())
-        block = sum(array[:1].nbytes for array in arrays)
+        block = sum(_part(array, 0, 1).nbytes for array in arrays)
         at_once = max(1, min(room // block, -(-(last - first) // _LAUNCHES)))
         cuts: list[int] = []
         if self.groups is not None and last > first:
@@ -81,8 +81,15 @@ class BlockMap:
     def _launch(self, first: int, last: int, counts: bool) -> Launch:
         group = 0 if self.groups is None else int(self.groups[first])
         return Launch(
-            inputs={name: array[first:last] for name, array in self.inputs.items()},
+            inputs={name: _part(array, first, last) for name, array in self.inputs.items()},
             outputs={name: array[first:last] for name, array in self.outputs.items()},
             scalars={"blocks": last - first, **self.scalars} if counts else self.scalars,
             shared=self.shared[group],
         )
+
+
+def _part(array: Words | Gathered, first: int, last: int) -> Words | Gathered:
+    """Return what some blocks take of an input."""
+    if isinstance(array, Gathered):
+        return Gathered(array.table, array.indices[first:last].reshape(-1))
+    return array[first:last]

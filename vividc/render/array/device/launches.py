@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 import vividc
-from vividc.launch import At, Job
+from vividc.launch import At, Job, Listed
 from vividc.launch.turns import Turns, deal
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
@@ -54,6 +55,26 @@ class Gathered:
         return (len(self.indices), *self.table.shape[1:])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Fetched:
+    """Rows of a table that the kernel itself asks for, in an array of words.
+
+    A launch runs twice. With the scalar `phase` 0 the kernel writes there how many rows it wants,
+    and behind that word their numbers. They come to the same place, from word `first` on, and the
+    kernel runs with `phase` 1. Of more than `most` rows none is to be asked for.
+    """
+
+    table: Words
+    most: int
+    first: int
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Words of the array."""
+        row = self.table[:1].nbytes // WORD_BYTES
+        return (max(1 + self.most, self.first + row * self.most),)
+
+
 Moved: TypeAlias = Words | Gathered | Sequence[Move]
 """A whole array, contiguous or strided, rows of one, or pieces."""
 
@@ -72,6 +93,10 @@ class Launch:
         What is moved out after it: arrays or pieces, not rows.
     shared
         Arrays that stay in the scratchpad while the next launches of the tile name the same ones.
+    fetched
+        Rows that the kernel asks for, by parameter.
+    work
+        Arrays that hold nothing when the kernel starts or ends, by parameter.
     scalars
         The other arguments.
     cost
@@ -82,13 +107,16 @@ class Launch:
     inputs: Mapping[str, Moved] = field(default_factory=dict)
     outputs: Mapping[str, Words | Sequence[Move]] = field(default_factory=dict)
     shared: Mapping[str, Words] = field(default_factory=dict)
+    fetched: Mapping[str, Fetched] = field(default_factory=dict)
+    work: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     scalars: Mapping[str, object] = field(default_factory=dict)
     cost: float = 1.0
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Bytes of each array that is not shared."""
-        sizes = {name: WORD_BYTES * math.prod(shape) for name, shape in self.shapes.items()}
+        """Bytes of each array that is neither shared nor work."""
+        rows = {name: some.shape for name, some in self.fetched.items()}
+        sizes = {name: WORD_BYTES * math.prod(s) for name, s in (rows | {**self.shapes}).items()}
         sizes |= {name: array.nbytes for name, array in self._whole()}
         return {name: size for name, size in sizes.items() if name not in self.shared}
 
@@ -96,7 +124,8 @@ class Launch:
     def all_shapes(self) -> dict[str, tuple[int, ...]]:
         """Of each array."""
         whole = (*self._whole(), *self.shared.items())
-        return {name: array.shape for name, array in whole} | dict(self.shapes)
+        shapes = {name: array.shape for name, array in (*whole, *self.fetched.items())}
+        return {**shapes, **self.shapes, **self.work}
 
     @property
     def group(self) -> tuple[int, ...]:
@@ -192,7 +221,9 @@ def dealt(launches: Sequence[Launch], tiles: int) -> list[list[int]]:
 
 
 class Places:
-    """Where a tile's arrays lie: shared ones first, once or twice, then the others, likewise."""
+    """Where a tile's arrays lie: shared ones first, once or twice, then the others, likewise, and
+    work arrays, once.
+    """
 
     def __init__(self, program: vividc.Program, share: Sequence[Launch], room: int) -> None:
         self._banks = program.banks
@@ -201,6 +232,7 @@ class Places:
         own = [launch.sizes for launch in share]
         shared = {launch.group: _sizes(launch.shared) for launch in share}
         needs = [max(self._end(sizes) for sizes in some) for some in (shared.values(), own)]
+        room -= max(self._end(_bytes(launch.work)) for launch in share)
         copies = dict.fromkeys((min(few, len(shared)), many) for few, many in _COPIES)
         fits = [some for some in copies if some[0] * needs[0] + some[1] * needs[1] <= room]
         if not fits:
@@ -213,6 +245,7 @@ class Places:
         few, many = fits[0]
         self.shared = [needs[0] * copy for copy in range(few)]
         self.own = [needs[0] * few + needs[1] * copy for copy in range(many)]
+        self.work = needs[0] * few + needs[1] * many
 
     def addresses(self, sizes: Mapping[str, int], start: int) -> dict[str, int]:
         """Return the address of each array from `start` on, in the bank the compiler wished for."""
@@ -248,28 +281,67 @@ class _Tile:
         self._ready: list[int] = []
 
     def add(self, share: Sequence[Launch]) -> list[int]:
-        """Add launches one after the other, and return their runs."""
-        return [self._launch(launch) for launch in share]
+        """Add launches one after the other, and return their last runs.
 
-    def _launch(self, launch: Launch) -> int:
+        Of launches that fetch rows and share arrays, as many begin as there are places before the
+        first of them goes on: so the rows of one come while another runs.
+        """
+        runs: list[int] = []
+        at_once = len(self._places.own) if share[0].fetched else 1
+        for _, alike in groupby(share, lambda launch: launch.group):
+            launches = list(alike)
+            for first in range(0, len(launches), at_once):
+                some = launches[first : first + at_once]
+                begun = [(launch, *self._begin(launch)) for launch in some]
+                runs += [self._finish(*one) for one in begun]
+        return runs
+
+    def _begin(self, launch: Launch) -> tuple[int, dict[str, int], list[int]]:
+        """Add what comes before a launch's last run; return its place, where its arrays lie there,
+        and what that run waits for.
+        """
         self._hold(launch)
         _, copy, freed = self._turns.take()
         at = self._places.addresses(launch.sizes, self._places.own[copy])
-        moves = self._moves_in(launch.inputs, at, freed)
-        everywhere = at | self._shared_at
-        arguments = {
-            name: At(everywhere[name], (math.prod(shape),) if name in self._flat else shape)
-            for name, shape in launch.all_shapes.items()
-        }
-        after = [*moves, *self._ready, *freed]
-        run = self._job.run(self._tile, self._program, after=after, **arguments, **launch.scalars)
-        self._users[self._copy].append(run)
+        after = [*self._moves_in(launch.inputs, at, freed), *self._ready, *freed]
+        at |= self._shared_at
+        at |= self._places.addresses(_bytes(launch.work), self._places.work)
+        if not launch.fetched:
+            return copy, at, after
+        listed = self._run(launch, at, after, phase=0)
+        rows = [
+            self._job.gather(
+                self._tile,
+                some.table,
+                Listed(at[name], some.most),
+                at[name] + WORD_BYTES * some.first,
+                after=[listed],
+            )
+            for name, some in launch.fetched.items()
+        ]
+        return copy, at, [listed, *rows]
+
+    def _finish(self, launch: Launch, copy: int, at: dict[str, int], after: Sequence[int]) -> int:
+        """Add the last run, and what leaves after it."""
+        run = self._run(launch, at, after, **({"phase": 1} if launch.fetched else {}))
         leaving = [
             self._job.move_out(self._tile, at[name] + move.first_byte, move.array, after=[run])
             for name, array in launch.outputs.items()
             for move in _pieces(array)
         ]
         self._turns.free(self._tile, copy, *(leaving or [run]))
+        return run
+
+    def _run(
+        self, launch: Launch, at: Mapping[str, int], after: Sequence[int], **more: object
+    ) -> int:
+        arguments = {
+            name: At(at[name], (math.prod(shape),) if name in self._flat else shape)
+            for name, shape in launch.all_shapes.items()
+        }
+        scalars = {**launch.scalars, **more}
+        run = self._job.run(self._tile, self._program, after=after, **arguments, **scalars)
+        self._users[self._copy].append(run)
         return run
 
     def _hold(self, launch: Launch) -> None:
@@ -304,3 +376,7 @@ def _pieces(array: Words | Sequence[Move]) -> Sequence[Move]:
 
 def _sizes(arrays: Mapping[str, Words]) -> dict[str, int]:
     return {name: array.nbytes for name, array in arrays.items()}
+
+
+def _bytes(shapes: Mapping[str, tuple[int, ...]]) -> dict[str, int]:
+    return {name: WORD_BYTES * math.prod(shape) for name, shape in shapes.items()}

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Final
+from itertools import chain
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from vividc import LoopOptions
 from vividc.launch.turns import neighbours
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Gathered, Launch, run_shares
+from vividc.render.array.device.launches import Fetched, Launch, run_shares
 from vividc.render.array.network.networks import SAMPLES
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
@@ -22,18 +22,49 @@ from vividc.render.radiance.instant_ngp import InstantNGP, Level
 
 UInt32Array = npt.NDArray[np.uint32]
 
-CHUNK: Final = 128
-"""Samples that share gathered cells; a multiple of a block's."""
-_LEVELS: Final = 8
-"""Levels that a launch looks for cells in."""
 _CACHE: Final = 128
-"""Cells that a launch remembers of a level, as in the kernel."""
-_LARGEST: Final = 15_872
-"""Bytes of a launch of the interpolation: two fit a scratchpad beside what is resident."""
+"""Cells of a level that a launch remembers, as in the kernel."""
 _CORNERS: Final = 8
 _FEATURES: Final = 2
+_PAIR: Final = 2
+"""Levels of a launch."""
+_FIRST: Final = 8
+"""Word from which fetched rows lie, as in the kernel."""
+_SPARE_WORDS: Final = 160
+"""What aligning a launch's arrays takes."""
 _FINEST: Final = 1022
 """Largest scale of a level: a cell's number on an axis has ten bits."""
+_AXES: Final = 3
+_LOOPS: Final = LoopOptions(auto=False)
+
+
+class _Level(NamedTuple):
+    """A level as the kernels take it: cells in a unit of the world; resolution (0: hashed), entries
+    (hashed: less one), first row.
+    """
+
+    scale: np.float32
+    resolution: int
+    entries: int
+    offset: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Part:
+    """Points of a launch, [n, 3], and the number of the first of them among all."""
+
+    points: Float32Array
+    first: int
+
+    @property
+    def stop(self) -> int:
+        """The number behind the last."""
+        return self.first + len(self.points)
+
+    def cut(self, most: int) -> list[_Part]:
+        """Return parts of at most so many points."""
+        starts = range(0, len(self.points), most)
+        return [_Part(self.points[at : at + most], self.first + at) for at in starts]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,51 +74,97 @@ class HashEncoding:
     Attributes
     ----------
     table
-        [rows, 2] float32, of all levels.
+        [rows, 1 or 2] uint32: rows of two float16 in a word, or of two float32.
     low
         [3]: lowest corner of the cube.
-    scales
-        [L] float32: cells of a level in a unit of the world.
-    grids
-        [L, 3] uint32: resolution (0: hashed), entries (hashed: less one), first row.
+    pairs
+        Levels two by two; a last one alone is there twice.
+    is_fp8
+        Whether features are float8.
     """
 
-    table: Float32Array
+    table: UInt32Array
     low: Float32Array
-    scales: Float32Array
-    grids: UInt32Array
+    pairs: tuple[tuple[_Level, _Level], ...]
+    is_fp8: bool
+
+    def encode(
+        self, device: Device, ledger: Ledger, stage: str, points: Float32Array, out: Float32Array
+    ) -> None:
+        """Put the encoding of points [n, 3], n a multiple of 16, into `out`, [n / 16, words, 16]:
+        two features of each level, or a word of each two levels. What is behind is left alone.
+        """
+        most, room = self._sizes(device)
+        numbers = range(len(self.pairs))
+        work = [(number, part) for part in _Part(points, 0).cut(most) for number in numbers]
+        while work:
+            launches = [self._launch(number, part, room, out) for number, part in work]
+            by_tile = neighbours(len(launches), device.tiles)
+            shares = [launches[first:last] for first, last in by_tile]
+            returned = run_shares(device, ledger, stage, self._kernel, shares, loops=_LOOPS)
+            cells = list(chain.from_iterable(returned))
+            ledger.count(encoded_cells=sum(cells), words_read_by_host=len(cells))
+            again = [one for one, count in zip(work, cells, strict=True) if count > room]
+            halves = {id(part): part.cut(_half(len(part.points))) for _, part in again}
+            work = [(number, half) for number, part in again for half in halves[id(part)]]
 
     @property
     def features(self) -> int:
-        """Numbers that a point becomes."""
-        return _FEATURES * len(self.scales)
+        """Numbers that a point becomes; the last two may be there twice."""
+        return _PAIR * _FEATURES * len(self.pairs)
 
-    def encode(
-        self,
-        device: Device,
-        ledger: Ledger,
-        stage: str,
-        points: Float32Array,
-        out: Float32Array | None = None,
-    ) -> Float32Array:
-        """Return the encoding [B, 2 L, 16] float32 of blocks of 16 points, [B, 16, 3].
+    @property
+    def _kernel(self) -> str:
+        return "render/hash_grid:two_levels" + ("_fp8" if self.is_fp8 else "")
 
-        It is in `out`, if that is given, whose features behind the encoding's are left alone.
+    def _sizes(self, device: Device) -> tuple[int, int]:
+        """Return samples of a launch, and cells of two levels that there is room for: at least one
+        for each sample, so that half the samples' always fit.
         """
-        if out is None:
-            out = np.empty((len(points), self.features, SAMPLES), dtype=np.float32)
-        for first in range(0, len(self.scales), _LEVELS):
-            last = min(first + _LEVELS, len(self.scales))
-            part = HashEncoding(
-                self.table, self.low, self.scales[first:last], self.grids[first:last]
-            )
-            features = out[:, _FEATURES * first : _FEATURES * last]
-            _Passes(part, device, ledger, stage, points.reshape(-1, 3), features).run()
-        return out
+        words = device.scratchpad_bytes // WORD_BYTES - 2 * _PAIR * _CACHE - _SPARE_WORDS
+        out = 1 if self.is_fp8 else _PAIR * _FEATURES
+        row = self.table.shape[1]
+        for samples in range(SAMPLES, words, SAMPLES):
+            fixed = (_AXES + _PAIR) * samples + 2 * (samples + _PAIR + out * samples + _FIRST)
+            cells = (words - fixed) // (2 * _CORNERS * row)
+            if cells < samples + _PAIR * SAMPLES:
+                break
+            most, room = samples, cells
+        return most, room
+
+    def _launch(self, number: int, part: _Part, room: int, out: Float32Array) -> Launch:
+        samples, blocks = len(part.points), slice(part.first // SAMPLES, part.stop // SAMPLES)
+        width = 1 if self.is_fp8 else _PAIR * _FEATURES
+        features = out[blocks, width * number : width * (number + 1)]
+        one, other = self.pairs[number]
+        caches = ("seen", "where", "seen_1", "where_1")
+        return Launch(
+            shapes={"slots": (samples + _PAIR,)},
+            outputs={"out": features.view(np.uint32) if self.is_fp8 else features},
+            shared={"points": part.points},
+            fetched={"rows": Fetched(self.table, _CORNERS * room, _FIRST)},
+            work={**dict.fromkeys(caches, (_CACHE,)), "cells": (_PAIR * samples,)},
+            scalars={
+                **{f"low_{axis}": self.low[k] for k, axis in enumerate("xyz")},
+                **one._asdict(),
+                **{f"{name}_1": value for name, value in other._asdict().items()},
+                "room": room,
+            },
+        )
 
 
-def hash_encoding(model: InstantNGP) -> HashEncoding:
+def _half(points: int) -> int:
+    """Return half as many points, in whole blocks."""
+    return -(-points // (2 * SAMPLES)) * SAMPLES
+
+
+def hash_encoding(model: InstantNGP, scale: np.float32 | None) -> HashEncoding:
     """Return the encoding of a model.
+
+    Parameters
+    ----------
+    scale
+        What features are multiplied by, a power of two, to become float8; None: they are float32.
 
     Raises
     ------
@@ -104,15 +181,19 @@ def hash_encoding(model: InstantNGP) -> HashEncoding:
     ).any():
         raise SceneError("aabb leaves the cube that cube_lo and cube_side give to the grids")
     sizes = [len(level.table) for level in model.levels]
-    first_rows = np.cumsum([0, *sizes[:-1]])
+    first_rows = np.cumsum([0, *sizes[:-1]]).tolist()
+    levels = [
+        _Level(level.scale / np.float32(model.cube_side), *_grid(level, row))
+        for level, row in zip(model.levels, first_rows, strict=True)
+    ]
+    table = np.concatenate([level.table for level in model.levels])
+    if scale is not None:
+        table = (table * scale).astype(np.float16)
     return HashEncoding(
-        np.ascontiguousarray(np.concatenate([level.table for level in model.levels])),
-        np.ascontiguousarray(model.cube_low),
-        np.array([level.scale / np.float32(model.cube_side) for level in model.levels], np.float32),
-        np.array(
-            [_grid(level, int(row)) for level, row in zip(model.levels, first_rows, strict=True)],
-            dtype=np.uint32,
-        ),
+        np.ascontiguousarray(table).view(np.uint32),
+        model.cube_low,
+        tuple(zip(levels[::2], levels[1::2] + levels[-1:], strict=False)),
+        is_fp8=scale is not None,
     )
 
 
@@ -145,117 +226,3 @@ def _check(level: Level) -> None:
 def _grid(level: Level, first_row: int) -> tuple[int, int, int]:
     entries = len(level.table)
     return (level.resolution, entries, first_row) if level.dense else (0, entries - 1, first_row)
-
-
-class _Passes:
-    """The three jobs of some levels: find cells, list rows of the table, gather and interpolate."""
-
-    def __init__(
-        self,
-        grids: HashEncoding,
-        device: Device,
-        ledger: Ledger,
-        stage: str,
-        points: Float32Array,
-        out: Float32Array,
-    ) -> None:
-        self._grids, self._device, self._ledger, self._stage = grids, device, ledger, stage
-        self._points, self._out = points, out
-        self._chunks = -(-len(points) // CHUNK)
-        levels = len(grids.scales)
-        self._cells = np.empty((self._chunks, levels * CHUNK), np.uint32)
-        self._slots = np.empty((self._chunks, levels, CHUNK), np.uint32)
-        self._ends = np.zeros((self._chunks, levels + 1), np.uint32)
-        self._constants = {"low": grids.low, "scales": grids.scales}
-        self._tables = {"grids": grids.grids}
-
-    def run(self) -> None:
-        """Fill `out`."""
-        self._run("find_cells", [[self._finding(chunk)] for chunk in range(self._chunks)])
-        total = int(self._ends[:, -1].sum())
-        rows = np.empty(_CORNERS * total, np.uint32)
-        starts = _CORNERS * np.cumsum([0, *self._ends[:, -1]])
-        parts = [
-            rows[first:last].reshape(-1, _CORNERS) for first, last in pairwise(starts.tolist())
-        ]
-        ranges = [list(self._ranges(chunk)) for chunk in range(self._chunks)]
-        self._run(
-            "corner_rows",
-            [
-                [self._listing(chunk, parts[chunk], *levels) for levels in ranges[chunk]]
-                for chunk in range(self._chunks)
-            ],
-        )
-        self._run(
-            "interpolate",
-            [
-                [self._interpolating(chunk, parts[chunk], *levels) for levels in ranges[chunk]]
-                for chunk in range(self._chunks)
-            ],
-        )
-        self._ledger.count(encoded_cells=total)
-
-    def _run(self, kernel: str, by_chunk: Sequence[Sequence[Launch]]) -> None:
-        """Neighbouring chunks to the same tile."""
-        shares = [
-            [launch for chunk in by_chunk[first:last] for launch in chunk]
-            for first, last in neighbours(self._chunks, self._device.tiles)
-        ]
-        run_shares(self._device, self._ledger, self._stage, f"render/hash_grid:{kernel}", shares)
-
-    def _span(self, chunk: int) -> tuple[int, int]:
-        """Points of a chunk."""
-        return chunk * CHUNK, min((chunk + 1) * CHUNK, len(self._points))
-
-    def _ranges(self, chunk: int) -> Iterator[tuple[int, int]]:
-        """Levels whose cells fit a launch together."""
-        first, last = self._span(chunk)
-        ends = self._ends[chunk].tolist()
-        fixed = self._points[first:last].nbytes
-        by_level = (1 + _FEATURES) * WORD_BYTES * (last - first)
-        start = 0
-        for stop in range(1, len(ends)):
-            cells = ends[stop] - ends[start]
-            size = fixed + (stop - start) * by_level + cells * _CORNERS * _FEATURES * WORD_BYTES
-            if size > _LARGEST and stop - start > 1:
-                yield start, stop - 1
-                start = stop - 1
-        yield start, len(ends) - 1
-
-    def _finding(self, chunk: int) -> Launch:
-        first, last = self._span(chunk)
-        return Launch(
-            inputs={"points": self._points[first:last]},
-            outputs={
-                "cells": self._cells[chunk],
-                "slots": self._slots[chunk, :, : last - first],
-                "ends": self._ends[chunk],
-            },
-            shared=self._constants,
-            shapes={"seen": (_CACHE,), "where": (_CACHE,)},
-        )
-
-    def _listing(self, chunk: int, rows: UInt32Array, level: int, stop: int) -> Launch:
-        ends = self._ends[chunk]
-        begin, end = int(ends[level]), int(ends[stop])
-        return Launch(
-            inputs={"cells": self._cells[chunk, begin:end], "ends": ends},
-            outputs={"rows": rows[begin:end]},
-            scalars={"level": level, "stop": stop},
-            shared=self._tables,
-        )
-
-    def _interpolating(self, chunk: int, rows: UInt32Array, level: int, stop: int) -> Launch:
-        first, last = self._span(chunk)
-        begin, end = int(self._ends[chunk, level]), int(self._ends[chunk, stop])
-        blocks = self._out[first // SAMPLES : -(-last // SAMPLES)]
-        return Launch(
-            inputs={
-                "points": self._points[first:last],
-                "table": Gathered(self._grids.table, rows[begin:end].reshape(-1)),
-                "slots": self._slots[chunk, level:stop, : last - first],
-            },
-            outputs={"out": blocks[:, _FEATURES * level : _FEATURES * stop]},
-            scalars={"level": level, "first": begin},
-            shared=self._constants,
-        )

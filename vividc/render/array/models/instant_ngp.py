@@ -11,17 +11,24 @@ from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
+from vividc.render.array.device.launches import Gathered, Words
 from vividc.render.array.models.field import Features, ModelField
 from vividc.render.array.models.hash_encoding import hash_encoding
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
-from vividc.render.array.network.networks import batches, dense_layer, room_for
+from vividc.render.array.network.networks import (
+    SAMPLES,
+    batches,
+    dense_layer,
+    in_blocks,
+    room_for,
+)
 from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import InstantNGP
 from vividc.render.radiance.instant_ngp import DIRECTION_TERMS
 
-_BATCH: Final = 32_768
+_BATCH: Final = 131_072
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
 _LANES: Final = 4
@@ -52,32 +59,41 @@ class InstantNGPField(ModelField):
     ) -> None:
         super().__init__(model)
         self._model, self._device = model, device
-        self._encoding = hash_encoding(model)
         largest = {} if precision == "fp32" else largest_inputs(model)
-        density_layers = [
-            dense_layer(weights, relu=hidden)
-            for weights, hidden in zip(model.density_weights, (True, False), strict=True)
-        ]
+        first, last = model.density_weights
+        # The encoding has features in fours, and so have float8 words; weights of the others are 0.
+        first = np.pad(first, ((0, -len(first) % _LANES), (0, 0)))
+        missing = -last.shape[1] % _LANES if precision == "fp8" else 0
+        last = np.pad(last, ((0, 0), (0, missing)))
+        density_layers = [dense_layer(first, relu=True), dense_layer(last)]
         self._density_network = network(density_layers, precision, _of(largest, "sigma"))
+        self._is_fp8 = precision == "fp8"
+        scale = self._density_network.scale if self._is_fp8 else None
+        self._encoding = hash_encoding(model, scale)
         first, *others = model.colour_weights
         # The kernel puts the direction's terms before the features.
         swapped = np.concatenate((first[-DIRECTION_TERMS:], first[:-DIRECTION_TERMS]))
+        swapped = np.pad(swapped, ((0, missing), (0, 0)))
         colour_layers = [
             dense_layer(weights, relu=hidden)
             for weights, hidden in zip((swapped, *others), (True, True, False), strict=True)
         ]
         self._colour_network = network(colour_layers, precision, _of(largest, "rgb"))
-        self._features = model.density_weights[-1].shape[1]
+        self._features = last.shape[1]
         for net in (self._density_network, self._colour_network):
             net.check(device)
 
-    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Float32Array]:
-        """Return optical thickness [n] of one step, and the density network's outputs [n, F]."""
+    def density(self, points: Float32Array, ledger: Ledger) -> tuple[Float32Array, Features]:
+        """Return optical thickness [n] of one step, and the density network's outputs: [n, F], or
+        float8 for the colour network, four to a word.
+        """
         count = len(points)
-        thickness, features = room_for(count), room_for(count, self._features)
+        width = self._features // _LANES if self._is_fp8 else self._features
+        thickness, features = room_for(count), room_for(count, width)
         for place, (blocks,) in batches(_BATCH, points):
             self._density(blocks, thickness[place], features[place], ledger)
-        return thickness.reshape(-1)[:count], features.reshape(-1, self._features)[:count]
+        words = features.reshape(-1, width)[:count]
+        return thickness.reshape(-1)[:count], words.view(np.uint32) if self._is_fp8 else words
 
     def colour(
         self,
@@ -89,10 +105,14 @@ class InstantNGPField(ModelField):
     ) -> Float32Array:
         """Return r, g, b [n, 3] of features seen along their rays' unit `directions` [R, 3]."""
         count = len(features)
-        directions = gather_rows(self._device, ledger, "compaction", directions, [rays])
         rgb = room_for(count, _CHANNELS)
-        for place, (blocks, seen) in batches(_BATCH, features.view(np.float32), directions):
-            self._colour(blocks, seen, rgb[place], ledger)
+        make = self._rounded_inputs if self._is_fp8 else self._inputs
+        by_ray = self._encoded(directions, ledger) if self._is_fp8 else directions
+        for place, (blocks, chosen) in batches(_BATCH, features, rays[:, None]):
+            inputs = make(blocks, chosen.reshape(-1, SAMPLES), by_ray, ledger)
+            x = self._colour_network.run(self._device, ledger, "colour network", inputs)
+            stage = BlockMap("render/instant_ngp:colour", {"x": x}, {"out": rgb[place]})
+            stage.run(self._device, ledger, "colour")
         return rgb.reshape(-1, _CHANNELS)[:count]
 
     def _density(
@@ -103,36 +123,58 @@ class InstantNGPField(ModelField):
         ledger: Ledger,
     ) -> None:
         device, net = self._device, self._density_network
-        encoded = net.room(len(points))
-        self._encoding.encode(device, ledger, "hash encoding", points, encoded)
-        inputs = net.rounded(device, ledger, "rounding", encoded)
+        inputs = net.words(len(points)) if self._is_fp8 else net.room(len(points))
+        self._encoding.encode(device, ledger, "hash encoding", points.reshape(-1, 3), inputs)
+        if not self._is_fp8:
+            inputs = net.rounded(device, ledger, "rounding", inputs)
         outputs = net.run(device, ledger, "density network", inputs)
-        BlockMap(
-            kernel="render/instant_ngp:density",
-            inputs={"x": outputs},
-            outputs={"thickness": thickness, "features": features},
-            scalars={
-                "limit": np.float32(self._model.exponent_max),
-                "step": np.float32(self._model.march.step),
-            },
-        ).run(device, ledger, "density")
+        scalars = {
+            "limit": np.float32(self._model.exponent_max),
+            "step": np.float32(self._model.march.step),
+        }
+        made: dict[str, Words] = {"thickness": thickness, "features": features}
+        kernel = "render/instant_ngp:density"
+        if self._is_fp8:
+            scalars["scale"] = self._colour_network.scale
+            made["features"] = features.view(np.uint32)
+            kernel += "_fp8"
+        BlockMap(kernel, {"x": outputs}, made, scalars=scalars).run(device, ledger, "density")
 
-    def _colour(
-        self, features: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
-    ) -> None:
-        device = self._device
-        inputs = self._colour_network.made(
-            device,
-            ledger,
-            "direction encoding",
-            "render/instant_ngp:colour_inputs",
-            {"features": features, "directions": directions},
-            rounds=self._features % _LANES == 0,
+    def _inputs(
+        self, features: Words, rays: Int32Array, directions: Words, ledger: Ledger
+    ) -> Float32Array:
+        """Return the colour network's inputs, of features by sample and rays [B, 16]."""
+        device, net = self._device, self._colour_network
+        chosen = gather_rows(device, ledger, "compaction", directions, [rays.reshape(-1)])
+        given: dict[str, Words] = {
+            "features": features,
+            "directions": chosen.reshape(-1, SAMPLES, 3),
+        }
+        return net.made(
+            device, ledger, "direction encoding", "render/instant_ngp:colour_inputs", given
         )
-        outputs = self._colour_network.run(device, ledger, "colour network", inputs)
+
+    def _encoded(self, directions: Float32Array, ledger: Ledger) -> Words:
+        """Return the directions' terms as float8 words, [R, 4] uint32."""
+        blocks = in_blocks(directions)
+        out = np.empty((*blocks.shape[:2], DIRECTION_TERMS // _LANES), np.uint32)
+        scalars = {"scale": self._colour_network.scale}
+        kernel = "render/instant_ngp:directions_fp8"
+        stage = BlockMap(kernel, {"directions": blocks}, {"out": out}, scalars=scalars)
+        stage.run(self._device, ledger, "direction encoding")
+        return out.reshape(-1, out.shape[2])
+
+    def _rounded_inputs(
+        self, features: Words, rays: Int32Array, encoded: Words, ledger: Ledger
+    ) -> Float32Array:
+        """As `_inputs`, of words: a direction is encoded once for all samples of its ray."""
+        words = self._colour_network.words(len(features))
         BlockMap(
-            kernel="render/instant_ngp:colour", inputs={"x": outputs}, outputs={"out": rgb}
-        ).run(device, ledger, "colour")
+            kernel="render/instant_ngp:colour_inputs_fp8",
+            inputs={"features": features, "seen": Gathered(encoded, rays)},
+            outputs={"out": words.view(np.uint32)},
+        ).run(self._device, ledger, "direction encoding")
+        return words
 
 
 def _of(largest: Mapping[str, float], name: str) -> list[float]:

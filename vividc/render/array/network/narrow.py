@@ -92,20 +92,19 @@ class Network:
         ledger: Ledger,
         stage: str,
         kernel: str,
-        given: Mapping[str, Float32Array],
-        rounds: bool = True,
+        given: Mapping[str, Words],
     ) -> Float32Array:
         """Return the inputs that a kernel makes of blocks of samples, as the network takes them.
+
+        For fp8 it is the kernel whose name ends in `_fp8`, which rounds them itself.
 
         Parameters
         ----------
         given
             Inputs of the kernel, [B, ...].
-        rounds
-            For fp8 there is a kernel whose name ends in `_fp8`, which rounds them itself.
         """
         blocks = len(next(iter(given.values())))
-        if rounds and self.precision == "fp8":
+        if self.precision == "fp8":
             words = self.words(blocks)
             made: dict[str, Words] = {"out": words.view(np.uint32)}
             scalars = {"scale": self.scale}

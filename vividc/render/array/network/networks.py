@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,8 @@ from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.network.systolic import run_systolic, tile_cycles, tpu_choice
 from vividc.render.arrays import Float32Array
+
+Word = TypeVar("Word", bound=np.generic)
 
 SAMPLES = 16
 """Samples of a block of activations."""
@@ -74,7 +77,7 @@ def dense_layer(
     return DenseLayer(matrices, shift, np.ascontiguousarray(packed), inputs, outputs, relu)
 
 
-def in_blocks(rows: Float32Array) -> Float32Array:
+def in_blocks(rows: npt.NDArray[Word]) -> npt.NDArray[Word]:
     """Return rows [n, F] as blocks [B, 16, F], the last one filled up with its last row."""
     missing = -len(rows) % SAMPLES
     if missing:
@@ -87,7 +90,7 @@ def room_for(rows: int, *shape: int) -> Float32Array:
     return np.empty((-(-rows // SAMPLES), SAMPLES, *shape), dtype=np.float32)
 
 
-def batches(most: int, *arrays: Float32Array) -> Iterator[tuple[slice, list[Float32Array]]]:
+def batches(most: int, *arrays: npt.NDArray[Any]) -> Iterator[tuple[slice, list[npt.NDArray[Any]]]]:
     """Yield where the blocks of at most `most` rows lie among all blocks, and those of each array.
 
     Parameters
