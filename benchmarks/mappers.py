@@ -146,7 +146,7 @@ def sections(
         return
     kept = None if output is None else output / ROWS
     rows = _read(kept)
-    prepare(lambda line: print(line, file=sys.stderr))
+    prepare()
     for fabric in fabrics:
         for graph, name, mapper in _tasks(place, fabric, mappers or mapper_names()):
             key = (fabric, name, mapper, time_limit_s)

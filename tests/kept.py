@@ -28,9 +28,9 @@ import pytest
 from llvmlite import binding
 
 import vividc.frontend.lower
+from tests.made_of import made_of
 from vividc.frontend import KernelFunction
 from vividc.frontend.numba.target import NumbaModule, numba_module
-from vividc.host.made_of import made_of
 
 _PACKAGE = Path(vividc.__file__).parent
 _TEACH = ("errors.py", "formats.py", "frontend", "host", "lang", "machine")

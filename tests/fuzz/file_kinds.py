@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from click.testing import CliRunner
+from numpy.typing import NDArray
 from PIL import Image
 
 from tests.fuzz.file_scenes import POSE, SCENES, ply_bytes, views
@@ -407,8 +408,8 @@ def _of_entries(home: Path) -> Iterator[Kind]:
     )
 
 
-@machine_code.compiler(__file__)
-def _tripled(x: Any) -> int:
+@machine_code.Compiler()
+def _tripled(x: NDArray[np.int64]) -> int:
     total = 0
     for i in range(len(x)):
         total += 3 * x[i]

@@ -36,7 +36,7 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "frontend/c/source.py": ("kernel in C",),
     "host/inputs.py": ("graph JSON",),
     "program/kept.py": (OWN,),
-    "host/machine_code.py": (OWN,),
+    "host/machine_code/unit.py": (OWN,),
     "host/npz.py": ("arguments", "scene: means"),
     "program/bundle.py": ("program", "program to disassemble"),
     "program/encoder/encode.py": ("kernel",),

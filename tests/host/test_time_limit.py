@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import vividc
+from tests import kept
 from vividc import arch
 from vividc.errors import SourceLoc, TimeLimit
 from vividc.host import time_limit
@@ -127,7 +128,7 @@ def test_a_stage_without_which_there_is_no_program_ends_with_a_message(
 ) -> None:
     """A stage that no longer asks for the time fails here."""
     monkeypatch.setattr(time_limit, "step", _ends_at(stage))
-    with pytest.raises(TimeLimit, match=stage):
+    with kept.modules_made_anew(), pytest.raises(TimeLimit, match=stage):
         vividc.compile(kernel())
 
 

@@ -116,7 +116,7 @@ def test_an_empty_graph_maps() -> None:
 
 
 def test_the_time_limit_is_kept() -> None:
-    prepare(print)  # what is compiled once an installation is beyond the limit
+    prepare()  # what is compiled once an installation is beyond the limit
     began = time.monotonic()
     result = map_dfg(blending(), grid(4, 4, registers=1, constants=32), time_limit_s=0.5)
     assert time.monotonic() - began < 3
@@ -124,7 +124,7 @@ def test_the_time_limit_is_kept() -> None:
 
 
 def test_an_interrupt_stops_the_solver() -> None:
-    prepare(print)  # numba swallows interrupts while it compiles
+    prepare()
     # A shell's background job ignores interrupts: so would the simulated one.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.1, _thread.interrupt_main)

@@ -66,7 +66,7 @@ def test_two_sides_find_the_same_mapping_each_time(name: str) -> None:
 @pytest.mark.parametrize("name", ["openedge-3x3", "mesh-3x3", "hycube-3x3"])
 def test_nothing_is_compiled_within_a_time_limit(name: str) -> None:
     """The moves with routes were compiled in the middle of a search: 27 s of a limit of 10 s."""
-    prepare(print)
+    prepare()
     before = specialisations()
     problem = problem_on(name)
     bound = mii(all_bounds(problem))

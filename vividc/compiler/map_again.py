@@ -28,7 +28,6 @@ from vividc.mapper.engines.negotiate import (
     least_span,
     loose_frame,
     negotiate,
-    prepare,
     tight_frame,
 )
 from vividc.mapper.mapping import Mapping
@@ -229,7 +228,6 @@ class _Loops:
             frame = tight_frame(core, old.ii, span, meetings)
         if frame is None:
             return None
-        prepare(lambda _: None)
         made = negotiate(core, old.ii, seed, deadline, effort, frame=frame)
         named = None if made is None else named_anew(problem, made)
         if named is None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import chain
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
+Ints: TypeAlias = NDArray[np.int64]
+Ints2: TypeAlias = Annotated[Ints, 2]
+"""Of two dimensions, for the compiler of inner loops."""
 
 
 def flat(lists: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:

@@ -1,6 +1,6 @@
 """Unoptimised LLVM IR of a Python function, typed and lowered by a numba target of our own.
 
-Relies on numba's internals, as do its helpers in this folder and `machine_code`. The target is
+Relies on numba's internals, as do its helpers in this folder. The target is
 numba's CPU without everything that an array has not: code generation, reference counting, Python
 wrappers, exceptions. A raise becomes a call of a function named after it, so that a reachable one
 can be reported with its line. `range` iterates by comparing with its stop value: numba's own trip

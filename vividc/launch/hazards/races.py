@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vividc.host.machine_code import Compiler, compiler
-from vividc.launch.flat import Ints
+from vividc.host.machine_code import Compiler
+from vividc.launch.flat import Ints, Ints2
 
-compiled: Final[Compiler] = compiler(__file__)
+compiled: Final = Compiler()
 PLACE, START, END, STEP, WRITES = range(5)
 """Columns of a list of uses: a memory; first byte and end; the step; whether it writes."""
 
@@ -36,7 +35,7 @@ def first_race(uses: Ints, wait_begin: Ints, wait_items: Ints) -> tuple[int, int
     steps = len(wait_begin) - 1
     rows = np.zeros(steps + 1, dtype=np.int64)
     np.cumsum(np.arange(steps) // _BITS + 1, out=rows[1:])
-    reach = np.zeros(rows[-1], dtype=np.uint64)
+    reach = np.zeros(rows[-1], dtype=np.int64)
     _reach(reach, rows, wait_begin, wait_items)
     race = np.full(3, _NONE, dtype=np.int64)
     _sweep(uses, reach, rows, np.empty(len(uses), dtype=np.int64), race)
@@ -45,7 +44,7 @@ def first_race(uses: Ints, wait_begin: Ints, wait_items: Ints) -> tuple[int, int
 
 
 @compiled
-def _reach(reach: NDArray[np.uint64], rows: Ints, wait_begin: Ints, wait_items: Ints) -> None:
+def _reach(reach: Ints, rows: Ints, wait_begin: Ints, wait_items: Ints) -> None:
     """For each step the steps before it that it waits for, as bits; its row has no more words than
     it needs.
     """
@@ -55,11 +54,11 @@ def _reach(reach: NDArray[np.uint64], rows: Ints, wait_begin: Ints, wait_items: 
             before = wait_items[place]
             for word in range(rows[before + 1] - rows[before]):
                 reach[row + word] |= reach[rows[before] + word]
-            reach[row + before // _BITS] |= np.uint64(1) << np.uint64(before % _BITS)
+            reach[row + before // _BITS] |= 1 << before % _BITS
 
 
 @compiled
-def _sweep(uses: Ints, reach: NDArray[np.uint64], rows: Ints, open_: Ints, race: Ints) -> None:
+def _sweep(uses: Ints2, reach: Ints, rows: Ints, open_: Ints, race: Ints) -> None:
     """Go through the uses, which are in order of place, start and step, and keep those that have
     not ended in `open_`.
     """
@@ -84,6 +83,6 @@ def _sweep(uses: Ints, reach: NDArray[np.uint64], rows: Ints, open_: Ints, race:
 
 
 @compiled
-def _follows(reach: NDArray[np.uint64], rows: Ints, early: int, late: int) -> bool:
-    bit = np.uint64(1) << np.uint64(early % _BITS)
+def _follows(reach: Ints, rows: Ints, early: int, late: int) -> bool:
+    bit = 1 << early % _BITS
     return bool(reach[rows[late] + early // _BITS] & bit)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from vividc.arch import Accelerator
-from vividc.launch.flat import Ints
+from vividc.launch.flat import Ints, Ints2
 from vividc.launch.steps import Transfer
-from vividc.launch.timing.compiled import inlined
+from vividc.launch.timing.compiled import compiled
 from vividc.launch.timing.state import DRAM_BYTES, DRAM_CYCLES, NOC_CYCLES, OWNER, PAD_CYCLES, SIZE
 from vividc.program import WORD_BYTES
 
@@ -67,8 +67,8 @@ def cut_pieces(cut: Cut, owners: Ints, lines: Ints, pieces: Ints) -> tuple[Ints,
     return first, bursts
 
 
-@inlined
-def _cut(cut: Cut, owners: Ints, lines: Ints, pieces: Ints, bursts: Ints) -> None:
+@compiled
+def _cut(cut: Cut, owners: Ints, lines: Ints, pieces: Ints2, bursts: Ints2) -> None:
     place = 0
     for piece in range(len(pieces)):
         start = pieces[piece, 0]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from vividc.host.machine_code import constant
 from vividc.launch.timing.compiled import inlined
 from vividc.launch.timing.queues import pop, push
 from vividc.launch.timing.state import EVENTS, NOTHING, Queues, State
@@ -20,7 +19,7 @@ from vividc.launch.timing.state import EVENTS, NOTHING, Queues, State
     END_TRANSFER,
     END_RUN,
     GRANT,
-) = map(constant, range(12))
+) = range(12)
 """What may happen; the item is a step, a burst, for `GRANT` what serves, and for `END_RUN` tile and
 version.
 """

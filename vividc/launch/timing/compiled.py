@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.host.machine_code import Compiler, compiler, inlined
+from vividc.host.machine_code import Compiler, inlined
 
 __all__ = ["compiled", "inlined"]
 
-compiled: Final[Compiler] = compiler(__file__)
+compiled: Final = Compiler()

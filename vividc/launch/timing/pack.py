@@ -210,7 +210,8 @@ def _bursts(
     ends = np.zeros(2 * len(steps) + 1, dtype=np.int64)
     np.cumsum(counts.reshape(-1), out=ends[1:])
     bounds = first[ends]
-    starts, data, behind = bounds[0:-1:2], bounds[1::2], bounds[2::2]
+    spaced = bounds[0:-1:2], bounds[1::2], bounds[2::2]
+    starts, data, behind = map(np.ascontiguousarray, spaced)
     for number in np.flatnonzero(in_pads).tolist():
         bursts[starts[number] : data[number], (DRAM_BYTES, DRAM_CYCLES)] = 0
     return starts, data, behind, bursts

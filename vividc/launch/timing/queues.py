@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vividc.launch.flat import Ints
+from vividc.launch.flat import Ints2
 from vividc.launch.timing.compiled import inlined
 from vividc.launch.timing.state import Queues
 
@@ -47,7 +47,7 @@ def pop(queues: Queues, queue: int) -> tuple[int, int, int, int]:
 
 
 @inlined
-def _is_before(first: int, second: int, rows: Ints, place: int) -> bool:
+def _is_before(first: int, second: int, rows: Ints2, place: int) -> bool:
     """Whether keys are smaller than those of a row."""
     if first != rows[place, 0]:
         return bool(first < rows[place, 0])
@@ -55,6 +55,6 @@ def _is_before(first: int, second: int, rows: Ints, place: int) -> bool:
 
 
 @inlined
-def _copy(rows: Ints, source: int, target: int) -> None:
+def _copy(rows: Ints2, source: int, target: int) -> None:
     for column in range(4):
         rows[target, column] = rows[source, column]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from vividc.host.machine_code import constant
-from vividc.launch.flat import Ints
+from vividc.launch.flat import Ints, Ints2
 
 MOVE_IN, MOVE_OUT, CONFIGURE, RUN = 0, 1, 2, 3
 """Kinds of steps; a gather is a move in whose indices are bursts, too."""
@@ -21,13 +20,13 @@ DRAM_READ, DRAM_WRITTEN, DRAM_WANTED, NOC, SCRATCHPAD_IN, SCRATCHPAD_OUT = range
 DMA_WAIT, CONFIGURATION_WAIT, DEPENDENCY_WAIT, LAUNCH, BANKS_TAKEN = range(5)
 """Columns of `State.stalls`."""
 
-EVENTS, CHANNEL, NETWORK, TRANSFERS = map(constant, range(4))
+EVENTS, CHANNEL, NETWORK, TRANSFERS = range(4)
 """Queues: what will happen; bursts that wait for DRAM's channel and for the NoC; transfers that
 wait for an engine.
 """
 
-NOTHING: Final = constant(-1)
-FIRST_CYCLE: Final = constant(0)
+NOTHING: Final = -1
+FIRST_CYCLE: Final = 0
 
 
 class Machine(NamedTuple):
@@ -83,7 +82,7 @@ class Graph(NamedTuple):
     index_begin: Ints
     data_begin: Ints
     data_end: Ints
-    bursts: Ints
+    bursts: Ints2
 
 
 class Queues(NamedTuple):
@@ -97,7 +96,7 @@ class Queues(NamedTuple):
         By queue: its place in `rows`, how much it holds, how much it was ever given.
     """
 
-    rows: Ints
+    rows: Ints2
     begin: Ints
     length: Ints
     pushed: Ints
@@ -147,7 +146,7 @@ class State(NamedTuple):
     stop: Ints
     version: Ints
     free_from: Ints
-    stalls: Ints
+    stalls: Ints2
     is_free: Ints
     port_free: Ints
     free_at: Ints

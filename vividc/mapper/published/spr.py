@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import Final
 
 from vividc.mapper.deadline import Deadline
-from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
+from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.published.upward import attempt_of, upward
 from vividc.mapper.request import MapRequest
@@ -30,7 +30,6 @@ _EFFORT: Final = Effort(repairs=0, trials=1)
 
 def spr(problem: MapProblem, request: MapRequest) -> MapResult:
     """Place by annealing and route by negotiation, from the MII upward."""
-    prepare(request.tell)
     return run(upward("spr", _try_ii), problem, request)
 
 

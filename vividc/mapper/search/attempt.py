@@ -21,7 +21,7 @@ from vividc.mapper.engines.cpsat import (
     schedule,
     windowed,
 )
-from vividc.mapper.engines.negotiate import Effort, negotiate, prepare
+from vividc.mapper.engines.negotiate import Effort, negotiate
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.request import MapRequest
 from vividc.mapper.resources.plain_core import named_anew, unrotated
@@ -96,7 +96,6 @@ def map_negotiated(
     effort: Effort | None = None,
 ) -> Attempt:
     """Anneal places and negotiate routes, without a solver."""
-    prepare(request.tell)
     request.tell(f"II {ii}: annealing places, negotiating routes")
     core = replace(problem, fabric=unrotated(problem.fabric))
     mapping = negotiate(core, ii, seed, deadline, effort, SEEDS_IN_STEP, request.workers)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Annotated, Final, Protocol, TypeAlias
 
 import numpy as np
 
-from vividc.host.machine_code import Compiler, compiler
+from vividc.host.machine_code import Compiler
 from vividc.render.arrays import Float32Array
 
-_compiled: Final[Compiler] = compiler(__file__)
+_compiled: Final = Compiler(in_vectors=True)
+_Matrices: TypeAlias = Annotated[Float32Array, 3]
 
 BLOCK = 2048
 """Samples a network sees at once. Every block has this length, the last one padded, so that a
@@ -41,7 +42,7 @@ def linear(
     The same on every machine and for every number of rows, which products of linear algebra
     libraries are not: their kernels differ by processor, and sum a matrix's last rows otherwise.
     """
-    inputs, weights = (np.ascontiguousarray(array, np.float32) for array in (inputs, weights))
+    inputs, weights = (np.require(array, np.float32, ("C", "W")) for array in (inputs, weights))
     product = np.zeros((*inputs.shape[:-1], weights.shape[-1]), dtype=np.float32)
     matrices = math.prod(inputs.shape[:-2])
     _add_products(*(m.reshape(matrices, *m.shape[-2:]) for m in (inputs, weights, product)))
@@ -49,7 +50,7 @@ def linear(
 
 
 @_compiled
-def _add_products(inputs: Float32Array, weights: Float32Array, sums: Float32Array) -> None:
+def _add_products(inputs: _Matrices, weights: _Matrices, sums: _Matrices) -> None:
     """Add inputs [k, n, i] times weights [k, i, o] to `sums` [k, n, o]."""
     for matrix in range(inputs.shape[0]):
         for row in range(inputs.shape[1]):

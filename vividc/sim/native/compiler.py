@@ -1,27 +1,21 @@
-"""LLVM IR to machine code, and into this process.
-
-The only module that talks to llvmlite for writing code.
-"""
+"""LLVM IR of programs to machine code, and into this process."""
 
 from __future__ import annotations
 
 import ctypes
 import functools
-import sys
 from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
-from threading import Lock
 from typing import Final
 
 from llvmlite import binding
 
+from vividc.host.machine_code import assembler
 from vividc.sim.native.module import ENTRY
 
 Native = Callable[[int, int, int], int]
 """`run` of `native.module`, with addresses for pointers; it holds no lock of Python's."""
-
-_LOCK: Final = Lock()
 
 _LARGE: Final = 500_000
 """Characters of a module from which LLVM's code generator does not optimise: its time for a loop of
@@ -32,28 +26,14 @@ thousands of operations grows faster than the loop.
 @functools.cache
 def host() -> str:
     """What machine code depends on: LLVM, processor, features, byte order, and this file."""
-    version = ".".join(map(str, binding.llvm_version_info))
-    features = binding.get_host_cpu_features().flatten()
-    return "|".join(
-        (
-            version,
-            binding.get_process_triple(),
-            binding.get_host_cpu_name(),
-            features,
-            sys.byteorder,
-            sha256(Path(__file__).read_bytes()).hexdigest(),
-        )
-    )
+    return f"{assembler.host()}|{sha256(Path(__file__).read_bytes()).hexdigest()}"
 
 
 def object_code(text: str) -> bytes:
     """Machine code of a module, as an object file."""
-    with _LOCK:
-        machine = _target_machine(2 if len(text) < _LARGE else 0)
-        module = binding.parse_assembly(text)
-        module.triple = binding.get_process_triple()
-        module.data_layout = str(machine.target_data)
-        module.verify()
+    with assembler.LOCK:
+        machine = assembler.target_machine(2 if len(text) < _LARGE else 0)
+        module = assembler.parsed(text, machine)
         _simplify(
             module, binding.create_pass_builder(machine, binding.create_pipeline_tuning_options())
         )
@@ -76,40 +56,12 @@ def _simplify(module: binding.ModuleRef, builder: binding.PassBuilder) -> None:
 
 def loaded(code: bytes, name: str) -> Native:
     """The function `run` of an object file; `name` is used once in a process."""
-    with _LOCK:
-        library = binding.JITLibraryBuilder()
-        library.add_object_img(code).add_current_process().export_symbol(ENTRY)
-        tracker = library.link(_jit(), name)
-    prototype = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 3)
-    function = prototype(tracker[ENTRY])
+    alive, (address,) = assembler.linked(code, name, [ENTRY])
+    function = ctypes.CFUNCTYPE(ctypes.c_int32, *[ctypes.c_void_p] * 3)(address)
 
     def run(context: int, constants: int, memory: int) -> int:
-        assert tracker is not None  # the code lives as long as its tracker
+        assert alive is not None  # the code lives as long as this
         status: int = function(context, constants, memory)
         return status
 
     return run
-
-
-@functools.cache
-def _initialize() -> None:
-    binding.initialize_native_target()
-    binding.initialize_native_asmprinter()
-
-
-@functools.cache
-def _target_machine(opt: int) -> binding.TargetMachine:
-    _initialize()
-    target = binding.Target.from_default_triple()
-    return target.create_target_machine(
-        cpu=binding.get_host_cpu_name(),
-        features=binding.get_host_cpu_features().flatten(),
-        opt=opt,
-        jit=True,
-    )
-
-
-@functools.cache
-def _jit() -> binding.LLJIT:
-    _initialize()
-    return binding.create_lljit_compiler()

@@ -5,8 +5,9 @@ problem), `places`, `words`, `motion`, `anneal`; `traffic`, `ways`, `repair` (wi
 `lockstep`, `tuning`, `negotiate`.
 """
 
+from vividc.mapper.engines.negotiate.compiled import prepare
 from vividc.mapper.engines.negotiate.frame import least_span, loose_frame, tight_frame
-from vividc.mapper.engines.negotiate.negotiate import negotiate, prepare
+from vividc.mapper.engines.negotiate.negotiate import negotiate
 from vividc.mapper.engines.negotiate.tuning import Effort
 
 __all__ = ["Effort", "least_span", "loose_frame", "negotiate", "prepare", "tight_frame"]

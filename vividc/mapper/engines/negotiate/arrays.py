@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,14 @@ from vividc.mapper.resources.dependences import Dependence, dependences
 from vividc.mapper.resources.distances import hop_distances
 from vividc.mapper.resources.mrrg import MRRG, Ints, Rows
 
-Floats = NDArray[np.float64]
+Floats: TypeAlias = NDArray[np.float64]
+Bytes: TypeAlias = NDArray[np.uint8]
+Ints2: TypeAlias = Annotated[Ints, 2]
+Ints3: TypeAlias = Annotated[Ints, 3]
+Floats2: TypeAlias = Annotated[Floats, 2]
+Floats3: TypeAlias = Annotated[Floats, 3]
+Bytes2: TypeAlias = Annotated[Bytes, 2]
+"""Of so many dimensions, for the compiler; others have one."""
 
 
 class Nodes(NamedTuple):
@@ -28,7 +35,7 @@ class Nodes(NamedTuple):
     constant-store entries; `key_uses`: `READ` or `WRITTEN` for each.
     """
 
-    can: NDArray[np.uint8]
+    can: Bytes2
     pe_begin: Ints
     pe_items: Ints
     latency: Ints
@@ -54,7 +61,7 @@ class Edges(NamedTuple):
     shift: Ints
     ready: Ints
     ahead: Ints
-    routed: NDArray[np.uint8]
+    routed: Bytes
     of_begin: Ints
     of_items: Ints
     sink_begin: Ints
@@ -79,13 +86,13 @@ class Array(NamedTuple):
     banks: int
     keys: int
     rivals: int
-    reach: Ints
-    hop: Ints
+    reach: Ints2
+    hop: Ints2
     near_begin: Ints
     near_items: Ints
     room: Ints
     stored: Ints
-    held: Ints
+    held: Ints2
 
 
 class Meets(NamedTuple):
@@ -96,7 +103,7 @@ class Meets(NamedTuple):
 
     access: Ints
     node: Ints
-    stalls: Floats
+    stalls: Floats3
     far: int
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from vividc.host.machine_code import Compiler, compiler, inlined
+from vividc.host.machine_code import Compiler, inlined
 
-__all__ = ["compiled", "inlined"]
+__all__ = ["compiled", "inlined", "prepare"]
 
-compiled: Final[Compiler] = compiler(__file__)
+compiled: Final = Compiler()
+prepare: Final = compiled.prepare
+"""Compile it now, once an installation, and not at the first call."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vividc.mapper.engines.negotiate.arrays import FU, Array, Edges, Floats, Task
+from vividc.mapper.engines.negotiate.arrays import FU, Array, Bytes, Edges, Floats, Ints2, Task
 from vividc.mapper.engines.negotiate.compiled import inlined
 from vividc.mapper.engines.negotiate.places import Places, early, enter
 from vividc.mapper.engines.negotiate.words import (
@@ -50,14 +49,14 @@ class Motion(NamedTuple):
     nodes: Ints
     edges: Ints
     words: Ints
-    node_in: NDArray[np.uint8]
-    edge_in: NDArray[np.uint8]
-    word_in: NDArray[np.uint8]
+    node_in: Bytes
+    edge_in: Bytes
+    word_in: Bytes
     pe: Ints
     time: Ints
     shown_size: Ints
-    shown_pe: Ints
-    shown_cycle: Ints
+    shown_pe: Ints2
+    shown_cycle: Ints2
     edge_cost: Floats
     word_cost: Floats
     edge_next: Floats

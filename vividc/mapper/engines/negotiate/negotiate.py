@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable
 from collections.abc import Mapping as ReadOnly
 from dataclasses import replace
 
 import numpy as np
 
-from vividc.arch.fabric import PE, Controller, Fabric, Scratchpad
-from vividc.dfg.ir import DFG, Node
 from vividc.errors import InternalError
-from vividc.machine.opcodes import LatencyClass, Opcode
 from vividc.mapper.check.verify import violations
 from vividc.mapper.deadline import Deadline
 from vividc.mapper.engines.negotiate import tuning
@@ -40,17 +36,6 @@ from vividc.mapper.mapping import Mapping, Place, Step
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.resources.mrrg import MRRG, NONE, build_mrrg
 from vividc.mapper.resources.registers import Lifetime, allocate
-
-
-def prepare(tell: Callable[[str], None]) -> None:
-    """Compile everything, once per installation; the time that takes counts towards no limit."""
-    if not _prepared:
-        tell("annealer and router: loading, or compiling once (up to a minute)")
-        _compile_all()
-        _prepared.append(True)
-
-
-_prepared: list[bool] = []
 
 
 def negotiate(
@@ -91,25 +76,6 @@ def _checked(mapping: Mapping, task: MapProblem) -> Mapping:
     if faults:
         raise InternalError(f"negotiated mapping of {task.dfg.name}: {faults[0].message}")
     return mapping
-
-
-def _compile_all() -> None:
-    """Call every entry point once, with one operation on one PE."""
-    compute = LatencyClass.GENERIC
-    pe = PE(0, 0, 0, frozenset({compute}), 1, 1, 1, 1)
-    controller = Controller(1, 1, 1, 1)
-    fabric = Fabric(
-        "one", 1, 1, (pe,), (), {compute: 1}, Scratchpad(4, 1), controller, clock_ghz=1.0
-    )
-    node = Node(0, Opcode.GENERIC, name="op")
-    problem = MapProblem(DFG("one", (node,), ()), fabric)
-    attempt = Negotiation(problem, 1, Frame({0: 0}, {0: 0}), 1)
-    never = Deadline.after(3600.0)
-    first_result([attempt.run(Effort(1, 1, 1, 1), never)], never.charge)
-    raise_prices(attempt.traffic, 1, tuning.HISTORY, tuning.GROWTH, tuning.MOST_PRESSURE)
-    attempt.traffic.totals[OVER] = 1
-    repair(attempt.router, new_undo(attempt.task, attempt.traffic), new_heat(1.0, 1.0, 1), 1)
-    route_as_shown(attempt.router, attempt.words)
 
 
 class Negotiation:

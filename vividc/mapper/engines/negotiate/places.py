@@ -14,6 +14,7 @@ from vividc.mapper.engines.negotiate.arrays import (
     WRITTEN,
     Array,
     Edges,
+    Ints2,
     Nodes,
     Task,
 )
@@ -33,7 +34,7 @@ class Places(NamedTuple):
     counts: Ints
     over: Ints
     at: Ints
-    held: Ints
+    held: Ints2
     stored: Ints
     random: Ints
 

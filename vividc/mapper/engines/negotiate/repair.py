@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vividc.mapper.engines.negotiate.anneal import Heat, propose
-from vividc.mapper.engines.negotiate.arrays import Task
+from vividc.mapper.engines.negotiate.arrays import Ints2, Ints3, Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.motion import occupant
 from vividc.mapper.engines.negotiate.places import Places, draw, early, enter, excess
@@ -40,10 +40,10 @@ class Undo(NamedTuple):
 
     words: Ints
     crowded: Ints
-    size: Ints
-    cell: Ints
-    claim: Ints
-    cut: Ints
+    size: Ints2
+    cell: Ints3
+    claim: Ints2
+    cut: Ints3
     end: Ints
 
 

@@ -9,10 +9,17 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vividc.arch.fabric import Fabric
-from vividc.mapper.engines.negotiate.arrays import Floats, Task
+from vividc.mapper.engines.negotiate.arrays import (
+    Bytes,
+    Bytes2,
+    Floats,
+    Floats2,
+    Ints2,
+    Ints3,
+    Task,
+)
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.resources.mrrg import MRRG, Ints, Kind
 
@@ -42,10 +49,10 @@ class Graph(NamedTuple):
     occupies: Ints
     entering: Ints
     leaving: Ints
-    keeps: NDArray[np.uint8]
-    aside: NDArray[np.uint8]
+    keeps: Bytes
+    aside: Bytes
     fresh: Ints
-    away: Ints
+    away: Ints2
     renew: Ints
     entry_begin: Ints
     entry_items: Ints
@@ -82,10 +89,10 @@ class Traffic(NamedTuple):
     history: Floats
     base: Floats
     totals: Floats
-    size: Ints
-    cell: Ints
-    claim: Ints
-    cut: Ints
+    size: Ints2
+    cell: Ints3
+    claim: Ints2
+    cut: Ints3
     end: Ints
 
 
@@ -95,10 +102,10 @@ class Scratch(NamedTuple):
     come to a location.
     """
 
-    cost: Floats
-    before: Ints
-    mark: NDArray[np.uint8]
-    barred: NDArray[np.uint8]
+    cost: Floats2
+    before: Ints2
+    mark: Bytes2
+    barred: Bytes2
 
 
 DIRECT, LOST = -1, -2

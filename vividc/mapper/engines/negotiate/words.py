@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vividc.mapper.engines.negotiate.arrays import Array, Edges, Task
+from vividc.mapper.engines.negotiate.arrays import Array, Edges, Ints2, Ints3, Task
 from vividc.mapper.engines.negotiate.compiled import compiled, inlined
 from vividc.mapper.engines.negotiate.places import Places, count
 from vividc.mapper.resources.mrrg import Ints
@@ -35,10 +35,10 @@ class Words(NamedTuple):
     """
 
     size: Ints
-    pe: Ints
-    cycle: Ints
-    path: Ints
-    reads: Ints
+    pe: Ints2
+    cycle: Ints2
+    path: Ints3
+    reads: Ints2
 
 
 class Read(NamedTuple):
@@ -149,7 +149,7 @@ def show(task: Task, places: Places, words: Words, word: int) -> None:
 
 
 @inlined
-def _order_reads(edges: Edges, places: Places, reads: Ints, word: int, ready: int) -> int:
+def _order_reads(edges: Edges, places: Places, reads: Ints2, word: int, ready: int) -> int:
     """Sort the reads of a word by time into `reads`; returns how many there are."""
     begin, end = edges.sink_begin[word], edges.sink_begin[word + 1]
     for at in range(end - begin):
