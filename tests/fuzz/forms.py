@@ -29,6 +29,7 @@ KINDS: tuple[Kind, ...] = (
     "flattening",
     "versioning",
 )
+WITH_FACTOR = ("unrolling", "unroll-and-jam", "partial results")
 MOST_INSTRUCTIONS = 400
 """No further transformation of what is larger: it would take its time and show little."""
 
@@ -60,7 +61,7 @@ def forms(function: Function, seed: int, *, is_whole: bool) -> list[Form]:
         plan = choose(function, estimator, LoopOptions())
         found.append(Form("chosen", plan.stages[-1].state.function))
     for _ in range(2 if kind > 0.5 else 1):
-        text, other = at_random(function, random)
+        text, other = at_random(function, random, is_whole=is_whole)
         found += [Form(text, other)] if text else []
     if is_whole and random.random() < 0.3:
         options = PassOptions(contract=False, reassociate=True)
@@ -69,8 +70,13 @@ def forms(function: Function, seed: int, *, is_whole: bool) -> list[Form]:
     return found
 
 
-def at_random(function: Function, random: Random) -> tuple[str, Function]:
-    """Some transformations; their names are empty if none was possible."""
+def at_random(
+    function: Function, random: Random, *, is_whole: bool = False
+) -> tuple[str, Function]:
+    """Some transformations; their names are empty if none was possible. Without floats
+    (`is_whole`) sums have partial results, too.
+    """
+    kinds = (*KINDS, "partial results") if is_whole else KINDS
     tidied = tidy(function)
     state = State(tidied, expected_trips(tidied, {}))
     names = []
@@ -78,8 +84,8 @@ def at_random(function: Function, random: Random) -> tuple[str, Function]:
         headers = sorted(loop.header for loop in find_loops(state.function))
         if not headers or sum(len(b.instrs) for b in state.function.blocks) > MOST_INSTRUCTIONS:
             break
-        kind = random.choice(KINDS)
-        factor = random.choice([2, 4]) if kind in ("unrolling", "unroll-and-jam") else 0
+        kind = random.choice(kinds)
+        factor = random.choice([2, 4]) if kind in WITH_FACTOR else 0
         candidate = Candidate(kind, random.choice(headers), factor)
         done = apply(state, candidate, expected_trips(state.function, state.hints))
         if not isinstance(done, Refusal):

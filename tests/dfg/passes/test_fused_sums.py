@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 
 import numpy as np
@@ -74,6 +75,30 @@ def test_chains_stand_side_by_side_outside_loops() -> None:
     made = balance_reductions(dfg, reassociate=True)
     demand_same(dfg, made)
     assert height(made) <= 6 < height(dfg)
+
+
+def filtered(order: tuple[int, ...]) -> DFG:
+    """`y[i] = x[i] + y[i - 1] * b - y[i - 2] * c` with its terms in this order."""
+    builder = GraphBuilder("filter")
+    x, b, c = loads(builder, 3, in_loop=True)
+    last, before = builder.open_phi(), builder.open_phi()
+    terms = ((Opcode.FADD, x, x), (Opcode.FMA, last, b), (Opcode.FNMA, before, c))
+    total = builder.add(Opcode.FADD, [x, x])
+    for place in order:
+        total = step(builder, *(terms[place][0], total, *terms[place][1:]))
+    builder.close_phi(last, builder.const(0), total)
+    builder.close_phi(before, builder.const(0), last)
+    builder.add_node(Node(0, Opcode.LIVE_OUT, name="%1"), [builder.operation(total)])
+    return builder.build()
+
+
+@pytest.mark.parametrize("order", [*itertools.permutations(range(3))])
+def test_the_latest_word_of_a_filter_is_added_last(order: tuple[int, ...]) -> None:
+    dfg = filtered(order)
+    made = balance_reductions(dfg, reassociate=True)
+    demand_same(dfg, made)
+    assert rec_mii(made) == rec_mii(filtered((0, 2, 1)))
+    assert (made is dfg) == (rec_mii(dfg) == rec_mii(made))
 
 
 def height(dfg: DFG) -> int:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Final, Literal
 
 from vividc.compiler.planning.parts import jammed
 from vividc.compiler.planning.state import MOST_INSTRUCTIONS, State
@@ -13,6 +13,7 @@ from vividc.ssa.analysis.constant_trips import constant_trips
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Function
 from vividc.ssa.loops.flatten.flatten import flatten, flattened_iterations, nest_at
+from vividc.ssa.loops.partial import with_partial_results
 from vividc.ssa.loops.threads.make import thread
 from vividc.ssa.loops.unroll import unroll
 from vividc.ssa.loops.versions import versions
@@ -31,6 +32,7 @@ Kind = Literal[
     "interleaving",
     "restructuring",
     "versioning",
+    "partial results",
 ]
 """`threads` are of a loop over `prange`; `interleaving` makes them of any other one."""
 
@@ -70,13 +72,11 @@ def apply(state: State, candidate: Candidate, trips: Mapping[str, float]) -> Sta
     size = _size(state.function, state.loop(candidate.header)) * factor
     if size > MOST_INSTRUCTIONS:
         return Refusal(f"it would make {size} instructions")
-    rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
-    if candidate.kind == "interleaving":
-        return _interleaved(state, candidate, trips)
-    if candidate.kind == "threads":
-        return _threaded(state, candidate, trips)
+    if candidate.kind in _MADE:
+        return _MADE[candidate.kind](state, candidate, trips)
     if candidate.kind == "unroll-and-jam":
         return jammed(state, candidate.header, factor, trips)
+    rest = expected % factor if _constant(state, candidate.header) else (factor - 1) / 2
     return _unrolled(state, candidate, trips, rest)
 
 
@@ -101,6 +101,20 @@ def _unrolled(
     hints = {done.main: (trips[candidate.header] - rest) / factor, done.rest: rest}
     derived = {done.main: done.rest}
     return _next(state, tidy(done.function), hints, derived, factor)
+
+
+def _with_partial_results(
+    state: State, candidate: Candidate, trips: Mapping[str, float]
+) -> State | Refusal:
+    """Runs iterations of an innermost loop as one, each with partial results of its own."""
+    factor, expected = candidate.factor, trips[candidate.header]
+    done = with_partial_results(state.function, state.loop(candidate.header), factor)
+    if isinstance(done, Refusal):
+        return done
+    is_constant = _constant(state, candidate.header)
+    groups = math.ceil(expected / factor) if is_constant else (expected + (factor - 1) / 2) / factor
+    derived = {done.main: candidate.header}
+    return _next(state, tidy(done.function), {done.main: groups}, derived, factor)
 
 
 def _interleaved(state: State, candidate: Candidate, trips: Mapping[str, float]) -> State | Refusal:
@@ -152,6 +166,13 @@ def _versioned(state: State, header: str, trips: Mapping[str, float]) -> State |
     hints = dict.fromkeys((done.apart, done.meeting), trips[header])
     made = _next(state, tidy(done.function), hints, {done.meeting: header}, 1)
     return replace(made, hints={**made.hints, done.entered: _APART})
+
+
+_MADE: Final[Mapping[Kind, Callable[[State, Candidate, Mapping[str, float]], State | Refusal]]] = {
+    "interleaving": _interleaved,
+    "threads": _threaded,
+    "partial results": _with_partial_results,
+}
 
 
 def _next(

@@ -40,6 +40,7 @@ _OPERATIONS_PER_PE = {
     "interleaving": 24,
     "restructuring": 8,
     "versioning": 24,
+    "partial results": 12,
 }
 """A loop's graph may not have more. What lies side by side is mapped soon (367 operations of 8
 modular inverses at their bound in 4 s), and code that is unrolled fully has no other form as good
@@ -57,6 +58,7 @@ _GAIN = {
     "interleaving": 0.9,
     "restructuring": 0.9,
     "versioning": 0.9,
+    "partial results": 0.97,
 }
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
@@ -230,7 +232,11 @@ class _Chooser(Draft):
         for header in [loop.header for loop in self._innermost()]:
             if self._may_wait_in_vain(header):
                 self._try(Candidate("versioning", header))
-            self._climb("unrolling", header)
+            before = self.now
+            if self.estimator.options.reassociate:
+                self._climb("partial results", header)
+            if self.now is before:
+                self._climb("unrolling", header)
 
     def _may_wait_in_vain(self, header: str) -> bool:
         """Whether a recurrence binds a loop that nothing has proved."""
@@ -435,7 +441,7 @@ class _Chooser(Draft):
 
     def _objection(self, base: Stage, candidate: Candidate, estimate: Estimate) -> str:
         limit = self._most_operations(base, candidate.kind)
-        largest = estimate.largest_loop(len(self.estimator.fabric.pes))
+        largest = self.estimator.largest_loop(estimate)
         if largest > limit:
             return f"a loop would have {largest} operations, more than {limit}"
         if math.isinf(estimate.cycles):

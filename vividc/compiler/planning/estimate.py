@@ -36,6 +36,11 @@ _ROOMY = 0.5
 """Of a loop's slots: as many operations are mapped within seconds (adi: 360 with an II of 49 in
 3 s; 540 are not).
 """
+_ROOMY_REASSOCIATED = 0.7
+_OF_REASSOCIATED = 12
+"""The same where float sums have any order, which leaves short recurrences, of loops of so many
+operations a PE: seidel's 168 with an II of 18 are mapped in 5 s.
+"""
 
 _NAMING = frozenset({Opcode.LIVE_IN, Opcode.LIVE_OUT})
 
@@ -111,13 +116,18 @@ class Estimate:
         """The fewest contexts that the regions take."""
         return sum(cost.shape.ii for cost in self.regions)
 
-    def largest_loop(self, pes: int) -> int:
+    def largest_loop(self, pes: int, *, reassociated: bool = False) -> int:
         """Operations of the largest modulo-scheduled loop, those aside that half of the slots of so
         many PEs suffice for: recurrences give a mapper room.
         """
         loops = [r.shape for r in self.regions if r.kind == "loop"]
-        crowded = [s.operations for s in loops if s.operations > _ROOMY * s.ii * pes]
-        return max(crowded, default=0)
+
+        def share(operations: int) -> float:
+            few = reassociated and operations <= _OF_REASSOCIATED * pes
+            return _ROOMY_REASSOCIATED if few else _ROOMY
+
+        slots = ((s.operations, s.ii * pes) for s in loops)
+        return max((n for n, room in slots if n > share(n) * room), default=0)
 
     @property
     def largest_straight(self) -> int:
@@ -293,6 +303,11 @@ class Estimator:
             self._optimized[id(dfg)] = known or self._made(dfg)
             self._alike.setdefault(alike, self._optimized[id(dfg)])
         return self._optimized[id(dfg)].done
+
+    def largest_loop(self, estimate: Estimate) -> int:
+        """Operations of the largest loop that recurrences do not give a mapper room for."""
+        reassociated = self.options.reassociate
+        return estimate.largest_loop(len(self.fabric.pes), reassociated=reassociated)
 
     def _made(self, dfg: DFG) -> _Optimized:
         done = replace(dfg, name="")

@@ -409,7 +409,7 @@ class _Climb:
             return None
         function, hints = made.state.function, made.state.hints
         estimate = self.estimator.estimate(function, hints)
-        if estimate.largest_loop(len(self.estimator.fabric.pes)) > self.most_operations:
+        if self.estimator.largest_loop(estimate) > self.most_operations:
             return None
         large = self.estimator.estimate(function, {**hints, **made.hints(loops, self.larger)})
         mean = math.sqrt(estimate.cycles * large.cycles)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Final
 
 from vividc.dfg.ir import DFG, Edge, Node
@@ -59,11 +60,13 @@ class _Sum:
     carried: list[Value] = field(default_factory=list)
     """Words that the root gave before, where they are added."""
     carried_depth: int = 0
+    late: list[tuple[_Term, int]] = field(default_factory=list)
+    """Terms that need the root's earlier words, with their depths."""
     is_plain: bool = True
     """The root's earlier words come in nowhere else."""
 
     def collect(self) -> bool:
-        """Whether there is something to be gained by another order."""
+        """Whether it is a sum by itself of which some other order may be better."""
         uses = self.rewrite.uses(self.root.id)
         if self.rewrite.predicated(self.root.id) or (
             len(uses) == 1 and self._joins(self.root, uses[0])
@@ -71,7 +74,51 @@ class _Sum:
             return False
         self._descend(self.root, 1)
         fused = any(len(term.factors) > 1 or term.is_negative for term in self.terms)
-        return fused and self.is_plain and len(self.carried) <= 1 and len(self.terms) > 1
+        return fused and len(self.terms) > 1
+
+    @property
+    def has_one_accumulator(self) -> bool:
+        """Whether earlier words come in at one place at most, and are added there."""
+        return self.is_plain and len(self.carried) <= 1
+
+    def rebalance_late(self) -> None:
+        """Adds what needs the root's earlier words behind what does not, the latest of these words
+        last (`b1 * y[i - 1] + b2 * y[i - 2]` with the first product last), if a recurrence is
+        shorter so.
+        """
+        late = sorted(self.late, key=lambda one: -self._distance(one[0]))
+        rest = [t for t in self.terms if not any(t is term for term, _ in late)]
+        if not any(not term.is_negative for term in rest):
+            return
+        before = max(depth / self._distance(term) for term, depth in late)
+        depths = range(len(late), 0, -1)
+        after = max(d / self._distance(term) for (term, _), d in zip(late, depths, strict=True))
+        if after < before:
+            writer = _Writer(self.rewrite, self.root, [*reversed(self.inner)])
+            writer.chain([*_ordered(rest), *(term for term, _ in late)], last=self.root)
+
+    def _distance(self, term: _Term) -> int:
+        """By how many iterations the root's word in a term is earlier, at least."""
+        return min(
+            value.distance + self._away[value.src]
+            for value in term.factors
+            if self._is_carried(value)
+        )
+
+    @cached_property
+    def _away(self) -> Mapping[int, int]:
+        """Iterations from the root to what needs its word, of the recurrence (Dijkstra)."""
+        found: dict[int, int] = {}
+        heap = [(0, self.root.id)]
+        while heap:
+            iterations, node = heapq.heappop(heap)
+            if node in found:
+                continue
+            found[node] = iterations
+            for use in self.rewrite.uses(node):
+                if self.components[use.dst] == self.components[self.root.id]:
+                    heapq.heappush(heap, (iterations + use.distance, use.dst))
+        return found
 
     def rebalance_carried(self) -> None:
         """Adds what the last iteration left last of all."""
@@ -123,15 +170,17 @@ class _Sum:
             elif self._is_carried(value):
                 self.carried.append(value)
                 self.carried_depth = depth
+                self.late.append((_Term((value,), False, 0), depth))
             else:
                 self._add((value,), depth, is_negative=False)
 
     def _add(self, factors: tuple[Value, ...], depth: int, *, is_negative: bool) -> None:
-        if any(map(self._is_carried, factors)):
-            self.is_plain = False
         ready = max((self.levels[v.src] for v in factors if v.distance == 0), default=0)
         self.terms.append(_Term(factors, is_negative, ready))
         self.depths.append(depth)
+        if any(map(self._is_carried, factors)):
+            self.is_plain = False
+            self.late.append((self.terms[-1], depth))
 
     def _is_carried(self, value: Value) -> bool:
         return self.components[value.src] == self.components[self.root.id]
@@ -164,7 +213,9 @@ def fused_sums(
         if not found.collect():
             continue
         done |= {node.id, *found.inner}
-        if in_loop:
+        if not found.has_one_accumulator:
+            found.rebalance_late()
+        elif in_loop:
             found.rebalance_carried()
         else:
             found.widen()
@@ -187,19 +238,24 @@ class _Writer:
             return Value(node.id)
         return Value(self.rewrite.add_node(op, operands, self.root.loc, self.root.lane))
 
-    def chain(self, terms: Sequence[_Term]) -> Value:
-        """Terms one after another, of which the first is not negative."""
+    def chain(self, terms: Sequence[_Term], last: Node | None = None) -> Value:
+        """Terms one after another, of which the first is not negative; the last one's operation is
+        `last`, if given.
+        """
         first, *others = terms
         total = first.factors[0]
         if len(first.factors) > 1:
             total = self.emit(Opcode.FMUL, first.factors)
         for term in others:
-            if len(term.factors) > 1:
-                op = Opcode.FNMA if term.is_negative else Opcode.FMA
-                total = self.emit(op, [*term.factors, total])
-            else:
+            op = Opcode.FNMA if term.is_negative else Opcode.FMA
+            operands = [*term.factors, total]
+            if len(term.factors) == 1:
                 op = Opcode.FSUB if term.is_negative else Opcode.FADD
-                total = self.emit(op, [total, *term.factors])
+                operands = [total, *term.factors]
+            if last is not None and term is others[-1]:
+                change_operation(self.rewrite, last, op, operands)
+                return Value(last.id)
+            total = self.emit(op, operands)
         return total
 
 

@@ -1,5 +1,6 @@
 """Transformations of loops before regions are cut.
 
-In order: `unroll`, `versions` (with a test before them), `join` (two as one nest), `flatten/`,
-`threads/`. Loops of affine nests are changed by `ssa.polyhedral`.
+In order: `unroll`, `partial` (several partial results of a sum), `versions` (with a test before
+them), `join` (two as one nest), `flatten/`, `threads/`. Loops of affine nests are changed by
+`ssa.polyhedral`.
 """

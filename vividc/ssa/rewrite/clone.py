@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
-from vividc.ssa.edit import defined_types, map_values, next_id
+from vividc.ssa.edit import FreshIds, defined_types, map_values
 from vividc.ssa.ir import Block, Branch, Function, Phi, Ref, Value
 from vividc.ssa.rewrite.repair import repair
 
@@ -40,6 +40,7 @@ def clone_blocks(
     *,
     given: Mapping[int, Value] | None = None,
     stem: str = "copy",
+    ids: Callable[[], int] | None = None,
 ) -> Clone:
     """Copies blocks; `function` itself is not changed.
 
@@ -55,17 +56,18 @@ def clone_blocks(
         that a loop's header phis can be replaced by the values of one iteration.
     stem
         The copy of block b is called b.stem, with a number if need be.
+    ids
+        Gives ids that nothing has; None: the function has all that are in use.
     """
     given = dict(given or {})
     originals = [block for block in function.blocks if block.name in names]
     renamed = _fresh_names(function, originals, stem)
     values: dict[int, Value] = dict(given)
-    free = next_id(function)
+    fresh = FreshIds(function) if ids is None else ids
     for block in originals:
         for ident in defined_types(block):
             if ident not in given:
-                values[ident] = Ref(free)
-                free += 1
+                values[ident] = Ref(fresh())
     blocks = tuple(_copy(block, renamed, values, given) for block in originals)
     return Clone(blocks, renamed, values)
 
