@@ -3,6 +3,6 @@
 In order: `constants`, `alias`; loops: their `induction` variables, the `counters` that their
 headers test; values as `polynomial` forms, and subscripts with unknown `strides`; trip counts:
 `counted` (a value of the program), `constant_trips` (a number), `frequency` (an estimate);
-`acyclic` control flow and `levels` of it, `conjunctions` of tests under which blocks run;
-nests and threads: `distinct`, `uniform`.
+`reductions` (scalars that iterations only add to); `acyclic` control flow and `levels` of it,
+`conjunctions` of tests under which blocks run; nests and threads: `distinct`, `uniform`.
 """

@@ -16,6 +16,7 @@ from vividc.machine.parallel import Reduction
 from vividc.machine.words import WORD_MASK
 from vividc.ssa.analysis.counted import count_loop
 from vividc.ssa.analysis.induction import Induction, induction_of
+from vividc.ssa.analysis.reductions import FoundReduction, reduction_of
 from vividc.ssa.edit import (
     FreshIds,
     block_of,
@@ -30,7 +31,6 @@ from vividc.ssa.edit import (
 )
 from vividc.ssa.flow import Loop, find_loops, preheader_of
 from vividc.ssa.ir import Block, Branch, Const, Function, Instr, Phi, Ref, Value
-from vividc.ssa.parallel.reductions import FoundReduction, reduction_of
 from vividc.ssa.rewrite.clone import Clone, clone_blocks
 from vividc.ssa.rewrite.refusal import Refusal
 

@@ -24,11 +24,11 @@ from vividc.machine.parallel import (
 from vividc.ssa.analysis.counters import bounded
 from vividc.ssa.analysis.induction import constant_step, initial
 from vividc.ssa.analysis.polynomial import constant
+from vividc.ssa.analysis.reductions import FoundReduction, reduction_of
 from vividc.ssa.edit import with_blocks
 from vividc.ssa.flow import Loop, find_loops
 from vividc.ssa.ir import Block, Const, Function, Input, Instr, Phi, Ref, Value, definition_of
 from vividc.ssa.parallel.blocks import Bounds, blocked
-from vividc.ssa.parallel.reductions import FoundReduction, reduction_of
 from vividc.ssa.parallel.spread_proof import (
     demand_own_arrays_apart,
     is_exact,

@@ -22,9 +22,9 @@ from vividc.machine.opcodes import MEMORY, Opcode
 from vividc.machine.parallel import ANY, COUNTER, INDEX, STEPS, UNION, WIDE_HIGH, WIDE_LOW
 from vividc.machine.params import TRAP, LocalArray
 from vividc.ssa.analysis.counters import defined_in
+from vividc.ssa.analysis.reductions import FoundReduction
 from vividc.ssa.flow import Loop, block_graph, dominators
 from vividc.ssa.ir import Block, Const, Function, Instr, Ref, Value
-from vividc.ssa.parallel.reductions import FoundReduction
 from vividc.ssa.parallel.terms import TermTable
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tests.rules import Case, cases
 from tests.ssa.support import FUNCTIONS, loop_at
+from vividc.ssa.analysis.reductions import reduction_of
 from vividc.ssa.edit import block_of
 from vividc.ssa.ir import Function
-from vividc.ssa.parallel.reductions import reduction_of
 
 
 def run(function: Function) -> str:
