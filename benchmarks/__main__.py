@@ -34,11 +34,11 @@ from benchmarks import (
     simd,
     splats,
 )
-from benchmarks.measured_frames import METHODS
 from benchmarks.polybench import table as polybench
 from benchmarks.polybench.suite import CASES, SIZES
 from benchmarks.workloads import WORKLOADS, Workload, transformations
 from vividc.host.files import write_whole
+from vividc.paper.scenes import METHODS
 
 HEADER = (
     "| kernel | hot loop ops | ResMII | RecMII | II | status | utilisation | all regions (cycles) "

@@ -1,5 +1,5 @@
 """The paper's Table 2, Figure 1(b) and Figure 7(c) in our own measure, from frames of the four
-methods that the array renders (`benchmarks/measured_frames.py`).
+methods that the array renders (`vividc.paper.frames`).
 """
 
 from __future__ import annotations
@@ -12,22 +12,16 @@ from pathlib import Path
 from statistics import mean
 from typing import Final
 
-from benchmarks.measured_frames import (
-    ALL_VIEWS,
-    GAUSSIANS,
-    METHODS,
-    MIC,
-    ROWS,
-    Key,
-    Row,
-    chosen_views,
-    measured,
-    photographs,
-    scenes,
-)
-from benchmarks.paper_plot import draw_contributions, draw_stages
-from vividc.render.array import NetworkMode, RenderPrecision
+from benchmarks.quality import SHARED
+from vividc.host.files import write_whole
+from vividc.host.plot import to_svg
+from vividc.paper import bars
+from vividc.paper.frames import ALL_VIEWS, Key, Measure, Row, measured
+from vividc.paper.rendered import STEPS, WITH_MODES
+from vividc.paper.scenes import CHECKOUT, GAUSSIANS, METHODS, MIC, Scenes
 
+ROWS: Final = "paper.jsonl"
+SCENES: Final = Scenes((CHECKOUT, SHARED))
 TITLE: Final = "The paper's figures of the four methods, in our own measure"
 SIZES: Final = (200, 400, 800)
 NOTES: Final = (
@@ -50,21 +44,11 @@ NOTES: Final = (
     "hand. In partitioned mode a network runs in whichever mode takes fewest cycles, in unified",
     "mode in that one or in GPU-like mode; 3DGS and KiloNeRF know GPU-like mode alone.",
 )
-_STEPS: Final[dict[str, tuple[bool, RenderPrecision, NetworkMode]]] = {
-    "GPU-like mode": (False, "fp32", "gpu"),
-    "unified mode": (False, "fp32", "tpu-unified"),
-    "partitioned mode": (False, "fp32", "auto"),
-    "lookahead": (True, "fp32", "auto"),
-    "FP8": (True, "fp8", "auto"),
-}
-"""What Figure 7(c) adds, one after the other."""
 _TABLE_2: Final = {"array": "partitioned mode", "lookahead": "lookahead", "FP8": "FP8"}
 """The columns of Table 2, and the steps that they are."""
 _TABLE_2_LARGEST: Final = 400
 _WHOLE: Final = ("lookahead", "FP8")
 """Steps of which a frame is simulated whole."""
-_WITH_MODES: Final = ("instant-ngp", "tensorf")
-"""Methods whose networks know the TPU-like modes."""
 _SAMPLES: Final = ((200, 1.0), (400, 0.2), (8192, 0.05))
 """Share of the blocks of the ray-marched methods, up to a side."""
 _SHOWN: Final = 0.01
@@ -72,7 +56,10 @@ _SHOWN: Final = 0.01
 
 
 def sections(
-    methods: Sequence[str], sizes: Sequence[int], output: Path | None
+    methods: Sequence[str],
+    sizes: Sequence[int],
+    output: Path | None,
+    measure: Measure | None = None,
 ) -> Iterator[list[str]]:
     """Measure and yield the tables' lines again after each row: what is finished so far.
 
@@ -82,6 +69,8 @@ def sections(
         Which, or all; the last size is that of the figures.
     output
         Folder of the rows and pictures; None: nothing is kept or drawn.
+    measure
+        In place of a process that renders.
     """
     methods, sizes = methods or METHODS, sizes or SIZES
     size = sizes[-1]
@@ -90,7 +79,8 @@ def sections(
         *_figure_keys(methods, size),
         *_whole_keys(methods, size),
     )
-    for rows in measured(list(dict.fromkeys(wanted)), output):
+    kept = None if output is None else output / ROWS
+    for rows in measured(list(dict.fromkeys(wanted)), SCENES, kept, measure=measure):
         yield [
             *_table_2(list(_quality_keys(methods, sizes)), rows),
             "",
@@ -101,7 +91,7 @@ def sections(
 
 
 def _key(scene: str, method: str, size: int, view: int, step: str) -> Key:
-    lookahead, precision, mode = _STEPS[step]
+    lookahead, precision, mode = STEPS[step]
     sample = 1.0
     if method != GAUSSIANS:
         sample = next(share for most, share in _SAMPLES if size <= most)
@@ -110,31 +100,31 @@ def _key(scene: str, method: str, size: int, view: int, step: str) -> Key:
         sample=sample,
         lookahead=lookahead,
         precision=precision,
-        mode=mode if method in _WITH_MODES else "auto",
+        mode=mode if method in WITH_MODES else "auto",
     )
 
 
 def _quality_keys(methods: Sequence[str], sizes: Sequence[int]) -> Iterator[Key]:
-    for scene, models in scenes().items():
+    for scene, models in SCENES.models().items():
         for size in (size for size in sizes if size <= _TABLE_2_LARGEST):
             for method in (method for method in methods if method in models):
-                if scene == MIC and photographs(size) is not None:
+                if scene == MIC and SCENES.photographs(size) is not None:
                     yield Key(scene, method, size, ALL_VIEWS, engine="reference")
-                for view in chosen_views(scene, size):
+                for view in SCENES.chosen_views(scene, size):
                     for step in _TABLE_2.values():
                         yield _key(scene, method, size, view, step)
 
 
 def _figure_keys(methods: Sequence[str], size: int) -> Iterator[Key]:
     for method in methods:
-        for step in _STEPS:
-            yield _key(MIC, method, size, chosen_views(MIC, size)[0], step)
+        for step in STEPS:
+            yield _key(MIC, method, size, SCENES.chosen_views(MIC, size)[0], step)
 
 
 def _whole_keys(methods: Sequence[str], size: int) -> Iterator[Key]:
     for method in methods:
         for step in _WHOLE:
-            sampled = _key(MIC, method, size, chosen_views(MIC, size)[0], step)
+            sampled = _key(MIC, method, size, SCENES.chosen_views(MIC, size)[0], step)
             yield replace(sampled, sample=1.0)
 
 
@@ -152,7 +142,7 @@ def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
         whole = rows.get(Key(scene, method, size, ALL_VIEWS, engine="reference"))
         views = [
             view
-            for view in chosen_views(scene, size)
+            for view in SCENES.chosen_views(scene, size)
             if any(_key(scene, method, size, view, step) in rows for step in _TABLE_2.values())
         ]
         by_step = {
@@ -176,9 +166,9 @@ def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
 def _figures(
     methods: Sequence[str], size: int, rows: Mapping[Key, Row], output: Path | None
 ) -> Iterator[str]:
-    view = chosen_views(MIC, size)[0]
+    view = SCENES.chosen_views(MIC, size)[0]
     steps = {
-        method: {step: rows.get(_key(MIC, method, size, view, step)) for step in _STEPS}
+        method: {step: rows.get(_key(MIC, method, size, view, step)) for step in STEPS}
         for method in methods
     }
     yield f"## Figure 1(b): frames a second and cycles by stage, {size}x{size}"
@@ -197,8 +187,17 @@ def _figures(
     yield ""
     yield from _contributions(size, steps)
     if output is not None:
-        draw_stages(output / "paper-stages.svg", _stage_bars(steps))
-        draw_contributions(output / "paper-contributions.svg", _bars_of_steps(steps))
+        drawn = {
+            "stages": bars.stages(
+                _stage_bars(steps), "Cycles of a frame by stage, float32 with lookahead"
+            ),
+            "contributions": bars.contributions(
+                _bars_of_steps(steps),
+                "What gives the speed-up over float32 in GPU-like mode without culling",
+            ),
+        }
+        for name, picture in drawn.items():
+            write_whole(output / f"paper-{name}.svg", to_svg(picture).encode())
 
 
 def _whole_frames(methods: Sequence[str], size: int, rows: Mapping[Key, Row]) -> Iterator[str]:
@@ -253,7 +252,7 @@ def _contributions(size: int, steps: Mapping[str, Mapping[str, Row | None]]) -> 
     yield "Each step is added to those on its left; the factor is of frames a second, and in"
     yield "brackets, when all are measured, its logarithm's share of all those that are faster."
     yield ""
-    names = list(_STEPS)
+    names = list(STEPS)
     yield f"| method | {names[0]}: frames/s | {' | '.join(names[1:])} | together | frames/s |"
     yield "|---" * (len(names) + 3) + "|"
     for method, found in steps.items():
@@ -302,7 +301,7 @@ def _bars_of_steps(steps: Mapping[str, Mapping[str, Row | None]]) -> dict[str, d
     for method, rows in steps.items():
         factors = [factor for factor in _factors(_rates(rows)) if factor is not None]
         if len(factors) == len(rows) - 1:
-            found[method] = dict(zip(list(_STEPS)[1:], factors, strict=True))
+            found[method] = dict(zip(list(STEPS)[1:], factors, strict=True))
     return found
 
 

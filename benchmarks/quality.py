@@ -8,12 +8,12 @@ renders alone.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from statistics import mean
 
 import numpy as np
 
+from vividc.paper.scenes import MODELS, compare
 from vividc.render import (
     Camera,
     Picture,
@@ -21,11 +21,9 @@ from vividc.render import (
     Scene,
     View,
     orbit_camera,
-    psnr,
     read_scene,
     read_views,
     render_reference,
-    ssim,
 )
 
 TITLE = "Quality of the float32 references"
@@ -43,25 +41,9 @@ HEADER = (
 _ROOT = Path(__file__).resolve().parents[1]
 _MIC = _ROOT / "scenes" / "mic"
 SHARED = _ROOT.parent / "shared" / "scenes"
-MODELS = {
-    "mic_3dgs_sh3.ply": "ref_gs.npz",
-    "mic_kilonerf.npz": "ref_kilo.npz",
-    "mic_ngp_hash.npz": "ref_ngp.npz",
-    "mic_tensorf_vm.npz": "ref_tf.npz",
-}
-"""Each model of `scenes/mic`, and its reference renders."""
 _TRUTHS = ("mic_200.npz", "mic_400.npz")
 _WITHOUT = ReferenceOptions(lookahead=False)
 _ORBIT = (30.0, 20.0, "-y", 400, 400)
-
-
-@dataclass(frozen=True)
-class Compared:
-    """One view: the picture, and how near it is to what it is compared with."""
-
-    picture: Picture
-    psnr_db: float
-    ssim: float
 
 
 def rows() -> Iterator[str]:
@@ -78,17 +60,6 @@ def rows() -> Iterator[str]:
         yield _lookahead_row(file.stem, method, scene, orbit_camera(scene, *_ORBIT))
     if not SHARED.is_dir():
         yield f"\nNo photographs: `../{SHARED.relative_to(_ROOT.parent)}` is not there."
-
-
-def compare(scene: Scene, views: Sequence[View]) -> Iterator[Compared]:
-    """Render each view and compare it with its picture."""
-    for view in views:
-        truth = view.truth()
-        if truth is None:
-            continue
-        picture = render_reference(scene, view.camera)
-        shown, truth = np.clip(picture.image, 0, 1), np.clip(truth, 0, 1)
-        yield Compared(picture, psnr(shown, truth), ssim(shown, truth))
 
 
 def _row(name: str, method: str, against: str, scene: Scene, views: Sequence[View]) -> str:

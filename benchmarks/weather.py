@@ -26,11 +26,12 @@ import numpy as np
 
 import vividc
 from benchmarks import PATIENCE, c_kernels, general, render_kernels
-from benchmarks.measured_frames import METHODS, MIC, scenes
+from benchmarks.paper import SCENES
 from benchmarks.quality import MODELS
 from benchmarks.workloads import WORKLOADS, Workload
 from vividc.gemm import Layer, mlp_job
 from vividc.gemm.layer import Apart
+from vividc.paper.scenes import METHODS, MIC
 from vividc.render import read_scene, read_views, scaled_camera
 from vividc.render.array import ArrayOptions, render_array
 
@@ -79,7 +80,7 @@ def _kernel(workload: Workload, fabric: str, time_limit_s: float) -> Case:
 
 
 def _frame(method: str, size: int) -> Case:
-    path = scenes()[MIC][method]
+    path = SCENES.models()[MIC][method]
     _, scene = read_scene(path)
     camera = scaled_camera(read_views(path.parent / MODELS[path.name])[0].camera, size, size)
     start = time.perf_counter()

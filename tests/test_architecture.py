@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "vividc"
 MOST = 15
 """Entries of a room, its `__init__.py` aside."""
-SIZES = {"vividc": 17}
+SIZES = {"vividc": 18}
 """The package itself: fifteen rooms, and `errors` and `formats`, which users import as such."""
 
 

@@ -6,11 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
-from benchmarks import measured_frames, paper
-from benchmarks.measured_frames import ALL_VIEWS, ROWS, Key, Row
+from benchmarks import paper
+from benchmarks.paper import ROWS
+from vividc.paper.frames import ALL_VIEWS, Key, Row, timed
+from vividc.paper.scenes import Scenes
 
 RATES = {
     (False, "fp32", "gpu"): 10.0,
@@ -21,13 +24,14 @@ RATES = {
 }
 
 
-@pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> list[Key]:
-    """The keys that were measured, in order; what is measured is made up."""
-    keys: list[Key] = []
+class Measured:
+    """Makes up what is measured, and notes the keys in order."""
 
-    def made_up(key: Key, folder: str) -> Row:
-        keys.append(key)
+    def __init__(self) -> None:
+        self.keys: list[Key] = []
+
+    def __call__(self, key: Key, scenes: Scenes, folder: str) -> Row:
+        self.keys.append(key)
         if key.view == ALL_VIEWS:
             return Row(key, "done", psnr_truth=36.5, ssim_truth=0.99)
         if key.scene != "mic" and key.precision == "fp8":
@@ -48,20 +52,27 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Key]:
             load=0.5,
         )
 
-    monkeypatch.setattr(measured_frames, "in_child", made_up)
-    monkeypatch.setattr(paper, "chosen_views", lambda scene, size: [0, 8])
-    monkeypatch.setattr(paper, "photographs", lambda size: Path("there"))
-    scenes = {"mic": {"tensorf": Path(), "kilonerf": Path()}, "playbot": {"3dgs": Path()}}
-    monkeypatch.setattr(paper, "scenes", lambda: scenes)
-    return keys
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> Measured:
+    scenes = SimpleNamespace(
+        chosen_views=lambda scene, size: [0, 8],
+        photographs=lambda size: Path("there"),
+        models=lambda: {
+            "mic": {"tensorf": Path(), "kilonerf": Path()},
+            "playbot": {"3dgs": Path()},
+        },
+    )
+    monkeypatch.setattr(paper, "SCENES", scenes)
+    return Measured()
 
 
-def table(output: Path | None, *methods: str) -> list[str]:
-    return list(paper.sections(methods, (200, 800), output))[-1]
+def table(made_up: Measured, output: Path | None, *methods: str) -> list[str]:
+    return list(paper.sections(methods, (200, 800), output, made_up))[-1]
 
 
-def test_a_method_in_all_tables(asked: list[Key], tmp_path: Path) -> None:
-    lines = table(tmp_path, "tensorf")
+def test_a_method_in_all_tables(made_up: Measured, tmp_path: Path) -> None:
+    lines = table(made_up, tmp_path, "tensorf")
     row = next(line for line in lines if line.startswith("| mic | tensorf | 200x200 |"))
     cells = [cell.strip() for cell in row.strip("|").split("|")]
     assert cells[3:12] == ["36.50", "0.9900", "2", "1", "36.50", "36.40", "36.40", "36.00", "0.50"]
@@ -71,7 +82,9 @@ def test_a_method_in_all_tables(asked: list[Key], tmp_path: Path) -> None:
     contributions = next(line for line in lines if line.startswith("| tensorf | 10.00 |"))
     for text in ("| 10.00 |", "1.20x (13%)", "1.25x (16%)", "1.33x (21%)", "2.00x (50%)", "4.00x"):
         assert text in contributions
-    halves = [line for found in paper.sections(["tensorf"], (800,), None) for line in found]
+    halves = [
+        line for found in paper.sections(["tensorf"], (800,), None, made_up) for line in found
+    ]
     assert "| tensorf | 10.00 | 1.20x | - | - | - | - | - |" in halves  # no shares of what is known
     bars = (tmp_path / "paper-stages.svg").read_text()
     assert "network: 75%" in bars
@@ -81,22 +94,26 @@ def test_a_method_in_all_tables(asked: list[Key], tmp_path: Path) -> None:
         ["fp32", "4,000,001", "20.00"],
         ["fp8", "4,000,001", "40.00"],
     ]
-    sampled = [key for key in asked if key.size == 800 and key.sample < 1]
+    sampled = [key for key in made_up.keys if key.size == 800 and key.sample < 1]
     assert {key.sample for key in sampled} == {0.05}
     assert len({*sampled}) == len(RATES)
 
 
-def test_rows_are_not_measured_again_unless_they_failed(asked: list[Key], tmp_path: Path) -> None:
-    first = table(tmp_path)
-    died = [key for key in asked if key.scene == "playbot" and key.precision == "fp8"]
+def test_rows_are_not_measured_again_unless_they_failed(made_up: Measured, tmp_path: Path) -> None:
+    first = table(made_up, tmp_path)
+    died = [key for key in made_up.keys if key.scene == "playbot" and key.precision == "fp8"]
     assert died
-    assert len(asked) == len(set(asked)) == len((tmp_path / ROWS).read_text().splitlines())
-    asked.clear()
-    assert table(tmp_path) == first
-    assert asked == died
+    assert (
+        len(made_up.keys)
+        == len(set(made_up.keys))
+        == len((tmp_path / ROWS).read_text().splitlines())
+    )
+    made_up.keys.clear()
+    assert table(made_up, tmp_path) == first
+    assert made_up.keys == died
 
 
-def test_seconds_are_those_with_compiled_kernels_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_seconds_are_those_with_compiled_kernels_at_hand() -> None:
     told: list[bool] = []
     clock = iter((0.0, 100.0, 103.0))  # what was compiled took until 100
 
@@ -106,18 +123,17 @@ def test_seconds_are_those_with_compiled_kernels_at_hand(monkeypatch: pytest.Mon
             tell("compiling")
         return "frame"
 
-    monkeypatch.setattr(measured_frames, "render_array", render)
-    monkeypatch.setattr(measured_frames, "time", SimpleNamespace(perf_counter=clock.__next__))
-    frame, seconds = measured_frames.timed(None, None, None)  # type: ignore[arg-type]
+    nothing: Any = None
+    frame, seconds = timed(nothing, nothing, nothing, render, clock.__next__)  # type: ignore[arg-type]
     assert (frame, seconds, told) == ("frame", 3.0, [True, False])
 
 
-def test_modes_are_of_methods_that_know_them(asked: list[Key]) -> None:
-    table(None)
+def test_modes_are_of_methods_that_know_them(made_up: Measured) -> None:
+    table(made_up, None)
     modes = {
-        method: {key.mode for key in asked if key.method == method and key.size == 800}
+        method: {key.mode for key in made_up.keys if key.method == method and key.size == 800}
         for method in ("tensorf", "kilonerf")
     }
     assert modes == {"tensorf": {"gpu", "tpu-unified", "auto"}, "kilonerf": {"auto"}}
-    one = next(key for key in asked if key.method == "kilonerf" and key.size == 800)
-    assert asked.count(replace(one, lookahead=False)) == 1
+    one = next(key for key in made_up.keys if key.method == "kilonerf" and key.size == 800)
+    assert made_up.keys.count(replace(one, lookahead=False)) == 1

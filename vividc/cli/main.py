@@ -40,6 +40,8 @@ _COMMANDS: Final = {
     "opt": "Run passes on a function in SSA form or on a dataflow graph.",
     "render": "Render SCENE (3DGS .ply; npz of KiloNeRF, Instant-NGP, TensoRF) and compare with "
     "the truth.",
+    "reproduce": "Measure the paper's tables and figures, and write them beside the paper's as one "
+    "HTML page.",
     "simulate": "Run a program on the machine, cycle by cycle.",
     "verify": "Check a file that `vividc map -o` wrote: mapping, bounds and what they prove.",
 }

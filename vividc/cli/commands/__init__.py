@@ -1,2 +1,2 @@
 """One module a command: `compile`, `opt`, `simulate`, `map`, `verify`, `disasm`, `area`,
-`render`, `list`."""
+`render`, `reproduce`, `list`."""

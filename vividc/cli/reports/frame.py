@@ -10,13 +10,11 @@ import click
 import numpy as np
 
 from vividc.arch import Accelerator
-from vividc.arch.cost.tables import DEFAULT_TABLE, load_costs
 from vividc.cli.reports.report import percent, print_table
-from vividc.launch.cost import work_of_job
+from vividc.paper.frames import avoided, stage_energy
 from vividc.render import psnr, ssim
 from vividc.render.array.device.frame import ArrayFrame, Stage
 from vividc.render.arrays import Float32Array
-from vividc.sim.cost import energy
 
 _MIN_SSIM_PX = 11
 _PJ_IN_UJ = 1e6
@@ -53,11 +51,6 @@ def frame_body(
 
 def _stage_body(stage: Stage, machine: Accelerator) -> dict[str, Any]:
     """Return the figures of a stage; energy is of its jobs, by component."""
-    table = load_costs(DEFAULT_TABLE)
-    parts: Counter[str] = Counter()
-    for stats in stage.stats:
-        work = work_of_job(stats, len(machine.tiles))
-        parts.update(energy(work, machine.fabric, table)["parts_pj"])
     return {
         "name": stage.name,
         "mode": stage.mode,
@@ -67,21 +60,8 @@ def _stage_body(stage: Stage, machine: Accelerator) -> dict[str, Any]:
         "dram_bytes": sum(
             stats["bytes"]["dram_read"] + stats["bytes"]["dram_written"] for stats in stage.stats
         ),
-        "energy_pj": dict(parts),
+        "energy_pj": stage_energy(stage, machine),
         "seconds": round(stage.seconds, 3),
-    }
-
-
-def avoided(counts: Mapping[str, int]) -> dict[str, float]:
-    """Return which share of the colour path (I) or of the exps (II) was not computed."""
-    pairs = {
-        "colour_path": ("colour_samples", "density_samples"),
-        "exponentials": ("exponentials", "evaluated"),
-    }
-    return {
-        name: 1 - counts[done] / counts[all_of_them]
-        for name, (done, all_of_them) in pairs.items()
-        if counts.get(all_of_them)
     }
 
 

@@ -1,28 +1,25 @@
-"""Pictures of Figure 1(b) and Figure 7(c): a bar a method, cut into stages or into what gave the
-speed-up.
-"""
+"""Bars: one a method cut into parts, as in Figures 1(b) and 7(c), and ours beside theirs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Final
 
-from vividc.host.files import write_whole
 from vividc.host.plot import (
     OKABE_ITO,
     Picture,
     Rect,
     Shape,
     Text,
-    encode,
     readable_on,
     text_width,
     tint,
 )
+from vividc.paper.exhibit import Theirs
 
-_LEFT, _TOP, _WIDTH, _BAR, _PITCH = 90.0, 40.0, 560.0, 26.0, 40.0
+_LEFT, _TOP, _WIDTH, _BAR, _PITCH = 150.0, 40.0, 500.0, 26.0, 40.0
+_PAIR: Final = 28.0
 _RIGHT: Final = 110.0
 _LEGEND_ROW: Final = 18.0
 _SWATCH: Final = 10.0
@@ -34,16 +31,10 @@ Bars = Mapping[str, Mapping[str, float]]
 """Size of each part, by bar."""
 
 
-def draw_stages(path: Path, bars: Bars) -> None:
-    """Write the cycles of each stage by method, as shares of the frame.
-
-    Raises
-    ------
-    VividcError
-        The path's ending names no picture format.
-    """
+def stages(bars: Bars, title: str) -> Picture:
+    """Return the cycles of each stage by method, as shares of the frame."""
     totals = {name: sum(parts.values()) for name, parts in bars.items()}
-    ends = {name: f"{total / 1e6:.1f} M cycles" for name, total in totals.items()}
+    ends = [f"{total / 1e6:.1f} M cycles" for total in totals.values()]
     parts = [
         {
             stage: (cycles / totals[name], f"{cycles / totals[name]:.0%}")
@@ -51,19 +42,13 @@ def draw_stages(path: Path, bars: Bars) -> None:
         }
         for name, cut in bars.items()
     ]
-    title = "Cycles of a frame by stage, float32 with lookahead"
-    _write(path, _stacked(title, list(bars), parts, list(ends.values())))
+    return _stacked(title, list(bars), parts, ends)
 
 
-def draw_contributions(path: Path, bars: Bars) -> None:
-    """Write what each step contributes to the speed-up: the logarithm of its factor, as a share.
+def contributions(bars: Bars, title: str) -> Picture:
+    """Return what each step contributes to the speed-up: the logarithm of its factor, as a share.
 
     Steps that slow down have no part of the bar.
-
-    Raises
-    ------
-    VividcError
-        The path's ending names no picture format.
     """
     parts, ends = [], []
     for factors in bars.values():
@@ -71,8 +56,43 @@ def draw_contributions(path: Path, bars: Bars) -> None:
         whole = sum(gains.values())
         parts.append({step: (g / whole, f"{factors[step]:.2f}x") for step, g in gains.items()})
         ends.append(f"{math.prod(factors.values()):.2f}x in all")
-    title = "What gives the speed-up over float32 in GPU-like mode without culling"
-    _write(path, _stacked(title, list(bars), parts, ends))
+    return _stacked(title, list(bars), parts, ends)
+
+
+def paired(title: str, bars: Sequence[tuple[str, float | None, Theirs]]) -> Picture:
+    """Return two bars for each (name, ours, theirs), on one scale; of a range, its ends."""
+    ends = [_ends(theirs) for _, _, theirs in bars]
+    most = max((n for pair in ends for n in pair), default=0.0)
+    most = max([most, *(ours for _, ours, _ in bars if ours is not None)]) or 1.0
+    shapes: list[Shape] = [Text(_LEFT, 18, title, size=12, bold=True)]
+    colours = list(OKABE_ITO.values())
+    y = _TOP
+    for (name, ours, _), (low, high) in zip(bars, ends, strict=True):
+        shapes.append(Text(_LEFT - 8, y + _PAIR / 2 + 2, name, anchor="end", size=_SIZE))
+        for number, (value, label) in enumerate(
+            ((ours or 0.0, _number(ours)), (high, _range(low, high)))
+        ):
+            top = y + number * _PAIR / 2
+            width = _WIDTH * value / most
+            shapes.append(Rect(_LEFT, top, width, _PAIR / 2 - 1, fill=colours[number], stroke=None))
+            shapes.append(Text(_LEFT + width + 6, top + _PAIR / 4, label, size=_SIZE))
+        y += _PAIR + 10
+    fills = {"vividc": colours[0], "the paper": colours[1]}
+    return Picture(_LEFT + _WIDTH + _RIGHT, y + 24, (*shapes, *_legend(fills, y + 4)))
+
+
+def _ends(theirs: Theirs) -> tuple[float, float]:
+    if theirs is None:
+        return 0.0, 0.0
+    return theirs if isinstance(theirs, tuple) else (theirs, theirs)
+
+
+def _range(low: float, high: float) -> str:
+    return _number(high) if low == high else f"{low:g} to {high:g}"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None or value == 0 else f"{value:.3g}"
 
 
 def _stacked(
@@ -119,7 +139,3 @@ def _legend(fills: Mapping[str, str], top: float) -> Iterator[Rect | Text]:
         yield Rect(x, y, _SWATCH, _SWATCH, fill=fill, stroke_width=0.5)
         yield Text(x + _SWATCH + 6, y + _SWATCH / 2, name, size=_SIZE)
         x += width
-
-
-def _write(path: Path, picture: Picture) -> None:
-    write_whole(path, encode(picture, path))

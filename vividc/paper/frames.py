@@ -1,5 +1,5 @@
-"""Frames of the renderers, one measured in a process of its own and kept in a file of rows: what
-`benchmarks/paper.py` makes its tables and pictures of.
+"""Rendered frames: each measured in a process of its own and kept as a row, so that what was
+interrupted goes on where it stopped.
 """
 
 from __future__ import annotations
@@ -8,57 +8,41 @@ import json
 import multiprocessing
 import os
 import resource
-import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import mean
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
-from benchmarks.quality import MODELS, SHARED, compare
 from vividc import arch
-from vividc.cli.reports.frame import avoided, frame_body
+from vividc.arch import Accelerator
+from vividc.arch.cost.tables import DEFAULT_TABLE, load_costs
 from vividc.errors import VividcError
-from vividc.render import (
-    Camera,
-    Scene,
-    View,
-    orbit_camera,
-    psnr,
-    read_scene,
-    read_views,
-    render_reference,
-    scaled_camera,
-    ssim,
-)
+from vividc.launch.cost import work_of_job
+from vividc.paper.scenes import Scenes, compare
+from vividc.render import Camera, Scene, psnr, read_scene, read_views, render_reference, ssim
 from vividc.render.array import (
     ArrayFrame,
     ArrayOptions,
     NetworkMode,
     RenderPrecision,
+    Stage,
     render_array,
 )
 from vividc.render.arrays import Float32Array
+from vividc.sim.cost import energy
 
-ROWS: Final = "paper.jsonl"
-MIC: Final = "mic"
-GAUSSIANS: Final = "3dgs"
-METHODS: Final = (GAUSSIANS, "kilonerf", "instant-ngp", "tensorf")
-"""In the order of `MODELS`."""
 ALL_VIEWS: Final = -1
-_SCENES: Final = Path(__file__).resolve().parents[1] / "scenes" / MIC
-_SIZES: Final = (100, 200, 400)
-"""Sides of the photographs that there are; other sizes are compared with the reference alone."""
-_VIEWS: Final = 3
-"""Held-out photographs whose views the array renders, evenly spread."""
-_AZIMUTHS: Final = (30.0, 150.0, 270.0)
 _PJ_IN_MJ: Final = 1e9
+_EXP_OPERATIONS: Final = {"fp32": 14, "fp16": 12, "fp8": 5}
+"""Of the array for one exp, as in docs/math.md and docs/precision.md."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +51,8 @@ class Key:
 
     `view` is the number of the photograph, or of the camera around a scene without any;
     `ALL_VIEWS`: the mean over all photographs, of the reference. `sample` is the share of the
-    blocks of pixels.
+    blocks of pixels; `fabric` an accelerator's name, or its YAML
+    (and before it, with `---` between them, its tile's).
     """
 
     scene: str
@@ -79,6 +64,7 @@ class Key:
     lookahead: bool = True
     precision: RenderPrecision = "fp32"
     mode: NetworkMode = "auto"
+    fabric: str = "vivid"
 
 
 @dataclass(frozen=True)
@@ -127,92 +113,98 @@ class Row:
         return self.status == "done"
 
 
-EXP_OPERATIONS: Final = {"fp32": 14, "fp16": 12, "fp8": 5}
-"""Of the array for one exp, as in docs/math.md and docs/precision.md."""
+Measure = Callable[[Key, Scenes, str], Row]
+Rows = Mapping[Key, Row]
 
 
-def photographs(size: int) -> Path | None:
-    """Return where the held-out photographs of a size are, if they are."""
-    path = SHARED / MIC / f"mic_{size}.npz"
-    return path if size in _SIZES and path.is_file() else None
-
-
-def scenes() -> dict[str, dict[str, Path]]:
-    """Return the file of each scene by method."""
-    files = (_SCENES / name for name in MODELS)
-    found = {MIC: dict(zip(METHODS, files, strict=True))}
-    for path in sorted((SHARED / "playbot").glob("*.npz")):
-        found[path.stem] = {GAUSSIANS: path}
-    return found
-
-
-def chosen_views(scene: str, size: int) -> list[int]:
-    """Return the views that the array renders: some of the photographs, or around the scene."""
-    path = photographs(size)
-    if scene != MIC:
-        return list(range(len(_AZIMUTHS)))
-    if path is None:
-        return [0]
-    count = len(read_views(path))
-    return [count * number // _VIEWS for number in range(_VIEWS)]
-
-
-def measured(keys: Sequence[Key], output: Path | None) -> Iterator[dict[Key, Row]]:
-    """Measure what is not in `output`'s file of rows yet; yield all rows after each, and at last.
+def measured(
+    keys: Sequence[Key],
+    scenes: Scenes,
+    kept: Path | None,
+    made_by: str = "",
+    measure: Measure | None = None,
+) -> Iterator[dict[Key, Row]]:
+    """Measure what is not kept yet; yield all rows after each, and at last.
 
     Rows without figures are measured again.
+
+    Parameters
+    ----------
+    kept
+        JSON lines, one a row; None: nothing is kept.
+    made_by
+        Of which code: rows of other code do not count.
+    measure
+        In place of a process that renders.
     """
-    kept = None if output is None else output / ROWS
-    rows = {key: row for key, row in _read(kept).items() if row.is_done}
+    rows = {key: row for key, row in _read(kept, made_by).items() if row.is_done}
     with tempfile.TemporaryDirectory() as folder:
         for key in keys:
             if key in rows:
                 continue
-            rows[key] = in_child(key, folder)
-            print(rows[key], file=sys.stderr)
+            rows[key] = (measure or in_child)(key, scenes, folder)
             if kept is not None:
-                with kept.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(asdict(rows[key])) + "\n")
+                _append(kept, {"made_by": made_by, **asdict(rows[key])})
             yield rows
     yield rows
 
 
-def _read(kept: Path | None) -> dict[Key, Row]:
+def _read(kept: Path | None, made_by: str) -> dict[Key, Row]:
+    """Return the kept rows; what is none, as a line that an interrupt cut short, is left out."""
     if kept is None or not kept.exists():
         return {}
-    found = (json.loads(line) for line in kept.read_text(encoding="utf-8").splitlines())
-    rows = [Row(key=Key(**row.pop("key")), **row) for row in found]
-    return {row.key: row for row in rows}
+    rows = {}
+    for line in kept.read_text(encoding="utf-8", errors="replace").splitlines():
+        try:
+            found: dict[str, Any] = json.loads(line)
+            if found.pop("made_by", "") == made_by:
+                row = Row(key=Key(**found.pop("key")), **found)
+                rows[row.key] = row
+        except (ValueError, TypeError, KeyError, AttributeError):
+            continue
+    return rows
 
 
-def in_child(key: Key, folder: str) -> Row:
+def _append(kept: Path, row: dict[str, object]) -> None:
+    """Add a line; one before it that an interrupt cut short is ended."""
+    with kept.open("a+b") as file:
+        if file.tell():
+            file.seek(-1, os.SEEK_END)
+            file.write(b"" if file.read(1) == b"\n" else b"\n")
+        file.write(json.dumps(row).encode() + b"\n")
+
+
+def in_child(key: Key, scenes: Scenes, folder: str) -> Row:
+    """Measure a frame in a process of its own, whose end costs this one nothing."""
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawn) as pool:
         try:
-            return pool.submit(measure, key, folder).result()
+            return pool.submit(measure_frame, key, scenes, folder).result()
         except BrokenProcessPool:
-            return Row(key, "died")
+            return Row(key, "the process that rendered it died")
 
 
-def measure(key: Key, folder: str) -> Row:
+def measure_frame(key: Key, scenes: Scenes, folder: str) -> Row:
     """Measure a frame; reference pictures are kept in `folder` for the next one."""
     load = round(os.getloadavg()[0], 1)
-    _, scene = read_scene(scenes()[key.scene][key.method])
+    _, scene = read_scene(scenes.models()[key.scene][key.method])
     if key.view == ALL_VIEWS:
-        return _all_views(key, scene)
-    camera, truth = _view(key, scene)
+        return _all_views(key, scenes, scene)
+    camera, truth = scenes.view(key.scene, key.method, key.view, key.size, scene)
     options = ArrayOptions(
-        sample=key.sample, lookahead=key.lookahead, precision=key.precision, mode=key.mode
+        fabric=_fabric_file(key.fabric, Path(folder)),
+        sample=key.sample,
+        lookahead=key.lookahead,
+        precision=key.precision,
+        mode=key.mode,
     )
     try:
         frame, seconds = timed(scene, camera, options)
     except VividcError as error:
         return Row(key, error.reason, load=load)
+    machine = arch.load_accelerator(options.fabric)
     peak = _peak_kb()  # before the reference takes memory
     reference = _reference(key, scene, camera, Path(folder))
-    body = frame_body(frame, arch.load_accelerator(options.fabric), reference)
-    energy = body["energy_pj"]
-    assert isinstance(energy, dict)
     return Row(
         key,
         "done",
@@ -221,11 +213,65 @@ def measure(key: Key, folder: str) -> Row:
         avoided=avoided(frame.counts),
         **_quality(frame, reference, truth),
         exp_share=_exp_share(frame, key.precision),
-        energy_mj=sum(energy.values()) / _PJ_IN_MJ,
+        energy_mj=sum(sum(stage_energy(s, machine).values()) for s in frame.stages) / _PJ_IN_MJ,
         seconds=round(seconds, 1),
         peak_mb=round(peak / 1024),
         load=load,
     )
+
+
+def stage_energy(stage: Stage, machine: Accelerator) -> dict[str, float]:
+    """Return the picojoules of a stage's jobs by component."""
+    table = load_costs(DEFAULT_TABLE)
+    parts: Counter[str] = Counter()
+    for stats in stage.stats:
+        work = work_of_job(stats, len(machine.tiles))
+        parts.update(energy(work, machine.fabric, table)["parts_pj"])
+    return dict(parts)
+
+
+def avoided(counts: Mapping[str, int]) -> dict[str, float]:
+    """Return which share of the colour path (I) or of the exps (II) was not computed."""
+    pairs = {
+        "colour_path": ("colour_samples", "density_samples"),
+        "exponentials": ("exponentials", "evaluated"),
+    }
+    return {
+        name: 1 - counts[done] / counts[all_of_them]
+        for name, (done, all_of_them) in pairs.items()
+        if counts.get(all_of_them)
+    }
+
+
+def timed(
+    scene: Scene,
+    camera: Camera,
+    options: ArrayOptions,
+    render: Callable[..., ArrayFrame] = render_array,
+    clock: Callable[[], float] = time.perf_counter,
+) -> tuple[ArrayFrame, float]:
+    """Return a frame and the seconds it took: it is rendered again if kernels were compiled."""
+    compiled: list[str] = []
+    start = clock()
+    frame = render(scene, camera, options, tell=compiled.append)
+    if compiled:
+        start = clock()
+        frame = render(scene, camera, options, tell=compiled.append)
+    return frame, clock() - start
+
+
+def _fabric_file(fabric: str, folder: Path) -> str:
+    """Return an accelerator's name, or the file that its YAML is written to, and its tile's, if
+    that stands before it, to `tile.yaml`.
+    """
+    if "\n" not in fabric:
+        return fabric
+    *tiles, text = fabric.split("---\n")
+    for tile in tiles:
+        (folder / "tile.yaml").write_text(tile, encoding="utf-8")
+    path = folder / "fabric.yaml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
 
 
 def _peak_kb() -> int:
@@ -234,10 +280,9 @@ def _peak_kb() -> int:
     return sum(resource.getrusage(one).ru_maxrss for one in who)
 
 
-def _all_views(key: Key, scene: Scene) -> Row:
-    path = photographs(key.size)
-    views: Sequence[View] = () if path is None else read_views(path)
-    found = list(compare(scene, views))
+def _all_views(key: Key, scenes: Scenes, scene: Scene) -> Row:
+    path = scenes.photographs(key.size)
+    found = list(compare(scene, () if path is None else read_views(path)))
     if not found:
         return Row(key, "no photographs of this size")
     return Row(
@@ -249,40 +294,12 @@ def _all_views(key: Key, scene: Scene) -> Row:
     )
 
 
-def _view(key: Key, scene: Scene) -> tuple[Camera, Float32Array | None]:
-    """Return the camera, and the photograph if there is one of that size."""
-    if key.scene != MIC:
-        return orbit_camera(scene, _AZIMUTHS[key.view], 20.0, "-y", key.size, key.size), None
-    path = photographs(key.size)
-    if path is not None:
-        view = read_views(path)[key.view]
-        return view.camera, view.truth()
-    renders = MODELS[scenes()[MIC][key.method].name]
-    return scaled_camera(read_views(_SCENES / renders)[key.view].camera, key.size, key.size), None
-
-
 def _reference(key: Key, scene: Scene, camera: Camera, folder: Path) -> Float32Array:
     path = folder / f"{key.scene}-{key.method}-{key.size}-{key.view}.npy"
     if not path.exists():
         np.save(path, render_reference(scene, camera).image)
     image: Float32Array = np.load(path)
     return image
-
-
-def timed(scene: Scene, camera: Camera, options: ArrayOptions) -> tuple[ArrayFrame, float]:
-    """Return a frame and the seconds it took: it is rendered again if kernels were compiled."""
-    compiled: list[str] = []
-
-    def tell(line: str) -> None:
-        compiled.append(line)
-        print(line, file=sys.stderr)
-
-    start = time.perf_counter()
-    frame = render_array(scene, camera, options, tell=tell)
-    if compiled:
-        start = time.perf_counter()
-        frame = render_array(scene, camera, options, tell=tell)
-    return frame, time.perf_counter() - start
 
 
 def _whole_stages(frame: ArrayFrame) -> dict[str, float]:
@@ -317,4 +334,4 @@ def _exp_share(frame: ArrayFrame, precision: RenderPrecision) -> float | None:
         for stats in stage.stats
         if stage.name == "blend"
     )
-    return EXP_OPERATIONS[precision] * exps / issued if exps is not None and issued else None
+    return _EXP_OPERATIONS[precision] * exps / issued if exps is not None and issued else None
