@@ -33,6 +33,7 @@ from benchmarks import (
     render_kernels,
     simd,
     splats,
+    start,
 )
 from benchmarks.polybench import table as polybench
 from benchmarks.polybench.suite import CASES, SIZES
@@ -108,9 +109,10 @@ SIMD = "simd"
 PRECISION = "precision"
 FORMATS = "formats"
 LARGE = "large"
+START = "start"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH)
+CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, START)
 """What is not made by default takes long: it is made by name."""
 MODULES = {
     ENGINES: engines,
@@ -120,11 +122,13 @@ MODULES = {
     SIMD: simd,
     LARGE: large,
     SPLATS: splats,
+    START: start,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
     LARGE: lambda *_: large.rows(),
+    START: start.rows,
     SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
@@ -135,6 +139,7 @@ PLACES = {
     FRAMES: ("vivid",),
     FORMATS: ("any fabric",),
     LARGE: ("vivid",),
+    START: ("vivid-tile",),
     SPLATS: ("vivid",),
 }
 """Where tables are made that `--fabric` has no say in."""

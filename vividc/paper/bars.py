@@ -60,24 +60,25 @@ def contributions(bars: Bars, title: str) -> Picture:
 
 
 def paired(title: str, bars: Sequence[tuple[str, float | None, Theirs]]) -> Picture:
-    """Return two bars for each (name, ours, theirs), on one scale; of a range, its ends."""
+    """Return two bars for each (name, ours, theirs), on one scale; of a range, from end to end."""
     ends = [_ends(theirs) for _, _, theirs in bars]
     most = max((n for pair in ends for n in pair), default=0.0)
     most = max([most, *(ours for _, ours, _ in bars if ours is not None)]) or 1.0
     shapes: list[Shape] = [Text(_LEFT, 18, title, size=12, bold=True)]
-    colours = list(OKABE_ITO.values())
+    fills = dict(zip(("vividc", "the paper"), OKABE_ITO.values(), strict=False))
     y = _TOP
     for (name, ours, _), (low, high) in zip(bars, ends, strict=True):
         shapes.append(Text(_LEFT - 8, y + _PAIR / 2 + 2, name, anchor="end", size=_SIZE))
-        for number, (value, label) in enumerate(
-            ((ours or 0.0, _number(ours)), (high, _range(low, high)))
-        ):
-            top = y + number * _PAIR / 2
-            width = _WIDTH * value / most
-            shapes.append(Rect(_LEFT, top, width, _PAIR / 2 - 1, fill=colours[number], stroke=None))
-            shapes.append(Text(_LEFT + width + 6, top + _PAIR / 4, label, size=_SIZE))
+        both = (
+            ("vividc", 0.0, ours or 0.0, _number(ours)),
+            ("the paper", low, high, _range(low, high)),
+        )
+        for number, (who, first, last, label) in enumerate(both):
+            top, x = y + number * _PAIR / 2, _LEFT + _WIDTH * (first if first < last else 0) / most
+            width = _LEFT + _WIDTH * last / most - x
+            shapes.append(Rect(x, top, width, _PAIR / 2 - 1, fill=fills[who], stroke=None))
+            shapes.append(Text(x + width + 6, top + _PAIR / 4, label, size=_SIZE))
         y += _PAIR + 10
-    fills = {"vividc": colours[0], "the paper": colours[1]}
     return Picture(_LEFT + _WIDTH + _RIGHT, y + 24, (*shapes, *_legend(fills, y + 4)))
 
 
