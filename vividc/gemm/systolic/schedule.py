@@ -10,6 +10,7 @@ modulo the II.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import gcd
 
 from vividc.gemm.systolic.array import SystolicArray
@@ -62,7 +63,7 @@ class SystolicSchedule:
     added: bool = False
     """Whether sums start from the elements of a matrix, not from a bias."""
 
-    @property
+    @cached_property
     def product_latency(self) -> int:
         """Cycles of what adds to a sum."""
         return self.array.latency(OPCODES[self.op].latency_class)
@@ -146,38 +147,38 @@ class SystolicSchedule:
         }
         return made[self.lanes]
 
-    @property
+    @cached_property
     def span(self) -> int:
         """Cycles from a block's first load to its last store."""
         last = self.leave(self.array.rows - 1, self.array.cols - self.lanes)
         return last + self.activated + 1
 
-    @property
+    @cached_property
     def _convert(self) -> int:
         return self.array.latency(LatencyClass.CONVERT)
 
-    @property
+    @cached_property
     def _load(self) -> int:
         return self.array.latency(LatencyClass.LOAD)
 
     def _lead(self, i: int) -> int:
         return self.ii - self.step(self.depth + 1 + (i if self.added else 0)) % self.ii
 
-    @property
+    @cached_property
     def _longest_lead(self) -> int:
         return max(map(self._lead, range(self.array.rows)))
 
-    @property
+    @cached_property
     def _place_lead(self) -> int:
         latest = (0 if self.added else -self._longest_lead) - self._load
         return (latest - self.step(self.depth)) % self.ii - latest
 
-    @property
+    @cached_property
     def _start_lead(self) -> int:
         latest = -self._longest_lead - self._load
         return (latest - self.step(self.depth + 1 + self.array.rows)) % self.ii - latest
 
-    @property
+    @cached_property
     def _origin(self) -> int:
         """PE (0, 0)'s first FMA: early enough that nothing is issued before cycle 0."""
         lead = max(self._place_lead, self._start_lead if self.added else 0)

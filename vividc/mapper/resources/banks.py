@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from random import Random
 from typing import Final
 
@@ -99,6 +99,7 @@ class Traffic:
     times: Mapping[int, int] | None = None
     weight: float = 1.0
     _known: dict[object, _Draws] = field(init=False, compare=False, default_factory=dict)
+    _stalls: dict[object, float] = field(init=False, compare=False, default_factory=dict)
 
     @staticmethod
     def of(
@@ -117,7 +118,22 @@ class Traffic:
         """Cycles of an iteration in which the tile stands still, the mean of what is drawn; of the
         accesses to the arrays `among` only. Without times: the fewest of several choices.
         """
-        accesses = [node for node in self.accesses if among is None or node.name in among]
+        names = tuple(name for name in self._words if among is None or name in among)
+        key = names, tuple(known.get(word) for name in names for word in self._words[name])
+        if key not in self._stalls:
+            accesses = [node for node in self.accesses if node.name in names]
+            self._stalls[key] = self._stalls_of(accesses, known)
+        return self._stalls[key]
+
+    @cached_property
+    def _words(self) -> dict[str, tuple[str, ...]]:
+        """The words in the addresses of the accesses to each array."""
+        words: dict[str, dict[str, None]] = {node.name: {} for node in self.accesses}
+        for node in self.accesses:
+            words[node.name] |= dict.fromkeys(_words_in(node))
+        return {name: tuple(found) for name, found in words.items()}
+
+    def _stalls_of(self, accesses: Sequence[Node], known: Words) -> float:
         if len(accesses) < 2:  # noqa: PLR2004 - it takes two to meet
             return 0.0
         buckets = self.ii * self.banks

@@ -151,8 +151,10 @@ class _Lowering:
 
     def _cell(self, pe: int, time: int) -> _Cell:
         slot = time % self._mapping.ii
-        where = f"region {self._region.name}, slot {slot}, PE {pe}"
-        return self.cells.setdefault((slot, pe), _Cell(where))
+        if (slot, pe) not in self.cells:
+            where = f"region {self._region.name}, slot {slot}, PE {pe}"
+            self.cells[slot, pe] = _Cell(where)
+        return self.cells[slot, pe]
 
     def route(self, edge_index: int, edge: Edge) -> None:
         """Drive the links and write the registers of one edge's route."""

@@ -91,6 +91,21 @@ class WordLayout:
     reads: int
     writes: int
 
+    def code(self, name: str, select: Select) -> int:
+        """The number of a source among those called `name`, such as `link_sources`.
+
+        Raises
+        ------
+        KeyError
+            It is none of them.
+        """
+        return self._codes[name][select]
+
+    @cached_property
+    def _codes(self) -> dict[str, dict[Select, int]]:
+        names = ("operand_sources", "link_sources", "drive_sources", "capture_sources")
+        return {name: _numbered(getattr(self, name)) for name in names}
+
     @cached_property
     def by_name(self) -> dict[str, Field]:
         """Field of each name."""
@@ -159,3 +174,8 @@ def _widths(
 
 def _width(values: int) -> int:
     return max(1, (values - 1).bit_length())
+
+
+def _numbered(sources: tuple[Select, ...]) -> dict[Select, int]:
+    """The first number of each."""
+    return {select: number for number, select in reversed(list(enumerate(sources)))}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import Final
 
 from vividc.errors import InternalError
@@ -44,11 +43,11 @@ def _values(layout: WordLayout, entry: Entry) -> Iterator[tuple[str, int]]:
     if entry.issue is not None:
         yield from _issue_values(layout, entry.issue)
     for k, select in enumerate(entry.links):
-        yield f"link{k}.source", _code(layout.link_sources, select)
+        yield f"link{k}.source", _code(layout, "link_sources", select)
     for j, register in enumerate(entry.reads):
         yield f"read{j}.register", register
     for j, write in enumerate(entry.writes):
-        yield f"write{j}.source", _code(layout.drive_sources, write.select)
+        yield f"write{j}.source", _code(layout, "drive_sources", write.select)
         yield f"write{j}.register", write.register
     if entry.capture is not None:
         yield from _capture_values(layout, entry.capture)
@@ -84,21 +83,21 @@ def _operand_values(layout: WordLayout, name: str, operand: Operand) -> Iterator
     if select.kind is Sel.CONST:
         yield f"{name}.const", select.index
         select = Select(Sel.CONST)
-    yield f"{name}.source", _code(layout.operand_sources, select)
+    yield f"{name}.source", _code(layout, "operand_sources", select)
     if operand.first is not None:
         yield f"{name}.first", 1
         yield f"{name}.first_const", operand.first
 
 
 def _capture_values(layout: WordLayout, capture: Capture) -> Iterator[tuple[str, int]]:
-    yield "store.source", _code(layout.capture_sources, capture.select)
+    yield "store.source", _code(layout, "capture_sources", capture.select)
     yield "store.entry", capture.entry
     yield "store.stage", capture.stage
     yield "store.unless_exit", int(capture.unless_exit)
 
 
-@lru_cache(maxsize=1024)
-def _code(sources: tuple[Select, ...], select: Select) -> int:
-    if select not in sources:
-        raise InternalError(f"no multiplexer input for {select} here")
-    return sources.index(select)
+def _code(layout: WordLayout, name: str, select: Select) -> int:
+    try:
+        return layout.code(name, select)
+    except KeyError:
+        raise InternalError(f"no multiplexer input for {select} here") from None
