@@ -68,6 +68,7 @@ def sizes(
 _SIZE = re.compile(r"(?P<name>[^=]+)=(?P<size>-?\d{1,20}|\d{1,9}(x\d{1,9})+)", re.ASCII)
 _NODES_NM = (7, 45)
 FILE = click.Path(path_type=Path, dir_okay=False)
+FOLDER = click.Path(path_type=Path, file_okay=False)
 
 
 def complete_fabric(_: click.Context, __: click.Parameter, incomplete: str) -> list[str]:

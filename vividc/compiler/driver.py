@@ -54,7 +54,7 @@ from vividc.machine.parallel import Parallel
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
 from vividc.program import CUT_SHORT, Program, encode
-from vividc.program.encoder.encode import check_contexts
+from vividc.program.encoder.encode import check_contexts, with_designs
 from vividc.program.encoder.programmable import demand_programmable
 from vividc.ssa.formats.in_format import in_format
 from vividc.ssa.formats.precision import (
@@ -334,7 +334,9 @@ def compile_stages(
         for header, why in settled.outcome.sequential.items()
     ]
     loops = loop_reports(plan, settled)
-    return replace(settled.outcome.program, warnings=tuple(notes), loops=loops)
+    made = settled.outcome
+    program = with_designs(made.program, made.kernel, made.results)
+    return replace(program, warnings=tuple(notes), loops=loops)
 
 
 def estimator_for(fabric: Fabric, options: CompileOptions) -> Estimator:

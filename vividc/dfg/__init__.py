@@ -3,10 +3,11 @@
 In order: `ir` (nodes and edges), `check` (invariants), `order`, `regions` (a kernel: a table of
 regions with a graph each), `builder`; `cut/` (from SSA to regions), `passes/` and `expand/`
 (graph to graph), `pipeline` (their order); `interpret/`; `forms/` (text, JSON, DOT, XML, networkx;
-docs/dfg-formats.md).
+docs/dfg-formats.md), `draw`.
 """
 
 from vividc.dfg.check import check
+from vividc.dfg.draw import attach
 from vividc.dfg.forms.dot import parse_dot, to_dot
 from vividc.dfg.forms.json_form import from_json, to_json
 from vividc.dfg.forms.load import UnknownOps, load
@@ -53,3 +54,5 @@ __all__ = [
     "to_networkx",
     "to_text",
 ]
+
+attach()

@@ -12,12 +12,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from vividc.errors import SourceLoc
 from vividc.machine.foreign_names import CLASS_OF_NAME
 from vividc.machine.lanes import Lane
 from vividc.machine.opcodes import MEMORY, OPCODES, ORDER, SOURCES, LatencyClass, Opcode, OpInfo
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from vividc.host.plot import Picture
 
 
 class Control(Enum):
@@ -194,6 +199,14 @@ class DFG:
             if edge.port == port and edge.is_data:
                 return edge
         return None
+
+    if TYPE_CHECKING:  # attached by `draw`: pictures are made of graphs
+
+        def plot(self, path: str | Path | None = None) -> Picture:
+            """Draw the graph in layers."""
+
+        def _repr_svg_(self) -> str:
+            """The picture that a notebook shows."""
 
     def next_id(self) -> int:
         """An id larger than all in use."""

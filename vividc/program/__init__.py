@@ -1,8 +1,8 @@
 """Configuration words, region table, memory layout: one versioned bundle.
 
-In order: `memory` (where arrays lie), `tables` (regions, launch, reports), `program`, `bundle` (the
-`.vivid` file), `kept` (in the cache); `words/` (the configuration word), `encoder/` (from mappings
-to words), `disasm`.
+In order: `memory` (where arrays lie), `design` (graphs and mappings as text), `tables` (regions,
+launch, reports), `program`, `bundle` (the `.vivid` file), `kept` (in the cache); `words/` (the
+configuration word), `encoder/` (from mappings to words), `disasm`.
 """
 
 from vividc.machine.params import HIGH_SUFFIX, MAX_DIMENSION, DType, LocalArray, Param, joined

@@ -212,6 +212,7 @@ def bundle_bytes(
     tree = _ADAPTER.dump_python(manifest, mode="json")
     for report in tree["regions"]:
         report["wall_s"] = None  # a measured time would make every file differ
+        report["fabric_yaml"] = ""  # the file has it once
     members = {_MANIFEST: (json.dumps(tree, indent=1, sort_keys=True) + "\n").encode()}
     for name in _ARRAYS:
         array = np.ascontiguousarray(arrays[name])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from collections.abc import Mapping as ReadOnly
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Final
@@ -328,7 +328,7 @@ def _assemble(reader: BundleReader, manifest: Manifest) -> Program:
         order=manifest.order,
         accelerator=manifest.accelerator,
         debug=manifest.debug,
-        regions=manifest.regions,
+        regions=tuple(replace(row, fabric_yaml=manifest.fabric) for row in manifest.regions),
         provenance=manifest.provenance,
         warnings=manifest.warnings,
         locals=manifest.locals,

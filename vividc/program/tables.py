@@ -5,8 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from vividc.errors import SourceLoc
+from vividc.dfg import DFG
+from vividc.errors import BundleError, SourceLoc
 from vividc.mapper.bounds.refutations import ASSUMED, IF_THEY_MEET, rests_on_assumed
+from vividc.mapper.mapping import Mapping
+from vividc.mapper.result import MapResult
+from vividc.program.design import read_graph, read_result
 
 RegionKind = Literal["loop", "straight"]
 
@@ -121,6 +125,9 @@ class RegionReport:
         Seconds the mapper spent; None in a loaded program, as files are reproducible.
     stalls
         Expected cycles of an iteration in which the tile stands still as accesses meet in a bank.
+    design, fabric_yaml
+        The graph and the mapping as text (`program.design`), and the fabric that this is for, which
+        a file has once; "" in a program of before them.
     """
 
     name: str
@@ -139,6 +146,50 @@ class RegionReport:
     loc: SourceLoc | None = None
     wall_s: float | None = field(default=None, compare=False)
     stalls: float = 0.0
+    design: str = field(default="", repr=False)
+    fabric_yaml: str = field(default="", repr=False, compare=False)
+
+    @property
+    def dfg(self) -> DFG:
+        """The region's dataflow graph, as it was mapped.
+
+        Raises
+        ------
+        BundleError
+            The program was compiled by a version that kept none, or its file was changed.
+        """
+        return read_graph(self._design())
+
+    @property
+    def result(self) -> MapResult | None:
+        """The mapping and what was proved of it; None: the region places nothing.
+
+        Raises
+        ------
+        BundleError
+            As of `dfg`.
+        """
+        return read_result(self._design(), self.fabric_yaml, straight=self.kind == "straight")
+
+    @property
+    def mapping(self) -> Mapping | None:
+        """Time, place and route of every node and edge; None: the region places nothing.
+
+        Raises
+        ------
+        BundleError
+            As of `dfg`.
+        """
+        result = self.result
+        return None if result is None else result.mapping
+
+    def _design(self) -> str:
+        if not self.design:
+            raise BundleError(
+                f"region {self.name} has neither graph nor mapping",
+                hint="compile the kernel again with this version",
+            )
+        return self.design
 
     @property
     def rests_on_assumed(self) -> bool:

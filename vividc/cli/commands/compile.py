@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,17 @@ import click
 
 import vividc
 from vividc.cli import options
-from vividc.cli.files import check_apart, check_output
+from vividc.cli.files import check_apart, check_output, make_folder
 from vividc.cli.kernels import kernel_file, load_kernel
 from vividc.cli.loops import loop_options
 from vividc.cli.reports.loop import print_advice, print_loops, print_product
 from vividc.cli.reports.program import print_regions
 from vividc.cli.reports.report import print_json, progress
 from vividc.cli.stages import Look, look_options
+from vividc.dfg import to_dot, to_json
 from vividc.frontend import KernelFunction, LLKernel
 from vividc.gemm.modes import MODES
+from vividc.host.files import write_whole
 from vividc.machine.params import sizes_text
 from vividc.program import Program
 
@@ -80,6 +83,20 @@ _NOT_PLANNED = ("mapper", "mode", "cache")
     default=True,
     help="Take the program from the cache if the same was compiled before, and keep it there.",
 )
+@click.option(
+    "--dfg",
+    "graphs",
+    type=options.FOLDER,
+    metavar="DIR",
+    help="Write each region's dataflow graph: NAME.dot and NAME.json.",
+)
+@click.option(
+    "--plot",
+    "pictures",
+    type=options.FOLDER,
+    metavar="DIR",
+    help="Draw each region's graph and mapping: NAME-dfg.svg and NAME-mapping.svg.",
+)
 @look_options
 @options.as_json
 def command(
@@ -87,6 +104,8 @@ def command(
     fabric: str,
     explain: bool,
     output: Path | None,
+    graphs: Path | None,
+    pictures: Path | None,
     as_json: bool,
     look: Look,
     **how: Any,
@@ -104,12 +123,16 @@ def command(
     path = Path(f"{function.name}.vivid") if output is None else output
     check_output(path, "--output")
     check_apart({"--output": path}, [kernel_file(kernel), Path(fabric)])
+    for option, folder in (("--dfg", graphs), ("--plot", pictures)):
+        if folder is not None:
+            make_folder(folder, option)
     with progress(f"compiling {function.name}") as report, look.watching() as done:
         # what is not named here has the name of the keyword
         program = vividc.compile(function, fabric, progress=report, **how)
     if done.stopped:
         return
     program.save(path)
+    _write_regions(program, graphs, pictures)
     hints = _hints(function, fabric, program, how) if explain else None
     if as_json:
         print_json(SCHEMA, {**_as_object(program, path), "advice": _as_objects(hints)})
@@ -122,6 +145,20 @@ def command(
         print_product(program, function, fabric)
         print_advice(hints)
     click.echo(f"written: {path}")
+
+
+def _write_regions(program: Program, graphs: Path | None, pictures: Path | None) -> None:
+    """Write graphs and pictures of regions, by their number and name."""
+    for number, region in enumerate(program.regions):
+        name = f"{number}-{region.name}"
+        if graphs is not None:
+            text = json.dumps(to_json(region.dfg), indent=1) + "\n"
+            write_whole(graphs / f"{name}.json", text.encode())
+            write_whole(graphs / f"{name}.dot", to_dot(region.dfg).encode())
+        if pictures is not None:
+            region.dfg.plot(pictures / f"{name}-dfg.svg")
+            if region.mapping is not None:
+                region.mapping.plot(pictures / f"{name}-mapping.svg")
 
 
 def _hints(

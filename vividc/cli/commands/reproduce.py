@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Final
 
 import click
 
@@ -15,14 +14,12 @@ from vividc.paper.exhibit import Exhibit
 from vividc.paper.page import number
 from vividc.paper.reproduce import EXHIBITS, SCHEMA, Report, data, reproduce
 
-_FOLDER: Final = click.Path(path_type=Path, file_okay=False)
-
 
 @click.command("reproduce")
 @click.option(
     "-o",
     "--output",
-    type=_FOLDER,
+    type=options.FOLDER,
     metavar="DIR",
     default="report",
     show_default=True,
@@ -40,7 +37,7 @@ _FOLDER: Final = click.Path(path_type=Path, file_okay=False)
 @click.option(
     "--scenes",
     multiple=True,
-    type=_FOLDER,
+    type=options.FOLDER,
     metavar="DIR",
     help="Folder with `mic/` and `playbot/`; several: the first that has a file.",
 )

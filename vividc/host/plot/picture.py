@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from PIL import ImageFont
 
@@ -75,6 +75,11 @@ class Picture:
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+
+    if TYPE_CHECKING:  # attached by `svg`
+
+        def _repr_svg_(self) -> str:
+            """What a notebook shows."""
 
 
 def translated(shape: Shape, dx: float, dy: float) -> Shape:

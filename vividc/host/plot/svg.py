@@ -87,3 +87,6 @@ def _text(text: str) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+setattr(Picture, "_repr_svg_", to_svg)  # noqa: B010 - a notebook shows pictures as SVG

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from vividc.errors import VividcError, demand_type
 from vividc.host.files import write_whole
-from vividc.host.plot import Picture, encode
+from vividc.host.plot import Picture, encode, to_svg
 from vividc.mapper.mapping import Mapping, Subject
 from vividc.mapper.report.document import mapping_to_json, read_result
 from vividc.mapper.report.draw.draw import draw
@@ -42,6 +42,11 @@ def plot(self: Mapping, path: str | Path | None = None, subject: Subject | None 
     if path is not None:
         write_whole(Path(path), encode(picture, Path(path)))
     return picture
+
+
+def _repr_svg_(self: Mapping) -> str | None:
+    """What a notebook shows; None: graph and fabric are not known."""
+    return None if self.subject is None else to_svg(plot(self))
 
 
 def to_json(self: MapResult, subject: Subject | None = None) -> dict[str, object]:
@@ -81,6 +86,7 @@ def attach() -> None:
     """Give both classes their methods."""
     for cls, name, method in (
         (Mapping, "plot", plot),
+        (Mapping, "_repr_svg_", _repr_svg_),
         (MapResult, "explain", explain),
         (MapResult, "to_json", to_json),
         (MapResult, "from_json", staticmethod(from_json)),

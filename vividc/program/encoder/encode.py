@@ -20,6 +20,7 @@ from vividc.mapper.mapping import Mapping
 from vividc.mapper.resources.banks import words_of
 from vividc.mapper.resources.fu_slots import utilization
 from vividc.mapper.result import MapResult
+from vividc.program.design import design_text
 from vividc.program.encoder.banks import choose_layout, traffic_of
 from vividc.program.encoder.checks import check_region, control_node, span_of, stages_of
 from vividc.program.encoder.constants import allocate, return_high, return_home
@@ -86,6 +87,20 @@ def encode(
     provenance = _provenance(kernel, options or {})
     program = _program(kernel, fabric, mappings, table, banks, rows, provenance)
     return replace(program, pitches=pitches, warnings=tuple(warnings))
+
+
+def with_designs(program: Program, kernel: Kernel, results: ReadOnly[int, MapResult]) -> Program:
+    """The program with each region's graph and mapping in its report, to be looked at."""
+    fabric = program.fabric
+    regions = (
+        replace(
+            report,
+            design=design_text(region.dfg, results.get(index), fabric),
+            fabric_yaml=fabric.source,
+        )
+        for index, (report, region) in enumerate(zip(program.regions, kernel.regions, strict=True))
+    )
+    return replace(program, regions=tuple(regions))
 
 
 def _program(
