@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import vividc
@@ -54,6 +55,20 @@ def branches(x, a, n):
         x[i] += n
 
 
+@vividc.kernel(SIGNATURE)
+def counts(x, a, n):
+    """How long the second of the repeated nests is, the first has found."""
+    for part in range(n):
+        found = np.int32(0)
+        for i in range(len(x)):
+            if x[i] > part:
+                a[0, np.uint32(found)] = x[i]
+                found = np.int32(found + 1)
+        for k in range(found):
+            for j in range(4):
+                x[j] += a[0, k]
+
+
 @vividc.kernel("int32(int32[::1])")
 def returns(x):
     for i in range(len(x)):
@@ -78,6 +93,7 @@ def test_nests_are_functions_of_their_own(kernel: KernelFunction, nests: int, re
     [
         (stores_before, "it stores outside its loops"),
         (branches, "it branches outside its loops"),
+        (counts, "a loop reads a number that another one computes"),
         (returns, "it returns a value"),
     ],
     ids=lambda item: getattr(item, "name", ""),

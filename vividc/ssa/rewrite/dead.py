@@ -11,7 +11,10 @@ from vividc.ssa.ir import Function, Instr, Ref, Value
 
 
 def remove_unused(function: Function) -> Function:
-    """Drops phis and instructions whose results reach no store, branch, call or return."""
+    """Drops phis and instructions whose results reach no store, branch, call or return.
+
+    Blocks taken out of a function may read what the others compute.
+    """
     time_limit.step("dead code was removed")
     operands: dict[int, Iterable[Value]] = {}
     work: list[Value] = []
@@ -28,7 +31,7 @@ def remove_unused(function: Function) -> Function:
         value = work.pop()
         if isinstance(value, Ref) and value.id not in kept:
             kept.add(value.id)
-            work += operands[value.id]
+            work += operands.get(value.id, ())
     if kept >= operands.keys():
         return function
     blocks = tuple(
