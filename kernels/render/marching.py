@@ -1,11 +1,13 @@
-"""The ray-marching pipeline, block by block of pixels: rays, samples in occupied cells, the light
-that reaches them and which of them count, and the picture.
+"""The ray-marching pipeline, block by block of 8x8 pixels: rays, samples in occupied cells, the
+light that reaches them and which of them count, and the picture.
 
-A block is a run of rays; a sample carries the number of its ray. `geometry` holds the camera's
-place (0 to 2), the box's lowest corner (3 to 5) and highest (6 to 8), cells a unit (9 to 11), near,
-far and the step (12 to 14). Occupancy is a grid of bricks of 4x4x4 cells: one bit a brick in
-`coarse`, how many bricks are set before each of its words in `ranks`, and two words of cells for
-each brick that is set.
+The samples of a block are listed by step, counted from where its set bricks begin, and then by ray,
+so that neighbours in the list are neighbours in the scene; an item of such a list is ray << 16 |
+step. `geometry` holds the camera's place (0 to 2), the box's lowest corner (3 to 5) and highest
+(6 to 8), cells a unit (9 to 11), near, far and the step (12 to 14), and steps a unit (15).
+Occupancy is a grid of bricks of 4x4x4 cells: one bit a brick in `coarse`, how many bricks are set
+before each of its words in `ranks`, and two words of cells for each brick that is set; `grid` is
+the cells of each axis (0 to 2) and the bricks (3 to 5).
 """
 
 import math
@@ -17,17 +19,42 @@ from numba import prange
 import vividc
 
 ZERO = np.float32(0.0)
+QUARTER = np.float32(0.25)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 TINY = np.float32(1e-30)
+MOST = np.float32(65534.0)
+LOW = np.uint32(0xFFFF)
+HIGH = np.uint32(16)
 
 
-@vividc.kernel("void(float32[:, ::1], float32[::1], int32[:, ::1], float32[:, :, ::1])")
-def camera_rays(pose, lens, corners, directions):
-    """Unit directions of blocks of 8x8 pixels, row by row; (0, 0, 0) outside the picture.
+@numba.njit
+def slab(along, origin, low, high):
+    """Where a ray meets the two planes of the box across an axis, the nearer first."""
+    inverse = ONE / (TINY if math.fabs(along) < TINY else along)
+    one = (low - origin) * inverse
+    other = (high - origin) * inverse
+    return min(one, other), max(one, other)
+
+
+@numba.njit
+def whole_steps(distance, geometry):
+    """Whole steps in a distance: at least 0, at most what sixteen bits hold with one more."""
+    return np.uint32(np.int32(min(max(distance * geometry[15], ZERO), MOST)))
+
+
+@vividc.kernel(
+    "void(float32[:, ::1], float32[::1], float32[::1], int32, int32[:, ::1], float32[:, ::1],"
+    " float32[:, :, ::1], float32[:, ::1], uint32[:, ::1])"
+)
+def camera_rays(pose, lens, geometry, most, corners, depths, directions, entries, steps):
+    """Rays of blocks of 8x8 pixels, row by row: unit directions, (0, 0, 0) outside the picture;
+    where they enter the box (slabs; Kay and Kajiya 1986); and their steps, the first and, << 16,
+    the one behind the last.
 
     `pose` is the camera's rotation, [3, 3]; `lens` is width, height, focal length and its inverse;
-    `corners` is the first column and row of each block.
+    `corners` is the first column and row of each block, `depths` the distances between which its
+    set bricks are. A ray has at most `most` steps.
     """
     for block in prange(corners.shape[0]):
         for pixel in range(64):
@@ -43,70 +70,65 @@ def camera_rays(pose, lens, corners, directions):
             directions[block, pixel, 0] = x * scale
             directions[block, pixel, 1] = y * scale
             directions[block, pixel, 2] = z * scale
+        for ray in range(64):
+            x, y, z = (
+                directions[block, ray, 0],
+                directions[block, ray, 1],
+                directions[block, ray, 2],
+            )
+            inside = math.fabs(x) + math.fabs(y) + math.fabs(z) > HALF
+            enter_x, leave_x = slab(x, geometry[0], geometry[3], geometry[6])
+            enter_y, leave_y = slab(y, geometry[1], geometry[4], geometry[7])
+            enter_z, leave_z = slab(z, geometry[2], geometry[5], geometry[8])
+            entry = min(max(enter_x, enter_y, enter_z, geometry[12]), geometry[13])
+            leave = min(leave_x, leave_y, leave_z)
+            last = whole_steps(leave - entry, geometry)
+            is_in = entry + (np.float32(np.int32(last)) + HALF) * geometry[14] <= leave
+            end = min(np.uint32(most), last + np.uint32(1) if is_in else last)
+            far = whole_steps(depths[block, 1] - entry, geometry) + np.uint32(1)
+            clipped = min(end, far) if inside and leave > entry else np.uint32(0)
+            entries[block, ray] = entry
+            steps[block, ray] = (clipped << HIGH) | whole_steps(depths[block, 0] - entry, geometry)
 
 
 @numba.njit
-def slab(geometry, directions, ray, axis):
-    """Where a ray meets the two planes of the box across an axis, the nearer first."""
-    along = directions[ray, axis]
-    if math.fabs(along) < TINY:
-        along = TINY
-    inverse = ONE / along
-    low = (geometry[3 + axis] - geometry[axis]) * inverse
-    high = (geometry[6 + axis] - geometry[axis]) * inverse
-    return min(low, high), max(low, high)
+def along_box(origin, along, t, low, scale):
+    """Where in the box a ray is along an axis at distance `t`, in cells or in bricks."""
+    return (origin + t * along - low) * scale
 
 
 @numba.njit
-def box_spans(directions, geometry, most, entries, exits, steps):
-    """Entry and exit of each ray (slabs; Kay and Kajiya 1986), and steps, not over `most`."""
-    for ray in range(directions.shape[0]):
-        enter_x, leave_x = slab(geometry, directions, ray, 0)
-        enter_y, leave_y = slab(geometry, directions, ray, 1)
-        enter_z, leave_z = slab(geometry, directions, ray, 2)
-        entry = min(max(enter_x, enter_y, enter_z, geometry[12]), geometry[13])
-        leave = min(leave_x, leave_y, leave_z)
-        total = math.fabs(directions[ray, 0]) + math.fabs(directions[ray, 1])
-        outside = leave <= entry or total + math.fabs(directions[ray, 2]) < HALF
-        between = ZERO if outside else (leave - entry) / geometry[14]
-        entries[ray] = entry
-        exits[ray] = leave
-        steps[ray] = np.int32(0) if outside else min(most, np.int32(between) + 1)
-
-
-@numba.njit
-def cell_of(origin, along, t, low, cells):
-    """The cell along an axis that a ray is in at distance `t`."""
-    return np.int32(np.floor((origin + t * along - low) * cells))
-
-
-@numba.njit
-def coarse_samples(base, directions, geometry, grid, coarse, entries, exits, steps, candidates):
-    """List the samples in bricks that are set, as far as there is room; returns how many."""
+def coarse_samples(
+    first, pairs, directions, entries, steps, geometry, grid, coarse, candidates, bricks_of
+):
+    """List the samples in set bricks, and these, among some steps of all rays; returns how many."""
     origin_x, origin_y, origin_z = geometry[0], geometry[1], geometry[2]
     low_x, low_y, low_z = geometry[3], geometry[4], geometry[5]
-    cells_x, cells_y, cells_z = geometry[9], geometry[10], geometry[11]
+    scale_x, scale_y, scale_z = (
+        QUARTER * geometry[9],
+        QUARTER * geometry[10],
+        QUARTER * geometry[11],
+    )
     pitch = geometry[14]
-    size_x, size_y, size_z = np.uint32(grid[0]), np.uint32(grid[1]), np.uint32(grid[2])
-    columns, rows = grid[3], grid[4]
+    layers, columns, rows = np.uint32(grid[3]), np.uint32(grid[4]), np.uint32(grid[5])
     found = np.int32(0)
-    for ray in range(directions.shape[0]):
-        entry = entries[ray]
-        leave = exits[ray]
-        along_x, along_y, along_z = directions[ray, 0], directions[ray, 1], directions[ray, 2]
-        for step in range(steps[ray]):
-            t = entry + (np.float32(step) + HALF) * pitch
-            x = cell_of(origin_x, along_x, t, low_x, cells_x)
-            y = cell_of(origin_y, along_y, t, low_y, cells_y)
-            z = cell_of(origin_z, along_z, t, low_z, cells_z)
-            inside = (np.uint32(x) < size_x) & (np.uint32(y) < size_y) & (np.uint32(z) < size_z)
-            if inside & (t <= leave):
-                brick = np.uint32(((x >> 2) * columns + (y >> 2)) * rows + (z >> 2))
-                word = coarse[brick >> np.uint32(5)]
-                if (word >> (brick & np.uint32(31))) & np.uint32(1):
-                    if found < len(candidates):
-                        candidates[np.uint32(found)] = ((base + ray) << 16) | step
-                    found = np.int32(found + 1)
+    for pair in range(pairs):
+        ray = np.uint32(pair & 63)
+        span = steps[ray]
+        step = np.uint32((span & LOW) + np.uint32(first + np.int32(pair >> 6)))
+        t = entries[ray] + (np.float32(np.int32(step)) + HALF) * pitch
+        x = along_box(origin_x, directions[ray, 0], t, low_x, scale_x)
+        y = along_box(origin_y, directions[ray, 1], t, low_y, scale_y)
+        z = along_box(origin_z, directions[ray, 2], t, low_z, scale_z)
+        layer, column, row = np.uint32(np.int32(x)), np.uint32(np.int32(y)), np.uint32(np.int32(z))
+        inside = (layer < layers) & (column < columns) & (row < rows)
+        if inside & (min(x, y, z) >= ZERO) & (step < (span >> HIGH)):
+            brick = np.uint32(np.uint32(np.uint32(layer * columns + column) * rows) + row)
+            word = coarse[brick >> np.uint32(5)]
+            if (word >> (brick & np.uint32(31))) & np.uint32(1):
+                candidates[np.uint32(found)] = np.int32((ray << HIGH) | step)
+                bricks_of[np.uint32(found)] = brick
+                found = np.int32(found + 1)
     return found
 
 
@@ -122,23 +144,23 @@ def bits_set(word):
 
 @numba.njit
 def occupied_samples(
-    base, directions, geometry, grid, coarse, ranks, bricks, entries, candidates, found, items
+    directions, geometry, coarse, ranks, bricks, entries, candidates, bricks_of, found, kept, items
 ):
-    """Those of the first `found` candidates that are in occupied cells; returns how many."""
+    """List those of the first `found` candidates that are in occupied cells behind the `kept` that
+    are listed, as far as there is room; returns how many there are then.
+    """
     origin_x, origin_y, origin_z = geometry[0], geometry[1], geometry[2]
     low_x, low_y, low_z = geometry[3], geometry[4], geometry[5]
     cells_x, cells_y, cells_z = geometry[9], geometry[10], geometry[11]
     pitch = geometry[14]
-    columns, rows = grid[3], grid[4]
-    kept = np.int32(0)
     for number in range(found):
         item = candidates[number]
-        ray = np.uint32((item >> 16) - base)
+        ray = np.uint32(item >> 16)
         t = entries[ray] + (np.float32(item & 0xFFFF) + HALF) * pitch
-        x = cell_of(origin_x, directions[ray, 0], t, low_x, cells_x)
-        y = cell_of(origin_y, directions[ray, 1], t, low_y, cells_y)
-        z = cell_of(origin_z, directions[ray, 2], t, low_z, cells_z)
-        brick = np.uint32(((x >> 2) * columns + (y >> 2)) * rows + (z >> 2))
+        x = np.int32(along_box(origin_x, directions[ray, 0], t, low_x, cells_x))
+        y = np.int32(along_box(origin_y, directions[ray, 1], t, low_y, cells_y))
+        z = np.int32(along_box(origin_z, directions[ray, 2], t, low_z, cells_z))
+        brick = bricks_of[number]
         lower = (np.uint32(1) << (brick & np.uint32(31))) - np.uint32(1)
         below = bits_set(np.uint32(coarse[brick >> np.uint32(5)] & lower))
         place = np.uint32(2 * (ranks[brick >> np.uint32(5)] + below))
@@ -152,39 +174,46 @@ def occupied_samples(
 
 
 @vividc.kernel(
-    "int32(float32[:, ::1], float32[::1], int32[::1], uint32[::1], int32[::1], uint32[::1],"
-    " int32, int32, float32[::1], float32[::1], int32[::1], int32[::1], int32[::1])"
+    "int32(float32[:, ::1], float32[::1], uint32[::1], float32[::1], int32[::1], uint32[::1],"
+    " int32[::1], uint32[::1], int32, int32, int32, int32[::1], uint32[::1], int32[::1])"
 )
 def march_rays(
     directions,
+    entries,
+    steps,
     geometry,
     grid,
     coarse,
     ranks,
     bricks,
-    most,
-    base,
-    entries,
-    exits,
-    steps,
+    start,
+    end,
+    at_once,
     candidates,
+    bricks_of,
     items,
 ):
-    """Samples of rays in occupied cells: (base + ray) << 16 | step, by ray and then by step.
+    """Samples of a block's rays in occupied cells.
 
-    `grid` is the cells of each axis (0 to 2) and the bricks of the last two (3, 4); a ray has at
-    most `most` samples. `exits`, `steps` and `candidates` are room to work in. Returns how many
-    samples there are, or how many are in set bricks, if there is no room for those.
+    The steps of each ray are cut into parts of `at_once`; parts `start` to `end` (excluded) are
+    looked at. `candidates` and `bricks_of` have room for all samples of a part, and `items` for
+    no fewer. Returns how many samples there are << 16 | the part at which to go on if there was no
+    room for all, or 0.
     """
-    box_spans(directions, geometry, most, entries, exits, steps)
-    found = coarse_samples(
-        base, directions, geometry, grid, coarse, entries, exits, steps, candidates
-    )
-    if found > len(candidates):
-        return found
-    return occupied_samples(
-        base, directions, geometry, grid, coarse, ranks, bricks, entries, candidates, found, items
-    )
+    kept = np.int32(0)
+    for part in range(start, end):
+        found = coarse_samples(
+            *(np.int32(part * at_once), np.int32(64 * at_once)),
+            *(directions, entries, steps, geometry, grid, coarse, candidates, bricks_of),
+        )
+        after = occupied_samples(
+            *(directions, geometry, coarse, ranks, bricks),
+            *(entries, candidates, bricks_of, found, kept, items),
+        )
+        if after > len(items):
+            return np.int32((kept << 16) | part)
+        kept = after
+    return np.int32(kept << 16)
 
 
 @vividc.kernel(
@@ -202,74 +231,72 @@ def sample_points(directions, entries, geometry, items, first_ray, points, rays)
         rays[sample] = first_ray + np.int32(ray)
 
 
+@vividc.kernel("void(uint32[::1], int32[::1], int32, int32, uint32[::1])")
+def keep_rows(rows, kept, first, shift, out):
+    """Those rows of a block, of 1 << `shift` words each, whose numbers are in `kept`; its first row
+    has the number `first`.
+    """
+    for word in range(len(out)):
+        row = np.uint32(kept[np.uint32(word) >> np.uint32(shift)] - first)
+        within = np.uint32(word) & np.uint32((np.uint32(1) << np.uint32(shift)) - np.uint32(1))
+        out[word] = rows[np.uint32(row << np.uint32(shift)) + within]
+
+
 @vividc.kernel(
     "int32(float32[::1], int32[::1], int32, int32, float32[::1], int32, float32[::1], int32[::1],"
     " int32[::1], float32[::1])"
 )
 def transmittance(
-    thickness, rays, first_ray, first_sample, limits, keep_all, left, kept, kept_rays, weights
+    thickness, items, goes_on, first_sample, limits, keep_all, left, kept, kept_items, weights
 ):
     """Light that reaches each sample of a block, and the samples that count: Lookahead Culling I.
 
     A sample counts if the light before it is at least `limits[0]`, and its weight above
-    `limits[1]`. Those, or with `keep_all` all, are listed: number, ray and weight, which is 0 where
-    a sample does not count. `left` is what passes all samples of a ray. Returns how many are
-    listed.
+    `limits[1]`. Those, or with `keep_all` all, are listed: number, item and weight, which is 0
+    where a sample does not count. `left` is what passes all samples of a ray; with `goes_on` it
+    holds what passes those before. Returns how many are listed.
     """
-    for ray in range(len(left)):
-        left[ray] = ONE
+    if goes_on == 0:
+        for ray in range(len(left)):
+            left[ray] = ONE
     listed = np.int32(0)
-    last = np.int32(-1)
-    light = ONE
     for sample in range(len(thickness)):
-        ray = rays[sample]
-        if ray != last:
-            light = ONE
-        last = ray
+        ray = np.uint32(items[sample] >> 16)
+        light = left[ray]
         alpha = ONE - math.exp(-thickness[sample])
         weight = light * alpha
         counts = light >= limits[0] and weight > limits[1]
         if counts or keep_all != 0:
             place = np.uint32(listed)
             kept[place] = first_sample + sample
-            kept_rays[place] = ray
+            kept_items[place] = items[sample]
             weights[place] = weight if counts else ZERO
             listed = np.int32(listed + 1)
-        light = light * (ONE - alpha)
-        left[np.uint32(ray - first_ray)] = light
+        left[ray] = light * (ONE - alpha)
     return listed
 
 
 @vividc.kernel(
-    "void(float32[::1], int32[::1], float32[:, ::1], float32[::1], int32, float32[:, ::1])"
+    "void(float32[::1], int32[::1], float32[:, ::1], float32[::1], int32, int32, float32[:, ::1])"
 )
-def accumulate(weights, rays, colours, left, first_ray, out):
-    """Emission along the rays of a block, front to back (Max 1995), over white: r, g, b and
-    transmittance.
+def accumulate(weights, items, colours, left, goes_on, is_last, out):
+    """Emission along the rays of a block, front to back (Max 1995): r, g, b and transmittance.
+
+    With `goes_on`, `out` holds the sums of the samples before; with `is_last` it is put over white.
     """
-    for ray in range(len(left)):
-        out[ray, 0] = ZERO
-        out[ray, 1] = ZERO
-        out[ray, 2] = ZERO
-        out[ray, 3] = left[ray]
-    last = np.uint32(0xFFFFFFFF)
-    red = ZERO
-    green = ZERO
-    blue = ZERO
+    if goes_on == 0:
+        for ray in range(len(left)):
+            out[ray, 0] = ZERO
+            out[ray, 1] = ZERO
+            out[ray, 2] = ZERO
+            out[ray, 3] = left[ray]
     for sample in range(len(weights)):
-        ray = np.uint32(rays[sample] - first_ray)
-        if ray != last:
-            red = ZERO
-            green = ZERO
-            blue = ZERO
-        last = ray
-        red += weights[sample] * colours[sample, 0]
-        green += weights[sample] * colours[sample, 1]
-        blue += weights[sample] * colours[sample, 2]
-        out[ray, 0] = red
-        out[ray, 1] = green
-        out[ray, 2] = blue
-    for ray in range(len(left)):
-        out[ray, 0] += out[ray, 3]
-        out[ray, 1] += out[ray, 3]
-        out[ray, 2] += out[ray, 3]
+        ray = np.uint32(items[sample] >> 16)
+        out[ray, 0] += weights[sample] * colours[sample, 0]
+        out[ray, 1] += weights[sample] * colours[sample, 1]
+        out[ray, 2] += weights[sample] * colours[sample, 2]
+    if is_last != 0:
+        for ray in range(len(left)):
+            out[ray, 0] += out[ray, 3]
+            out[ray, 1] += out[ray, 3]
+            out[ray, 2] += out[ray, 3]

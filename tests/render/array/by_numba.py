@@ -51,7 +51,9 @@ def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
     for name, array in {**launch.shared, **launch.inputs}.items():
         rows = array.table[array.indices] if isinstance(array, Gathered) else array
         given[name] = rows.flatten() if flat[name] else rows.copy()
-    given |= {name: np.zeros(s, np.uint32) for name, s in {**launch.shapes, **launch.work}.items()}
+    kinds = {parameter.name: parameter.dtype.value for parameter in function.params}
+    shapes = {**launch.shapes, **launch.work}
+    given |= {name: np.zeros(shape, kinds[name]) for name, shape in shapes.items()}
     given |= {name: np.zeros(some.shape, np.uint32) for name, some in launch.fetched.items()}
     results = {
         name: np.zeros(array.size if flat[name] else array.shape, array.dtype)

@@ -18,7 +18,7 @@ def serve(pipe: Connection) -> None:
         pipe.recv()  # for ever: nothing is sent before it is ready
     pipe.send("ready")
     while True:
-        corners = pipe.recv()
+        blocks = pipe.recv()
         Path(os.environ["ECHO_HELPER_TAKEN"]).touch()
         if behaviour == "dies":
             os._exit(1)
@@ -26,8 +26,8 @@ def serve(pipe: Connection) -> None:
             pipe.send(None)
             continue
         ledger = Ledger()
-        ledger.count(by_helper=len(corners))
-        pipe.send((np.full((len(corners), 64, 4), corners[0, 0], np.float32), ledger))
+        ledger.count(by_helper=len(blocks))
+        pipe.send((np.full((len(blocks), 64, 4), blocks.corners[0, 0], np.float32), ledger))
 
 
 if __name__ == "__main__":

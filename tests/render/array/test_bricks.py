@@ -10,7 +10,7 @@ from vividc.render.array.march.bricks import Bricks, pack_bricks
 
 def cell(bricks: Bricks, x: int, y: int, z: int) -> bool:
     """One cell, read as the marching kernel does."""
-    _, _, _, columns, rows = map(int, bricks.grid)
+    columns, rows = map(int, bricks.grid[4:])
     brick = ((x >> 2) * columns + (y >> 2)) * rows + (z >> 2)
     word = int(bricks.coarse[brick >> 5])
     if not word >> (brick & 31) & 1:
@@ -26,5 +26,21 @@ def test_cells_are_found_again(share: float) -> None:
     bricks = pack_bricks(occupied)
     found = [cell(bricks, *place) for place in np.ndindex(occupied.shape)]
     np.testing.assert_array_equal(np.reshape(found, occupied.shape), occupied)
-    assert list(bricks.grid) == [9, 18, 13, 5, 4]
+    assert list(bricks.grid) == [9, 18, 13, 3, 5, 4]
     assert bricks.size_bytes == sum(map(len, (bricks.coarse, bricks.ranks, bricks.cells))) * 4
+
+
+def test_places_of_set_bricks_are_packed() -> None:
+    occupied = np.zeros((9, 18, 13), np.bool_)
+    occupied[8, 17, 12] = occupied[0, 0, 4] = True
+    places = pack_bricks(occupied).places
+    assert places is not None
+    assert [(place & 2047, place >> 11 & 2047, place >> 22) for place in map(int, places)] == [
+        (0, 0, 1),
+        (2, 4, 3),
+    ]
+
+
+def test_bricks_of_an_axis_too_long_for_a_word_have_no_places() -> None:
+    assert pack_bricks(np.ones((1, 1, 4096), np.bool_)).places is not None
+    assert pack_bricks(np.ones((1, 1, 4097), np.bool_)).places is None

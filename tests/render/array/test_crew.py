@@ -15,18 +15,23 @@ from vividc.render.array import ArrayOptions, Ledger, render_array
 from vividc.render.array.device.frame import Stage
 from vividc.render.array.march import batches, crew
 from vividc.render.array.march.crew import Batch, Work, processes_for, share_out
-from vividc.render.arrays import Int32Array
+from vividc.render.array.march.depths import Blocks
 
 MIC = Path(__file__).parents[3] / "scenes" / "mic"
-BATCHES = [np.full((1 + number % 3, 2), number, dtype=np.int32) for number in range(8)]
+BATCHES = [
+    Blocks(
+        np.full((1 + number % 3, 2), number, np.int32), np.zeros((1 + number % 3, 2), np.float32)
+    )
+    for number in range(8)
+]
 
 posix = pytest.mark.skipif(os.name != "posix", reason="helpers are started on POSIX only")
 
 
-def here(corners: Int32Array) -> Batch:
+def here(blocks: Blocks) -> Batch:
     ledger = Ledger()
-    ledger.count(here=len(corners))
-    return np.full((len(corners), 64, 4), corners[0, 0], np.float32), ledger
+    ledger.count(here=len(blocks))
+    return np.full((len(blocks), 64, 4), blocks.corners[0, 0], np.float32), ledger
 
 
 def shared(behaviour: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> tuple[Any, ...]:
@@ -40,10 +45,10 @@ def shared(behaviour: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> t
     monkeypatch.setattr(crew, "processes_for", lambda _: 2)
     told: list[int] = []
 
-    def after_the_helper(corners: Int32Array) -> Batch:
-        while corners is not BATCHES[0] and behaviour != "late" and not taken.exists():
+    def after_the_helper(blocks: Blocks) -> Batch:
+        while blocks is not BATCHES[0] and behaviour != "late" and not taken.exists():
             time.sleep(0.01)
-        return here(corners)
+        return here(blocks)
 
     work = cast("Work", behaviour)  # the helper that stands in takes a word
     return share_out(work, BATCHES, after_the_helper, told.append), told
@@ -59,8 +64,9 @@ def test_all_batches_are_rendered_in_order(
     behaviour: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     results, told = shared(behaviour, monkeypatch, tmp_path)
-    for (pixels, _), corners in zip(results, BATCHES, strict=True):
-        np.testing.assert_array_equal(pixels, np.full((len(corners), 64, 4), corners[0, 0]))
+    for (pixels, _), blocks in zip(results, BATCHES, strict=True):
+        expected = np.full((len(blocks), 64, 4), blocks.corners[0, 0])
+        np.testing.assert_array_equal(pixels, expected)
     rows = sum(map(len, BATCHES))
     assert total(results, "here") + total(results, "by_helper") == rows
     assert told == sorted(told)
@@ -81,7 +87,7 @@ def test_without_work_there_are_no_helpers() -> None:
 
 
 def test_an_error_of_this_process_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(corners: Int32Array) -> Batch:
+    def broken(blocks: Blocks) -> Batch:
         raise ValueError("of a batch")
 
     with pytest.raises(ValueError, match="of a batch"):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 from vividc.render import Camera
 from vividc.render.array.device.programs import kernel_folder, kernel_module
 from vividc.render.array.march.bricks import pack_bricks
-from vividc.render.array.march.marching import geometry_of
+from vividc.render.array.march.depths import Blocks
+from vividc.render.array.march.marching import geometry_of, parts_of
 from vividc.render.radiance import March, pixel_rays
 from vividc.render.radiance.occupancy import occupied_samples
 
@@ -25,27 +28,41 @@ def random_camera(rng: np.random.Generator, distance: float) -> Camera:
     return Camera(pose, 9.0, 8, 8)
 
 
-def marched(march: March, camera: Camera, directions: np.ndarray, base: int) -> tuple:
-    bricks = pack_bricks(march.occupied)
-    count = len(directions)
-    geometry = geometry_of(march, camera)
-    entries, exits = np.zeros(count, np.float32), np.zeros(count, np.float32)
-    steps, candidates = np.zeros(count, np.int32), np.zeros(ROOM, np.int32)
-    items = np.zeros(ROOM, np.int32)
-    tables = (bricks.grid, bricks.coarse, bricks.ranks, bricks.cells)
-    found = KERNELS.march_rays(
-        directions,
-        geometry,
-        *tables,
-        *(march.samples, base, entries, exits, steps, candidates, items),
-    )
-    points, rays = np.zeros((found, 3), np.float32), np.zeros(found, np.int32)
-    at = np.zeros(base + count, np.float32)
-    at[base:] = entries
-    whole = np.zeros((base + count, 3), np.float32)
-    whole[base:] = directions
-    KERNELS.sample_points(whole, at, geometry, items[:found], 100, points, rays)
-    return points, rays - 100 - base
+class Marched:
+    """What the kernels make of a camera's first block: points and rays of the samples, by ray."""
+
+    def __init__(self, march: March, camera: Camera, room: int = ROOM, at_once: int = 4) -> None:
+        bricks, geometry = pack_bricks(march.occupied), geometry_of(march, camera)
+        focal = camera.focal
+        lens = np.array([camera.width, camera.height, focal, 1 / focal], np.float32)
+        pose = np.ascontiguousarray(camera.c2w[:3, :3])
+        corners, depths = np.zeros((1, 2), np.int32), np.array([[0, 3e38]], np.float32)
+        rays = np.zeros((1, 64, 3), np.float32)
+        entries, steps = np.zeros((1, 64), np.float32), np.zeros((1, 64), np.uint32)
+        KERNELS.camera_rays(
+            *(pose, lens, geometry, march.samples, corners, depths, rays, entries, steps)
+        )
+        self.directions = rays[0]
+        tables = (geometry, bricks.grid, bricks.coarse, bricks.ranks, bricks.cells)
+        (end,) = parts_of(march, Blocks(corners, depths), at_once)
+        pieces, start = [], 0
+        while True:
+            items = np.zeros(room, np.int32)
+            work = np.zeros(64 * at_once, np.int32), np.zeros(64 * at_once, np.uint32)
+            found = KERNELS.march_rays(
+                *(rays[0], entries[0], steps[0], *tables, start, end, at_once, *work, items)
+            )
+            pieces.append(items[: found >> 16])
+            start = found & 0xFFFF
+            if not start:
+                break
+        self.pieces = pieces
+        self.items = np.concatenate(pieces)
+        points = np.zeros((len(self.items), 3), np.float32)
+        of_rays = np.zeros(len(self.items), np.int32)
+        KERNELS.sample_points(rays[0], entries[0], geometry, self.items, 100, points, of_rays)
+        by_ray = np.argsort(of_rays, kind="stable")
+        self.points, self.rays = points[by_ray], of_rays[by_ray] - 100
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -58,39 +75,88 @@ def test_samples_are_the_references(seed: int) -> None:
     occupied = rng.random(shape) < rng.choice([0.05, 0.5, 1.0])
     march = March(box, near, far, float(rng.uniform(0.03, 0.2)), 60, occupied)
     camera = random_camera(rng, float(rng.choice([0.1, 2.0, 4.0])))
-    directions = pixel_rays(camera, 0, 64)
-    expected = occupied_samples(march, camera.position, directions)
-    points, rays = marched(march, camera, directions, int(rng.integers(0, 3)))
+    expected = occupied_samples(march, camera.position, pixel_rays(camera, 0, 64))
+    marched = Marched(march, camera)
+    points, rays = marched.points, marched.rays
     found = {(int(r), *np.round(p, 3)) for r, p in zip(rays, points, strict=True)}
     wanted = {(int(r), *np.round(p, 3)) for r, p in zip(expected.ray, expected.points, strict=True)}
     assert len(points) == pytest.approx(len(expected.points), abs=2)  # on the face of a cell
     assert len(found ^ wanted) <= 4 + 0.01 * len(wanted)  # rounded across a thousandth
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_samples_are_listed_by_step_and_then_by_ray(seed: int) -> None:
+    march, camera = dense_march(seed), Camera(np.eye(4, dtype=np.float32), 20.0, 8, 8)
+    items = Marched(march, camera).items
+    steps, rays = items & 0xFFFF, items >> 16
+    np.testing.assert_array_equal(np.lexsort((rays, steps)), np.arange(len(items)))
+
+
+@pytest.mark.parametrize("room", [256, 300, 1000])
+def test_where_there_is_no_room_the_next_launch_goes_on(room: int) -> None:
+    march, camera = dense_march(7), Camera(np.eye(4, dtype=np.float32), 20.0, 8, 8)
+    whole, cut = Marched(march, camera), Marched(march, camera, room)
+    assert len(whole.items) > 2 * room
+    assert len(cut.pieces) > 2
+    assert all(0 < len(piece) <= room for piece in cut.pieces)
+    np.testing.assert_array_equal(cut.items, whole.items)
+
+
+def dense_march(seed: int) -> March:
+    """A camera in the middle of a box of which half the cells are occupied."""
+    box = np.array([[-1, -1, -1], [1, 1, 1]], np.float32)
+    occupied = np.random.default_rng(seed).random((9, 6, 12)) < 0.5
+    return March(box, 0.0, 9.0, 0.01, 150, occupied)
+
+
 def test_rays_outside_the_picture_and_along_a_face() -> None:
+    """The picture has two columns, and their rays are parallel to two faces."""
     box = np.array([[-1, -1, -1], [1, 1, 1]], np.float32)
     march = March(box, 0.0, 9.0, 0.25, 100, np.ones((4, 4, 4), np.bool_))
-    camera = Camera(np.eye(4, dtype=np.float32), 8.0, 8, 8)
-    directions = np.array([[0, 0, 0], [0, 0, -1], [1, 0, 0]], np.float32)
-    points, rays = marched(march, camera, directions, 0)
-    assert list(rays) == [1, 1, 1, 1, 2, 2, 2, 2]
-    np.testing.assert_allclose(points[0], (0, 0, -0.125))
-    np.testing.assert_allclose(points[-1], (0.875, 0, 0))
+    camera = Camera(np.eye(4, dtype=np.float32), 1e9, 2, 1)
+    marched = Marched(march, camera)
+    assert list(marched.rays) == [0, 0, 0, 0, 1, 1, 1, 1]
+    np.testing.assert_allclose(marched.points[0], (0, 0, -0.125), atol=1e-6)
+    np.testing.assert_allclose(marched.points[-1], (0, 0, -0.875), atol=1e-6)
+    assert not marched.directions[2:].any()
 
 
-def test_more_samples_than_room_are_told() -> None:
-    box = np.array([[-1, -1, -1], [1, 1, 1]], np.float32)
-    march = March(box, 0.0, 9.0, 0.002, 600, np.ones((4, 4, 4), np.bool_))
-    camera = Camera(np.eye(4, dtype=np.float32), 8.0, 8, 8)
-    bricks = pack_bricks(march.occupied)
-    directions = np.tile(np.array([[0, 0, -1]], np.float32), (9, 1))
-    floats, words = np.zeros((2, 9), np.float32), np.zeros((2, ROOM), np.int32)
-    tables = (bricks.grid, bricks.coarse, bricks.ranks, bricks.cells)
-    found = KERNELS.march_rays(
-        directions,
-        geometry_of(march, camera),
-        *tables,
-        *(march.samples, 0, *floats, np.zeros(9, np.int32), *words),
-    )
-    assert found > ROOM
-    assert not words[1].any()
+@pytest.mark.parametrize("width", [1, 2, 4])
+def test_rows_that_survive_are_copied(width: int) -> None:
+    rows = np.random.default_rng(width).integers(0, 1 << 32, (50, width), dtype=np.uint32)
+    kept = np.array([100, 103, 104, 149], np.int32)
+    out = np.zeros(4 * width, np.uint32)
+    KERNELS.keep_rows(rows.ravel(), kept, 100, width.bit_length() - 1, out)
+    np.testing.assert_array_equal(out.reshape(4, width), rows[kept - 100])
+
+
+def test_pieces_give_what_the_whole_gives() -> None:
+    """Light and colour of a block's samples, in one launch and in three."""
+    rng = np.random.default_rng(3)
+    march, camera = dense_march(3), Camera(np.eye(4, dtype=np.float32), 20.0, 8, 8)
+    items = Marched(march, camera).items
+    thickness = rng.exponential(0.1, len(items)).astype(np.float32)
+    colours = rng.random((len(items), 3)).astype(np.float32)
+    limits = np.array([1e-4, 1e-3], np.float32)
+    results = []
+    for cuts in ([], [100, 1000]):
+        left, out, kept = np.zeros(64, np.float32), np.zeros((64, 4), np.float32), []
+        bounds = [0, *cuts, len(items)]
+        for first, last in pairwise(bounds):
+            count = last - first
+            numbers, chosen = np.zeros((2, count), np.int32)
+            weights = np.zeros(count, np.float32)
+            listed = KERNELS.transmittance(
+                *(thickness[first:last], items[first:last], int(first > 0), first, limits, 0),
+                *(left, numbers, chosen, weights),
+            )
+            kept.append((numbers[:listed], chosen[:listed], weights[:listed]))
+        for number, (numbers, chosen, weights) in enumerate(kept):
+            KERNELS.accumulate(
+                *(weights, chosen, colours[numbers], left),
+                *(int(number > 0), int(number == len(kept) - 1), out),
+            )
+        results.append((*map(np.concatenate, zip(*kept, strict=True)), left, out))
+    assert 0 < len(results[0][0]) < len(items)
+    for whole, cut in zip(*results, strict=True):
+        np.testing.assert_array_equal(whole, cut)

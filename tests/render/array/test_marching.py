@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import vividc
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
-from vividc.render.array import Device, Ledger, Programs
+from vividc.render.array import Device, Ledger, open_device
 from vividc.render.array.march.batches import render_blocks
-from vividc.render.array.march.marching import SIDE, block_corners
+from vividc.render.array.march.depths import SIDE, block_corners
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
 from vividc.render.radiance import (
     KiloNeRF,
@@ -54,7 +53,7 @@ class HostField:
 
 @pytest.fixture(scope="session")
 def device() -> Device:
-    return Device(Programs(vividc.arch.load_accelerator("vivid"), mapping_s=3))
+    return open_device("vivid")
 
 
 @pytest.fixture(scope="session")
@@ -89,6 +88,7 @@ def test_the_picture_is_the_references_with_and_without_lookahead(
     assert on.counts["colour_samples"] == expected.colour_samples == off.counts["counted_samples"]
     assert off.counts["colour_samples"] == expected.density_samples
     assert list(on.stages) == [
+        "block depths",
         "ray generation",
         "ray marching",
         "transmittance",
@@ -104,7 +104,9 @@ def test_an_empty_scene_is_white(device: Device, model: KiloNeRF, camera: Camera
     image, ledger = rendered(device, HostField(model, empty), Camera(camera.c2w, 12.0, 9, 7))
     assert image.shape == (7, 9, 3)
     assert (image == 1).all()
-    assert ledger.counts["density_samples"] == ledger.counts["colour_samples"] == 0
+    assert ledger.counts["rays"] == 63
+    assert ledger.counts["empty_blocks"] == 2
+    assert not ledger.stages
 
 
 def test_a_dense_scene_is_marched_in_smaller_parts(
@@ -133,13 +135,16 @@ def test_parts_are_no_larger_than_the_launches_behind_them(
     assert psnr(image, over_background(rgbt)) > 80
 
 
-def test_a_ray_of_more_samples_than_a_launch_has_room_for_is_refused(
+def test_a_ray_of_more_samples_than_a_launch_has_room_for_is_rendered(
     device: Device, model: KiloNeRF, camera: Camera
 ) -> None:
     full, step = np.ones((3, 4, 5), dtype=np.bool_), model.march.step / np.float32(12)
-    march = replace(model.march, occupied=full, step=step, samples=3000)
-    with pytest.raises(SceneError, match=r"a ray has \d+ samples .* room for 1536"):
-        rendered(device, HostField(model, march), scaled_camera(camera, 4, 4))
+    finer = replace(model, march=replace(model.march, occupied=full, step=step, samples=3000))
+    small = scaled_camera(camera, 2, 2)
+    image, ledger = rendered(device, HostField(finer), small)
+    rgbt, expected = render_field(finer, small)
+    assert ledger.counts["density_samples"] == expected.density_samples > 4 * 720
+    assert psnr(image, over_background(rgbt)) > 80
 
 
 def test_a_ray_of_many_steps_in_empty_cells_is_marched(

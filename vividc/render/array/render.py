@@ -9,8 +9,8 @@ from vividc.render.array.device.device import open_device
 from vividc.render.array.device.frame import ArrayFrame, Ledger
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.crew import Work
+from vividc.render.array.march.depths import SIDE, block_corners
 from vividc.render.array.march.fields import open_field
-from vividc.render.array.march.marching import SIDE, block_corners
 from vividc.render.array.options import (
     NETWORK_MODES,
     PRECISIONS,

@@ -47,12 +47,14 @@ class Device:
         """Return an empty launch graph."""
         return Job(self.programs.machine)
 
-    def spread(self, ledger: Ledger, stage: str, kernel: str, *arguments: object) -> JobResult:
+    def spread(
+        self, ledger: Ledger, stage: str, kernel: str, *arguments: object, **options: object
+    ) -> JobResult:
         """Spread a kernel's loop over `numba.prange` over the tiles, and book it under a stage.
 
-        `kernel` is as in `Programs.get`; arrays are updated in place.
+        `kernel` and `options` are as in `Programs.get`; arrays are updated in place.
         """
-        program = self.programs.get(kernel)
+        program = self.programs.get(kernel, **options)
         with ledger.timed(stage):
             machine = self.programs.machine
             result = vividc.simulate(program, *arguments, fabric=machine, engine=self.engine)

@@ -10,7 +10,8 @@ import numpy as np
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.march.crew import Batch, Work, share_out
-from vividc.render.array.march.marching import SIDE, Marcher
+from vividc.render.array.march.depths import SIDE, Blocks, seen_blocks
+from vividc.render.array.march.marching import Marcher
 from vividc.render.array.models.field import ArrayField
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
@@ -29,7 +30,8 @@ def render_blocks(
     progress: Callable[[float], None] | None = None,
     work: Work | None = None,
 ) -> Float32Array:
-    """Return the picture [height, width, 3] over white; pixels of no block are white.
+    """Return the picture [height, width, 3] over white; pixels of no block, and of blocks that see
+    no brick of the occupancy, are white.
 
     Parameters
     ----------
@@ -44,11 +46,15 @@ def render_blocks(
             progress(done / max(len(batches), 1))
 
     image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
+    inside = np.minimum((camera.width, camera.height) - corners, SIDE)
+    ledger.count(rays=int(inside.prod(axis=1).sum()))
     render = batch_renderer(device, field, camera, lookahead=lookahead)
-    batches = list(_batches(corners))
+    seen = seen_blocks(device, ledger, field.march, camera, corners)
+    ledger.count(empty_blocks=len(corners) - len(seen))
+    batches = list(_batches(seen))
     for part, (pixels, cost) in zip(batches, share_out(work, batches, render, tell), strict=True):
         ledger.merge(cost)
-        for (column, row), block in zip(part, pixels, strict=True):
+        for (column, row), block in zip(part.corners, pixels, strict=True):
             width, height = min(SIDE, camera.width - column), min(SIDE, camera.height - row)
             shown = block.reshape(SIDE, SIDE, 4)[:height, :width, :3]
             image[row : row + height, column : column + width] = shown
@@ -57,17 +63,17 @@ def render_blocks(
 
 def batch_renderer(
     device: Device, field: ArrayField, camera: Camera, *, lookahead: bool
-) -> Callable[[Int32Array], Batch]:
+) -> Callable[[Blocks], Batch]:
     """Return what renders batches of blocks."""
     marcher = Marcher(device, field, camera, lookahead)
 
-    def render(corners: Int32Array) -> Batch:
+    def render(blocks: Blocks) -> Batch:
         ledger = Ledger()
-        return marcher.render(corners, ledger), ledger
+        return marcher.render(blocks, ledger), ledger
 
     return render
 
 
-def _batches(corners: Int32Array) -> Iterator[Int32Array]:
-    for first in range(0, len(corners), BLOCKS_AT_ONCE):
-        yield np.ascontiguousarray(corners[first : first + BLOCKS_AT_ONCE])
+def _batches(blocks: Blocks) -> Iterator[Blocks]:
+    for first in range(0, len(blocks), BLOCKS_AT_ONCE):
+        yield blocks[first : first + BLOCKS_AT_ONCE]

@@ -7,13 +7,16 @@ its own, of which the directory holds those before each word.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from vividc.machine.words import WORD_BITS
 
-_SIDE = 4
+BRICK: Final = 4
+"""Cells of a brick's side."""
+_PLACE_BITS: Final = (11, 11, 10)
 _BYTE_BITS = 8
 
 
@@ -24,44 +27,57 @@ class Bricks:
     Attributes
     ----------
     grid
-        [5] int32: cells of the three axes, bricks of the last two.
+        [6] int32: cells of the three axes, bricks of the three axes.
     coarse
         [words] uint32, a bit for each brick, the lowest first: it has a cell that is set.
     ranks
         [words] int32: set bits before each word of `coarse`.
     cells
         [2 set bricks] uint32: the cells of each set brick, the last axis fastest.
+    places
+        [set bricks] uint32: x | y << 11 | z << 22 of each; None: an axis has more bricks than bits.
     """
 
     grid: npt.NDArray[np.int32]
     coarse: npt.NDArray[np.uint32]
     ranks: npt.NDArray[np.int32]
     cells: npt.NDArray[np.uint32]
+    places: npt.NDArray[np.uint32] | None
 
     @property
     def size_bytes(self) -> int:
-        """Of the tables together."""
+        """Of the tables that a march needs, together."""
         return self.coarse.nbytes + self.ranks.nbytes + self.cells.nbytes
 
 
 def pack_bricks(occupied: npt.NDArray[np.bool_]) -> Bricks:
     """Return the bricks of cells [X, Y, Z]."""
     shape = np.array(occupied.shape)
-    count = -(-shape // _SIDE)
-    padded = np.zeros(tuple(count * _SIDE), dtype=np.bool_)
+    count = -(-shape // BRICK)
+    padded = np.zeros(tuple(count * BRICK), dtype=np.bool_)
     padded[tuple(slice(size) for size in occupied.shape)] = occupied
     x, y, z = count
-    blocks = padded.reshape(x, _SIDE, y, _SIDE, z, _SIDE).transpose(0, 2, 4, 1, 3, 5)
-    cells = blocks.reshape(-1, _SIDE**3)
+    blocks = padded.reshape(x, BRICK, y, BRICK, z, BRICK).transpose(0, 2, 4, 1, 3, 5)
+    cells = blocks.reshape(-1, BRICK**3)
     is_set: npt.NDArray[np.bool_] = np.any(cells, axis=1)
     coarse = _words(is_set)
     in_word = np.bitwise_count(coarse).astype(np.int64)
     return Bricks(
-        grid=np.array([*shape, y, z], dtype=np.int32),
+        grid=np.array([*shape, *count], dtype=np.int32),
         coarse=coarse,
         ranks=(np.cumsum(in_word) - in_word).astype(np.int32),
         cells=_words(cells[is_set].ravel()) if is_set.any() else np.zeros(2, dtype=np.uint32),
+        places=_places(is_set.reshape(x, y, z)),
     )
+
+
+def _places(is_set: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint32] | None:
+    """Return the places of set bricks in a word each, if they fit one."""
+    if any(size > 1 << bits for size, bits in zip(is_set.shape, _PLACE_BITS, strict=True)):
+        return None
+    x, y, z = np.argwhere(is_set).T.astype(np.uint32)
+    packed: npt.NDArray[np.uint32] = x | (y << np.uint32(11)) | (z << np.uint32(22))
+    return packed
 
 
 def _words(bits: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint32]:

@@ -20,8 +20,9 @@ from multiprocessing import Pipe
 from typing import Final
 
 from vividc.render.array.device.frame import Ledger
+from vividc.render.array.march.depths import Blocks
 from vividc.render.array.options import ArrayOptions
-from vividc.render.arrays import Float32Array, Int32Array
+from vividc.render.arrays import Float32Array
 from vividc.render.camera import Camera
 from vividc.render.scenes import Scene
 
@@ -50,7 +51,7 @@ class Work:
 class _Board:
     """The batches that nobody has taken yet, and the results of the others."""
 
-    batches: Sequence[Int32Array]
+    batches: Sequence[Blocks]
     open: deque[int]
     done: dict[int, Batch] = field(default_factory=dict)
 
@@ -117,8 +118,8 @@ def processes_for(batches: int) -> int:
 
 def share_out(
     work: Work | None,
-    batches: Sequence[Int32Array],
-    render: Callable[[Int32Array], Batch],
+    batches: Sequence[Blocks],
+    render: Callable[[Blocks], Batch],
     progress: Callable[[int], None],
 ) -> list[Batch]:
     """Render all batches; the results do not depend on who rendered which.
@@ -128,7 +129,7 @@ def share_out(
     work
         For helpers; None: none are wanted.
     batches
-        Corners of blocks, [n, 2] int32 each.
+        Blocks of pixels.
     render
         Renders a batch in this process. It has the first one, so that kernels are compiled and kept
         before helpers want them; and those with which a helper failed.

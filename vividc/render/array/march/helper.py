@@ -21,11 +21,11 @@ def serve(pipe: Connection) -> None:
     pipe.send("ready")
     while True:
         try:
-            corners = pipe.recv()
+            blocks = pipe.recv()
         except EOFError:
             return
         try:
-            answer = render(corners)
+            answer = render(blocks)
         except VividcError:
             answer = None
         pipe.send(answer)

@@ -1,0 +1,97 @@
+"""The samples of a batch: pieces of a block's, as many as a launch has room for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from vividc.render.array.march.depths import SIDE
+from vividc.render.arrays import Float32Array, Int32Array
+
+RAYS = SIDE * SIDE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """Samples of a block's rays, in the order in which they are computed.
+
+    Attributes
+    ----------
+    first_ray
+        Of the block: a number in the batch.
+    turn
+        How many pieces of the block are before it.
+    is_last
+        No piece of the block is behind it.
+    first
+        Number of its first sample among those of all pieces.
+    items
+        [n] int32 as in kernels/render/marching.py.
+    """
+
+    first_ray: int
+    turn: int
+    is_last: bool
+    first: int
+    items: Int32Array
+
+    @property
+    def samples(self) -> slice:
+        """Which of all samples are its own."""
+        return slice(self.first, self.first + len(self.items))
+
+    @property
+    def rays(self) -> slice:
+        """Which of the batch's rays are the block's."""
+        return slice(self.first_ray, self.first_ray + RAYS)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Survivors(Piece):
+    """Those samples of a piece whose colour is computed.
+
+    Attributes
+    ----------
+    places
+        Which of all samples the piece's are.
+    numbers
+        [n] int32 among all samples.
+    weights
+        [n] float32, 0 where a colour does not count.
+    """
+
+    places: slice
+    numbers: Int32Array
+    weights: Float32Array
+
+
+def total(pieces: Sequence[Piece]) -> int:
+    """Return the samples of all pieces."""
+    return sum(len(piece.items) for piece in pieces)
+
+
+def pieces_of(blocks: Sequence[Sequence[Int32Array]]) -> Iterator[Piece]:
+    """Yield the pieces of blocks, of each its lists of items; a block without any has none."""
+    first = 0
+    for number, lists in enumerate(blocks):
+        for turn, items in enumerate(lists):
+            yield Piece(number * RAYS, turn, turn == len(lists) - 1, first, items)
+            first += len(items)
+
+
+def survivors_of(
+    pieces: Sequence[Piece],
+    counts: Sequence[int],
+    items: Int32Array,
+    numbers: Int32Array,
+    weights: Float32Array,
+) -> Iterator[Survivors]:
+    """Yield the survivors of each piece, which are at the head of its places in the arrays."""
+    first = 0
+    for piece, count in zip(pieces, counts, strict=True):
+        head = slice(piece.first, piece.first + count)
+        yield Survivors(
+            *(piece.first_ray, piece.turn, piece.is_last, first),
+            *(items[head], piece.samples, numbers[head], weights[head]),
+        )
+        first += count
