@@ -217,7 +217,7 @@ def from_pairs(rows, first, at):
 @njit
 def halves(word):
     """Both features of a row of float16."""
-    first = np.float32(lang.fp16_from_bits(word & LOW))
+    first = np.float32(lang.fp16_from_bits(word))
     return first, np.float32(lang.fp16_from_bits(word >> SIXTEEN))
 
 

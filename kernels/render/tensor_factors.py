@@ -1,6 +1,6 @@
 """Plane and line factors of TensoRF (Chen et al. 2022) for planes that fit no scratchpad: the cells
-of samples, each once; products of gathered planes and resident lines, 16 channels at a time; the
-inputs of the colour network.
+of samples, each once; when DMA has brought their rows, products of planes and resident lines, 16
+channels at a time; the inputs of the colour network.
 
 A network's blocks are of 16 samples, [block, feature, sample].
 """
@@ -14,9 +14,10 @@ import vividc
 from vividc import lang
 
 ONE = np.uint32(1)
-TEN = np.uint32(10)
 PLACES = np.uint32(64)
 NO_CELL = np.uint32(0xFFFFFFFF)
+FIRST = np.uint32(8)
+"""Word of `rows` from which the rows lie that were asked for."""
 UNIT = np.float32(1.0)
 TWO = np.float32(2.0)
 LARGEST = np.float32(80.0)
@@ -31,143 +32,243 @@ def node(place, last):
     return min(np.int32(place), last)
 
 
-@vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[:, ::1], uint32[::1],"
-    " uint32[::1], uint32[:, ::1], uint32[:, ::1], uint32[::1])"
-)
-def find_plane_cells(points, low, scales, nodes, axes, seen, where, rows, slots, counts):
-    """List the rows, four each, of the plane cells that the points lie in.
+@njit
+def ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows):
+    """Ask for the rows, four each, of the plane cells that points lie in, or for none if there are
+    more cells than room.
 
-    `axes[k]` are those along the columns and the rows of plane k; `slots` says which of its cells
-    is a point's. A direct-mapped cache of 64 remembers cells in `seen` and `where`.
+    `slots` says which cell is a point's, and behind the points' how many there are. A direct-mapped
+    cache of 64 remembers cells in `seen` and `where`.
     """
-    for k in range(axes.shape[0]):
-        across = axes[k, 0]
-        down = axes[k, 1]
-        left = low[across]
-        top = low[down]
-        across_scale = scales[across]
-        down_scale = scales[down]
-        columns = np.uint32(nodes[across])
-        last_column = np.int32(nodes[across] - 2)
-        last_row = np.int32(nodes[down] - 2)
-        for place in range(len(seen)):
-            seen[place] = NO_CELL
-        count = np.uint32(0)
-        for i in range(points.shape[0]):
-            column = np.uint32(node((points[i, across] - left) * across_scale, last_column))
-            row = np.uint32(node((points[i, down] - top) * down_scale, last_row))
-            cell = np.uint32(row * columns + column)
-            place = (column ^ (row << np.uint32(3))) & (PLACES - ONE)
-            new = seen[place] != cell
-            slot = count if new else where[place]
-            seen[place] = cell
-            where[place] = slot
-            first = np.uint32(count << np.uint32(2))
-            rows[k, first] = cell
-            rows[k, first + ONE] = np.uint32(cell + ONE)
-            rows[k, first + np.uint32(2)] = np.uint32(cell + columns)
-            rows[k, first + np.uint32(3)] = np.uint32(cell + columns + ONE)
-            slots[k, i] = slot
-            count += np.uint32(1) if new else np.uint32(0)
-        counts[k] = count
+    for place in range(64):
+        seen[place] = NO_CELL
+    columns = np.uint32(last[0] + np.int32(2))
+    count = np.uint32(0)
+    for i in range(points.shape[0]):
+        column = np.uint32(node((points[i, axes[0]] - low[0]) * scale[0], last[0]))
+        row = np.uint32(node((points[i, axes[1]] - low[1]) * scale[1], last[1]))
+        cell = np.uint32(row * columns + column)
+        place = (column ^ (row << np.uint32(3))) & (PLACES - ONE)
+        new = seen[place] != cell
+        slot = count if new else where[place]
+        seen[place] = cell
+        where[place] = slot
+        first = np.uint32((min(count, np.uint32(room)) << np.uint32(2)) + ONE)
+        rows[first] = cell
+        rows[first + ONE] = np.uint32(cell + ONE)
+        rows[first + np.uint32(2)] = np.uint32(cell + columns)
+        rows[first + np.uint32(3)] = np.uint32(cell + columns + ONE)
+        slots[i] = slot
+        count += ONE if new else np.uint32(0)
+    slots[np.uint32(points.shape[0])] = count
+    rows[0] = np.uint32(count << np.uint32(2)) if count <= np.uint32(room) else np.uint32(0)
 
 
 @njit
-def product(plane, cell, line, start, channel, across, down, along):
-    """A channel of the plane, bilinear, times that of the line, linear."""
-    at = np.uint32(cell + channel)
-    above = plane[at]
-    above += (plane[at + np.uint32(16)] - above) * across
-    below = plane[at + np.uint32(32)]
-    below += (plane[at + np.uint32(48)] - below) * across
-    here = line[start + channel]
-    here += (line[start + np.uint32(16) + channel] - here) * along
-    return (above + (below - above) * down) * here
-
-
-@njit
-def along_axes(low, scales, nodes, axes):
-    """Corner, scale and last node but one of the plane's columns and rows, and of the line."""
-    across, down, along = axes[0], axes[1], axes[2]
-    corner = low[across], low[down], low[along]
-    scale = scales[across], scales[down], scales[along]
-    last = np.int32(nodes[across] - 2), np.int32(nodes[down] - 2), np.int32(nodes[along] - 2)
-    return corner, scale, last
-
-
-@njit
-def place(points, i, axes, grid):
-    """Where point i lies in its cell and between its nodes of the line, and where those begin."""
-    corner, scale, last = grid
-    x = (points[i, axes[0]] - corner[0]) * scale[0]
-    y = (points[i, axes[1]] - corner[1]) * scale[1]
-    z = (points[i, axes[2]] - corner[2]) * scale[2]
+def within(points, i, low, scale, last, axes):
+    """Where point i lies in its cell and between its nodes of the line, and the first of these."""
+    x = (points[i, axes[0]] - low[0]) * scale[0]
+    y = (points[i, axes[1]] - low[1]) * scale[1]
+    z = (points[i, axes[2]] - low[2]) * scale[2]
     line_node = node(z, last[2])
     x -= np.float32(node(x, last[0]))
     y -= np.float32(node(y, last[1]))
     z -= np.float32(line_node)
-    return x, y, z, np.uint32(np.uint32(line_node) << np.uint32(4))
-
-
-@vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[::1], float32[::1],"
-    " float32[::1], uint32[::1], float32[:, :, ::1])"
-)
-def factor_products(points, low, scales, nodes, axes, line, plane, slots, out):
-    """16 channels of plane times line; `axes` are the plane's columns and rows, and the line's."""
-    grid = along_axes(low, scales, nodes, axes)
-    for i in range(points.shape[0]):
-        x, y, z, first = place(points, i, axes, grid)
-        cell = np.uint32(slots[i] << np.uint32(6))
-        block = np.uint32(i) >> np.uint32(4)
-        sample = np.uint32(i) & np.uint32(15)
-        for c in range(16):
-            channel = np.uint32(c)
-            out[block, channel, sample] = product(plane, cell, line, first, channel, x, y, z)
+    return (x, y, z), np.uint32(line_node)
 
 
 @njit
-def word(a, b, c, d, scale):
-    """Four numbers, times `scale`, as float8."""
-    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
+def product(above, right, below, across, here, there, at):
+    """A channel of the plane, bilinear, times that of the line, linear."""
+    above += (right - above) * at[0]
+    below += (across - below) * at[0]
+    here += (there - here) * at[2]
+    return (above + (below - above) * at[1]) * here
+
+
+@njit
+def channel(rows, line, cell, start, at):
+    """A channel of rows of 16 float32, from its words in the first of the four and of the two."""
+    return product(
+        lang.bitcast_f32(rows[cell]),
+        lang.bitcast_f32(rows[cell + np.uint32(16)]),
+        lang.bitcast_f32(rows[cell + np.uint32(32)]),
+        lang.bitcast_f32(rows[cell + np.uint32(48)]),
+        lang.bitcast_f32(line[start]),
+        lang.bitcast_f32(line[start + np.uint32(16)]),
+        at,
+    )
+
+
+@njit
+def eight_channels(rows, line, cell, start, at):
+    """Eight neighbouring `channel`s."""
+    return (
+        channel(rows, line, cell, start, at),
+        channel(rows, line, cell + ONE, start + ONE, at),
+        channel(rows, line, cell + np.uint32(2), start + np.uint32(2), at),
+        channel(rows, line, cell + np.uint32(3), start + np.uint32(3), at),
+        channel(rows, line, cell + np.uint32(4), start + np.uint32(4), at),
+        channel(rows, line, cell + np.uint32(5), start + np.uint32(5), at),
+        channel(rows, line, cell + np.uint32(6), start + np.uint32(6), at),
+        channel(rows, line, cell + np.uint32(7), start + np.uint32(7), at),
+    )
+
+
+@njit
+def halves(word):
+    """Two float16 in a word."""
+    first = np.float32(lang.fp16_from_bits(word))
+    return first, np.float32(lang.fp16_from_bits(word >> np.uint32(16)))
+
+
+@njit
+def two_channels(rows, line, cell, start, at):
+    """Two channels of rows of 16 float16, eight words."""
+    above, right = halves(rows[cell]), halves(rows[cell + np.uint32(8)])
+    below, across = halves(rows[cell + np.uint32(16)]), halves(rows[cell + np.uint32(24)])
+    here, there = halves(line[start]), halves(line[start + np.uint32(8)])
+    return (
+        product(above[0], right[0], below[0], across[0], here[0], there[0], at),
+        product(above[1], right[1], below[1], across[1], here[1], there[1], at),
+    )
+
+
+@njit
+def four_channels(rows, line, cell, start, at):
+    """Four channels of rows of 16 float16."""
+    a = two_channels(rows, line, cell, start, at)
+    b = two_channels(rows, line, cell + ONE, start + ONE, at)
+    return a[0], a[1], b[0], b[1]
 
 
 @vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[::1], float32[::1],"
-    " float32[::1], uint32[::1], float32, uint32[:, :, ::1])"
+    "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, float32, int32,"
+    " int32, int32, int32, int32, int32, int32, uint32[::1], uint32[::1], uint32[::1],"
+    " uint32[::1], uint32[::1], float32[:, :, ::1])"
 )
-def factor_products_fp8(points, low, scales, nodes, axes, line, plane, slots, scale, out):
-    """`factor_products` times `scale`, four channels to a word."""
-    grid = along_axes(low, scales, nodes, axes)
-    for i in range(points.shape[0]):
-        x, y, z, first = place(points, i, axes, grid)
-        cell = np.uint32(slots[i] << np.uint32(6))
-        block = np.uint32(i) >> np.uint32(4)
-        sample = np.uint32(i) & np.uint32(15)
-        for k in range(4):
-            channel = np.uint32(k) << np.uint32(2)
-            a = product(plane, cell, line, first, channel, x, y, z)
-            b = product(plane, cell, line, first, channel + ONE, x, y, z)
-            c = product(plane, cell, line, first, channel + np.uint32(2), x, y, z)
-            d = product(plane, cell, line, first, channel + np.uint32(3), x, y, z)
-            out[block, k, sample] = word(a, b, c, d, scale)
+def factor_products(
+    phase, points, low_x, low_y, low_z, scale_x, scale_y, scale_z, last_x, last_y, last_z,
+    axis_x, axis_y, axis_z, room, line, seen, where, slots, rows, out,
+):  # fmt: skip
+    """16 channels of plane times line, by block of 16 samples, channel and sample.
+
+    `axes` are the plane's columns and rows, and the line's. Returns how many cells the points lie
+    in: if there are more than `room`, nothing was computed.
+    """
+    low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
+    axes = axis_x, axis_y, axis_z
+    if phase == 0:
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        return np.int32(0)
+    total = np.int32(slots[np.uint32(points.shape[0])])
+    samples = points.shape[0] if total <= room else 0
+    for half in range(2):
+        for i in range(samples):
+            at, start = within(points, i, low, scale, last, axes)
+            cell = np.uint32((slots[i] << np.uint32(6)) + np.uint32(8 * half) + FIRST)
+            start = np.uint32((start << np.uint32(4)) + np.uint32(8 * half))
+            c = eight_channels(rows, line, cell, start, at)
+            block = np.uint32(i) >> np.uint32(4)
+            sample = np.uint32(i) & np.uint32(15)
+            out[block, 8 * half, sample] = c[0]
+            out[block, 8 * half + 1, sample] = c[1]
+            out[block, 8 * half + 2, sample] = c[2]
+            out[block, 8 * half + 3, sample] = c[3]
+            out[block, 8 * half + 4, sample] = c[4]
+            out[block, 8 * half + 5, sample] = c[5]
+            out[block, 8 * half + 6, sample] = c[6]
+            out[block, 8 * half + 7, sample] = c[7]
+    return total
 
 
 @vividc.kernel(
-    "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32[::1], float32[::1],"
-    " float32[::1], uint32[::1], float32[::1])"
+    "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, float32, int32,"
+    " int32, int32, int32, int32, int32, int32, uint32[::1], uint32[::1], uint32[::1],"
+    " uint32[::1], uint32[::1], uint32[:, :, ::1])"
 )
-def factor_sums(points, low, scales, nodes, axes, line, plane, slots, out):
+def factor_products_fp8(
+    phase, points, low_x, low_y, low_z, scale_x, scale_y, scale_z, last_x, last_y, last_z,
+    axis_x, axis_y, axis_z, room, line, seen, where, slots, rows, out,
+):  # fmt: skip
+    """`factor_products` of rows of float16, as float8, four channels to a word."""
+    low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
+    axes = axis_x, axis_y, axis_z
+    if phase == 0:
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        return np.int32(0)
+    total = np.int32(slots[np.uint32(points.shape[0])])
+    samples = points.shape[0] if total <= room else 0
+    for half in range(2):
+        for i in range(samples):
+            at, start = within(points, i, low, scale, last, axes)
+            cell = np.uint32((slots[i] << np.uint32(5)) + np.uint32(4 * half) + FIRST)
+            start = np.uint32((start << np.uint32(3)) + np.uint32(4 * half))
+            a = four_channels(rows, line, cell, start, at)
+            b = four_channels(rows, line, cell + np.uint32(2), start + np.uint32(2), at)
+            block = np.uint32(i) >> np.uint32(4)
+            sample = np.uint32(i) & np.uint32(15)
+            out[block, 2 * half, sample] = lang.pack_fp8(a[0], a[1], a[2], a[3])
+            out[block, 2 * half + 1, sample] = lang.pack_fp8(b[0], b[1], b[2], b[3])
+    return total
+
+
+@vividc.kernel(
+    "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, float32, int32,"
+    " int32, int32, int32, int32, int32, int32, uint32[::1], uint32[::1], uint32[::1],"
+    " uint32[::1], uint32[::1], float32[::1])"
+)
+def factor_sums(
+    phase, points, low_x, low_y, low_z, scale_x, scale_y, scale_z, last_x, last_y, last_z,
+    axis_x, axis_y, axis_z, room, line, seen, where, slots, rows, out,
+):  # fmt: skip
     """Sums over the 16 channels of `factor_products`."""
-    grid = along_axes(low, scales, nodes, axes)
-    for i in range(points.shape[0]):
-        x, y, z, first = place(points, i, axes, grid)
-        cell = np.uint32(slots[i] << np.uint32(6))
-        total = np.float32(0)
-        for c in range(16):
-            total += product(plane, cell, line, first, np.uint32(c), x, y, z)
-        out[i] = total
+    low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
+    axes = axis_x, axis_y, axis_z
+    if phase == 0:
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        return np.int32(0)
+    total = np.int32(slots[np.uint32(points.shape[0])])
+    samples = points.shape[0] if total <= room else 0
+    for half in range(2):
+        for i in range(samples):
+            at, start = within(points, i, low, scale, last, axes)
+            cell = np.uint32((slots[i] << np.uint32(6)) + np.uint32(8 * half) + FIRST)
+            start = np.uint32((start << np.uint32(4)) + np.uint32(8 * half))
+            c = eight_channels(rows, line, cell, start, at)
+            before = out[i] if half else np.float32(0)
+            first_four = (c[0] + c[1]) + (c[2] + c[3])
+            out[i] = before + (first_four + ((c[4] + c[5]) + (c[6] + c[7])))
+    return total
+
+
+@vividc.kernel(
+    "int32(int32, float32[:, ::1], float32, float32, float32, float32, float32, float32, int32,"
+    " int32, int32, int32, int32, int32, int32, uint32[::1], uint32[::1], uint32[::1],"
+    " uint32[::1], uint32[::1], float32[::1])"
+)
+def factor_sums_fp16(
+    phase, points, low_x, low_y, low_z, scale_x, scale_y, scale_z, last_x, last_y, last_z,
+    axis_x, axis_y, axis_z, room, line, seen, where, slots, rows, out,
+):  # fmt: skip
+    """As `factor_sums`, of rows of float16."""
+    low, scale, last = (low_x, low_y, low_z), (scale_x, scale_y, scale_z), (last_x, last_y, last_z)
+    axes = axis_x, axis_y, axis_z
+    if phase == 0:
+        ask_for_cells(points, low, scale, last, axes, room, seen, where, slots, rows)
+        return np.int32(0)
+    total = np.int32(slots[np.uint32(points.shape[0])])
+    samples = points.shape[0] if total <= room else 0
+    for half in range(2):
+        for i in range(samples):
+            at, start = within(points, i, low, scale, last, axes)
+            cell = np.uint32((slots[i] << np.uint32(5)) + np.uint32(4 * half) + FIRST)
+            start = np.uint32((start << np.uint32(3)) + np.uint32(4 * half))
+            a = four_channels(rows, line, cell, start, at)
+            b = four_channels(rows, line, cell + np.uint32(2), start + np.uint32(2), at)
+            before = out[i] if half else np.float32(0)
+            out[i] = before + (((a[0] + a[1]) + (a[2] + a[3])) + ((b[0] + b[1]) + (b[2] + b[3])))
+    return total
 
 
 @vividc.kernel("void(float32[:, :, ::1], float32, float32, float32[:, ::1])")
@@ -187,6 +288,12 @@ def density(sums, shift, step, thickness):
             x = thickness[block, i]
             small = math.log1p(math.exp(min(x, LARGE)))
             thickness[block, i] = (x if x > LARGE else small) * step
+
+
+@njit
+def word(a, b, c, d, scale):
+    """Four numbers, times `scale`, as float8."""
+    return lang.pack_fp8(a * scale, b * scale, c * scale, d * scale)
 
 
 @njit

@@ -21,8 +21,8 @@ from vividc.render import (
     scaled_camera,
 )
 from vividc.render.array import ArrayField, ArrayOptions, Device, Ledger, open_device, render_array
-from vividc.render.array.device import block_map
-from vividc.render.array.models import factors, hash_encoding, instant_ngp, tensorf
+from vividc.render.array.device import block_map, lookups
+from vividc.render.array.models import instant_ngp, tensorf
 from vividc.render.array.models.hash_encoding import hash_encoding as encoding_of
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.tensorf import TensoRFField
@@ -50,7 +50,7 @@ METHODS = {
 
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
-    for module in (block_map, factors, hash_encoding):
+    for module in (block_map, lookups):
         monkeypatch.setattr(module, "run_shares", launch_by_numba)
     for module in (instant_ngp, tensorf):
         monkeypatch.setattr(module, "gather_rows", gather_by_numba)

@@ -29,8 +29,8 @@ from vividc.render.array import (
     open_device,
     render_array,
 )
-from vividc.render.array.device import block_map
-from vividc.render.array.models import factors, hash_encoding, instant_ngp, tensorf
+from vividc.render.array.device import block_map, lookups
+from vividc.render.array.models import instant_ngp, tensorf
 from vividc.render.array.models.instant_ngp import InstantNGPField
 from vividc.render.array.models.tensorf import TensoRFField
 from vividc.render.array.network import narrow
@@ -48,7 +48,7 @@ Make = Callable[..., ArrayField]
 
 @pytest.fixture
 def host(monkeypatch: pytest.MonkeyPatch) -> Host:
-    for module in (block_map, factors, hash_encoding):
+    for module in (block_map, lookups):
         monkeypatch.setattr(module, "run_shares", launch_by_numba)
     for module in (instant_ngp, tensorf):
         monkeypatch.setattr(module, "gather_rows", gather_by_numba)

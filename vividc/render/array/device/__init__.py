@@ -1,5 +1,6 @@
 """The accelerator as a renderer sees it.
 
 In order: `programs` (kernels compiled when first needed, and kept), `device`, `launches`,
-`block_map` and `gather` (kernels over blocks, rows by index), `frame` (what each stage cost).
+`block_map`, `gather` and `lookups` (kernels over blocks, rows by index, kernels that ask for rows),
+`frame` (what each stage cost).
 """

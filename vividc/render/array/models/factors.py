@@ -2,80 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Final
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from vividc.launch.turns import neighbours
+from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Gathered, Launch, Words, run_shares
-from vividc.render.array.network.networks import SAMPLES
+from vividc.render.array.device.launches import Fetched, Launch
+from vividc.render.array.device.lookups import BLOCK, Part, run_lookups
 from vividc.render.arrays import Float32Array
 from vividc.render.radiance.occupancy import March
 from vividc.render.radiance.tensorf import LINE_AXES, PLANE_AXES, Factors
 
 UInt32Array = npt.NDArray[np.uint32]
+Number: TypeAlias = np.float32 | np.int32
 
 CHANNELS: Final = 16
 """Channels that a launch computes."""
-_CHUNK: Final = 32
-"""Samples that share gathered rows; a multiple of a block's."""
 _CACHE: Final = 64
 """Cells that a launch remembers of a plane, as in the kernel."""
 _CORNERS: Final = 4
 _LANES: Final = 4
 """Numbers of float8 in a word."""
+_FIRST: Final = 8
+"""Word from which fetched rows lie, as in the kernel."""
+_AXES: Final = 3
+_SPARE_WORDS: Final = 160
+"""What aligning a launch's arrays takes."""
+_SAMPLES_A_CELL: Final = 8
+"""Samples for which a launch has room for one cell; a block of 8x8 pixels at 800x800 lies in one
+for 8 to 20, ordered by step.
+"""
+_KERNELS: Final = "render/tensor_factors"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pair:
-    """16 channels of a plane and its line: [rows * columns, 16] and [nodes, 16] float32."""
-
-    plane: Float32Array
-    line: Float32Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlaneCells:
-    """The plane cells that some points lie in, by chunk of neighbouring points.
-
-    Attributes
-    ----------
-    points
-        [n, 3] float32.
-    rows
-        [chunks, 3, 4 * samples] uint32: rows of the planes, four a cell.
-    slots
-        [chunks, 3, samples] uint32: the cell of each point.
-    counts
-        [chunks, 3] uint32: cells.
+    """16 channels of plane number `plane` and its line, as words: [rows * columns, words] and
+    [nodes, words] uint32 of two float16 or one float32.
     """
 
-    points: Float32Array
-    rows: UInt32Array
-    slots: UInt32Array
-    counts: UInt32Array
-
-    @classmethod
-    def of(cls, points: Float32Array) -> PlaneCells:
-        """Room for the cells of points."""
-        chunks, planes = -(-len(points) // _CHUNK), len(PLANE_AXES)
-        return cls(
-            points,
-            np.empty((chunks, planes, _CORNERS * _CHUNK), np.uint32),
-            np.empty((chunks, planes, _CHUNK), np.uint32),
-            np.empty((chunks, planes), np.uint32),
-        )
-
-    @property
-    def spans(self) -> list[tuple[int, int]]:
-        """First and last point (excluded) of each chunk."""
-        count = len(self.points)
-        return [(first, min(first + _CHUNK, count)) for first in range(0, count, _CHUNK)]
+    number: int
+    plane: UInt32Array
+    line: UInt32Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,146 +59,133 @@ class FactorGrid:
     ----------
     device
         Where it is computed.
-    placement
-        `low` [3], `scales` [3] float32 (nodes in a unit of the world) and `nodes` [3] int32.
+    low, scales, last
+        By axis: lowest corner, nodes in a unit of the world, and the last node but one.
     """
 
     device: Device
-    placement: dict[str, Words]
-
-    def cells(self, ledger: Ledger, stage: str, points: Float32Array) -> PlaneCells:
-        """Find the plane cells of points [n, 3], n a multiple of 16."""
-        cells = PlaneCells.of(points)
-        axes = np.array(PLANE_AXES, dtype=np.int32)
-        resident = {**self.placement, "axes": axes}
-        launches = [
-            Launch(
-                inputs={"points": points[first:last]},
-                outputs={
-                    "rows": cells.rows[chunk, :, : _CORNERS * (last - first)],
-                    "slots": cells.slots[chunk, :, : last - first],
-                    "counts": cells.counts[chunk],
-                },
-                shared=resident,
-                shapes={"seen": (_CACHE,), "where": (_CACHE,)},
-            )
-            for chunk, (first, last) in enumerate(cells.spans)
-        ]
-        self._run(ledger, stage, "find_plane_cells", launches)
-        ledger.count(plane_cells=int(cells.counts.sum()))
-        return cells
+    low: Float32Array
+    scales: Float32Array
+    last: npt.NDArray[np.int32]
 
     def sums(
-        self, ledger: Ledger, stage: str, cells: PlaneCells, pairs: Sequence[Sequence[Pair]]
+        self, ledger: Ledger, stage: str, points: Float32Array, pairs: Sequence[Pair]
     ) -> Float32Array:
-        """Return [B, P, 16] float32, blocks of 16 samples: for each pair of a plane and a line the
-        sum over its channels of their product.
+        """Return [P, n] float32 of points [n, 3], n a multiple of 16: for each pair of a plane and
+        a line the sum over its channels of their product.
         """
-        return self._per_pair(ledger, stage, "factor_sums", cells, pairs, 1)
+        kernel = "factor_sums" + ("_fp16" if _is_narrow(pairs) else "")
+        out = np.empty((len(pairs), len(points)), np.float32)
+        targets = [one.reshape(-1, BLOCK) for one in out]
+        self._run(ledger, stage, kernel, points, pairs, targets)
+        return out
 
     def products(
-        self,
-        ledger: Ledger,
-        stage: str,
-        cells: PlaneCells,
-        pairs: Sequence[Sequence[Pair]],
-        scale: np.float32 | None = None,
+        self, ledger: Ledger, stage: str, points: Float32Array, pairs: Sequence[Pair]
     ) -> Float32Array:
         """Return [B, C, 16] float32, blocks of 16 samples: plane times line of all channels, the
-        planes one after the other.
-
-        With a scale: times it, as float8, four channels to a word, [B, C / 4, 16].
+        planes one after the other. Of float16 pairs: as float8, four to a word, [B, C / 4, 16].
         """
-        if scale is None:
-            return self._per_pair(ledger, stage, "factor_products", cells, pairs, CHANNELS)
-        width, kernel = CHANNELS // _LANES, "factor_products_fp8"
-        return self._per_pair(ledger, stage, kernel, cells, pairs, width, {"scale": scale})
+        narrow = _is_narrow(pairs)
+        width = CHANNELS // _LANES if narrow else CHANNELS
+        out = np.empty((len(points) // BLOCK, width * len(pairs), BLOCK), np.float32)
+        parts = [out[:, width * k : width * (k + 1)] for k in range(len(pairs))]
+        if narrow:
+            targets = [part.view(np.uint32) for part in parts]
+            self._run(ledger, stage, "factor_products_fp8", points, pairs, targets)
+        else:
+            self._run(ledger, stage, "factor_products", points, pairs, parts)
+        return out
 
-    def _per_pair(
+    def _run(
         self,
         ledger: Ledger,
         stage: str,
         kernel: str,
-        cells: PlaneCells,
-        pairs: Sequence[Sequence[Pair]],
-        width: int,
-        scalars: Mapping[str, object] | None = None,
-    ) -> Float32Array:
-        """Return what a kernel makes of each pair, `width` words of each."""
-        flat = [(k, pair) for k, group in enumerate(pairs) for pair in group]
-        out = np.empty((len(cells.points) // SAMPLES, width * len(flat), SAMPLES), np.float32)
-        for number, (k, pair) in enumerate(flat):
-            part = out[:, width * number : width * (number + 1)]
-            if scalars:
-                part = part.view(np.uint32)
-            resident = self._resident(k, pair)
-            launches = [
-                replace(
-                    self._factors(cells, chunk, k, pair, resident),
-                    outputs={"out": part[first // SAMPLES : last // SAMPLES]},
-                    scalars=scalars or {},
-                )
-                for chunk, (first, last) in enumerate(cells.spans)
-            ]
-            self._run(ledger, stage, kernel, launches)
-        return out
+        points: Float32Array,
+        pairs: Sequence[Pair],
+        targets: Sequence[Float32Array | UInt32Array],
+    ) -> None:
+        """Fill `targets`, [B, ...] for each pair."""
+        most, room = self._sizes(pairs, targets[0][:1].size // BLOCK)
+        parts = Part(points, 0).cut(most)
+        work = [(number, part) for number in range(len(pairs)) for part in parts]
 
-    def _factors(
-        self,
-        cells: PlaneCells,
-        chunk: int,
-        k: int,
-        pair: Pair,
-        resident: dict[str, Words],
-    ) -> Launch:
-        first, last = cells.spans[chunk]
-        rows = cells.rows[chunk, k, : _CORNERS * int(cells.counts[chunk, k])]
-        return Launch(
-            inputs={
-                "points": cells.points[first:last],
-                "plane": Gathered(pair.plane, rows),
-                "slots": cells.slots[chunk, k, : last - first],
-            },
-            shared=resident,
-        )
+        def launch(number: int, part: Part) -> Launch:
+            pair, samples = pairs[number], len(part.points)
+            return Launch(
+                inputs={"points": part.points},
+                outputs={"out": targets[number][part.blocks]},
+                shapes={"slots": (samples + 1,)},
+                shared={"line": pair.line},
+                fetched={"rows": Fetched(pair.plane, _CORNERS * room, _FIRST)},
+                work={"seen": (_CACHE,), "where": (_CACHE,)},
+                scalars={**self._along(pair.number), "room": room},
+            )
 
-    def _resident(self, k: int, pair: Pair) -> dict[str, Words]:
-        axes = np.array((*PLANE_AXES[k], LINE_AXES[k]), dtype=np.int32)
-        return {**self.placement, "axes": axes, "line": pair.line}
+        name = f"{_KERNELS}:{kernel}"
+        cells = run_lookups(self.device, ledger, stage, name, work, launch, room)
+        ledger.count(plane_cells=cells)
 
-    def _run(self, ledger: Ledger, stage: str, kernel: str, launches: Sequence[Launch]) -> None:
-        """Neighbouring chunks to the same tile."""
-        parts = neighbours(len(launches), self.device.tiles)
-        shares = [launches[first:last] for first, last in parts]
-        run_shares(self.device, ledger, stage, f"render/tensor_factors:{kernel}", shares)
+    def _sizes(self, pairs: Sequence[Pair], width: int) -> tuple[int, int]:
+        """Return samples of a launch that makes `width` words of each, and cells that there is room
+        for, so that half the samples' fit at last.
+        """
+        line = max(pair.line.size for pair in pairs)
+        lines = 1 if len({id(pair.line) for pair in pairs}) == 1 else 2
+        words = self.device.scratchpad_bytes // WORD_BYTES - lines * line - 2 * _CACHE
+        cell = _CORNERS * pairs[0].plane.shape[1]
+        most, room = BLOCK, 0
+        for samples in range(BLOCK, words, BLOCK):
+            own = (words - _SPARE_WORDS) // 2 - (_AXES + 1 + width) * samples - 1 - _FIRST
+            if own // cell < max(BLOCK, samples // _SAMPLES_A_CELL):
+                break
+            most, room = samples, own // cell
+        return most, room or BLOCK
+
+    def _along(self, plane: int) -> dict[str, Number]:
+        """Return the scalars that tell the axes of a plane's columns and rows, and of its line."""
+        found: dict[str, Number] = {}
+        for name, axis in zip("xyz", (*PLANE_AXES[plane], LINE_AXES[plane]), strict=True):
+            found |= {
+                f"low_{name}": self.low[axis],
+                f"scale_{name}": self.scales[axis],
+                f"last_{name}": self.last[axis],
+                f"axis_{name}": np.int32(axis),
+            }
+        return found
 
 
 def factor_grid(march: March, resolution: Sequence[int], device: Device) -> FactorGrid:
     """Return the grid of factors with `resolution` nodes along each axis of the box."""
     low, high = march.box
     scales = (np.asarray(resolution, dtype=np.float32) - np.float32(1)) / (high - low)
-    placement: dict[str, Words] = {
-        "low": np.ascontiguousarray(low),
-        "scales": scales.astype(np.float32),
-        "nodes": np.asarray(resolution, dtype=np.int32),
-    }
-    return FactorGrid(device, placement)
+    last = np.asarray(resolution, dtype=np.int32) - np.int32(2)
+    return FactorGrid(device, low, scales.astype(np.float32), last)
 
 
-def channel_pairs(factors: Sequence[Factors]) -> list[list[Pair]]:
-    """Return the pairs of planes and lines cut into 16 channels each; missing ones are 0."""
-    return [_pairs(pair) for pair in factors]
+def channel_pairs(factors: Sequence[Factors], narrow: bool, scale: np.float32) -> list[Pair]:
+    """Return the pairs of planes and lines cut into 16 channels each, as float16 if `narrow`;
+    missing ones are 0. Products come times `scale`, a power of two.
+    """
+    cut = (_pairs(number, pair, narrow, scale) for number, pair in enumerate(factors))
+    return [one for pairs in cut for one in pairs]
 
 
-def _pairs(pair: Factors) -> list[Pair]:
+def _pairs(number: int, pair: Factors, narrow: bool, scale: np.float32) -> list[Pair]:
     channels = pair.line.shape[1]
     missing = -channels % CHANNELS
     plane = np.pad(pair.plane.reshape(-1, channels), ((0, 0), (0, missing)))
-    line = np.pad(pair.line, ((0, 0), (0, missing)))
-    return [
-        Pair(
-            np.ascontiguousarray(plane[:, first : first + CHANNELS]),
-            np.ascontiguousarray(line[:, first : first + CHANNELS]),
-        )
-        for first in range(0, channels, CHANNELS)
-    ]
+    line = np.pad(pair.line * scale, ((0, 0), (0, missing)))
+    dtype = np.float16 if narrow else np.float32
+
+    def words(array: Float32Array, first: int) -> UInt32Array:
+        part = np.ascontiguousarray(array[:, first : first + CHANNELS].astype(dtype))
+        return part.view(np.uint32)
+
+    starts = range(0, channels, CHANNELS)
+    return [Pair(number, words(plane, first), words(line, first)) for first in starts]
+
+
+def _is_narrow(pairs: Sequence[Pair]) -> bool:
+    return bool(pairs[0].line.shape[1] < CHANNELS)

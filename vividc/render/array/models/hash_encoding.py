@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import chain
 from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from vividc import LoopOptions
-from vividc.launch.turns import neighbours
 from vividc.machine.words import WORD_BYTES
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
-from vividc.render.array.device.launches import Fetched, Launch, run_shares
-from vividc.render.array.network.networks import SAMPLES
+from vividc.render.array.device.launches import Fetched, Launch
+from vividc.render.array.device.lookups import BLOCK, Part, run_lookups
 from vividc.render.arrays import Float32Array
 from vividc.render.errors import SceneError
 from vividc.render.radiance.instant_ngp import InstantNGP, Level
@@ -35,7 +32,6 @@ _SPARE_WORDS: Final = 160
 _FINEST: Final = 1022
 """Largest scale of a level: a cell's number on an axis has ten bits."""
 _AXES: Final = 3
-_LOOPS: Final = LoopOptions(auto=False)
 
 
 class _Level(NamedTuple):
@@ -47,24 +43,6 @@ class _Level(NamedTuple):
     resolution: int
     entries: int
     offset: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Part:
-    """Points of a launch, [n, 3], and the number of the first of them among all."""
-
-    points: Float32Array
-    first: int
-
-    @property
-    def stop(self) -> int:
-        """The number behind the last."""
-        return self.first + len(self.points)
-
-    def cut(self, most: int) -> list[_Part]:
-        """Return parts of at most so many points."""
-        starts = range(0, len(self.points), most)
-        return [_Part(self.points[at : at + most], self.first + at) for at in starts]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,18 +73,14 @@ class HashEncoding:
         two features of each level, or a word of each two levels. What is behind is left alone.
         """
         most, room = self._sizes(device)
-        numbers = range(len(self.pairs))
-        work = [(number, part) for part in _Part(points, 0).cut(most) for number in numbers]
-        while work:
-            launches = [self._launch(number, part, room, out) for number, part in work]
-            by_tile = neighbours(len(launches), device.tiles)
-            shares = [launches[first:last] for first, last in by_tile]
-            returned = run_shares(device, ledger, stage, self._kernel, shares, loops=_LOOPS)
-            cells = list(chain.from_iterable(returned))
-            ledger.count(encoded_cells=sum(cells), words_read_by_host=len(cells))
-            again = [one for one, count in zip(work, cells, strict=True) if count > room]
-            halves = {id(part): part.cut(_half(len(part.points))) for _, part in again}
-            work = [(number, half) for number, part in again for half in halves[id(part)]]
+        pairs = [*enumerate(self.pairs)]
+        work = [(pair, part) for part in Part(points, 0).cut(most) for pair in pairs]
+
+        def launch(pair: tuple[int, tuple[_Level, _Level]], part: Part) -> Launch:
+            return self._launch(*pair, part, room, out)
+
+        cells = run_lookups(device, ledger, stage, self._kernel, work, launch, room)
+        ledger.count(encoded_cells=cells)
 
     @property
     def features(self) -> int:
@@ -124,19 +98,26 @@ class HashEncoding:
         words = device.scratchpad_bytes // WORD_BYTES - 2 * _PAIR * _CACHE - _SPARE_WORDS
         out = 1 if self.is_fp8 else _PAIR * _FEATURES
         row = self.table.shape[1]
-        for samples in range(SAMPLES, words, SAMPLES):
+        for samples in range(BLOCK, words, BLOCK):
             fixed = (_AXES + _PAIR) * samples + 2 * (samples + _PAIR + out * samples + _FIRST)
             cells = (words - fixed) // (2 * _CORNERS * row)
-            if cells < samples + _PAIR * SAMPLES:
+            if cells < samples + _PAIR * BLOCK:
                 break
             most, room = samples, cells
         return most, room
 
-    def _launch(self, number: int, part: _Part, room: int, out: Float32Array) -> Launch:
-        samples, blocks = len(part.points), slice(part.first // SAMPLES, part.stop // SAMPLES)
+    def _launch(
+        self,
+        number: int,
+        levels: tuple[_Level, _Level],
+        part: Part,
+        room: int,
+        out: Float32Array,
+    ) -> Launch:
+        samples = len(part.points)
         width = 1 if self.is_fp8 else _PAIR * _FEATURES
-        features = out[blocks, width * number : width * (number + 1)]
-        one, other = self.pairs[number]
+        features = out[part.blocks, width * number : width * (number + 1)]
+        one, other = levels
         caches = ("seen", "where", "seen_1", "where_1")
         return Launch(
             shapes={"slots": (samples + _PAIR,)},
@@ -151,11 +132,6 @@ class HashEncoding:
                 "room": room,
             },
         )
-
-
-def _half(points: int) -> int:
-    """Return half as many points, in whole blocks."""
-    return -(-points // (2 * SAMPLES)) * SAMPLES
 
 
 def hash_encoding(model: InstantNGP, scale: np.float32 | None) -> HashEncoding:

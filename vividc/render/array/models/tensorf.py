@@ -11,17 +11,17 @@ from vividc.render.array.device.block_map import BlockMap
 from vividc.render.array.device.device import Device
 from vividc.render.array.device.frame import Ledger
 from vividc.render.array.device.gather import gather_rows
-from vividc.render.array.models.factors import CHANNELS, Pair, channel_pairs, factor_grid
+from vividc.render.array.models.factors import CHANNELS, channel_pairs, factor_grid
 from vividc.render.array.models.field import Features, ModelField
 from vividc.render.array.network.calibration import largest_inputs
 from vividc.render.array.network.narrow import network
-from vividc.render.array.network.networks import batches, dense_layer, room_for
+from vividc.render.array.network.networks import SAMPLES, batches, dense_layer, room_for
 from vividc.render.array.options import RenderPrecision
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.radiance import TensoRF
 from vividc.render.radiance.tensorf import LINE_AXES
 
-_BATCH: Final = 16_384
+_BATCH: Final = 65_536
 """Samples that go through the stages together; a multiple of a block's."""
 _CHANNELS: Final = 3
 _FEATURES: Final = 27
@@ -50,11 +50,14 @@ class TensoRFField(ModelField):
         self._model, self._device = model, device
         lines = dict(zip(LINE_AXES, model.density_factors, strict=True))
         self._grid = factor_grid(model.march, [len(lines[axis].line) for axis in range(3)], device)
-        self._density_pairs = channel_pairs(model.density_factors)
-        self._appearance_pairs = channel_pairs(model.appearance_factors)
         largest = None if precision == "fp32" else largest_inputs(model)
-        basis = dense_layer(_spread(model.basis, self._appearance_pairs, model))
+        self._is_fp8 = precision == "fp8"
+        basis = dense_layer(_spread(model))
         self._basis = network([basis], precision, [largest["basis"]] if largest else ())
+        one = np.float32(1)
+        scale = self._basis.scale if self._is_fp8 else one
+        self._density_pairs = channel_pairs(model.density_factors, self._is_fp8, one)
+        self._appearance_pairs = channel_pairs(model.appearance_factors, self._is_fp8, scale)
         layers = [
             dense_layer(weights, bias, relu=hidden)
             for weights, bias, hidden in zip(
@@ -97,11 +100,11 @@ class TensoRFField(ModelField):
 
     def _density(self, points: Float32Array, thickness: Float32Array, ledger: Ledger) -> None:
         model = self._model
-        cells = self._grid.cells(ledger, "density factors", points)
-        sums = self._grid.sums(ledger, "density factors", cells, self._density_pairs)
+        sums = self._grid.sums(ledger, "density factors", points, self._density_pairs)
+        # A block's sums of each pair are apart.
         BlockMap(
             kernel="render/tensor_factors:density",
-            inputs={"sums": sums},
+            inputs={"sums": sums.reshape(len(sums), -1, SAMPLES).transpose(1, 0, 2)},
             outputs={"thickness": thickness},
             scalars={
                 "shift": np.float32(model.density_shift),
@@ -113,11 +116,9 @@ class TensoRFField(ModelField):
         self, points: Float32Array, directions: Float32Array, rgb: Float32Array, ledger: Ledger
     ) -> None:
         device = self._device
-        cells = self._grid.cells(ledger, "appearance factors", points)
-        is_fp8, pairs = self._basis.precision == "fp8", self._appearance_pairs
-        scale = self._basis.scale if is_fp8 else None
-        products = self._grid.products(ledger, "appearance factors", cells, pairs, scale)
-        if not is_fp8:
+        pairs = self._appearance_pairs
+        products = self._grid.products(ledger, "appearance factors", points, pairs)
+        if not self._is_fp8:
             products = self._basis.rounded(device, ledger, "rounding", products)
         features = self._basis.run(device, ledger, "basis", products)
         inputs = self._colour_network.made(
@@ -144,13 +145,14 @@ def _by_words() -> npt.NDArray[np.int64]:
     return np.concatenate((*parts, features, _FEATURES + directions))
 
 
-def _spread(basis: Float32Array, pairs: list[list[Pair]], model: TensoRF) -> Float32Array:
+def _spread(model: TensoRF) -> Float32Array:
     """Return the basis with rows of 0 for the channels that fill up a group of 16."""
     rows = []
     start = 0
-    for group, factors in zip(pairs, model.appearance_factors, strict=True):
+    for factors in model.appearance_factors:
         channels = factors.line.shape[1]
-        missing = CHANNELS * len(group) - channels
-        rows.append(np.pad(basis[start : start + channels], ((0, missing), (0, 0))))
+        rows.append(
+            np.pad(model.basis[start : start + channels], ((0, -channels % CHANNELS), (0, 0)))
+        )
         start += channels
     return np.concatenate(rows)
