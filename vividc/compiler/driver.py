@@ -53,6 +53,8 @@ from vividc.host.watch import run_passes, timed, watched
 from vividc.machine.parallel import Parallel
 from vividc.mapper import EffortLevel, check_effort, check_time_limit
 from vividc.mapper.deadline import limited
+from vividc.mapper.registry import named
+from vividc.mapper.request import Mapper
 from vividc.program import CUT_SHORT, Program, encode
 from vividc.program.encoder.encode import check_contexts, with_designs
 from vividc.program.encoder.programmable import demand_programmable
@@ -100,7 +102,7 @@ class CompileOptions(MapOptions):
 def compile(  # noqa: PLR0913 - the public contract, plus keywords
     kernel: KernelFunction | LLKernel,
     fabric: str | Fabric | Accelerator = "vivid-tile",
-    mapper: str = "auto",
+    mapper: str | Mapper = "auto",
     time_limit_s: float = 60.0,
     *,
     effort: EffortLevel = "normal",
@@ -161,7 +163,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
     loaded = checked(kernel, fabric, time_limit_s)
     if like is not None:
         kernel = kernel.sized(like)
-    demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
+    mapper = named(mapper)
     demand_type(cache, bool, "cache", "give True or False")
     demand_callable(progress, "progress")
     check_effort(effort)

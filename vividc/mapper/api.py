@@ -26,7 +26,7 @@ from vividc.mapper.deadline import limited
 from vividc.mapper.engines.cpsat import OBJECTIVES, Extension, Search, minimise
 from vividc.mapper.mapping import Status, Subject
 from vividc.mapper.problem import ConstantKey, MapProblem
-from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, takes_constraints
+from vividc.mapper.registry import BUILT_IN, find_mapper, guest_fault, named, takes_constraints
 from vividc.mapper.request import EFFORT_LEVELS, EffortLevel, Mapper, MapRequest, Progress
 from vividc.mapper.result import MapInterrupted, MapResult
 from vividc.mapper.search.tuning import SHARE_BEFORE_OBJECTIVE, SHARE_EXTENDED
@@ -38,7 +38,7 @@ _MOST_WORKERS = 1000
 def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     dfg: DFG,
     fabric: Fabric,
-    mapper: str = "auto",
+    mapper: str | Mapper = "auto",
     ii: int | None = None,
     time_limit_s: float = 60.0,
     *,
@@ -57,7 +57,8 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
     Parameters
     ----------
     mapper, ii
-        A name of the registry, and the only II to try; None: the least.
+        A name of the registry, or a function (MapProblem, MapRequest) -> MapResult, and the only II
+        to try; None: the least.
     time_limit_s
         Limit in seconds: it buys an effort (`mapper/deadline.py`) that takes less on a typical
         machine, and is what the clock allows at most (`MapResult.hurried`). Unhurried, a run
@@ -81,7 +82,7 @@ def map_dfg(  # noqa: PLR0913 - the public contract, plus keywords
         An interrupt (a KeyboardInterrupt, Ctrl-C) came when there was a mapping: `result` has it.
     """
     _check(dfg, fabric, ii, time_limit_s, workers)
-    demand_type(mapper, str, "the mapper", 'give a name, as "auto"')
+    mapper = named(mapper)
     demand_callable(progress, "progress")
     run = find_mapper(mapper)
     _check_door(mapper, extend, objective)

@@ -1,4 +1,4 @@
-"""Mappers by name: the built-in ones and those that other packages register."""
+"""Mappers by name: the built-in ones, those of this process and those of other packages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import wraps
 from importlib.metadata import entry_points
 from typing import Final, cast
 
-from vividc.errors import InternalError, VividcError
+from vividc.errors import InternalError, VividcError, demand_type
 from vividc.mapper.problem import MapProblem
 from vividc.mapper.published.ims import ims
 from vividc.mapper.published.sat_kms import sat_kms
@@ -30,6 +30,53 @@ BUILT_IN: Final[dict[str, Mapper]] = {
 EXTENSIBLE: Final = frozenset({"auto", "cpsat", "decoupled"})
 
 
+_REGISTERED: Final[dict[str, Mapper]] = {}
+"""Of this process, by name."""
+
+
+def register(name: str, mapper: Mapper) -> None:
+    """Make a function a mapper of this process: `map_dfg(mapper=name)`, `compile(mapper=name)`.
+
+    A name that was registered before is given the new function.
+
+    Parameters
+    ----------
+    mapper
+        A function (MapProblem, MapRequest) -> MapResult, whose mappings are verified.
+
+    Raises
+    ------
+    VividcError
+        The name is that of a built-in mapper or no word, or the mapper is not callable.
+    """
+    demand_type(name, str, "the mapper's name", 'give a word, as "one-pe"')
+    if name in BUILT_IN or not name.strip():
+        what = f"the name of a mapper cannot be {name!r}"
+        raise VividcError(what, loc="mapper", hint="choose another, as one-pe")
+    if not callable(mapper):
+        hint = "give a function (MapProblem, MapRequest) -> MapResult"
+        raise VividcError(f"mapper {name!r} is not callable", loc="mapper", hint=hint)
+    _REGISTERED[name] = mapper
+
+
+def named(mapper: str | Mapper) -> str:
+    """The name of a mapper; a function that is given in place of one is registered under its own.
+
+    Raises
+    ------
+    VividcError
+        It is neither a name nor a function.
+    """
+    if isinstance(mapper, str):
+        return mapper
+    if not callable(mapper):
+        hint = 'give a name, as "auto", or a function (MapProblem, MapRequest) -> MapResult'
+        demand_type(mapper, str, "the mapper", hint)
+    name = f"{getattr(mapper, '__module__', '')}:{getattr(mapper, '__qualname__', repr(mapper))}"
+    _REGISTERED[name] = mapper
+    return name
+
+
 def takes_constraints(name: str) -> bool:
     """Whether a mapper applies a caller's constraints to its model (`MapRequest.extend`). A guest
     declares it by an attribute `takes_constraints = True` of its function.
@@ -40,7 +87,7 @@ def takes_constraints(name: str) -> bool:
 def mapper_names() -> tuple[str, ...]:
     """Names of all mappers, the built-in ones first."""
     guests = sorted(point.name for point in entry_points(group=ENTRY_POINT_GROUP))
-    return tuple(dict.fromkeys([*BUILT_IN, *guests]))
+    return tuple(dict.fromkeys([*BUILT_IN, *_REGISTERED, *guests]))
 
 
 def find_mapper(name: str) -> Mapper:
@@ -53,6 +100,8 @@ def find_mapper(name: str) -> Mapper:
     """
     if name in BUILT_IN:
         return BUILT_IN[name]
+    if name in _REGISTERED:
+        return _guarded(name, _REGISTERED[name])
     for point in entry_points(group=ENTRY_POINT_GROUP, name=name):
         return _load(name, point.load)
     known = ", ".join(mapper_names())
