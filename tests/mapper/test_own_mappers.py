@@ -7,7 +7,15 @@ import pytest
 import vividc
 from tests.launch.kernels import saxpy
 from vividc.errors import VividcError
-from vividc.mapper import MapProblem, MapRequest, MapResult, map_dfg, mapper_names, register
+from vividc.mapper import (
+    MapProblem,
+    MapRequest,
+    MapResult,
+    map_dfg,
+    mapper_names,
+    register,
+    unregister,
+)
 from vividc.mapper.published.ims import ims
 
 ADDS = vividc.dfg.from_json(
@@ -41,6 +49,10 @@ def test_a_function_maps_as_it_is_and_by_its_name() -> None:
     register("counted", Counted())  # the new one takes the name
     map_dfg(ADDS, FABRIC, "counted")
     assert mine.calls == 2
+    unregister("counted")
+    assert "counted" not in mapper_names()
+    with pytest.raises(VividcError, match="unknown mapper 'counted'"):
+        map_dfg(ADDS, FABRIC, "counted")
 
 
 def test_a_kernel_is_compiled_with_it() -> None:

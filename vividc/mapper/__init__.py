@@ -31,7 +31,13 @@ if TYPE_CHECKING:
         Subject,
     )
     from vividc.mapper.problem import MapProblem
-    from vividc.mapper.registry import ENTRY_POINT_GROUP, find_mapper, mapper_names, register
+    from vividc.mapper.registry import (
+        ENTRY_POINT_GROUP,
+        find_mapper,
+        mapper_names,
+        register,
+        unregister,
+    )
     from vividc.mapper.report.document import mapping_from_json, mapping_to_json, read_result
     from vividc.mapper.request import EFFORT_LEVELS, EffortLevel, Mapper, MapRequest, Progress
     from vividc.mapper.resources.fu_slots import utilization
@@ -75,6 +81,7 @@ __all__ = [
     "mii",
     "read_result",
     "register",
+    "unregister",
     "utilization",
     "verify",
     "violations",
@@ -100,7 +107,13 @@ _HOMES = {
         "Subject",
     ),
     "vividc.mapper.problem": ("MapProblem",),
-    "vividc.mapper.registry": ("ENTRY_POINT_GROUP", "find_mapper", "mapper_names", "register"),
+    "vividc.mapper.registry": (
+        "ENTRY_POINT_GROUP",
+        "find_mapper",
+        "mapper_names",
+        "register",
+        "unregister",
+    ),
     "vividc.mapper.report.document": ("mapping_from_json", "mapping_to_json", "read_result"),
     "vividc.mapper.request": ("EFFORT_LEVELS", "EffortLevel", "Mapper", "MapRequest", "Progress"),
     "vividc.mapper.resources.fu_slots": ("utilization",),

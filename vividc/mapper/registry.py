@@ -31,7 +31,8 @@ EXTENSIBLE: Final = frozenset({"auto", "cpsat", "decoupled"})
 
 
 _REGISTERED: Final[dict[str, Mapper]] = {}
-"""Of this process, by name."""
+_GIVEN: Final[dict[str, Mapper]] = {}
+"""Of this process, by name: registered, and given as functions, which no list has."""
 
 
 def register(name: str, mapper: Mapper) -> None:
@@ -59,8 +60,20 @@ def register(name: str, mapper: Mapper) -> None:
     _REGISTERED[name] = mapper
 
 
+def unregister(name: str) -> None:
+    """Take back what `register` did, if it did.
+
+    Raises
+    ------
+    VividcError
+        The name is no text.
+    """
+    demand_type(name, str, "the mapper's name", 'give a word, as "one-pe"')
+    _REGISTERED.pop(name, None)
+
+
 def named(mapper: str | Mapper) -> str:
-    """The name of a mapper; a function that is given in place of one is registered under its own.
+    """The name of a mapper; a function that is given in place of one is known by its own.
 
     Raises
     ------
@@ -73,7 +86,7 @@ def named(mapper: str | Mapper) -> str:
         hint = 'give a name, as "auto", or a function (MapProblem, MapRequest) -> MapResult'
         demand_type(mapper, str, "the mapper", hint)
     name = f"{getattr(mapper, '__module__', '')}:{getattr(mapper, '__qualname__', repr(mapper))}"
-    _REGISTERED[name] = mapper
+    _GIVEN[name] = mapper
     return name
 
 
@@ -100,8 +113,9 @@ def find_mapper(name: str) -> Mapper:
     """
     if name in BUILT_IN:
         return BUILT_IN[name]
-    if name in _REGISTERED:
-        return _guarded(name, _REGISTERED[name])
+    own = _REGISTERED.get(name) or _GIVEN.get(name)
+    if own is not None:
+        return _guarded(name, own)
     for point in entry_points(group=ENTRY_POINT_GROUP, name=name):
         return _load(name, point.load)
     known = ", ".join(mapper_names())
