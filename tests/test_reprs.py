@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree
+
 import numpy as np
 
 import vividc
@@ -41,3 +43,22 @@ def test_each_is_a_line() -> None:
         assert text.endswith(">")
         assert len(text) < 120
         assert "\n" not in text
+
+
+def test_a_notebook_shows_tables_and_pictures() -> None:
+    program = vividc.compile(rows, loops=LoopOptions(auto=False))
+    args = (np.ones((4, 2), np.float32), np.zeros(4, np.float32), 4)
+    result = vividc.simulate(program, *args)
+    spread = vividc.simulate(vividc.compile(rows, fabric="vivid"), *args, fabric="vivid")
+    loop = next(region for region in program.regions if region.kind == "loop")
+    for one, words in (
+        (program, ("loop", "II", "optimal")),
+        (result, ("bank stalls", loop.name)),
+        (spread, ("tile", "waits: dma")),
+        (loop.result, ("ResMII", "RecMII")),
+    ):
+        shown = ElementTree.fromstring(one._repr_html_())
+        text = "".join(shown.itertext())
+        assert all(word in text for word in words)
+    for picture in (loop.dfg, loop.mapping, loop.dfg.plot()):
+        assert ElementTree.fromstring(picture._repr_svg_()).tag.endswith("svg")

@@ -4,5 +4,5 @@ In order: `lazy` (packages that load what is used), `once` (what is computed onc
 `lifeline` (helper processes end with the process that started them), `time_limit`, `watch` (passes
 as lists, and who looks on); `store` and `cache` (entries in a folder of the user's own),
 `compiled_files`; `machine_code/` (compiled inner loops); `files`, `inputs` and `npz` (how a user's
-files are read and written); `plot/` (pictures as data).
+files are read and written); `html`, `plot/` (pictures as data).
 """

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 from vividc.arch import Accelerator
+from vividc.host.html import table
 from vividc.launch.accounting import JobStats, job_stats, joined_stats
 from vividc.launch.functional import Outcome, carry_out
 from vividc.launch.hazards import check_order, predecessors
@@ -47,6 +48,19 @@ class JobResult:
         value = "" if self.value is None else f", value {self.value!r}"
         where = f"{self.stats['runs']} runs on {len(self.stats['tiles'])} tiles"
         return f"<JobResult: {self.cycles} cycles{value}, {where}>"
+
+    def _repr_html_(self) -> str:
+        tiles = self.stats["tiles"]
+        causes = list(dict.fromkeys(cause for tile in tiles for cause in tile["stalls"]))
+        rows = (
+            (
+                *(number, sum(tile["cycles"].values()) - tile["cycles"].get("idle", 0)),
+                *(tile["stalls"].get(cause, 0) for cause in causes),
+            )
+            for number, tile in enumerate(tiles)
+        )
+        header = ("tile", "busy", *(f"waits: {cause}" for cause in causes))
+        return table(header, rows, repr(self)[1:-1])
 
     @property
     def events(self) -> tuple[Event, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Final
 
+from vividc.host.html import table
 from vividc.host.plot import to_svg
 from vividc.paper.exhibit import Exhibit, Line, Table, Theirs, Verdict
 
@@ -80,8 +81,8 @@ def _exhibit(exhibit: Exhibit) -> Iterator[str]:
         svg = to_svg(picture)
         svg = svg[svg.index("<svg") :].replace("<svg", f'<svg role="img" aria-label="{label}"', 1)
         yield f"<figure>{svg}</figure>"
-    for table in exhibit.tables:
-        yield from _table(table)
+    for found in exhibit.tables:
+        yield from _table(found)
     if exhibit.assumptions:
         items = "".join(f"<li>{escape(text)}</li>" for text in exhibit.assumptions)
         yield f"<h3>Assumptions</h3><ul>{items}</ul>"
@@ -107,12 +108,7 @@ def number(value: Theirs) -> str:
     return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"  # noqa: PLR2004 - digits
 
 
-def _table(table: Table) -> Iterator[str]:
-    if table.title:
-        yield f"<h3>{escape(table.title)}</h3>"
-    yield "<table><thead><tr>"
-    yield "".join(f"<th>{escape(name)}</th>" for name in table.header)
-    yield "</tr></thead><tbody>"
-    for row in table.rows:
-        yield "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
-    yield "</tbody></table>"
+def _table(found: Table) -> Iterator[str]:
+    if found.title:
+        yield f"<h3>{escape(found.title)}</h3>"
+    yield table(found.header, found.rows)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vividc.arch import load_text
 from vividc.arch.fabric import Fabric
 from vividc.errors import BundleError, VividcError, demand_type
+from vividc.host.html import table
 from vividc.machine.parallel import Order, Parallel, is_well_formed
 from vividc.machine.params import HIGH_SUFFIX, WIDE_DTYPES, DType, LocalArray, Param
 from vividc.machine.product import Product, Products
@@ -125,6 +126,23 @@ class Program:
         loops = f"loops at II {iis}" if iis else "no loop"
         size = f"{len(self.table)} regions, {loops}, {self.words.shape[0]} contexts"
         return f"<Program {self.name}({names}) for {self.fabric.name}: {size}>"
+
+    def _repr_html_(self) -> str:
+        rows = (
+            (
+                region.name,
+                region.kind,
+                "" if region.loc is None else str(region.loc),
+                region.operations,
+                region.ii,
+                region.lower_bound,
+                region.status,
+                f"{region.utilization:.0%}",
+            )
+            for region in self.regions
+        )
+        header = ("region", "kind", "line", "operations", "II", "bound", "status", "FU use")
+        return table(header, rows, repr(self)[1:-1])
 
     @property
     def fabric_name(self) -> str:

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from vividc.errors import ArgumentError, demand_callable, demand_type, quoted
+from vividc.host.html import table
 from vividc.program import Program
 from vividc.sim.bind import bind, returned
 from vividc.sim.engine import Launch, Observer, Progress
@@ -39,6 +40,21 @@ class Result:
         value = "" if self.value is None else f", value {self.value!r}"
         busy = f"{self.stats['utilization']:.0%} of the PEs' cycles used"
         return f"<Result: {self.cycles} cycles{value}, {busy}>"
+
+    def _repr_html_(self) -> str:
+        return _of_regions(self)
+
+
+def _of_regions(result: Result) -> str:
+    header = ("region", "kind", "II", "entries", "iterations", "cycles", "bank stalls")
+    rows = (
+        (
+            *(region["name"], region["kind"], region["ii"], region["entries"]),
+            *(region["iterations"], region["cycles"], sum(region["stalls"].values())),
+        )
+        for region in result.stats["regions"]
+    )
+    return table(header, rows, repr(result)[1:-1])
 
 
 def check_run(cycle_limit: int, progress: object = None, observer: object = None) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from vividc.errors import VividcError, demand_type
 from vividc.host.files import write_whole
+from vividc.host.html import table
 from vividc.host.plot import Picture, encode, to_svg
 from vividc.mapper.mapping import Mapping, Subject
 from vividc.mapper.report.document import mapping_to_json, read_result
@@ -47,6 +48,13 @@ def plot(self: Mapping, path: str | Path | None = None, subject: Subject | None 
 def _repr_svg_(self: Mapping) -> str | None:
     """What a notebook shows; None: graph and fabric are not known."""
     return None if self.subject is None else to_svg(plot(self))
+
+
+def _repr_html_(self: MapResult) -> str:
+    """What a notebook shows: each bound and what binds it."""
+    rows = [(bound.name, bound.ii, bound.reason) for bound in self.bounds]
+    rows += [("refuted", item.ii, item.by) for item in self.refuted]
+    return table(("bound", "II", "because"), rows, repr(self)[1:-1])
 
 
 def to_json(self: MapResult, subject: Subject | None = None) -> dict[str, object]:
@@ -88,6 +96,7 @@ def attach() -> None:
         (Mapping, "plot", plot),
         (Mapping, "_repr_svg_", _repr_svg_),
         (MapResult, "explain", explain),
+        (MapResult, "_repr_html_", _repr_html_),
         (MapResult, "to_json", to_json),
         (MapResult, "from_json", staticmethod(from_json)),
     ):
