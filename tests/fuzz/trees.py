@@ -54,6 +54,8 @@ from vividc.ssa.rewrite.refusal import Refusal
 from vividc.ssa.rewrite.tidy import tidy
 
 _WORDS = WIDTH * WIDTH
+_SHARED = 0.5
+"""Share of trees that load what has several guards once."""
 _MOVES = 4
 """So many orders of a part at most, each one step from the one before."""
 _TREES = 3
@@ -115,7 +117,7 @@ class Search:
             self.counts["parts"] += 1
             relations = Relations(scop)
             for tree in self._trees(scop, relations, chance):
-                made = _made(scop, relations, tree)
+                made = _made(scop, relations, tree, shares=chance.random() < _SHARED)
                 if isinstance(made, Refusal):
                     self.counts[made.reason] += 1
                 else:
@@ -258,7 +260,7 @@ def _jammed(tree: Loop, relations: Relations, chance: Random) -> Loop:
     return jammed
 
 
-def _made(scop: Scop, relations: Relations, tree: Loop) -> Function | Refusal:
+def _made(scop: Scop, relations: Relations, tree: Loop, *, shares: bool) -> Function | Refusal:
     try:
         with _bounded():
             loops = loops_of(tree, relations)
@@ -266,7 +268,7 @@ def _made(scop: Scop, relations: Relations, tree: Loop) -> Function | Refusal:
         return Refusal(_TOO_LONG)
     if isinstance(loops, Refusal):
         return loops
-    made = generate(scop, loops, masks=has_masks(tree))
+    made = generate(scop, loops, masks=has_masks(tree), shares=shares)
     return made if isinstance(made, Refusal) else tidy(made.function)
 
 

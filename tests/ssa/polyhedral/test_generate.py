@@ -153,11 +153,15 @@ def demand_trees_mean_the_same(
         for tree in some_trees(scop, relations, random.Random(seed), most):
             loops = loops_of(tree, relations)
             masks = has_masks(tree)
-            made = loops if isinstance(loops, Refusal) else generate(scop, loops, masks=masks)
-            if isinstance(made, Refusal):
-                continue
-            count += 1
-            demand_same(function, tidy(made.function), f"seed {seed}: {describe(tree)}", numbers)
+            for shares in (False, True)[: 1 + masks]:
+                made = loops
+                if not isinstance(loops, Refusal):
+                    made = generate(scop, loops, masks=masks, shares=shares)
+                if isinstance(made, Refusal):
+                    continue
+                count += 1
+                text = f"seed {seed}: {describe(tree)}, {shares}"
+                demand_same(function, tidy(made.function), text, numbers)
     return count
 
 

@@ -121,6 +121,7 @@ def with_loops(
     masks: bool = False,
     rows: Mapping[str, Rows] | None = None,
     carries: bool = True,
+    shares: bool = False,
 ) -> Regenerated | Refusal:
     """The state with these loops for the part.
 
@@ -134,8 +135,10 @@ def with_loops(
         Of arrays that have some.
     carries
         Whether registers carry elements from one iteration to the next.
+    shares
+        Whether what several iterations load under different guards is loaded once.
     """
-    made = generate(scop, loops, masks=masks, rows=rows, carries=carries)
+    made = generate(scop, loops, masks=masks, rows=rows, carries=carries, shares=shares)
     if isinstance(made, Refusal):
         return made
     function = tidy(made.function)
@@ -167,10 +170,16 @@ def written_orders(scop: Scop) -> list[Scop]:
 
 
 def with_tree(
-    state: State, header: str, order: int, tree: Loop, trips: Mapping[str, float]
+    state: State,
+    header: str,
+    order: int,
+    tree: Loop,
+    trips: Mapping[str, float],
+    *,
+    shares: bool = False,
 ) -> State | Refusal:
     """The state with the loops of a tree for the part at `header`, in one of its `written_orders`,
-    if they keep its order.
+    if they keep its order; `shares` as of `with_loops`.
     """
     scop = static_part(state, header)
     if isinstance(scop, Refusal):
@@ -178,10 +187,12 @@ def with_tree(
     orders = written_orders(scop)
     if order >= len(orders):
         return Refusal("its sums are elsewhere now")
-    return _with_tree(state, orders[order], tree, trips)
+    return _with_tree(state, orders[order], tree, trips, shares=shares)
 
 
-def _with_tree(state: State, scop: Scop, tree: Loop, trips: Mapping[str, float]) -> State | Refusal:
+def _with_tree(
+    state: State, scop: Scop, tree: Loop, trips: Mapping[str, float], *, shares: bool = False
+) -> State | Refusal:
     relations = Relations(scop)
     if not is_legal(tree, relations):
         return Refusal(_what_depends(relations, tree))
@@ -189,7 +200,8 @@ def _with_tree(state: State, scop: Scop, tree: Loop, trips: Mapping[str, float])
     if isinstance(loops, Refusal):
         return loops
     lengths = expected_lengths(scop, trips)
-    made = with_loops(state, scop, loops, lengths, masks=has_masks(tree), rows=rows_of(tree))
+    masks, rows = has_masks(tree), rows_of(tree)
+    made = with_loops(state, scop, loops, lengths, masks=masks, rows=rows, shares=shares)
     return made if isinstance(made, Refusal) else made.state
 
 

@@ -63,16 +63,19 @@ def generate(
     masks: bool = False,
     rows: Mapping[str, Rows] | None = None,
     carries: bool = True,
+    shares: bool = False,
 ) -> Generated | Refusal:
     """The function of a part with these loops in its place; `masks`: what a branch runs, and no
     loop, is masked instead; `rows`: what arrays have for iterations of a group; `carries`: what the
-    iteration before had is not loaded again.
+    iteration before had is not loaded again; `shares`: what several load under different guards is
+    loaded once.
 
     Refused: a scalar whose next reader is in another loop, where no register keeps it; iterations
     of which it is not known which row is theirs, as of groups that are not full, unless masked.
     """
     try:
-        return _Writer(scop, Places(scop, loops, masks, rows or {}, carries)).generated()
+        places = Places(scop, loops, masks, rows or {}, carries, shares)
+        return _Writer(scop, places).generated()
     except _Unkept as reason:
         return Refusal(str(reason))
 
@@ -91,6 +94,11 @@ class _Writer:
         self._name = ""
         self._phis: tuple[Phi, ...] = ()
         self._certain: list[Accessed] = []
+
+    @property
+    def accessed(self) -> Accessed:
+        """What the code that is being written accesses, loops and branches in it aside."""
+        return self._certain[-1]
 
     def generated(self) -> Generated:
         """The whole function."""
@@ -408,4 +416,5 @@ class _Running:
         if access.is_store:
             self.writer.registers.store(instr, place, self._operand(instr.operands[2]), self.guard)
             return
-        self.own[instr.id] = self.writer.registers.loaded(instr, place, self.guard)
+        beside = self.writer.accessed
+        self.own[instr.id] = self.writer.registers.loaded(instr, place, self.guard, beside)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -133,7 +133,8 @@ class Places:
     """The places of a part's statements in the loops of a schedule.
 
     `masks`: branches are guards where `is_maskable` says so. `rows`: of arrays that have some.
-    `carries`: whether registers carry elements from one iteration to the next.
+    `carries`: whether registers carry elements from one iteration to the next. `shares`: whether
+    what is loaded under several guards is loaded once.
     """
 
     scop: Scop
@@ -141,7 +142,9 @@ class Places:
     masks: bool = False
     rows: Mapping[str, Rows] = field(default_factory=dict)
     carries: bool = True
-    _meet: dict[tuple[Form, ...], bool] = field(default_factory=dict)
+    shares: bool = False
+    _meet: dict[tuple[tuple[Form, ...], Guard], bool] = field(default_factory=dict)
+    _accessed: dict[tuple[str, frozenset[str]], bool] = field(default_factory=dict)
     _row: dict[tuple[str, Form], int | None] = field(default_factory=dict)
     _boxes: dict[str, tuple[tuple[Form, Form], ...] | None] = field(default_factory=dict)
 
@@ -375,8 +378,48 @@ class Places:
                     return dim.header
         return None
 
-    def may_meet(self, one: Place, other: Place) -> bool:
-        """Whether two places may be one, as loops go through all their iterations."""
+    def shared(
+        self, place: Place, guard: Guard, accessed: Accessed, around: Collection[str]
+    ) -> Guard:
+        """Under which guard an element is loaded that is needed where this one holds, and in
+        other iterations of the group under others: once for all of them, if that is possible.
+
+        Parameters
+        ----------
+        accessed
+            What the group accesses.
+        around
+            Names of the loops around it.
+        """
+        guards = accessed.guards.get(place, set())
+        if not self.shares or len(guards) <= 1 or place.owner not in self.scop.elements:
+            return guard
+        widest = accessed.widest(place)
+        if widest is not None:
+            return widest
+        inside = self._inside(place)
+        if inside is None or not all(implies(one, inside) for one in guards):
+            return guard
+        return inside if self._is_accessed(str(place.owner), frozenset(around)) else guard
+
+    def _is_accessed(self, array: str, around: frozenset[str]) -> bool:
+        """Whether the part accesses elements of an array for all lengths for which loops run, so
+        that it has those between them.
+        """
+        if (array, around) not in self._accessed:
+            relations = Relations(self.scop)
+            symbols, chosen, conditions = self._reached(map(symbol, sorted(around)), quotients=True)
+            where = f" : {' and '.join(conditions)}" if conditions else ""
+            runs = isl.Set(f"[{symbols}] -> {{ [{chosen}]{where} }}").params()
+            runs = runs.intersect(relations.context)
+            found = bool(runs.is_subset(relations.touched(array).params()))
+            self._accessed[array, around] = found
+        return self._accessed[array, around]
+
+    def may_meet(self, one: Place, other: Place, guard: Guard = ALWAYS) -> bool:
+        """Whether two places may be one where a guard holds, as loops go through all their
+        iterations.
+        """
         if one.owner != other.owner:
             return False
         gaps = tuple(a.plus(b, -1) for a, b in zip(one.subscripts, other.subscripts, strict=True))
@@ -386,13 +429,17 @@ class Places:
             return True
         if one.is_scalar:
             return False
-        if gaps not in self._meet:
-            self._meet[gaps] = self._has_solution(gaps)
-        return self._meet[gaps]
+        if not self.shares:
+            guard = ALWAYS
+        if (gaps, guard) not in self._meet:
+            self._meet[gaps, guard] = self._has_solution(gaps, guard)
+        return self._meet[gaps, guard]
 
-    def _has_solution(self, gaps: tuple[Form, ...]) -> bool:
-        symbols, chosen, conditions = self._reached(gaps)
+    def _has_solution(self, gaps: tuple[Form, ...], guard: Guard) -> bool:
+        tests = sorted(guard, key=str)
+        symbols, chosen, conditions = self._reached((*gaps, *tests))
         conditions += [f"{gap} = 0" for gap in gaps]
+        conditions += [f"{test} >= 0" for test in tests]
         inside = f"[{chosen}] : {' and '.join(conditions)}"
         return not isl.Set(f"[{symbols}] -> {{ {inside} }}").is_empty()
 

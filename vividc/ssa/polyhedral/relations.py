@@ -143,16 +143,20 @@ class Relations:
         where = tuple(one.substituted(at) for one in access.subscripts)
         return self.map(statement, f"A{self._arrays[access.array]}", where)
 
-    def box(self, array: str) -> tuple[tuple[Form, Form], ...] | None:
-        """The first and the last subscript along each dimension of what the part accesses of an
-        array; None if they are no forms.
-        """
+    def touched(self, array: str) -> isl.Set:
+        """The elements of an array that the part accesses."""
         result = isl.UnionSet(f"{self.parameters} -> {{ }}")
         for statement in self.scop.statements:
             for access in statement.accesses.values():
                 if access.array == array:
                     result = result.union(self._touched(statement, access).range())
-        touched = isl.Set.from_union_set(result).coalesce()
+        return isl.Set.from_union_set(result).coalesce()
+
+    def box(self, array: str) -> tuple[tuple[Form, Form], ...] | None:
+        """The first and the last subscript along each dimension of what the part accesses of an
+        array; None if they are no forms.
+        """
+        touched = self.touched(array)
         axes = range(touched.dim(isl.dim_type.set))
         ends = [(_form(touched.dim_min(n)), _form(touched.dim_max(n))) for n in axes]
         found = tuple((one, other) for one, other in ends if one is not None and other is not None)

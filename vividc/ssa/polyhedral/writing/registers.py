@@ -13,9 +13,9 @@ from functools import partial, reduce
 from vividc.machine.opcodes import Opcode, Type
 from vividc.ssa.ir import Instr, Ref, Value
 from vividc.ssa.polyhedral.forms import ZERO
-from vividc.ssa.polyhedral.guards import Guard, implies
+from vividc.ssa.polyhedral.guards import Guard, both, implies
 from vividc.ssa.polyhedral.loops import Test
-from vividc.ssa.polyhedral.places import Known, Place, Places
+from vividc.ssa.polyhedral.places import Accessed, Known, Place, Places
 from vividc.ssa.polyhedral.scop import Scop
 from vividc.ssa.polyhedral.writing.words import Words
 
@@ -47,13 +47,18 @@ class Registers:
         assert isinstance(kind, Type)
         return kind
 
-    def loaded(self, instr: Instr, place: Place, guard: Guard) -> Value:
-        """The value of an element where a guard holds."""
+    def loaded(
+        self, instr: Instr, place: Place, guard: Guard, beside: Accessed | None = None
+    ) -> Value:
+        """The value of an element where a guard holds; `beside`: what else may load it, too."""
         known = self.known.get(place)
         if known is None or not implies(guard, known.guard):
             self.drop(place)
-            when = self.predicate(guard)
-            known = self.known[place] = Known(self.load(instr, place, when), None, when, guard)
+            under = guard
+            if beside is not None:
+                under = self.places.shared(place, guard, beside, self.words.order)
+            when = self.predicate(under)
+            known = self.known[place] = Known(self.load(instr, place, when), None, when, under)
         return known.value
 
     def load(self, instr: Instr, place: Place, when: Value | None = None) -> Value:
@@ -68,7 +73,8 @@ class Registers:
         load = self.scop.narrow.get(instr.array)
         kept = value if load is None else self.words.as_loaded(load, value)
         for other in list(self.known):
-            if other == place or other.is_scalar or not self.places.may_meet(place, other):
+            there = both(guard, self.known[other].guard)
+            if other == place or other.is_scalar or not self.places.may_meet(place, other, there):
                 continue
             if self.places.carries:
                 self._meet(other, place, kept, guard)

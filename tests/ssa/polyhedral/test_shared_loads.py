@@ -1,0 +1,81 @@
+"""What iterations of a group load under guards of their own is loaded once, where that is safe."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vividc
+from tests.ssa.polyhedral.test_generate import parts_of
+from tests.ssa.polyhedral.test_streams import innermost
+from vividc.machine.opcodes import Opcode
+from vividc.ssa.interpret import interpret
+from vividc.ssa.ir import Function
+from vividc.ssa.polyhedral.generate import generate
+from vividc.ssa.polyhedral.loops import loops_of
+from vividc.ssa.polyhedral.orders.search import is_legal, with_factors
+from vividc.ssa.polyhedral.relations import Relations
+from vividc.ssa.polyhedral.trees import tree_of
+from vividc.ssa.rewrite.refusal import Refusal
+from vividc.ssa.rewrite.tidy import tidy
+
+
+@vividc.kernel("void(int32[:, ::1])")
+def eliminate(a):
+    """All rows below row k need it."""
+    for k in range(a.shape[0]):
+        for i in range(k + 1, a.shape[0]):
+            for j in range(k + 1, a.shape[1]):
+                a[i, j] -= a[i, k] * a[k, j]
+
+
+@vividc.kernel("void(int32[:, ::1], int32[::1], int32[::1])")
+def guarded(a, b, c):
+    """Only rows behind the length of `c` need `b`, which may be empty if there are none."""
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            a[i, j] += 1
+            if i >= len(c):
+                a[i, j] += b[j]
+
+
+def grouped(
+    kernel: vividc.KernelFunction, path: tuple[int, ...], factor: int, *, shares: bool
+) -> Function:
+    """The kernel with iterations of a loop run together, masked."""
+    [scop] = parts_of(tidy(kernel.lower()))
+    relations = Relations(scop)
+    tree = with_factors(tree_of(scop), {path: factor}, masked=True)
+    assert is_legal(tree, relations)
+    loops = loops_of(tree, relations)
+    assert not isinstance(loops, Refusal)
+    made = generate(scop, loops, masks=True, shares=shares)
+    assert not isinstance(made, Refusal)
+    return tidy(made.function)
+
+
+def numbers(*shape: int) -> np.ndarray:
+    return np.random.default_rng(1).integers(-99, 99, shape).astype(np.int32)
+
+
+@pytest.mark.parametrize("factor", [2, 4])
+def test_rows_below_load_their_pivot_row_once(factor: int) -> None:
+    made = grouped(eliminate, (0,), factor, shares=True)
+    assert innermost(made, Opcode.LOAD) == factor + 1
+    assert innermost(made, Opcode.SELECT) == 0  # no row is the pivot's where it is stored
+    for shape in ((0, 0), (1, 1), (5, 5), (6, 9), (8, 3)):
+        mine, theirs = numbers(*shape), numbers(*shape)
+        interpret(made, mine)
+        interpret(tidy(eliminate.lower()), theirs)
+        assert np.array_equal(mine, theirs), shape
+
+
+@pytest.mark.parametrize("shares", [False, True])
+def test_what_may_be_no_element_is_loaded_where_it_is_needed_only(shares: bool) -> None:
+    made = grouped(guarded, (), 4, shares=shares)
+    for rows, spared, length in ((6, 6, 0), (6, 3, 5), (7, 0, 5), (3, 9, 0)):
+        mine, theirs = numbers(rows, 5), numbers(rows, 5)
+        given = numbers(length), numbers(spared)
+        interpret(made, mine, *given)
+        interpret(tidy(guarded.lower()), theirs, *given)
+        assert np.array_equal(mine, theirs), (rows, spared)
