@@ -47,6 +47,16 @@ def test_every_launch_runs_once(device: Device, shared: bool) -> None:
     assert stage.stats[0]["bytes"]["scratchpad_in"] >= moved_in
 
 
+def test_arrays_that_all_launches_share_leave_dram_once(device: Device) -> None:
+    x, ledger = np.arange(900, dtype=np.float32), Ledger()
+    ys = [np.zeros(900, np.float32) for _ in range(20)]
+    run_launches(device, ledger, "test", KERNEL, [launch(x, y, shared=True) for y in ys])
+    np.testing.assert_array_equal(ys, [2 * x] * 20)
+    moved = ledger.stages["test"].stats[0]["bytes"]
+    assert moved["dram_wanted"] == 3600 * (1 + 2 * 20)
+    assert moved["scratchpad_in"] == 3600 * (16 + 20)
+
+
 def test_no_launches_are_no_job(device: Device) -> None:
     ledger = Ledger()
     assert run_launches(device, ledger, "test", KERNEL, []) == []

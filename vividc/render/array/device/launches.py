@@ -189,12 +189,13 @@ def run_shares(
     program = device.programs.get(kernel, **options)
     job = device.new_job()
     with ledger.timed(stage):
-        runs = [
-            _Tile(job, tile, program, Places(program, share, device.scratchpad_bytes)).add(share)
-            if share
-            else []
+        tiles = {
+            tile: _Tile(job, tile, program, Places(program, share, device.scratchpad_bytes))
             for tile, share in enumerate(shares)
-        ]
+            if share
+        }
+        _hold_together(job, tiles, [launch for share in shares for launch in share])
+        runs = [tiles[tile].add(share) if share else [] for tile, share in enumerate(shares)]
     values = device.finish(ledger, stage, job).values
     return [[int(values[run] or 0) for run in share] for share in runs]
 
@@ -344,6 +345,14 @@ class _Tile:
         self._users[self._copy].append(run)
         return run
 
+    def shared_addresses(self, launch: Launch) -> dict[str, int]:
+        """Return where the first shared arrays lie."""
+        return self._places.addresses(_sizes(launch.shared), self._places.shared[0])
+
+    def hold(self, launch: Launch, at: Mapping[str, int], ready: Sequence[int]) -> None:
+        """Take the first shared arrays, which steps move in, as given."""
+        self._held, self._shared_at, self._ready = launch.group, dict(at), list(ready)
+
     def _hold(self, launch: Launch) -> None:
         """Move in the shared arrays of a launch, if the tile does not hold them."""
         if launch.group == self._held:
@@ -368,6 +377,17 @@ class _Tile:
                 address = at[name] + move.first_byte
                 steps.append(job.move_in(tile, move.array, address, after=after))
         return steps
+
+
+def _hold_together(job: Job, tiles: Mapping[int, _Tile], launches: Sequence[Launch]) -> None:
+    """Move in shared arrays once, to all tiles, if all launches have the same."""
+    first = launches[0]
+    if not first.shared or len({launch.group for launch in launches}) > 1:
+        return
+    (at,) = {tuple(tile.shared_addresses(first).items()) for tile in tiles.values()}
+    ready = [job.move_in(sorted(tiles), first.shared[name], address) for name, address in at]
+    for tile in tiles.values():
+        tile.hold(first, dict(at), ready)
 
 
 def _pieces(array: Words | Sequence[Move]) -> Sequence[Move]:

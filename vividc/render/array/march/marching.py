@@ -40,9 +40,13 @@ _SAMPLE_WORDS = 5
 """Of each sample in a launch of the kernels behind the marching one."""
 _OTHER_BYTES = 2048
 """Of the arrays in such a launch that are not by sample, and what aligning takes."""
-_SPARE_WORDS = 256
+_SPARE_WORDS = 128
 """For the other small arrays of the marching kernel, and what aligning them takes."""
 _MOST_STEPS = 1 << 15
+_MOST_ITEMS = 2048
+"""That a launch lists: all of its room goes to DRAM."""
+_LEAST_PARTS = 2
+"""That there is room for: a launch that goes on waits for all others."""
 _COUNT_BIT = 16
 """Above it the marching kernel returns how many samples there are, below it where to go on."""
 _NARROW_WORDS = 4
@@ -149,7 +153,7 @@ class Marcher:
                 if goes_on:
                     again.append((number, goes_on))
             todo = again
-        return list(pieces_of(found))
+        return list(pieces_of(found, _samples_at_once(self._device)))
 
     def _march_launch(
         self, number: int, start: int, end: int, rays: _Rays, items: Int32Array
@@ -322,6 +326,12 @@ def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
     return parts
 
 
+def _samples_at_once(device: Device) -> int:
+    """Return how many samples a launch behind the marching one has room for."""
+    words = (device.scratchpad_bytes - _OTHER_BYTES) // WORD_BYTES
+    return min(_SAMPLES_AT_ONCE, words // _SAMPLE_WORDS)
+
+
 def geometry_of(march: March, camera: Camera) -> Float32Array:
     """Return the table that kernels/render/marching.py calls `geometry`."""
     cells = np.array(march.occupied.shape, dtype=np.float32) / (march.box[1] - march.box[0])
@@ -341,15 +351,14 @@ def _room(march: March, bricks: Bricks, scratchpad_bytes: int) -> tuple[int, int
     """
     free = scratchpad_bytes - bricks.size_bytes
     words = free // WORD_BYTES - _SPARE_WORDS - _RAY_WORDS * RAYS
-    most = min(_SAMPLES_AT_ONCE, (scratchpad_bytes - _OTHER_BYTES) // (WORD_BYTES * _SAMPLE_WORDS))
     if march.samples > _MOST_STEPS:
         raise SceneError(
             f"a ray has {march.samples} steps, and the array numbers {_MOST_STEPS}",
             hint="store fewer and longer steps",
         )
     for at_once in _STEPS_AT_ONCE:
-        room = min(most, words - _CANDIDATE_WORDS * RAYS * at_once)
-        if room >= RAYS * at_once:
+        room = min(_MOST_ITEMS, words - _CANDIDATE_WORDS * RAYS * at_once)
+        if room >= (_LEAST_PARTS if at_once > 1 else 1) * RAYS * at_once:
             return at_once, room
     raise SceneError(
         f"the occupancy of {' x '.join(map(str, march.occupied.shape))} cells takes "

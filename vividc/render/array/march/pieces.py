@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from vividc.render.array.march.depths import SIDE
 from vividc.render.arrays import Float32Array, Int32Array
 
@@ -70,12 +72,15 @@ def total(pieces: Sequence[Piece]) -> int:
     return sum(len(piece.items) for piece in pieces)
 
 
-def pieces_of(blocks: Sequence[Sequence[Int32Array]]) -> Iterator[Piece]:
-    """Yield the pieces of blocks, of each its lists of items; a block without any has none."""
+def pieces_of(blocks: Sequence[Sequence[Int32Array]], most: int) -> Iterator[Piece]:
+    """Yield pieces of at most so many samples of blocks, of each its lists of items; a block
+    without any has none.
+    """
     first = 0
     for number, lists in enumerate(blocks):
-        for turn, items in enumerate(lists):
-            yield Piece(number * RAYS, turn, turn == len(lists) - 1, first, items)
+        cut = [part for items in lists for part in np.array_split(items, -(-len(items) // most))]
+        for turn, items in enumerate(cut):
+            yield Piece(number * RAYS, turn, turn == len(cut) - 1, first, items)
             first += len(items)
 
 
