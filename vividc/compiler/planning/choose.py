@@ -58,7 +58,7 @@ _GAIN = {
     "interleaving": 0.9,
     "restructuring": 0.9,
     "versioning": 0.9,
-    "partial results": 0.97,
+    "partial results": 0.985,
 }
 """A transformation must bring the cycles below this share: its overheads vary more with the sizes
 than full unrolling's, which are known.
@@ -400,7 +400,8 @@ class _Chooser(Draft):
         """
         base = self.now
         found: list[Stage] = []
-        if header in base.state.made and base.state.hints[header] < _FACTORS[-1]:
+        few = header in base.state.made and base.state.hints[header] < _FACTORS[-1]
+        if few and kind != "partial results":
             return [], None  # what an earlier transformation left over
         if kind == "unrolling" and self._is_short_perhaps(header):
             self.note(base, Candidate(kind, header, _FACTORS[0]), None, _SHORT)
