@@ -10,6 +10,10 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+# Numba's own code of a kernel is only compared with, a few times: it is right without LLVM's most
+# thorough passes, which take as long as the rest of numba. It reads this when it is imported.
+os.environ.setdefault("NUMBA_OPT", "1")
+
 from tests import kept
 
 settings.register_profile(

@@ -130,8 +130,14 @@ def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
     [made] = table.Kept(tmp_path).rows
     assert made.known
     assert made.is_right
+    lines = (tmp_path / table.ROWS).read_text().splitlines()
+    assert [json.loads(line).get("kernel") for line in lines] == [None, "trisolv"]
+    *_, again = table.sections(wanted, tmp_path)
+    assert page == again
+    assert (tmp_path / table.ROWS).read_text().splitlines() == lines
 
 
+@pytest.mark.slow
 def test_rows_are_kept_when_they_are_made(tmp_path: Path) -> None:
     wanted = table.Wanted(only=("trisolv",), sizes=(MINI,))
     *_, page = table.sections(wanted, tmp_path)

@@ -22,7 +22,7 @@ def both(kernel: KernelFunction, rows: np.ndarray) -> tuple[np.ndarray, np.ndarr
     mine, theirs = rows.copy(), rows.copy()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", VividcWarning)
-        program = vividc.compile(kernel, fabric=UNIT)
+        program = vividc.compile(kernel, fabric=UNIT, effort="fast")
     for row in mine:
         vividc.simulate(program, row)
     for row in theirs:

@@ -15,7 +15,7 @@ from vividc.program import Program
 @cache
 def compiled(kernel: vividc.KernelFunction, fabric: str) -> Program:
     """Once for all arguments."""
-    return vividc.compile(kernel, fabric=fabric)
+    return vividc.compile(kernel, fabric=fabric, effort="fast")
 
 
 def assert_agrees(kernel: vividc.KernelFunction, fabric: str, *args: object) -> None:

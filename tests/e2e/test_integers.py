@@ -34,7 +34,7 @@ def test_loops_of_divisions(kernel: vividc.KernelFunction, dtype: type) -> None:
     ("kernel", "dtype"), [(k.signed_once, np.int32), (k.unsigned_once, np.uint32)]
 )
 def test_division_of_variables(kernel: vividc.KernelFunction, dtype: type) -> None:
-    program = vividc.compile(kernel)
+    program = vividc.compile(kernel, effort="fast")
     for a, b in zip(*(column[::5].tolist() for column in pairs(dtype)), strict=True):
         mine, theirs = np.zeros(2, dtype), np.zeros(2, dtype)
         vividc.simulate(program, dtype(a), dtype(b), mine)

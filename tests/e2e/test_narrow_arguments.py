@@ -19,7 +19,7 @@ SHAPE = (4, 6)
 def program(name: str) -> Program:
     assert name in BYTES_AND_IMAGES
     (workload,) = (w for w in WORKLOADS if w.name == name)
-    return vividc.compile(workload.kernel())
+    return vividc.compile(workload.kernel(), effort="fast")
 
 
 def image(dtype: str = "uint8") -> np.ndarray:

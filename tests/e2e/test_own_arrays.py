@@ -36,7 +36,7 @@ def searches(x, n):
 
 def compiled(function: object) -> Program:
     kernel = KernelFunction(function, "void(int32[::1], int32)", None)  # type: ignore[arg-type]
-    return vividc.compile(kernel, time_limit_s=20.0)
+    return vividc.compile(kernel, time_limit_s=20.0, effort="fast")
 
 
 @pytest.fixture(scope="module")

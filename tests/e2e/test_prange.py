@@ -210,7 +210,9 @@ def programs() -> Callable[[Any], vividc.Program]:
 
     def program(kernel: Any) -> vividc.Program:
         if kernel.name not in made:
-            made[kernel.name] = vividc.compile(kernel, fabric="vivid", time_limit_s=6)
+            made[kernel.name] = vividc.compile(
+                kernel, fabric="vivid", time_limit_s=6, effort="fast"
+            )
         return made[kernel.name]
 
     return program
@@ -364,7 +366,7 @@ def test_gaussian_blending_over_the_rows_of_a_block() -> None:
     arrays = [*mean.copy(), *conic.copy(), *shades.copy()]
     sizes = (0, 0, width, height, count)
     gs_blend(*arrays, expected, *sizes)
-    program = vividc.compile(gs_blend_rows, fabric="vivid", time_limit_s=60)
+    program = vividc.compile(gs_blend_rows, fabric="vivid", effort="fast", time_limit_s=60)
     arrays = [np.ascontiguousarray(array) for array in arrays]
     result = vividc.simulate(program, *arrays, out, *sizes, fabric="vivid")
     # Our exp is within 2 ulp, and multiplications and additions are contracted.

@@ -320,7 +320,11 @@ def test_all_tiles_do_what_numba_does(kernel: Any, is_spread: bool, launches: An
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         program = vividc.compile(
-            kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False), time_limit_s=6
+            kernel,
+            fabric="vivid",
+            loops=vividc.LoopOptions(auto=False),
+            effort="fast",
+            time_limit_s=6,
         )
         for args in launches:
             expected, got = (

@@ -43,7 +43,7 @@ def test_rows_that_overlap_in_flat_indices_stay_in_order() -> None:
 
 def check(kernel: vividc.KernelFunction, *args: object) -> None:
     """The simulator against numba."""
-    program = vividc.compile(kernel, MACHINE, time_limit_s=60.0)
+    program = vividc.compile(kernel, MACHINE, time_limit_s=60.0, effort="fast")
     expected, actual = copy.deepcopy(args), copy.deepcopy(args)
     assert vividc.simulate(program, *actual).value == kernel(*expected)
     for one, other in zip(expected, actual, strict=True):

@@ -62,7 +62,7 @@ def test_threads_on_all_tiles() -> None:
     kernel = _threads_module().escape_time
     args = list(workload("escape_time").fresh())
     program = vividc.compile(
-        kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False, threads=4), time_limit_s=20
+        kernel, fabric="vivid", loops=vividc.LoopOptions(auto=False, threads=4), effort="fast"
     )
     expected = deepcopy(args)
     kernel(*expected)
