@@ -7,7 +7,7 @@ STAMP := $(VENV)/.installed
 # The tests start many interpreters: without bytecode each compiles every module again.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo room test test-all lint types layers bench c-kernels lock clean
+.PHONY: setup demo room test test-all lint types layers docs docs-links bench c-kernels lock clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -60,10 +60,26 @@ c-kernels:
 	cd tests/frontend/c && for file in *.c; do \
 	  $(CLANG) -w -O1 -ffp-contract=off -fno-jump-tables -emit-llvm -S $$file -o $${file%.c}.ll || exit 1; done
 
+# The site, in build/site: warnings are errors, and its notebooks run.
+DOCS_STAMP := $(VENV)/.docs-installed
+
+$(DOCS_STAMP): $(STAMP) requirements-docs.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
+	@touch $@
+
+docs: $(DOCS_STAMP)
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going -b html -c docs/site docs build/site
+	@echo "written: build/site/index.html"
+
+docs-links: $(DOCS_STAMP)
+	$(BIN)/python -m sphinx --quiet -b linkcheck -c docs/site docs build/links
+
 # For maintainers; users never need uv.
 lock:
 	uv pip compile pyproject.toml --extra dev --generate-hashes --no-emit-index-url --universal \
 	  --python-version 3.11 --quiet --output-file requirements.lock
+	uv pip compile pyproject.toml --extra dev --extra docs --constraint requirements.lock --generate-hashes \
+	  --no-emit-index-url --universal --python-version 3.11 --quiet --output-file requirements-docs.lock
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

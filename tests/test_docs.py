@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import runpy
@@ -98,3 +99,29 @@ def run_block(language: str, text: str) -> None:
                 assert done.exit_code == 0, done.output
             elif part.strip():
                 subprocess.run(["bash", "-ec", part], stdin=subprocess.DEVNULL, check=True)
+
+
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+SLOW_NOTEBOOKS = {"frame"}
+"""What compiles a renderer's kernels."""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(p, id=p.stem, marks=[pytest.mark.slow] if p.stem in SLOW_NOTEBOOKS else [])
+        for p in NOTEBOOKS
+    ],
+)
+def test_notebook_runs(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its cells in order, as they are: without what a run would leave in the file."""
+    monkeypatch.chdir(path.parent)
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    assert [cell["cell_type"] for cell in cells][:2] == ["markdown", "code"]
+    names: dict[str, object] = {}
+    with vividc.patient(20):
+        for cell in cells:
+            if cell["cell_type"] == "code":
+                assert cell["outputs"] == []
+                assert cell["execution_count"] is None
+                exec(compile("".join(cell["source"]), f"{path.name}:{cell['id']}", "exec"), names)

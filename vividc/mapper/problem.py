@@ -38,8 +38,8 @@ class MapProblem:
         return pes if permitted is None else tuple(pe for pe in pes if pe in permitted)
 
     def constants_of(self, node: Node) -> tuple[ConstantKey, ...]:
-        """Constant-store entries that `node` occupies on its PE: operands, `init`s, and a live-
-        out's own entry.
+        """Constant-store entries that `node` occupies on its PE: operands, first words of
+        recurrences, and a live-out's own entry.
         """
         keys: dict[ConstantKey, None] = {}
         for edge in self.dfg.in_edges[node.id]:

@@ -65,7 +65,8 @@ def upscale_nearest(image: Float32Array, factor: int) -> Float32Array:
 def side_by_side(
     reference: Float32Array, array: Float32Array, amplification: float = 1.0
 ) -> UInt8Array:
-    """Return the picture reference | array | |difference| * amplification, captioned.
+    """Return three captioned pictures beside each other: the reference, the array's, and the
+    difference times `amplification`.
 
     Inputs are [height, width, 3] in 0..1. Small images are enlarged by a whole factor, so that
     single pixels stay visible. The result is [H, W, 3] uint8.

@@ -103,7 +103,7 @@ def command(
 
     Nothing in P.vivid is executed on this computer. With --check, the kernel's source is: the file
     that P.vivid names, if you compiled it here and it has not changed since, or the one that
-    --source names; which one is said first. Floats may differ by ATOL + RTOL * |reference| and
+    --source names; which one is said first. Floats may differ by ATOL + RTOL times the reference,
     integers not at all; a mismatch gives exit code 5.
     """
     _refuse_nonsense(source, check, fabric, views)
