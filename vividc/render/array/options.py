@@ -32,7 +32,7 @@ class ArrayOptions:
         on their number only.
     precision
         Format of the networks' operands (ray-marched models), or of exp (Gaussians); sums and all
-        other stages are float32. "fp8" is E4M3.
+        other stages are float32, but with "fp8", which is E4M3, tables are float16.
     mode
         Of the networks of Instant-NGP and TensoRF: "auto", whichever takes fewest cycles; "gpu",
         kernels on the tiles alone; a TPU-like mode, that one or "gpu". The picture is the same.
