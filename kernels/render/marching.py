@@ -2,12 +2,13 @@
 light that reaches them and which of them count, and the picture.
 
 The samples of a block are listed by step, counted from where its set bricks begin, and then by ray,
-so that neighbours in the list are neighbours in the scene; an item of such a list is ray << 16 |
-step. `geometry` holds the camera's place (0 to 2), the box's lowest corner (3 to 5) and highest
-(6 to 8), cells a unit (9 to 11), near, far and the step (12 to 14), and steps a unit (15).
-Occupancy is a grid of bricks of 4x4x4 cells: one bit a brick in `coarse`, how many bricks are set
-before each of its words in `ranks`, and two words of cells for each brick that is set; `grid` is
-the cells of each axis (0 to 2) and the bricks (3 to 5).
+so that neighbours in the list are neighbours in the scene. An item of such a list is ray << 16 |
+step; in a list of those that survive, with the place of the sample in its launch << 22. `geometry`
+holds the camera's place (0 to 2), the box's lowest corner (3 to 5) and highest (6 to 8), cells a
+unit (9 to 11), near, far and the step (12 to 14), and steps a unit (15). Occupancy is a grid of
+bricks of 4x4x4 cells: one bit a brick in `coarse`, how many bricks are set before each of its words
+in `ranks`, and two words of cells for each brick that is set; `grid` is the cells of each axis (0
+to 2) and the bricks (3 to 5).
 """
 
 import math
@@ -26,6 +27,7 @@ TINY = np.float32(1e-30)
 MOST = np.float32(65534.0)
 LOW = np.uint32(0xFFFF)
 HIGH = np.uint32(16)
+PLACE = np.uint32(22)
 
 
 @numba.njit
@@ -216,6 +218,12 @@ def march_rays(
     return np.int32(kept << 16)
 
 
+@numba.njit
+def ray_of(item):
+    """The ray of a sample, among the block's."""
+    return np.uint32((np.uint32(item) >> HIGH) & np.uint32(63))
+
+
 @vividc.kernel(
     "void(float32[:, ::1], float32[::1], float32[::1], int32[::1], int32, float32[:, ::1],"
     " int32[::1])"
@@ -223,7 +231,7 @@ def march_rays(
 def sample_points(directions, entries, geometry, items, first_ray, points, rays):
     """Place in the world, and ray of the picture, of each sample of a block."""
     for sample in range(len(items)):
-        ray = np.uint32(items[sample] >> 16)
+        ray = ray_of(items[sample])
         t = entries[ray] + (np.float32(items[sample] & 0xFFFF) + HALF) * geometry[14]
         points[sample, 0] = geometry[0] + t * directions[ray, 0]
         points[sample, 1] = geometry[1] + t * directions[ray, 1]
@@ -231,13 +239,11 @@ def sample_points(directions, entries, geometry, items, first_ray, points, rays)
         rays[sample] = first_ray + np.int32(ray)
 
 
-@vividc.kernel("void(uint32[::1], int32[::1], int32, int32, uint32[::1])")
-def keep_rows(rows, kept, first, shift, out):
-    """Those rows of a block, of 1 << `shift` words each, whose numbers are in `kept`; its first row
-    has the number `first`.
-    """
+@vividc.kernel("void(uint32[::1], int32[::1], int32, uint32[::1])")
+def keep_rows(rows, items, shift, out):
+    """Rows of those samples that survive, of 1 << `shift` words each."""
     for word in range(len(out)):
-        row = np.uint32(kept[np.uint32(word) >> np.uint32(shift)] - first)
+        row = np.uint32(items[np.uint32(word) >> np.uint32(shift)]) >> PLACE
         within = np.uint32(word) & np.uint32((np.uint32(1) << np.uint32(shift)) - np.uint32(1))
         out[word] = rows[np.uint32(row << np.uint32(shift)) + within]
 
@@ -253,15 +259,15 @@ def transmittance(
 
     A sample counts if the light before it is at least `limits[0]`, and its weight above
     `limits[1]`. Those, or with `keep_all` all, are listed: number, item and weight, which is 0
-    where a sample does not count. `left` is what passes all samples of a ray; with `goes_on` it
-    holds what passes those before. Returns how many are listed.
+    where a sample does not count; there are at most 1024. `left` is what passes all samples of a
+    ray; with `goes_on` it holds what passes those before. Returns how many are listed.
     """
     if goes_on == 0:
         for ray in range(len(left)):
             left[ray] = ONE
     listed = np.int32(0)
     for sample in range(len(thickness)):
-        ray = np.uint32(items[sample] >> 16)
+        ray = ray_of(items[sample])
         light = left[ray]
         alpha = ONE - math.exp(-thickness[sample])
         weight = light * alpha
@@ -269,7 +275,7 @@ def transmittance(
         if counts or keep_all != 0:
             place = np.uint32(listed)
             kept[place] = first_sample + sample
-            kept_items[place] = items[sample]
+            kept_items[place] = items[sample] | np.int32(np.uint32(sample) << PLACE)
             weights[place] = weight if counts else ZERO
             listed = np.int32(listed + 1)
         left[ray] = light * (ONE - alpha)
@@ -291,7 +297,7 @@ def accumulate(weights, items, colours, left, goes_on, is_last, out):
             out[ray, 2] = ZERO
             out[ray, 3] = left[ray]
     for sample in range(len(weights)):
-        ray = np.uint32(items[sample] >> 16)
+        ray = ray_of(items[sample])
         out[ray, 0] += weights[sample] * colours[sample, 0]
         out[ray, 1] += weights[sample] * colours[sample, 1]
         out[ray, 2] += weights[sample] * colours[sample, 2]

@@ -129,6 +129,10 @@ def test_views_without_pictures_give_no_figures(tmp_path: Path) -> None:
         ((MIC / "mic_kilonerf.npz", "--size", "0x8"), "sides are 1 to 8192 pixels"),
         ((MIC / "mic_kilonerf.npz", "--elevation", "90"), "no camera at azimuth"),
         ((MIC / "mic_kilonerf.npz", "--exponent-margin", "nan"), "not a finite number"),
+        (
+            (MIC / "mic_kilonerf.npz", "--size", "4x4", "--weight-min", "1"),
+            "--weight-min: a sample's weight cannot be wanted above 1",
+        ),
         ((MIC / "mic_kilonerf.npz", "-o", "a.jpg"), "-o: `a.jpg` does not end in .png"),
         ((MIC / "mic_kilonerf.npz", "-o", "absent/a.png"), "the folder `absent` does not exist"),
         ((MIC / "mic_kilonerf.npz", "--views", "absent.json"), "cannot be read"),

@@ -31,11 +31,14 @@ class ReferenceOptions:
         Of the Gaussians' blending; its `lookahead` is overridden by the one above.
     layer
         The linear layers of the ray-marched models' networks.
+    weight_min
+        Of ray-marched models: a sample's colour counts only if its weight is above this, too.
     """
 
     lookahead: bool = True
     blend: BlendOptions = EXACT
     layer: Layer = linear
+    weight_min: float = 0.0
 
 
 DEFAULT = ReferenceOptions()
@@ -71,7 +74,8 @@ def render_reference(
     Raises
     ------
     SceneError
-        Values of the scene are so large that pixels are not finite.
+        Values of the scene are so large that pixels are not finite, or an option is out of its
+        range.
     """
     demand_scene(scene)
     demand_type(camera, Camera, "the camera", "give a Camera, as orbit_camera makes one")
@@ -122,6 +126,10 @@ def _render_marched(
     progress: Callable[[float], None] | None,
 ) -> tuple[Float32Array, dict[str, int]]:
     rgbt, counts = render_field(
-        scene, camera, lookahead=options.lookahead, layer=options.layer, progress=progress
+        *(scene, camera),
+        lookahead=options.lookahead,
+        weight_min=options.weight_min,
+        layer=options.layer,
+        progress=progress,
     )
     return rgbt, asdict(counts)

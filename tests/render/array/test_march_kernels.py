@@ -124,10 +124,11 @@ def test_rays_outside_the_picture_and_along_a_face() -> None:
 @pytest.mark.parametrize("width", [1, 2, 4])
 def test_rows_that_survive_are_copied(width: int) -> None:
     rows = np.random.default_rng(width).integers(0, 1 << 32, (50, width), dtype=np.uint32)
-    kept = np.array([100, 103, 104, 149], np.int32)
+    places = np.array([0, 3, 4, 49], np.uint32)
+    items = (places << np.uint32(22) | np.uint32(63 << 16 | 999)).view(np.int32)
     out = np.zeros(4 * width, np.uint32)
-    KERNELS.keep_rows(rows.ravel(), kept, 100, width.bit_length() - 1, out)
-    np.testing.assert_array_equal(out.reshape(4, width), rows[kept - 100])
+    KERNELS.keep_rows(rows.ravel(), items, width.bit_length() - 1, out)
+    np.testing.assert_array_equal(out.reshape(4, width), rows[places])
 
 
 def test_pieces_give_what_the_whole_gives() -> None:
@@ -139,7 +140,8 @@ def test_pieces_give_what_the_whole_gives() -> None:
     colours = rng.random((len(items), 3)).astype(np.float32)
     limits = np.array([1e-4, 1e-3], np.float32)
     results = []
-    for cuts in ([], [100, 1000]):
+    items, thickness, colours = items[:1000], thickness[:1000], colours[:1000]
+    for cuts in ([], [100, 700]):
         left, out, kept = np.zeros(64, np.float32), np.zeros((64, 4), np.float32), []
         bounds = [0, *cuts, len(items)]
         for first, last in pairwise(bounds):
@@ -150,13 +152,17 @@ def test_pieces_give_what_the_whole_gives() -> None:
                 *(thickness[first:last], items[first:last], int(first > 0), first, limits, 0),
                 *(left, numbers, chosen, weights),
             )
+            places = chosen[:listed].view(np.uint32) >> 22
+            np.testing.assert_array_equal(places, numbers[:listed] - first)
             kept.append((numbers[:listed], chosen[:listed], weights[:listed]))
         for number, (numbers, chosen, weights) in enumerate(kept):
             KERNELS.accumulate(
                 *(weights, chosen, colours[numbers], left),
                 *(int(number > 0), int(number == len(kept) - 1), out),
             )
-        results.append((*map(np.concatenate, zip(*kept, strict=True)), left, out))
+        numbers, chosen, weights = map(np.concatenate, zip(*kept, strict=True))
+        np.testing.assert_array_equal(chosen & 0x3FFFFF, items[numbers])
+        results.append((numbers, weights, left, out))
     assert 0 < len(results[0][0]) < len(items)
     for whole, cut in zip(*results, strict=True):
         np.testing.assert_array_equal(whole, cut)

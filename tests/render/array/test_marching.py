@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
-from vividc.render.array import Device, Ledger, open_device
+from vividc.render.array import ArrayOptions, Device, Ledger, open_device
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.depths import SIDE, block_corners
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
@@ -51,6 +51,25 @@ class HostField:
         return self.model.colour(points, features, directions[rays], linear)
 
 
+class NarrowField(HostField):
+    """Its features are two words of each point."""
+
+    def density(self, points: np.ndarray, ledger: Ledger) -> tuple[np.ndarray, np.ndarray]:
+        thickness, _ = super().density(points, ledger)
+        return thickness, np.ascontiguousarray(points[:, :2])
+
+    def colour(
+        self,
+        points: np.ndarray,
+        features: np.ndarray,
+        rays: np.ndarray,
+        directions: np.ndarray,
+        ledger: Ledger,
+    ) -> np.ndarray:
+        np.testing.assert_array_equal(features, points[:, :2])
+        return np.abs(points)
+
+
 @pytest.fixture(scope="session")
 def device() -> Device:
     return open_device("vivid")
@@ -67,11 +86,12 @@ def camera() -> Camera:
 
 
 def rendered(
-    device: Device, field: HostField, camera: Camera, lookahead: bool = True
+    device: Device, field: HostField, camera: Camera, **options: bool | float
 ) -> tuple[np.ndarray, Ledger]:
     ledger = Ledger()
     corners = block_corners(camera)
-    image = render_blocks(device, field, camera, corners, lookahead=lookahead, ledger=ledger)
+    chosen = ArrayOptions(**options)
+    image = render_blocks(device, field, camera, corners, options=chosen, ledger=ledger)
     return image, ledger
 
 
@@ -96,6 +116,29 @@ def test_the_picture_is_the_references_with_and_without_lookahead(
         "accumulation",
     ]
     assert all(stage.cycles > 0 for stage in on.stages.values())
+
+
+def test_colours_of_little_weight_are_left_out_as_the_reference_does(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    rgbt, expected = render_field(model, camera, weight_min=0.01)
+    image, on = rendered(device, HostField(model), camera, weight_min=0.01)
+    late, off = rendered(device, HostField(model), camera, weight_min=0.01, lookahead=False)
+    whole, every = rendered(device, HostField(model), camera)
+    assert psnr(image, over_background(rgbt)) > 80
+    assert 30 < psnr(image, whole) < 60
+    np.testing.assert_array_equal(image, late)
+    assert on.counts["colour_samples"] == expected.colour_samples == off.counts["counted_samples"]
+    assert on.counts["colour_samples"] < 0.7 * every.counts["colour_samples"]
+
+
+def test_narrow_features_stay_with_their_samples(
+    device: Device, model: KiloNeRF, camera: Camera
+) -> None:
+    image, on = rendered(device, NarrowField(model), camera)
+    late, off = rendered(device, NarrowField(model), camera, lookahead=False)
+    np.testing.assert_array_equal(image, late)
+    assert on.counts["colour_samples"] < off.counts["colour_samples"]
 
 
 def test_an_empty_scene_is_white(device: Device, model: KiloNeRF, camera: Camera) -> None:

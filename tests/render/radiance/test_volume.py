@@ -54,6 +54,18 @@ def one_ray(field: Fog, origin: np.ndarray, direction: np.ndarray) -> tuple[np.n
     return np.array([*total, left]), dense, counted
 
 
+@pytest.mark.parametrize(("own", "asked"), [(0.0, 0.02), (0.02, 0.0), (0.02, 0.01)])
+def test_the_greater_of_two_least_weights_counts(own: float, asked: float) -> None:
+    rays = np.array([[0.1, 0.2, -1.0], [0.3, -0.1, -1.0]], np.float32)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    origin = np.array([0.2, 0.1, 2.0], np.float32)
+    expected, counts = render_rays(Fog(2.0, 0.02, 0.0), origin, rays)
+    found, same = render_rays(Fog(2.0, own, 0.0), origin, rays, weight_min=asked)
+    np.testing.assert_array_equal(found, expected)
+    assert same == counts
+    assert counts.colour_samples < counts.density_samples
+
+
 @pytest.mark.parametrize(
     ("thickness", "weight_min", "transmittance_min"),
     [(0.1, 0.0, 0.0), (2.0, 0.01, 0.0), (2.0, 0.0, 0.03)],

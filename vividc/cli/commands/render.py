@@ -121,6 +121,13 @@ def _size(
     help="3DGS: keep exponents down to ln(1 / (255 opacity)) - M.",
 )
 @click.option(
+    "--weight-min",
+    type=float,
+    default=0.0,
+    metavar="W",
+    help="Ray-marched models: leave out the colour of samples of no greater weight.",
+)
+@click.option(
     "--engine",
     type=click.Choice([REFERENCE, ARRAY]),
     default=REFERENCE,
@@ -171,6 +178,7 @@ def command(
     up: str,
     lookahead: str,
     exponent_margin: float,
+    weight_min: float,
     engine: str,
     program: Path | None,
     sample: float,
@@ -196,18 +204,20 @@ def command(
     _check_mode(engine, program, mode)
     blend = _blending(engine, program, model)
     camera = _camera(model, view, size, (azimuth, elevation, up))
-    switches = ReferenceOptions(lookahead == "on", BlendOptions(margin=exponent_margin))
+    blending = BlendOptions(margin=exponent_margin)
+    switches = ReferenceOptions(lookahead == "on", blending, weight_min=weight_min)
     wanted = None
     if engine == ARRAY and blend is None:
         wanted = ArrayOptions(
-            fabric, "auto", lookahead == "on", exponent_margin, sample, precision, mode
+            *(fabric, "auto", lookahead == "on", exponent_margin, sample, precision, mode),
+            weight_min=weight_min,
         )
     drawn = _draw(model, camera, switches, wanted, blend, fabric)
     if output is not None:
         write_png(output, drawn.image)
     truth = None if view is None else view.truth_at(camera.width, camera.height)
     body: dict[str, object] = {"scene": str(scene), "method": found, "engine": engine}
-    body |= {"lookahead": lookahead, "precision": precision, "mode": mode}
+    body |= {"lookahead": lookahead, "weight_min": weight_min, "precision": precision, "mode": mode}
     body |= _body(drawn, truth)
     if as_json:
         print_json(SCHEMA, {**body, "output": None if output is None else str(output)})

@@ -36,6 +36,9 @@ class ArrayOptions:
     mode
         Of the networks of Instant-NGP and TensoRF: "auto", whichever takes fewest cycles; "gpu",
         kernels on the tiles alone; a TPU-like mode, that one or "gpu". The picture is the same.
+    weight_min
+        Of ray-marched models: a sample's colour counts only if its weight is above this, and above
+        the model's own threshold. What that saves and costs is in docs/rendering.md.
     """
 
     fabric: str = "vivid"
@@ -45,3 +48,4 @@ class ArrayOptions:
     sample: float = 1.0
     precision: RenderPrecision = "fp32"
     mode: NetworkMode = "auto"
+    weight_min: float = 0.0

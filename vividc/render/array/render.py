@@ -24,6 +24,7 @@ from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
 from vividc.render.ply import Gaussians
 from vividc.render.radiance import InstantNGP, KiloNeRF, March, TensoRF
+from vividc.render.radiance.volume import check_weight
 from vividc.render.scenes import Scene, demand_scene
 
 _NARROW: dict[type, tuple[RenderPrecision, ...]] = {
@@ -74,6 +75,7 @@ def render_array(
         )
     check_precision(options.precision, scene)
     check_mode(options.mode, options.precision, scene)
+    check_weight(options.weight_min)
     if isinstance(scene, Gaussians):
         device = open_device(options.fabric, options.engine, tell, options.mode)
         return render_splats(scene, camera, options, progress, device)
@@ -85,7 +87,7 @@ def render_array(
         field,
         camera,
         corners,
-        lookahead=options.lookahead,
+        options=options,
         ledger=ledger,
         progress=progress,
         work=Work(scene, camera, options),

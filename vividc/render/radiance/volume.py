@@ -9,8 +9,10 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from vividc.errors import demand_type
 from vividc.render.arrays import Float32Array, Int64Array
 from vividc.render.camera import Camera
+from vividc.render.errors import SceneError
 from vividc.render.radiance.layers import Layer, linear
 from vividc.render.radiance.occupancy import March, occupied_samples, pixel_rays
 
@@ -92,6 +94,7 @@ def render_field(
     camera: Camera,
     *,
     lookahead: bool = True,
+    weight_min: float = 0.0,
     layer: Layer = linear,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Float32Array, MarchCounts]:
@@ -103,10 +106,18 @@ def render_field(
         Lookahead Culling I: which samples count is decided right after the density network, and
         the colour network runs on those alone. Without, it runs on every sample, and those that
         do not count are dropped after it: the picture is the same to the last bit.
+    weight_min
+        A sample's colour counts only if its weight is above this and above the field's own: 0.003
+        leaves out a third of them.
     layer
         The linear layers of the networks.
     progress
         Called with the share of pixels that are done, 0 to 1.
+
+    Raises
+    ------
+    SceneError
+        There is no such weight.
 
     Returns
     -------
@@ -115,18 +126,36 @@ def render_field(
     counts
         The work that was done.
     """
+    check_weight(weight_min)
     pixels = camera.width * camera.height
     rgbt = np.empty((pixels, 4), dtype=np.float32)
     counts = MarchCounts()
     at_once = max(1, min(_RAYS_AT_ONCE, _SAMPLES_AT_ONCE // field.march.samples))
     for first in range(0, pixels, at_once):
         directions = pixel_rays(camera, first, min(at_once, pixels - first))
-        part, cost = render_rays(field, camera.position, directions, lookahead, layer)
+        part, cost = render_rays(field, camera.position, directions, lookahead, layer, weight_min)
         rgbt[first : first + len(part)] = part
         counts += cost
         if progress is not None:
             progress(min(1.0, (first + at_once) / pixels))
     return rgbt.reshape(camera.height, camera.width, 4), counts
+
+
+def check_weight(weight_min: float) -> None:
+    """Refuse a least weight that is none.
+
+    Raises
+    ------
+    SceneError
+        It is not at least 0 and below 1.
+    """
+    demand_type(weight_min, (int, float), "the least weight", "give a number")
+    if not 0 <= weight_min < 1:
+        raise SceneError(
+            f"a sample's weight cannot be wanted above {weight_min}",
+            loc="--weight-min",
+            hint="give a number from 0 to below 1",
+        )
 
 
 def render_rays(
@@ -135,6 +164,7 @@ def render_rays(
     directions: Float32Array,
     lookahead: bool = True,
     layer: Layer = linear,
+    weight_min: float = 0.0,
 ) -> tuple[Float32Array, MarchCounts]:
     """Render rays from `origin` [3] along unit `directions` [n, 3]: r, g, b, T [n, 4], and counts.
 
@@ -151,7 +181,7 @@ def render_rays(
     before, left = _transmittance(samples.ray, alpha, len(directions))
     weight = before * alpha
     counted = (before >= np.float32(field.transmittance_min)) & (
-        weight > np.float32(field.weight_min)
+        weight > np.float32(max(field.weight_min, weight_min))
     )
     ran = np.flatnonzero(counted) if lookahead else np.arange(count)
     colour = np.zeros((count, 3), dtype=np.float32)

@@ -13,10 +13,12 @@ from vividc.render.array.march.crew import Batch, Work, share_out
 from vividc.render.array.march.depths import SIDE, Blocks, seen_blocks
 from vividc.render.array.march.marching import Marcher
 from vividc.render.array.models.field import ArrayField
+from vividc.render.array.options import ArrayOptions
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 
 BLOCKS_AT_ONCE: Final = 512
+_DEFAULT: Final = ArrayOptions()
 
 
 def render_blocks(
@@ -25,7 +27,7 @@ def render_blocks(
     camera: Camera,
     corners: Int32Array,
     *,
-    lookahead: bool = True,
+    options: ArrayOptions = _DEFAULT,
     ledger: Ledger,
     progress: Callable[[float], None] | None = None,
     work: Work | None = None,
@@ -37,6 +39,8 @@ def render_blocks(
     ----------
     corners
         Of the blocks that are computed (`block_corners`).
+    options
+        Those that say which samples' colours are computed, and count.
     work
         The same frame for helpers, if other processes are to take part; the result is the same.
     """
@@ -48,7 +52,7 @@ def render_blocks(
     image = np.ones((camera.height, camera.width, 3), dtype=np.float32)
     inside = np.minimum((camera.width, camera.height) - corners, SIDE)
     ledger.count(rays=int(inside.prod(axis=1).sum()))
-    render = batch_renderer(device, field, camera, lookahead=lookahead)
+    render = batch_renderer(device, field, camera, options)
     seen = seen_blocks(device, ledger, field.march, camera, corners)
     ledger.count(empty_blocks=len(corners) - len(seen))
     batches = list(_batches(seen))
@@ -62,10 +66,10 @@ def render_blocks(
 
 
 def batch_renderer(
-    device: Device, field: ArrayField, camera: Camera, *, lookahead: bool
+    device: Device, field: ArrayField, camera: Camera, options: ArrayOptions
 ) -> Callable[[Blocks], Batch]:
     """Return what renders batches of blocks."""
-    marcher = Marcher(device, field, camera, lookahead)
+    marcher = Marcher(device, field, camera, options)
 
     def render(blocks: Blocks) -> Batch:
         ledger = Ledger()

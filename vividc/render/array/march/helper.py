@@ -17,7 +17,7 @@ def serve(pipe: Connection) -> None:
     """Answer each batch with pixels and ledger, or with None where the frame has an error."""
     work: Work = pipe.recv()
     device, field = open_field(work.scene, work.options)
-    render = batch_renderer(device, field, work.camera, lookahead=work.options.lookahead)
+    render = batch_renderer(device, field, work.camera, work.options)
     pipe.send("ready")
     while True:
         try:

@@ -24,6 +24,7 @@ from vividc.render.array.march.bricks import Bricks, pack_bricks
 from vividc.render.array.march.depths import Blocks
 from vividc.render.array.march.pieces import RAYS, Piece, Survivors, pieces_of, survivors_of, total
 from vividc.render.array.models.field import ArrayField, Features
+from vividc.render.array.options import ArrayOptions
 from vividc.render.arrays import Float32Array, Int32Array
 from vividc.render.camera import Camera
 from vividc.render.errors import SceneError
@@ -35,7 +36,7 @@ _STEPS_AT_ONCE = (8, 4, 2, 1)
 _RAY_WORDS = 5
 _CANDIDATE_WORDS = 2
 _SAMPLES_AT_ONCE = 720
-"""Samples of a launch: five words of each fit a scratchpad twice."""
+"""Samples of a launch: five words of each fit a scratchpad twice. Their places have ten bits."""
 _SAMPLE_WORDS = 5
 """Of each sample in a launch of the kernels behind the marching one."""
 _OTHER_BYTES = 2048
@@ -79,17 +80,20 @@ class _Rays:
 class Marcher:
     """Renders blocks of a camera's pixels."""
 
-    def __init__(self, device: Device, field: ArrayField, camera: Camera, lookahead: bool) -> None:
+    def __init__(
+        self, device: Device, field: ArrayField, camera: Camera, options: ArrayOptions
+    ) -> None:
         self._device = device
         self._field = field
         self._camera = camera
-        self._lookahead = lookahead
+        self._lookahead = options.lookahead
         self._ledger = Ledger()
         march = field.march
         self._geometry = geometry_of(march, camera)
         self._bricks = pack_bricks(march.occupied)
         self._at_once, self._room = _room(march, self._bricks, device.scratchpad_bytes)
-        self._limits = np.array([field.transmittance_min, field.weight_min], dtype=np.float32)
+        least = max(field.weight_min, options.weight_min)
+        self._limits = np.array([field.transmittance_min, least], dtype=np.float32)
 
     def render(self, blocks: Blocks, ledger: Ledger) -> Float32Array:
         """Return r, g, b over white and transmittance, [n, 64, 4], of blocks of 8x8 pixels; what
@@ -104,7 +108,8 @@ class Marcher:
         if pieces:
             points, _ = self._points("ray marching", rays, pieces, with_rays=False)
             thickness, features = self._field.density(points, ledger)
-        survivors, left = self._light(pieces, thickness, len(blocks) * RAYS)
+        wide = self._lookahead and not _is_narrow(features)
+        survivors, left = self._light(pieces, thickness, len(blocks) * RAYS, wide)
         counted = sum(np.count_nonzero(piece.weights) for piece in survivors)
         ledger.count(colour_samples=total(survivors), counted_samples=int(counted))
         colours = np.zeros((0, 3), dtype=np.float32)
@@ -210,9 +215,12 @@ class Marcher:
         return points, of_rays
 
     def _light(
-        self, pieces: Sequence[Piece], thickness: Float32Array, rays: int
+        self, pieces: Sequence[Piece], thickness: Float32Array, rays: int, with_numbers: bool
     ) -> tuple[list[Survivors], Float32Array]:
-        """Return the samples whose colour is computed, and the light behind all samples [rays]."""
+        """Return the samples whose colour is computed, and the light behind all samples [rays].
+
+        Their numbers are left in the scratchpads if nobody asks for them.
+        """
         items, numbers = np.zeros((2, len(thickness)), dtype=np.int32)
         weights = np.zeros_like(thickness)
         left = np.ones(rays, dtype=np.float32)
@@ -227,10 +235,11 @@ class Marcher:
                 },
                 outputs={
                     **of_rays,
-                    "kept": numbers[piece.samples],
+                    **({"kept": numbers[piece.samples]} if with_numbers else {}),
                     "kept_items": items[piece.samples],
                     "weights": weights[piece.samples],
                 },
+                work={} if with_numbers else {"kept": (len(piece.items),)},
                 shared={"limits": self._limits},
                 scalars={
                     "goes_on": int(piece.turn > 0),
@@ -248,16 +257,16 @@ class Marcher:
         width = features.shape[1]
         if not self._lookahead or not width:
             return features[: total(survivors)]
-        if width > _NARROW_WORDS or width & (width - 1):
+        if not _is_narrow(features):
             rows = [piece.numbers for piece in survivors]
             return gather_rows(self._device, self._ledger, "compaction", features, rows)
         words = features.view(np.uint32)
         kept = np.zeros((total(survivors), width), dtype=np.uint32)
         launches = [
             Launch(
-                inputs={"rows": words[piece.places].reshape(-1), "kept": piece.numbers},
+                inputs={"rows": words[piece.places].reshape(-1), "items": piece.items},
                 outputs={"out": kept[piece.samples].reshape(-1)},
-                scalars={"first": piece.places.start, "shift": width.bit_length() - 1},
+                scalars={"shift": width.bit_length() - 1},
                 cost=len(piece.items) + _LAUNCH_COST,
             )
             for piece in survivors
@@ -324,6 +333,12 @@ def parts_of(march: March, blocks: Blocks, at_once: int) -> list[int]:
     steps = np.clip(between + 2, 0, march.samples)  # both ends lie within a step
     parts: list[int] = np.ceil(steps / at_once).astype(np.int64).tolist()
     return parts
+
+
+def _is_narrow(features: Features) -> bool:
+    """Whether a kernel copies the rows of the survivors."""
+    width: int = features.shape[1]
+    return width <= _NARROW_WORDS and width & (width - 1) == 0
 
 
 def _samples_at_once(device: Device) -> int:

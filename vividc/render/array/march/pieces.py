@@ -57,7 +57,7 @@ class Survivors(Piece):
     places
         Which of all samples the piece's are.
     numbers
-        [n] int32 among all samples.
+        [n] int32 among all samples; zeros where nobody asked for them.
     weights
         [n] float32, 0 where a colour does not count.
     """
