@@ -130,3 +130,30 @@ def test_an_edge_tells_whether_its_distance_is_proved() -> None:
     same_place = drawn(*loop_of(written(0, (False, 0, 4, 0)) + written(1, (True, 0, 4, 0))))
     assert any(edge.distance for edge in same_place)
     assert not any(edge.assumed for edge in same_place)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "kept"),
+    [
+        ("%4", "%5", False),  # x[2 * i] below 8, x[i] from 8 on
+        ("%4", "%4", True),
+        ("%4", "%6", True),
+        ("%4", "%8", False),
+        ("%4", None, True),
+    ],
+)
+def test_accesses_whose_predicates_keep_them_apart_have_no_order(
+    first: str, second: str | None, kept: bool
+) -> None:
+    meetings, accesses = loop_of(
+        f"""  %3 i32 = shl %0, 0x00000001
+  %4 pred = icmp.slt %3, 0x00000008
+  %5 pred = icmp.slt 0x00000007, %0
+  %6 pred = icmp.slt 0x00000005, %0
+  %7 pred = icmp.slt %0, 0x00000008
+  %8 pred = xor %7, 0x00000001
+  %9 none = store $"&x", %3, 0x00000000, {first} array "x" width 1
+  %10 i32 = load $"&x", %0{"" if second is None else f", {second}"} array "x" width 1
+"""
+    )
+    assert bool([edge for edge in drawn(meetings, accesses) if edge.src != edge.dst]) == kept

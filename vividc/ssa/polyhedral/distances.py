@@ -322,7 +322,7 @@ class Meetings:
     ) -> isl.Map | None:
         """Of subscripts that are known modulo `words`."""
         found: isl.Map | None = None
-        domain = self._values.domain(place.block)
+        domain = self._runs(place)
         for axis, part in enumerate(parts):
             subscript = self._sum(part)
             if subscript is None:
@@ -339,6 +339,14 @@ class Meetings:
             if found is None
             else found.intersect_domain(domain.intersect(self._values.universe))
         )
+
+    def _runs(self, place: Place) -> isl.Set:
+        """Iterations in which an access may be made: its predicate says so, too."""
+        domain = self._values.domain(place.block)
+        if _is_certain(place.instr):
+            return domain
+        held = self._values.holds(place.instr.operands[-1], True)
+        return domain if held is None else domain.intersect(held)
 
     def _is_fixed(self, value: Value) -> bool:
         """Whether each iteration has the same `value`."""

@@ -173,6 +173,8 @@ class Expressions:
             return None
         if item.op in _JOINED:
             return self._joined(item, truth)
+        if item.op is Opcode.XOR and item.operands[1] == Const(1):
+            return self.holds(item.operands[0], not truth)
         rule = _COMPARED.get(item.op) if isinstance(item.op, Opcode) else None
         operands = [self.of(operand) for operand in item.operands] if rule is not None else []
         known = [operand for operand in operands if operand is not None]
