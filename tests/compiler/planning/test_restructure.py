@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import vividc
@@ -11,6 +13,7 @@ from vividc import arch
 from vividc.compiler.planning.choose import choose
 from vividc.compiler.planning.estimate import Estimator
 from vividc.compiler.planning.options import LoopOptions
+from vividc.compiler.planning.restructure import halfway
 from vividc.dfg.pipeline import PassOptions
 from vividc.machine.opcodes import Opcode
 from vividc.ssa.flow import find_loops, pipelined_loops
@@ -109,3 +112,21 @@ def test_random_nests(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(4, 100))
 def test_more_random_nests(seed: int) -> None:
     demand_choices_mean_the_same(seed)
+
+
+@pytest.mark.parametrize(
+    ("cycles", "between"),
+    [
+        ({4: 10.0, 8: math.inf}, [6]),
+        ({4: 10.0, 8: math.inf, 6: math.inf}, [5]),
+        ({4: 10.0, 8: math.inf, 6: 9.0}, [7]),
+        ({4: 10.0, 8: math.inf, 5: 9.0, 6: math.inf}, []),
+        ({4: 10.0, 8: 9.0}, []),
+        ({4: math.inf, 2: math.inf}, []),
+    ],
+)
+def test_a_factor_half_way_to_one_that_is_not_possible_is_tried(
+    cycles: dict[int, float], between: list[int]
+) -> None:
+    found = halfway({(factor,): taken for factor, taken in cycles.items()})
+    assert [factor for (factor,) in found] == between

@@ -208,6 +208,23 @@ def _filling(lengths: list[int | None]) -> list[tuple[int, ...]]:
     return sorted(found, key=lambda one: (-math.prod(one), max(one)))[:_MOST_FILLING]
 
 
+def halfway(cycles: Mapping[tuple[int, ...], float]) -> list[tuple[int, ...]]:
+    """The factor of a loop half-way from the best one to the next larger one, if that is not
+    possible: five rows may be where eight are not.
+
+    Parameters
+    ----------
+    cycles
+        Of the factors that were tried; infinite: it is not possible.
+    """
+    best = min(cycles, key=lambda one: cycles[one])
+    failed = [one for one, taken in cycles.items() if taken == math.inf]
+    above = min((one for one in failed if one > best), default=best)
+    between = tuple((low + high) // 2 for low, high in zip(best, above, strict=True))
+    is_tried = between in cycles or any(_covers(between, less) for less in failed)
+    return [] if len(best) > 1 or is_tried else [between]
+
+
 @dataclass
 class _Climb:
     state: State
@@ -332,7 +349,7 @@ class _Climb:
         found: dict[tuple[int, ...], Loop] = {}
         failed: list[tuple[int, ...]] = []
         work = [*_filling([self._length(at(tree, path)) for path in group]), first]
-        while work:
+        while work or (work := halfway({one: self._cycles(found[one]) for one in found})):
             factors = work.pop(0)
             if factors in found or any(_covers(factors, less) for less in failed):
                 continue  # more are no smaller
@@ -352,11 +369,12 @@ class _Climb:
                 and first == min(found, key=lambda one: self._cycles(found[one]))
             ):
                 work += _SMALLER_FACTORS.get(first, ())  # larger ones of one loop may fit yet
-        made = [tree, *found.values()]
+        trees = [tree, *found.values()]
         if not has_skews(tree):
             best = min(found, key=lambda one: self._cycles(found[one]))
-            made.append(self._with(tree, _of(group, best), not masked))
-        return min(made, key=self._cycles)
+            trees.append(self._with(tree, _of(group, best), not masked))
+        made = [one for one in map(self._try, trees) if one is not None]
+        return _surest(made, self.estimator).tree if made else tree
 
     def _waits(self, tree: Loop) -> bool:
         """Whether the hottest loop of a tree has as many operations again for free."""
