@@ -90,21 +90,23 @@ def with_fewer_cycles(
 def _with_fewer_stalls(
     loops: _Loops, results: ReadOnly[int, MapResult], deadline: Deadline
 ) -> dict[int, MapResult]:
+    """Each loop with many stalls mapped again, and arrays placed anew for every mapping: one that
+    stalls where they are may be the best where they could be.
+    """
     better = dict(results)
     known = loops.known(better)
-    before = {index: loops.cost(index, _mapping(better[index]), known) for index in better}
-    least = _PAYS * sum(before.values())
+    first = before = loops.total(better, known)
+    least = _PAYS * first
     stalls = {index: loops.stalls(index, _mapping(better[index]), known) for index in better}
     for index in sorted(stalls, key=lambda index: -stalls[index]):
         if stalls[index] < least or deadline.passed:
             break
-        mapping = loops.mapped_again(index, better, known, deadline)
-        if mapping is None or loops.cost(index, mapping, known) > before[index] - least:
+        made = loops.mapped_again(index, better, known, deadline)
+        if made is None or made.cycles > before - least:
             continue
-        better[index] = replace(better[index], mapping=mapping)
-        known = loops.known(better)
-    after = sum(loops.cost(index, _mapping(better[index]), known) for index in better)
-    return better if after < sum(before.values()) else dict(results)
+        better[index] = replace(better[index], mapping=made.mapping)
+        known, before = made.known, made.cycles
+    return better if before < first else dict(results)
 
 
 def _with_shorter_iterations(
@@ -121,6 +123,15 @@ def _with_shorter_iterations(
             better[index], mapping=loops.mapped_shorter(index, better, known, deadline)
         )
     return better
+
+
+@dataclass(frozen=True, slots=True)
+class _Again:
+    """Another mapping of a loop, where arrays are best placed then, and all loops' cycles so."""
+
+    mapping: Mapping
+    known: Words
+    cycles: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +161,10 @@ class _Loops:
         filled = self.runs.entries[index] * self.span(index, mapping)
         steady = self.runs.iterations[index] * mapping.ii
         return filled + steady + self.stalls(index, mapping, known)
+
+    def total(self, results: ReadOnly[int, MapResult], known: Words) -> float:
+        """Expected cycles of a run in all loops."""
+        return sum(self.cost(index, _mapping(result), known) for index, result in results.items())
 
     def span(self, index: int, mapping: Mapping) -> int:
         """Cycles of an iteration."""
@@ -196,19 +211,25 @@ class _Loops:
 
     def mapped_again(
         self, index: int, results: ReadOnly[int, MapResult], known: Words, deadline: Deadline
-    ) -> Mapping | None:
+    ) -> _Again | None:
         """The least costly of some mappings of a loop at its II; None: there is none."""
         old, problem = _mapping(results[index]), self.problem(index, results)
         meetings = self.traffic(index, old).meetings(known)
-        enough = self.cost(index, old, known) - (1.0 - _ENOUGH) * self.stalls(index, old, known)
-        found: list[Mapping] = []
+        stalls = self.stalls(index, old, known)
+        enough = self.total(results, known) - (1.0 - _ENOUGH) * stalls
+        best: _Again | None = None
         for seed in _SEEDS:
-            if deadline.passed or (found and self.cost(index, found[-1], known) <= enough):
+            if deadline.passed or (best is not None and best.cycles <= enough):
                 break
             made = self._negotiated(problem, old, seed, deadline, _EFFORT, meetings)
-            if made is not None:
-                found.append(made)
-        return min(found, key=lambda made: self.cost(index, made, known), default=None)
+            if made is None:
+                continue
+            changed = {**results, index: replace(results[index], mapping=made)}
+            placed = self.known(changed)
+            cycles = self.total(changed, placed)
+            if best is None or cycles < best.cycles:
+                best = _Again(made, placed, cycles)
+        return best
 
     def _negotiated(
         self,
