@@ -347,8 +347,7 @@ class _Chooser(Draft):
         """Gives a static-control part loops that were found before."""
         base = self.now
         trips = expected_trips(base.state.function, base.state.hints)
-        shares = self.estimator.options.reassociate
-        state = with_tree(base.state, header, form.order, form.tree, trips, shares=shares)
+        state = with_tree(base.state, header, form.order, form.tree, trips)
         if isinstance(state, State):
             estimate = self.estimator.estimate(state.function, state.hints)
             candidate = Candidate("restructuring", header, form.factor)

@@ -121,7 +121,6 @@ def with_loops(
     masks: bool = False,
     rows: Mapping[str, Rows] | None = None,
     carries: bool = True,
-    shares: bool = False,
 ) -> Regenerated | Refusal:
     """The state with these loops for the part.
 
@@ -135,10 +134,8 @@ def with_loops(
         Of arrays that have some.
     carries
         Whether registers carry elements from one iteration to the next.
-    shares
-        Whether what several iterations load under different guards is loaded once.
     """
-    made = generate(scop, loops, masks=masks, rows=rows, carries=carries, shares=shares)
+    made = generate(scop, loops, masks=masks, rows=rows, carries=carries, shares=True)
     if isinstance(made, Refusal):
         return made
     function = tidy(made.function)
@@ -170,16 +167,10 @@ def written_orders(scop: Scop) -> list[Scop]:
 
 
 def with_tree(
-    state: State,
-    header: str,
-    order: int,
-    tree: Loop,
-    trips: Mapping[str, float],
-    *,
-    shares: bool = False,
+    state: State, header: str, order: int, tree: Loop, trips: Mapping[str, float]
 ) -> State | Refusal:
     """The state with the loops of a tree for the part at `header`, in one of its `written_orders`,
-    if they keep its order; `shares` as of `with_loops`.
+    if they keep its order.
     """
     scop = static_part(state, header)
     if isinstance(scop, Refusal):
@@ -187,12 +178,10 @@ def with_tree(
     orders = written_orders(scop)
     if order >= len(orders):
         return Refusal("its sums are elsewhere now")
-    return _with_tree(state, orders[order], tree, trips, shares=shares)
+    return _with_tree(state, orders[order], tree, trips)
 
 
-def _with_tree(
-    state: State, scop: Scop, tree: Loop, trips: Mapping[str, float], *, shares: bool = False
-) -> State | Refusal:
+def _with_tree(state: State, scop: Scop, tree: Loop, trips: Mapping[str, float]) -> State | Refusal:
     relations = Relations(scop)
     if not is_legal(tree, relations):
         return Refusal(_what_depends(relations, tree))
@@ -200,8 +189,7 @@ def _with_tree(
     if isinstance(loops, Refusal):
         return loops
     lengths = expected_lengths(scop, trips)
-    masks, rows = has_masks(tree), rows_of(tree)
-    made = with_loops(state, scop, loops, lengths, masks=masks, rows=rows, shares=shares)
+    made = with_loops(state, scop, loops, lengths, masks=has_masks(tree), rows=rows_of(tree))
     return made if isinstance(made, Refusal) else made.state
 
 

@@ -422,7 +422,6 @@ class _Climb:
             masks=has_masks(tree),
             rows=rows_of(tree),
             carries=carries,
-            shares=self.estimator.options.reassociate,
         )
         if isinstance(made, Refusal):
             return None
