@@ -33,6 +33,7 @@ from benchmarks import (
     render_kernels,
     simd,
     splats,
+    stages,
     start,
 )
 from benchmarks.polybench import table as polybench
@@ -110,9 +111,10 @@ PRECISION = "precision"
 FORMATS = "formats"
 LARGE = "large"
 START = "start"
+STAGES = "stages"
 SPLATS = "splats"
 DEFAULT = (*TABLES, ENGINES, FRAMES, QUALITY, FORMATS, GEMM, SIMD, PRECISION)
-CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, START)
+CHOICES = (*DEFAULT, LARGE, SPLATS, PAPER, MAPPERS, POLYBENCH, START, STAGES)
 """What is not made by default takes long: it is made by name."""
 MODULES = {
     ENGINES: engines,
@@ -123,12 +125,14 @@ MODULES = {
     LARGE: large,
     SPLATS: splats,
     START: start,
+    STAGES: stages,
 }
 ROWS: dict[str, Callable[[str, float], Iterator[str]]] = {
     ENGINES: engines.rows,
     FRAMES: lambda fabric, _: frames.rows(fabric),
     LARGE: lambda *_: large.rows(),
     START: start.rows,
+    STAGES: stages.rows,
     SPLATS: lambda fabric, _: splats.rows(fabric),
     QUALITY: lambda *_: quality.rows(),
     FORMATS: lambda *_: formats.rows(),
@@ -140,6 +144,7 @@ PLACES = {
     FORMATS: ("any fabric",),
     LARGE: ("vivid",),
     START: ("vivid-tile",),
+    STAGES: ("vivid",),
     SPLATS: ("vivid",),
 }
 """Where tables are made that `--fabric` has no say in."""
