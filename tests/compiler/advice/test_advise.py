@@ -320,7 +320,7 @@ def _advice(kernel: Any, given: dict[str, Any]) -> tuple[Hint, ...]:
     return _ADVICE[key]
 
 
-@pytest.mark.parametrize("name", with_slow(CASES, {"tiles"}))
+@pytest.mark.parametrize("name", with_slow(CASES, {"tiles", "restructure"}))
 def test_following_it_saves_cycles(name: str) -> None:
     case = CASES[name]
     hint, *_ = _of(_advice(case.kernel, case.given), case)

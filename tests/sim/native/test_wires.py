@@ -41,7 +41,7 @@ def mix(x, y, n):
 def _program(name: str, fabric: str) -> Program:
     # Negotiation would do without several links a cycle; the solver takes them.
     kernel = {"matrix_vector": matrix_vector, "mix": mix}[name]
-    return vividc.compile(kernel, fabric=fabric, mapper="cpsat", time_limit_s=20)
+    return vividc.compile(kernel, fabric=fabric, mapper="cpsat", time_limit_s=20, effort="fast")
 
 
 def _arguments(name: str) -> tuple[object, ...]:
