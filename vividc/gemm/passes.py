@@ -12,7 +12,7 @@ from vividc.arch import Accelerator, TileGroup
 from vividc.errors import ArchError
 from vividc.gemm.chain import Chain, Link
 from vividc.gemm.modes import FABRICS, LayerShape, Mode, check_mode, check_sizes, padded
-from vividc.gemm.systolic import Form, Precision, SystolicArray, SystolicError
+from vividc.gemm.systolic import STREAMS, Form, Precision, SystolicArray, SystolicError
 from vividc.program import WORD_BYTES
 
 _FEWEST_BLOCKS = 4
@@ -51,6 +51,8 @@ class Layout:
         Cycles that DRAM's channel is busy, about.
     configured
         Cycles of the configuration stream.
+    stalled
+        Cycles that an array waits while transfers have its banks, if all of them pass during runs.
     """
 
     mode: Mode
@@ -59,6 +61,7 @@ class Layout:
     compute: int
     moved: int
     configured: int
+    stalled: int
 
     @property
     def cycles(self) -> int:
@@ -66,7 +69,8 @@ class Layout:
         runs behind transfers.
         """
         hides = self.passes[0].chain.parts > 1
-        spent = max(self.compute, self.moved) if hides else self.compute + self.moved
+        hidden = max(self.compute + self.stalled, self.moved)
+        spent = hidden if hides else self.compute + self.moved
         return spent + self.configured
 
     @property
@@ -248,4 +252,6 @@ def _costs(
         entries += arrays * len(chain.array.fabric.pes) * chain.contexts
     moved = words * WORD_BYTES // accelerator.dram.bytes_per_cycle
     configured = entries // accelerator.configuration.entries_per_cycle
-    return Layout(mode, rows, passes, compute, moved, configured)
+    line = WORD_BYTES * passes[0].chain.array.fabric.scratchpad.banks // STREAMS
+    stalled = words * WORD_BYTES // (arrays * line)
+    return Layout(mode, rows, passes, compute, moved, configured, stalled)

@@ -74,7 +74,13 @@ class HashEncoding:
         """
         most, room = self._sizes(device)
         pairs = [*enumerate(self.pairs)]
-        work = [(pair, part) for part in Part(points, 0).cut(most) for pair in pairs]
+        parts = [*enumerate(Part(points, 0).cut(most))]
+        # Fine levels take most rows: tiles are not to ask for them all at the same time.
+        work = [
+            (pairs[(at + turn) % len(pairs)], part)
+            for turn, part in parts
+            for at in _order(len(pairs))
+        ]
 
         def launch(pair: tuple[int, tuple[_Level, _Level]], part: Part) -> Launch:
             return self._launch(*pair, part, room, out)
@@ -132,6 +138,11 @@ class HashEncoding:
                 "room": room,
             },
         )
+
+
+def _order(count: int) -> list[int]:
+    """Return 0, the last, 1, the last but one, ...: coarse and fine in turn."""
+    return [number // 2 if number % 2 == 0 else count - 1 - number // 2 for number in range(count)]
 
 
 def hash_encoding(model: InstantNGP, scale: np.float32 | None) -> HashEncoding:
