@@ -17,7 +17,7 @@ from vividc.paper.reproduce import DATA, PAGE, ROWS
 from vividc.paper.scenes import METHODS, Scenes
 from vividc.render import SceneError
 
-FRAMES = ("fig1b", "table2", "fig7ab", "fig7c", "table3")
+FRAMES = ("fig1b", "table2", "fig7ab", "fig7c", "weights", "table3")
 RATE = {"kilonerf": 20.0, "instant-ngp": 8.0, "tensorf": 40.0, "3dgs": 179.0}
 
 

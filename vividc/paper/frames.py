@@ -52,7 +52,7 @@ class Key:
     `view` is the number of the photograph, or of the camera around a scene without any;
     `ALL_VIEWS`: the mean over all photographs, of the reference. `sample` is the share of the
     blocks of pixels; `fabric` an accelerator's name, or its YAML
-    (and before it, with `---` between them, its tile's).
+    (and before it, with `---` between them, its tile's); `weight_min` as in `ArrayOptions`.
     """
 
     scene: str
@@ -65,6 +65,7 @@ class Key:
     precision: RenderPrecision = "fp32"
     mode: NetworkMode = "auto"
     fabric: str = "vivid"
+    weight_min: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,7 @@ def measure_frame(key: Key, scenes: Scenes, folder: str) -> Row:
         lookahead=key.lookahead,
         precision=key.precision,
         mode=key.mode,
+        weight_min=key.weight_min,
     )
     try:
         frame, seconds = timed(scene, camera, options)

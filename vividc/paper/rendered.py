@@ -37,6 +37,8 @@ GROUPS: Final = {
     "basis": "networks",
 }
 """The paper's parts of a frame that stages belong to."""
+WEIGHTS: Final = (3e-3, 1e-2)
+"""Least weights of a colour (`ArrayOptions.weight_min`)."""
 _MEMORY: Final = (16, 32, 64, 102)
 """DRAM in GB a second."""
 _SCRATCHPADS: Final = (32, 64)
@@ -85,6 +87,11 @@ class Frames:
         one = replace(self.key(method, step, self.quality_side), sample=sample)
         views = self.scenes.chosen_views(MIC, self.quality_side)
         return [replace(one, view=view) for view in views]
+
+    def lighter(self, method: str, weight: float) -> list[Key]:
+        """Return the last step's frame without colours of little weight, and those of Table 2."""
+        frames = (self.key(method, LAST), *self.quality(method, LAST))
+        return [replace(frame, weight_min=weight) for frame in frames]
 
     def on(self, method: str, fabric: str) -> Key:
         """Return the last step's frame on another accelerator."""
@@ -196,6 +203,35 @@ def figure_7(frames: Frames, rows: Rows) -> Exhibit:
             "Ours: culling and FP8, `mic`; energy by the tables of docs/energy.md, DRAM included.",
             "Theirs on scenes of their own publications: a platform's scenes move its pixels a "
             "second by several times (docs/rendering.md has ours of two scenes).",
+        ],
+    )
+
+
+def weights_keys(frames: Frames) -> list[Key]:
+    keys = [key for m in METHODS if m != GAUSSIANS for w in WEIGHTS for key in frames.lighter(m, w)]
+    return [*keys, *(key for m in METHODS if m != GAUSSIANS for key in frames.quality(m, LAST))]
+
+
+def weights(frames: Frames, rows: Rows) -> Exhibit:
+    """Not in the paper: frames a second where colours of little weight are left out."""
+    lines = []
+    for method in METHODS:
+        if method == GAUSSIANS:
+            continue
+        for weight in WEIGHTS:
+            first, *views = frames.lighter(method, weight)
+            before = _mean(rows, frames.quality(method, LAST), "psnr_truth")
+            after = _mean(rows, views, "psnr_truth")
+            loss = "" if before is None or after is None else f", {before - after:.2f} dB less"
+            what = f"{method}, weights above {weight:g}: frames a second{loss}"
+            lines.append(_at_least(what, _rate(rows.get(first))))
+    return Exhibit(
+        "weights",
+        "A threshold of weights (not in the paper)",
+        lines,
+        assumptions=[
+            "`--weight-min`: a sample's colour is not computed if it would count for less; losses "
+            "are of the views of Table 2, with photographs."
         ],
     )
 

@@ -54,6 +54,7 @@ _RECIPES: Final = {
     "fig6": _no_frames(machine.figure_6, 1),
     "fig7ab": Recipe(rendered.figure_7_keys, rendered.figure_7),
     "fig7c": Recipe(rendered.figure_7c_keys, rendered.figure_7c),
+    "weights": Recipe(rendered.weights_keys, rendered.weights),
     "table3": Recipe(rendered.table_3_keys, rendered.table_3),
     "fig8a": _no_frames(machine.figure_8a, 2),
     "fig8b": _no_frames(machine.figure_8b, 90),
