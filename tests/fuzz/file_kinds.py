@@ -9,7 +9,7 @@ import shutil
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
@@ -23,6 +23,8 @@ from tests.mapper.graphs import accumulator
 from vividc import dfg, program
 from vividc.cli import main
 from vividc.host import cache, compiled_files, machine_code
+from vividc.paper.frames import Key, Row, measured
+from vividc.paper.scenes import Scenes
 from vividc.program import kept
 from vividc.render import load_cameras, load_reference_images
 
@@ -406,6 +408,9 @@ def _of_entries(home: Path) -> Iterator[Kind]:
         call=_read_record,
         share=3,
     )
+    row = Row(Key("mic", "3dgs", 200, 0), "done", 179.0, {"blend": 5e6}, energy_mj=2.0)
+    line = json.dumps({"made_by": "", **asdict(row)}).encode() + b"\n"
+    yield Kind("kept frames", "text", "frames.jsonl", 2 * line, call=_read_frames)
 
 
 @machine_code.Compiler()
@@ -447,6 +452,10 @@ def _read_stage(_: Path) -> object:
 def _read_resigned(path: Path) -> object:
     cache.write("stage", "resigned", zlib.compress(path.read_bytes(), 1))
     return kept.read_program("stage", "resigned")
+
+
+def _read_frames(path: Path) -> object:
+    return next(iter(measured([], Scenes(()), path)))
 
 
 def _read_record(path: Path) -> object:

@@ -38,6 +38,8 @@ READERS: Final[dict[str, tuple[str, ...]]] = {
     "program/kept.py": (OWN,),
     "host/machine_code/unit.py": (OWN,),
     "host/npz.py": ("arguments", "scene: means"),
+    "paper/frames.py": ("kept frames",),
+    "paper/reproduce.py": (OWN,),
     "program/bundle.py": ("program", "program to disassemble"),
     "program/encoder/encode.py": ("kernel",),
     "render/archive.py": ("scene: table", "scene: net_index", "scene: density_plane_0"),

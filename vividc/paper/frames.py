@@ -20,11 +20,13 @@ from statistics import mean
 from typing import Any, Final, Literal
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from vividc import arch
 from vividc.arch import Accelerator
 from vividc.arch.cost.tables import DEFAULT_TABLE, load_costs
 from vividc.errors import VividcError
+from vividc.host.inputs import GRAPH_BYTES, read_bytes
 from vividc.launch.cost import work_of_job
 from vividc.paper.scenes import Scenes, compare
 from vividc.render import Camera, Scene, psnr, read_scene, read_views, render_reference, ssim
@@ -114,6 +116,7 @@ class Row:
         return self.status == "done"
 
 
+_ROW: Final = TypeAdapter(Row)
 Measure = Callable[[Key, Scenes, str], Row]
 Rows = Mapping[Key, Row]
 
@@ -155,13 +158,14 @@ def _read(kept: Path | None, made_by: str) -> dict[Key, Row]:
     if kept is None or not kept.exists():
         return {}
     rows = {}
-    for line in kept.read_text(encoding="utf-8", errors="replace").splitlines():
+    text = read_bytes(kept, GRAPH_BYTES, hint="remove it: its frames are measured again")
+    for line in text.splitlines():
         try:
             found: dict[str, Any] = json.loads(line)
             if found.pop("made_by", "") == made_by:
-                row = Row(key=Key(**found.pop("key")), **found)
+                row = _ROW.validate_python(found)
                 rows[row.key] = row
-        except (ValueError, TypeError, KeyError, AttributeError):
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
             continue
     return rows
 

@@ -49,7 +49,7 @@ def test_what_they_compute_is_as_near_as_sums_in_order() -> None:
 
 def test_reassociated_loops_of_few_operations_may_fill_more_slots() -> None:
     def largest(operations: int, reassociate: bool) -> int:
-        loop = RegionCost("b", "loop", Shape(20, 20, operations), 1.0, 16.0)
+        loop = RegionCost("b", "loop", Shape(18, 20, operations), 1.0, 16.0)
         estimator = Estimator(MACHINE, PassOptions(reassociate=reassociate))
         return estimator.largest_loop(Estimate(320.0, (loop,)))
 

@@ -95,6 +95,7 @@ def rendered(
     return image, ledger
 
 
+@pytest.mark.slow  # kernels by numba, in the fast run, are test_march_kernels
 def test_the_picture_is_the_references_with_and_without_lookahead(
     device: Device, model: KiloNeRF, camera: Camera
 ) -> None:
