@@ -12,9 +12,9 @@ from click.testing import CliRunner
 from vividc.cli import main
 from vividc.errors import VividcError
 from vividc.paper import EXHIBITS, reproduce
-from vividc.paper.frames import Key, Row
+from vividc.paper.frames import ALL_VIEWS, Key, Row, in_child
 from vividc.paper.reproduce import DATA, PAGE, ROWS
-from vividc.paper.scenes import METHODS, Scenes
+from vividc.paper.scenes import CHECKOUT, METHODS, Scenes
 from vividc.render import SceneError
 
 FRAMES = ("fig1b", "table2", "fig7ab", "fig7c", "weights", "table3")
@@ -166,3 +166,12 @@ def test_modes_and_reconfiguration(tmp_path: Path) -> None:
     nearest = next(line for line in modes.lines if line.what == "the nearest width")
     assert nearest.verdict == "reproduced"
     assert set(EXHIBITS) >= {"eq45", "fig8a"}
+
+
+def test_a_frame_is_measured_in_a_process_of_its_own(tmp_path: Path) -> None:
+    """Of a scene that is not there: the process fails, and the row says so."""
+    nowhere = Scenes((tmp_path,))
+    row = in_child(Key("mic", "3dgs", 8, 0), nowhere, str(tmp_path))
+    assert row.status == "the process that rendered it died"
+    whole = in_child(Key("mic", "3dgs", 8, ALL_VIEWS), Scenes((CHECKOUT,)), str(tmp_path))
+    assert whole.status == "no photographs of this size"

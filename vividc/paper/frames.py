@@ -5,15 +5,14 @@ interrupted goes on where it stopped.
 from __future__ import annotations
 
 import json
-import multiprocessing
 import os
 import resource
+import subprocess
+import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import mean
@@ -181,12 +180,22 @@ def _append(kept: Path, row: dict[str, object]) -> None:
 
 def in_child(key: Key, scenes: Scenes, folder: str) -> Row:
     """Measure a frame in a process of its own, whose end costs this one nothing."""
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(1, mp_context=spawn) as pool:
-        try:
-            return pool.submit(measure_frame, key, scenes, folder).result()
-        except BrokenProcessPool:
-            return Row(key, "the process that rendered it died")
+    asked = {
+        "key": asdict(key),
+        "scenes": [str(path) for path in scenes.folders],
+        "folder": folder,
+    }
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    made = subprocess.run(
+        [sys.executable, "-P", "-m", "vividc.paper.child"],
+        input=json.dumps(asked).encode(),
+        stdout=subprocess.PIPE,
+        env=environment,
+        check=False,
+    )
+    if made.returncode:
+        return Row(key, "the process that rendered it died")
+    return _ROW.validate_json(made.stdout)
 
 
 def measure_frame(key: Key, scenes: Scenes, folder: str) -> Row:
