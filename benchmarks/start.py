@@ -26,7 +26,7 @@ _KERNELS: Final = (
     "kernels/dot.py",
     "kernels/fir.py",
     "kernels/gs_blend.py",
-    "kernels/render/hash_grid.py:hash_level",
+    "kernels/render/encodings.py:hash_level",
     "kernels/general/linear_algebra.py:gemm",
     "kernels/general/searching.py:shell_sort",
 )
