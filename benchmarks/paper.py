@@ -9,14 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from statistics import mean
 from typing import Final
 
 from benchmarks.quality import SHARED
 from vividc.host.files import write_whole
 from vividc.host.plot import to_svg
 from vividc.paper import bars
-from vividc.paper.frames import ALL_VIEWS, Key, Measure, Row, measured
+from vividc.paper.exhibit import decibel, shown, tenths
+from vividc.paper.frames import ALL_VIEWS, Key, Measure, Row, mean_of, measured
 from vividc.paper.rendered import STEPS, WITH_MODES
 from vividc.paper.scenes import CHECKOUT, GAUSSIANS, METHODS, MIC, Scenes
 
@@ -150,15 +150,18 @@ def _table_2(keys: Sequence[Key], rows: Mapping[Key, Row]) -> Iterator[str]:
             for name, step in _TABLE_2.items()
         }
         array, fp8 = by_step["array"], by_step["FP8"]
-        truths = [_mean(found, "psnr_truth") for found in by_step.values()]
+        truths = [mean_of(found, "psnr_truth") for found in by_step.values()]
         cells = (
             *(scene, method, f"{size}x{size}"),
-            *(_decibel(_mean([whole], "psnr_truth")), _ratio(_mean([whole], "ssim_truth"))),
+            *(
+                decibel(mean_of([whole], "psnr_truth")),
+                shown(mean_of([whole], "ssim_truth"), ".4f"),
+            ),
             *(len(views), f"{_key(scene, method, size, 0, 'FP8').sample:g}"),
-            *(_decibel(_mean(array, "host_psnr_truth")), *map(_decibel, truths)),
-            _decibel(_difference(_mean(array, "host_psnr_truth"), truths[-1])),
-            *(_ratio(_mean(found, "ssim_truth")) for found in (array, fp8)),
-            *(_decibel(_mean(found, "psnr_reference")) for found in by_step.values()),
+            *(decibel(mean_of(array, "host_psnr_truth")), *map(decibel, truths)),
+            decibel(_difference(mean_of(array, "host_psnr_truth"), truths[-1])),
+            *(shown(mean_of(found, "ssim_truth"), ".4f") for found in (array, fp8)),
+            *(decibel(mean_of(found, "psnr_reference")) for found in by_step.values()),
         )
         yield f"| {' | '.join(map(str, cells))} |"
 
@@ -216,8 +219,8 @@ def _whole_frames(methods: Sequence[str], size: int, rows: Mapping[Key, Row]) ->
         if row is not None and row.is_done:
             cells = (
                 *(key.method, key.precision, f"{sum(row.stages.values()):,.0f}"),
-                *(_decibel(row.frames_per_second), _decibel(row.psnr_reference)),
-                *(_ratio(row.ssim_reference), f"{row.energy_mj:.1f}"),
+                *(decibel(row.frames_per_second), decibel(row.psnr_reference)),
+                *(shown(row.ssim_reference, ".4f"), f"{row.energy_mj:.1f}"),
                 *(row.seconds, f"{row.peak_mb:,.0f}", row.load),
             )
             yield f"| {' | '.join(map(str, cells))} |"
@@ -236,10 +239,10 @@ def _frame_line(method: str, step: str, row: Row) -> str:
     exp = row.exp_share if row.key.precision == "fp32" else None
     energy = None if row.energy_mj is None else row.energy_mj / row.key.sample
     cells = (
-        *(method, f"{row.key.sample:g}", step, _tenths(row.frames_per_second)),
+        *(method, f"{row.key.sample:g}", step, tenths(row.frames_per_second)),
         ", ".join(f"{name} {share:.0%}" for share, name in shares if share >= _SHOWN),
-        *(_percent(row.avoided.get(name)) for name in ("colour_path", "exponentials")),
-        *(_percent(exp), _tenths(energy)),
+        *(shown(row.avoided.get(name), ".1%") for name in ("colour_path", "exponentials")),
+        *(shown(exp, ".1%"), tenths(energy)),
         *(row.seconds, f"{row.peak_mb:,.0f}", row.load),
     )
     return f"| {' | '.join(map(str, cells))} |"
@@ -260,10 +263,10 @@ def _contributions(size: int, steps: Mapping[str, Mapping[str, Row | None]]) -> 
         factors = _factors(rates)
         whole = _factors((rates[0], rates[-1]))
         cells = (
-            *(method, _decibel(rates[0])),
+            *(method, decibel(rates[0])),
             *(_factor(factor, factors) for factor in factors),
             *("-" if one is None else f"{one:.2f}x" for one in whole),
-            _decibel(rates[-1]),
+            decibel(rates[-1]),
         )
         yield f"| {' | '.join(map(str, cells))} |"
 
@@ -305,28 +308,5 @@ def _bars_of_steps(steps: Mapping[str, Mapping[str, Row | None]]) -> dict[str, d
     return found
 
 
-def _mean(rows: Sequence[Row | None], name: str) -> float | None:
-    """Return the mean of a figure over views; None where it is missing for one of them."""
-    values = [None if row is None else getattr(row, name) for row in rows]
-    known = [value for value in values if value is not None]
-    return mean(known) if known and len(known) == len(values) else None
-
-
 def _difference(before: float | None, after: float | None) -> float | None:
     return None if before is None or after is None else before - after
-
-
-def _tenths(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1f}"
-
-
-def _decibel(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
-
-
-def _ratio(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4f}"
-
-
-def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1%}"

@@ -17,7 +17,6 @@ NOTES: Final = """\
 Each command runs in a process of its own. Cold: caches of vividc and numba are empty, and nothing
 else has run there; warm: once more after it. Bytecode is written at installation. `cpu`: seconds
 of user CPU of the process and its children, which an idle machine spreads over its cores.
-`make demo` and `pip install` in a fresh clone are timed by hand: docs/getting-started.md.
 """.splitlines()
 HEADER: Final = "| command | cold s | cold cpu s | warm s | warm cpu s |\n|---|---|---|---|---|"
 _ROOT: Final = Path(__file__).resolve().parents[1]

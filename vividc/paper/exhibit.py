@@ -88,6 +88,21 @@ def judged(
     return Line(what, ours, theirs, unit, "different", because)
 
 
+def shown(value: float | None, form: str) -> str:
+    """A figure of a table, in one of Python's formats; "-": there is none."""
+    return "-" if value is None else format(value, form)
+
+
+def tenths(value: float | None) -> str:
+    """A figure with one decimal."""
+    return shown(value, ".1f")
+
+
+def decibel(value: float | None) -> str:
+    """A figure with two decimals."""
+    return shown(value, ".2f")
+
+
 def missing(what: str, theirs: Theirs, unit: str, because: str) -> Line:
     """Return a line of a figure that nothing here can give."""
     return Line(what, None, theirs, unit, "not reproducible here", because)

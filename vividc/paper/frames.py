@@ -178,6 +178,13 @@ def _append(kept: Path, row: dict[str, object]) -> None:
         file.write(json.dumps(row).encode() + b"\n")
 
 
+def mean_of(rows: Sequence[Row | None], name: str) -> float | None:
+    """Return the mean of a figure over views; None where it is missing for one of them."""
+    values = [None if row is None else getattr(row, name) for row in rows]
+    known = [value for value in values if value is not None]
+    return mean(known) if known and len(known) == len(values) else None
+
+
 def in_child(key: Key, scenes: Scenes, folder: str) -> Row:
     """Measure a frame in a process of its own, whose end costs this one nothing."""
     asked = {

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
 from vividc.paper import bars, published
-from vividc.paper.exhibit import Exhibit, Line, Table, judged, missing
-from vividc.paper.frames import Key, Row, Rows
+from vividc.paper.exhibit import (
+    Exhibit,
+    Line,
+    Table,
+    decibel,
+    judged,
+    missing,
+    shown,
+    tenths,
+)
+from vividc.paper.frames import Key, Row, Rows, mean_of
 from vividc.paper.published import METHODS
 from vividc.paper.scenes import GAUSSIANS, MIC, Scenes
 from vividc.render.array import NetworkMode, RenderPrecision
@@ -148,7 +156,7 @@ def table_2(frames: Frames, rows: Rows) -> Exhibit:
         (
             method,
             *(
-                _decibel(_mean(rows, frames.quality(method, s), "psnr_reference"))
+                decibel(_mean(rows, frames.quality(method, s), "psnr_reference"))
                 for s in ("partitioned mode", LAST)
             ),
         )
@@ -185,9 +193,9 @@ def figure_7(frames: Frames, rows: Rows) -> Exhibit:
         (
             p.name,
             p.renders,
-            _number(p.process_nm),
+            shown(p.process_nm, "g"),
             _mega(p.pixels_per_second),
-            _number(p.watts),
+            shown(p.watts, "g"),
             _mega(p.pixels_per_joule),
             p.source,
         )
@@ -303,7 +311,7 @@ def table_3(frames: Frames, rows: Rows) -> Exhibit:
             what = f"{method}: pixels a second at {size} over 800x800"
             lines.append(_unmeasured(judged(what, ours, round(ratio, 2), "x", why)))
     machines = [
-        (name, *(_tenths(_rate(rows.get(frames.on(method, fabric)))) for method in METHODS))
+        (name, *(tenths(_rate(rows.get(frames.on(method, fabric)))) for method in METHODS))
         for name, fabric in _fabrics().items()
     ]
     return Exhibit(
@@ -352,11 +360,11 @@ def _at_least(what: str, rate: float | None) -> Line:
 
 
 def _step_table(frames: Frames, rows: Rows) -> Table:
-    shown = [
-        (method, *(_tenths(_rate(rows.get(frames.key(method, step)))) for step in STEPS))
+    rates = [
+        (method, *(tenths(_rate(rows.get(frames.key(method, step)))) for step in STEPS))
         for method in METHODS
     ]
-    return Table("Frames a second, each step added to those before", ("method", *STEPS), shown)
+    return Table("Frames a second, each step added to those before", ("method", *STEPS), rates)
 
 
 def _platform(frames: Frames, method: str, row: Row | None) -> tuple[str, ...]:
@@ -365,7 +373,7 @@ def _platform(frames: Frames, method: str, row: Row | None) -> tuple[str, ...]:
     energy = None if row is None or row.energy_mj is None else row.energy_mj / row.key.sample
     watts = None if energy is None or rate is None else energy * rate / 1e3
     a_joule = None if not watts or pixels is None else pixels / watts
-    cells = ("45", _mega(pixels), _tenths(watts), _mega(a_joule))
+    cells = ("45", _mega(pixels), tenths(watts), _mega(a_joule))
     return ("vividc", method, *cells, "this page")
 
 
@@ -381,26 +389,11 @@ def _unmeasured(line: Line) -> Line:
 
 
 def _mean(rows: Rows, keys: Sequence[Key], name: str) -> float | None:
-    """Return the mean of a figure over views; None where it is missing for one of them."""
-    values = [getattr(rows[key], name) if key in rows else None for key in keys]
-    known = [value for value in values if value is not None and math.isfinite(value)]
-    return sum(known) / len(known) if known and len(known) == len(values) else None
+    return mean_of([rows.get(key) for key in keys], name)
 
 
 def _rate(row: Row | None) -> float | None:
     return None if row is None else row.frames_per_second
-
-
-def _tenths(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1f}"
-
-
-def _decibel(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:g}"
 
 
 def _mega(value: float | None) -> str:

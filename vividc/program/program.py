@@ -130,13 +130,8 @@ class Program:
     def _repr_html_(self) -> str:
         rows = (
             (
-                region.name,
-                region.kind,
-                "" if region.loc is None else str(region.loc),
-                region.operations,
-                region.ii,
-                region.lower_bound,
-                region.status,
+                *(region.name, region.kind, "" if region.loc is None else str(region.loc)),
+                *(region.operations, region.ii, region.lower_bound, region.status),
                 f"{region.utilization:.0%}",
             )
             for region in self.regions
