@@ -28,6 +28,7 @@ def main(checkout: Path) -> None:
     saxpy(x, expected, 64)
     program = vividc.compile(saxpy, fabric="vivid-tile")
     result = vividc.simulate(program, x, y, 64)
+    vividc.view(program, "saxpy.html", (x, y, 64))  # needs the package's data
     np.testing.assert_array_equal(y, expected)
 
     program.save("saxpy.vivid")

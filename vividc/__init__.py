@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vividc.frontend.kernel import kernel
     from vividc.gemm.kernels.simulate import simulate
     from vividc.host.time_limit import patient
+    from vividc.page.write import view
     from vividc.program import Program, load
     from vividc.sim import Result
 
@@ -47,6 +48,7 @@ __all__ = [
     "patient",
     "program",
     "simulate",
+    "view",
 ]
 
 _ROOMS = ("arch", "dfg", "lang", "launch", "mapper", "program")
@@ -58,6 +60,7 @@ _HOMES = {
     "vividc.frontend": ("KernelFunction", "LLKernel", "kernel", "load_ll"),
     "vividc.gemm.kernels.simulate": ("simulate",),
     "vividc.host.time_limit": ("patient",),
+    "vividc.page.write": ("view",),
     "vividc.program": ("Program", "load"),
     "vividc.sim": ("Result",),
 }

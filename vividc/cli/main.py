@@ -44,6 +44,7 @@ _COMMANDS: Final = {
     "HTML page.",
     "simulate": "Run a program on the machine, cycle by cycle.",
     "verify": "Check a file that `vividc map -o` wrote: mapping, bounds and what they prove.",
+    "view": "Show a program, and a run of it, as one HTML page that works offline.",
 }
 """What lists of commands say of each, as its module does; that takes a second or more to load."""
 

@@ -65,6 +65,18 @@ def sizes(
     return known or None
 
 
+def window(
+    _ctx: click.Context, _param: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    """A first cycle and the one after the last, from FIRST:END; None: not given."""
+    if value is None:
+        return None
+    first, _, end = value.partition(":")
+    if not (first.isdecimal() and end.isdecimal()) or int(first) >= int(end):
+        raise click.BadParameter(f"{value!r} is not FIRST:END with FIRST below END, as 0:1000.")
+    return int(first), int(end)
+
+
 _SIZE = re.compile(r"(?P<name>[^=]+)=(?P<size>-?\d{1,20}|\d{1,9}(x\d{1,9})+)", re.ASCII)
 _NODES_NM = (7, 45)
 FILE = click.Path(path_type=Path, dir_okay=False)

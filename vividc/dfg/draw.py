@@ -120,7 +120,8 @@ def _middle(neighbours: Sequence[int], at: Mapping[int, float], own: float) -> f
     return mean(at[node] for node in neighbours) if neighbours else own
 
 
-def _label(node: Node) -> str:
+def label(node: Node) -> str:
+    """What stands in a node: its constant, its name, or its operation."""
     text = node.op.value
     if node.const is not None:
         text = f"{node.const:#x}" if node.const > _LARGE else str(node.const)
@@ -130,7 +131,7 @@ def _label(node: Node) -> str:
 
 
 def _width(node: Node) -> float:
-    return max(_LEAST_WIDTH, text_width(_label(node), _SIZE) + 10)
+    return max(_LEAST_WIDTH, text_width(label(node), _SIZE) + 10)
 
 
 def _node(node: Node, place: Place, width: float) -> Iterator[Shape]:
@@ -150,7 +151,7 @@ def _node(node: Node, place: Place, width: float) -> Iterator[Shape]:
         radius=9.0 if node.is_source else 2.0,
         title=title,
     )
-    yield Text(x, y, _label(node), size=_SIZE, anchor="middle")
+    yield Text(x, y, label(node), size=_SIZE, anchor="middle")
 
 
 def _edge(edge: Edge, places: Mapping[int, Place]) -> Iterator[Shape]:

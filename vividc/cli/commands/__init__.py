@@ -1,2 +1,2 @@
-"""One module a command: `compile`, `opt`, `simulate`, `map`, `verify`, `disasm`, `area`,
+"""One module a command: `compile`, `opt`, `simulate`, `map`, `verify`, `view`, `disasm`, `area`,
 `render`, `reproduce`, `list`."""

@@ -188,13 +188,6 @@ def view_options(command: Callable[..., _R]) -> Callable[..., _R]:
     return wrapper
 
 
-def _window(_ctx: click.Context, _param: click.Parameter, value: str) -> tuple[int, int]:
-    first, _, end = value.partition(":")
-    if not (first.isdecimal() and end.isdecimal()) or int(first) >= int(end):
-        raise click.BadParameter(f"{value!r} is not FIRST:END with FIRST below END, as 0:1000.")
-    return int(first), int(end)
-
-
 _OPTIONS: Final = (
     click.option("--energy", is_flag=True, help="Report energy, from a cost table with sources."),
     click.option(
@@ -225,7 +218,7 @@ _OPTIONS: Final = (
     click.option(
         "--window",
         default="0:2000",
-        callback=_window,
+        callback=options.window,
         metavar="FIRST:END",
         help="Cycles for --vcd and --plot, which run on the reference engine up to END.",
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
@@ -47,6 +47,11 @@ class Watch(Protocol):
             Iteration of stage 0; iterations from `limit` on are dead.
         state
             The words that PEs can read in this cycle (see `predecode.StateMap`).
+        """
+
+    def touch(self, words: Sequence[int]) -> None:
+        """Look at what the cycle that was seen last accesses: indices of words of the scratchpad,
+        one for each access.
         """
 
 
@@ -269,6 +274,8 @@ class RegionState:
             cell = address // WORD_BYTES
             memory[cell] = stored(memory[cell], word, address, width)
             touched.append(cell)
+        if self._tile.watch is not None:
+            self._tile.watch.touch(touched)
         if len(touched) > 1:
             self._stall(touched)
 

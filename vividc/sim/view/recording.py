@@ -44,6 +44,8 @@ class Recording:
     words
         int64 [samples, words of the tile]: what PEs could read, `NOTHING` where nothing was valid;
         in the order of `predecode.StateMap`: links, registers, output registers.
+    touched
+        Of each sample: the words of the scratchpad that were accessed, one for each access.
     spans
         Regions that ran to their end inside the window, or began before it.
     stopped
@@ -58,6 +60,7 @@ class Recording:
     slots: NDArray[np.int64]
     issued: tuple[tuple[Issued, ...], ...]
     words: NDArray[np.int64]
+    touched: tuple[tuple[int, ...], ...]
     spans: tuple[RegionSpan, ...]
     stopped: str | None = None
 
@@ -138,12 +141,13 @@ class _Watch:
         self._samples: list[tuple[int, int, int]] = []
         self._issued: list[tuple[Issued, ...]] = []
         self._words: list[list[int]] = []
+        self._touched: list[tuple[int, ...]] = []
         self.last = -1
 
     def see(
         self, cycle: int, region: RegionCode, slot: Slot, newest: int, limit: int, state: State
     ) -> None:
-        """See `region_run.Watch`."""
+        """See `region.Watch`."""
         self.last = cycle
         if not self._first <= cycle < self._end:
             return
@@ -159,7 +163,13 @@ class _Watch:
                 if 0 <= newest - op.stage < limit
             )
         )
+        self._touched.append(())
         self._words.append([NOTHING if word is None else word for word in state[: self._kept]])
+
+    def touch(self, words: Sequence[int]) -> None:
+        """See `region.Watch`."""
+        if self._first <= self.last < self._end:
+            self._touched[-1] = tuple(words)
 
     def recording(self, end: int, spans: tuple[RegionSpan, ...], stopped: str | None) -> Recording:
         """All that was seen."""
@@ -174,6 +184,7 @@ class _Watch:
             slots=samples[:, 2],
             issued=tuple(self._issued),
             words=words,
+            touched=tuple(self._touched),
             spans=spans,
             stopped=stopped,
         )
