@@ -26,6 +26,7 @@ def test_chains_with_data_dependent_steps(name: str, threads: int) -> None:
         precision={"fma": name},
         loops=vividc.LoopOptions(auto=False, threads=threads),
         time_limit_s=5.0,
+        effort="fast",
     )
     for engine in ("native", "reference"):
         got = np.zeros_like(X)
@@ -36,7 +37,7 @@ def test_chains_with_data_dependent_steps(name: str, threads: int) -> None:
 @pytest.mark.parametrize("name", ["fp16", "fp8", "e5m2"])
 def test_a_sum_is_carried_in_the_format(name: str) -> None:
     x = np.random.default_rng(6).uniform(-2, 2, 40).astype(np.float32)
-    program = vividc.compile(inner, precision={"fma": name}, time_limit_s=5.0)
+    program = vividc.compile(inner, precision={"fma": name}, time_limit_s=5.0, effort="fast")
     assert vividc.simulate(program, x, x[::-1].copy()).value == inner_in(name)(x, x[::-1].copy())
 
 
@@ -55,6 +56,10 @@ def test_a_carried_number_is_not_converted_in_the_loop(name: str) -> None:
 def test_a_policy_that_changes_nothing_is_told() -> None:
     with pytest.warns(vividc.VividcWarning, match="inner has no exp"):
         program = vividc.compile(
-            inner, precision={"exp": "fp8"}, time_limit_s=3.0, loops=vividc.LoopOptions(auto=False)
+            inner,
+            precision={"exp": "fp8"},
+            time_limit_s=3.0,
+            loops=vividc.LoopOptions(auto=False),
+            effort="fast",
         )
     assert any("exp" in text for text in program.warnings)

@@ -73,7 +73,9 @@ KERNELS = (columns, in_place, sizes_in_arithmetic, by_rows_of_views, flat_and_no
 @cache
 def compiled(kernel: vividc.KernelFunction) -> Program:
     """The program, with pitches as they are chosen."""
-    return vividc.compile(kernel, loops=vividc.LoopOptions(auto=False), time_limit_s=60.0)
+    return vividc.compile(
+        kernel, loops=vividc.LoopOptions(auto=False), time_limit_s=60.0, effort="fast"
+    )
 
 
 def wishing(kernel: vividc.KernelFunction, pitch: int) -> Program:
@@ -116,7 +118,7 @@ def searching(a, b):
 
 def test_an_address_that_is_tested_is_of_rows_end_to_end() -> None:
     loops = vividc.LoopOptions(threads=4)
-    program = vividc.compile(searching, loops=loops, time_limit_s=60.0)
+    program = vividc.compile(searching, loops=loops, time_limit_s=60.0, effort="fast")
     assert "threads" in {t.kind for one in program.loops for t in one.transforms if t.chosen}
     program = replace(program, pitches=dict.fromkeys(program.pitches, 7))
     mine = [np.random.default_rng(0).integers(1, 99, (24, 24), dtype=np.int32) for _ in range(2)]

@@ -44,7 +44,10 @@ def test_threads_write_the_words_of_one(name: str) -> None:
     args = item.fresh()
     one, four = (
         vividc.compile(
-            item.kernel(), loops=vividc.LoopOptions(auto=False, threads=n), time_limit_s=20
+            item.kernel(),
+            loops=vividc.LoopOptions(auto=False, threads=n),
+            time_limit_s=20,
+            effort="fast",
         )
         for n in (1, 4)
     )
@@ -73,12 +76,14 @@ def test_threads_on_all_tiles() -> None:
 @pytest.mark.parametrize("threads", [0, 9, -1, True, 2.0, "4"])
 def test_a_wrong_number_of_threads_is_refused(threads: Any) -> None:
     with pytest.raises(ArgumentError, match="threads cannot be"):
-        vividc.compile(_threads_module().fir_outputs, loops=vividc.LoopOptions(threads=threads))
+        vividc.compile(
+            _threads_module().fir_outputs, loops=vividc.LoopOptions(threads=threads), effort="fast"
+        )
 
 
 def test_threads_need_a_parallel_loop() -> None:
     from_file = Workload("saxpy", lambda rng: ()).kernel()
     with pytest.raises(KernelError, match="no loop over prange") as caught:
-        vividc.compile(from_file, loops=vividc.LoopOptions(threads=4))
+        vividc.compile(from_file, loops=vividc.LoopOptions(threads=4), effort="fast")
     assert caught.value.loc is not None
     assert caught.value.loc.file.endswith("saxpy.py")

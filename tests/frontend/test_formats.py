@@ -44,7 +44,9 @@ def test_plain_python_numba_and_the_array_agree(fmt: str) -> None:
     kernel.py_func(a, b, plain, n)
     kernel(a, b, host, n)
     assert np.array_equal(plain, host)
-    program = vividc.compile(kernel, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0)
+    program = vividc.compile(
+        kernel, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0, effort="fast"
+    )
     vividc.simulate(program, a, b, array, n)
     assert np.array_equal(host, array)
 
@@ -75,7 +77,9 @@ def test_casts_round_once(fmt: str) -> None:
     kernel = rounded(fmt)
     host, array = np.zeros_like(x), np.zeros_like(x)
     kernel(x, host, len(x))
-    program = vividc.compile(kernel, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0)
+    program = vividc.compile(
+        kernel, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0, effort="fast"
+    )
     vividc.simulate(program, x, array, len(x))
     for got in (host, array):
         assert np.array_equal(got, wanted, equal_nan=True)
@@ -96,7 +100,9 @@ def test_words_of_lanes_are_packed_and_multiplied(fmt: str) -> None:
     rounded_x = to_floats(FORMATS[fmt], wanted.view(lane_type)).reshape(24, lanes)
     larger = np.fmax(rounded_x[:-1], rounded_x[1:]).ravel()
     results = []
-    program = vividc.compile(on_words(fmt), loops=vividc.LoopOptions(auto=False), time_limit_s=10.0)
+    program = vividc.compile(
+        on_words(fmt), loops=vividc.LoopOptions(auto=False), time_limit_s=10.0, effort="fast"
+    )
     for run in (on_words(fmt).py_func, on_words(fmt), lambda *a: vividc.simulate(program, *a)):
         words, sums = np.zeros(24, np.uint32), np.zeros(23, np.float32)
         most = np.zeros(23, np.uint32)
@@ -118,7 +124,7 @@ def test_arrays_of_float16() -> None:
         np.zeros(5, np.float32),
         np.zeros(5, np.uint8),
     )
-    program = vividc.compile(halves, time_limit_s=5.0)
+    program = vividc.compile(halves, time_limit_s=5.0, effort="fast")
     host, array, reference = (copy.deepcopy(args) for _ in range(3))
     halves(*host)
     vividc.simulate(program, *array)
@@ -133,7 +139,11 @@ def test_a_float16_is_a_condition() -> None:
     host, array = np.zeros(len(x), np.int32), np.zeros(len(x), np.int32)
     truths(x, host)
     vividc.simulate(
-        vividc.compile(truths, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0), x, array
+        vividc.compile(
+            truths, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0, effort="fast"
+        ),
+        x,
+        array,
     )
     assert host.tolist() == array.tolist() == [5, 2, 2, 5, 5, 5]
 
@@ -142,7 +152,10 @@ def test_a_sort_of_float16_has_nans_last() -> None:
     x = np.array([3, np.nan, 1, -2, np.nan, 0, -7], np.float16)
     wanted = np.sort(x)
     vividc.simulate(
-        vividc.compile(ordered, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0), x
+        vividc.compile(
+            ordered, loops=vividc.LoopOptions(auto=False), time_limit_s=10.0, effort="fast"
+        ),
+        x,
     )
     assert np.array_equal(x, wanted, equal_nan=True)
 

@@ -35,7 +35,9 @@ def stretched(x, n):
 
 
 def compiled(function: object, signature: str) -> Program:
-    return vividc.compile(KernelFunction(function, signature, None), time_limit_s=20.0)
+    return vividc.compile(
+        KernelFunction(function, signature, None), time_limit_s=20.0, effort="fast"
+    )
 
 
 @pytest.fixture(scope="module")

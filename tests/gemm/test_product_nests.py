@@ -37,7 +37,9 @@ def scores(a, b, c, d):
 
 @pytest.fixture(scope="module")
 def program() -> Program:
-    return vividc.compile(scores, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+    return vividc.compile(
+        scores, fabric="vivid", loops=vividc.LoopOptions(auto=False), effort="fast"
+    )
 
 
 def ran(program: Program, rows: int, inner: int, cols: int) -> None:
@@ -77,7 +79,9 @@ def test_both_ways_give_the_same_bits_and_one_is_faster(program: Program) -> Non
     arrays = [random(96, 48), random(48, 64), random(96, 64), random(96, 48)]
     others = [array.copy() for array in arrays]
     fast = vividc.simulate(program, *arrays, fabric="vivid")
-    loops = vividc.compile(scores, fabric="vivid", mode="gpu", loops=vividc.LoopOptions(auto=False))
+    loops = vividc.compile(
+        scores, fabric="vivid", mode="gpu", loops=vividc.LoopOptions(auto=False), effort="fast"
+    )
     assert not any(nest.products for nest in loops.nests)
     slow = vividc.simulate(loops, *others, fabric="vivid")
     assert fast.cycles < slow.cycles
@@ -118,7 +122,9 @@ def centred(a, c, mean):
 
 @pytest.mark.slow
 def test_loops_beside_a_product_go_through_boxes_of_their_own() -> None:
-    program = vividc.compile(centred, fabric="vivid", loops=vividc.LoopOptions(auto=False))
+    program = vividc.compile(
+        centred, fabric="vivid", loops=vividc.LoopOptions(auto=False), effort="fast"
+    )
     assert [nest.products is not None for nest in program.nests] == [False, True]
     arrays = [random(120, 96), random(96, 96), random(96)]
     numbas = [array.copy() for array in arrays]

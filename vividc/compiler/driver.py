@@ -132,9 +132,9 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         Seconds of wall time for all of it, kept within a tenth and a second; what they cut short is
         a warning. Machine code of the mapper, which is built once a computer, is not counted.
     effort
-        Where the search for each loop's mapping stops before that: "fast" at the first good one,
-        "normal" where more work does not pay, "prove" once every smaller II is refuted
-        (`docs/loops.md`).
+        Where the search for each loop's mapping stops before that: "fast" at the first good one
+        (the others go on, at its II, for fewer bank stalls), "normal" where more work does not pay,
+        "prove" once every smaller II is refuted (`docs/loops.md`).
     loops
         How loops are transformed, as in LoopOptions(unroll={12: 4}). None: where an estimate says
         that it pays.

@@ -109,7 +109,8 @@ def map_kernel(
     demanded
         Headers of loops without which the rest is of no use.
     runs
-        How often regions are expected to run: loops are mapped for few bank stalls, too.
+        How often regions are expected to run: loops are mapped for few bank stalls, too, unless
+        the effort is "fast".
 
     Returns
     -------
@@ -130,7 +131,7 @@ def map_kernel(
         if isinstance(results, Unmapped):
             return results
         chosen = results
-        if runs is not None and options.mapper == "auto":
+        if runs is not None and options.mapper == "auto" and options.effort != "fast":
             chosen = with_fewer_cycles(kernel, fabric, results, runs, effort)
         try:
             return _with_straight(kernel, fabric, options, chosen, frugal=False)

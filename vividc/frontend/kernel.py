@@ -121,7 +121,11 @@ class KernelFunction(Callee):
     @functools.cached_property
     def _host(self) -> Any:
         jit = numba.njit(
-            self.numba_signature, error_model="numpy", fastmath=False, boundscheck=False
+            self.numba_signature,
+            error_model="numpy",
+            fastmath=False,
+            boundscheck=False,
+            no_cfunc_wrapper=True,  # nobody calls it from C
         )
         return jit(self.py_func)
 

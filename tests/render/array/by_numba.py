@@ -30,6 +30,12 @@ class Host:
         found: KernelFunction = getattr(kernel_module(kernel_folder() / f"{path}.py"), name)
         return found
 
+    def spread(
+        self, ledger: Ledger, stage: str, kernel: str, *arguments: object, **options: object
+    ) -> None:
+        with ledger.timed(stage):
+            self.get(kernel)(*arguments)
+
 
 def launch_by_numba(
     host: Host,
@@ -41,7 +47,8 @@ def launch_by_numba(
 ) -> list[list[int]]:
     function = host.get(kernel)
     assert len(shares) <= host.tiles
-    return [[_launched(host, function, launch) for launch in share] for share in shares]
+    with ledger.timed(stage):
+        return [[_launched(host, function, launch) for launch in share] for share in shares]
 
 
 def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
@@ -55,11 +62,8 @@ def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
     shapes = {**launch.shapes, **launch.work}
     given |= {name: np.zeros(shape, kinds[name]) for name, shape in shapes.items()}
     given |= {name: np.zeros(some.shape, np.uint32) for name, some in launch.fetched.items()}
-    results = {
-        name: np.zeros(array.size if flat[name] else array.shape, array.dtype)
-        for name, array in launch.outputs.items()
-    }
-    given |= results
+    for name, array in launch.outputs.items():
+        given.setdefault(name, np.zeros(array.size if flat[name] else array.shape, array.dtype))
     if launch.fetched:
         function(*({**given, "phase": 0}[name] for name in flat))
         given["phase"] = 1
@@ -69,7 +73,7 @@ def _launched(host: Host, function: KernelFunction, launch: Launch) -> int:
         listed[some.first : some.first + len(rows)] = rows
     value = function(*(given[name] for name in flat))
     for name, array in launch.outputs.items():
-        array[...] = results[name].reshape(array.shape)
+        array[...] = given[name].reshape(array.shape)
     return int(value or 0)
 
 

@@ -20,7 +20,7 @@ from vividc.render import (
     render_reference,
     scaled_camera,
 )
-from vividc.render.array import ArrayField, ArrayOptions, Device, Ledger, open_device, render_array
+from vividc.render.array import ArrayField, ArrayOptions, Device, Ledger, render_array
 from vividc.render.array.device import block_map, lookups
 from vividc.render.array.models import instant_ngp, tensorf
 from vividc.render.array.models.hash_encoding import hash_encoding as encoding_of
@@ -55,11 +55,6 @@ def host(monkeypatch: pytest.MonkeyPatch) -> Host:
     for module in (instant_ngp, tensorf):
         monkeypatch.setattr(module, "gather_rows", gather_by_numba)
     return Host()
-
-
-@pytest.fixture(scope="module")
-def device() -> Device:
-    return open_device("vivid")
 
 
 def assert_like_reference(method: Method, device: object, count: int) -> Ledger:

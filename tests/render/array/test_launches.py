@@ -8,16 +8,11 @@ import numpy as np
 import pytest
 
 from vividc.render import SceneError
-from vividc.render.array import Device, Ledger, open_device
+from vividc.render.array import Device, Ledger
 from vividc.render.array.device.gather import gather_rows
 from vividc.render.array.device.launches import Launch, Move, Places, dealt, run_launches
 
 KERNEL = "saxpy:saxpy"
-
-
-@pytest.fixture(scope="module")
-def device() -> Device:
-    return open_device("vivid")
 
 
 def launch(x: np.ndarray, y: np.ndarray, *, shared: bool = False) -> Launch:

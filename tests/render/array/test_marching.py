@@ -1,4 +1,6 @@
-"""The marching pipeline with a field that the host computes: every other stage is the array's."""
+"""The marching pipeline with a field that the host computes: every other stage is the array's, or
+numba's for its kernels.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.render.array.by_numba import Host, gather_by_numba, launch_by_numba
 from vividc.render import Camera, SceneError, psnr, read_scene, read_views, scaled_camera
-from vividc.render.array import ArrayOptions, Device, Ledger, open_device
+from vividc.render.array import ArrayOptions, Device, Ledger
+from vividc.render.array.device import launches
+from vividc.render.array.march import marching
 from vividc.render.array.march.batches import render_blocks
 from vividc.render.array.march.depths import SIDE, block_corners
 from vividc.render.array.sampling import expected_samples, pixels_of, sampled
@@ -70,9 +75,11 @@ class NarrowField(HostField):
         return np.abs(points)
 
 
-@pytest.fixture(scope="session")
-def device() -> Device:
-    return open_device("vivid")
+@pytest.fixture
+def host(monkeypatch: pytest.MonkeyPatch) -> Host:
+    monkeypatch.setattr(launches, "run_shares", launch_by_numba)
+    monkeypatch.setattr(marching, "gather_rows", gather_by_numba)
+    return Host()
 
 
 @pytest.fixture(scope="session")
@@ -95,7 +102,7 @@ def rendered(
     return image, ledger
 
 
-@pytest.mark.slow  # kernels by numba, in the fast run, are test_march_kernels
+@pytest.mark.slow  # the tests below have numba run the kernels
 def test_the_picture_is_the_references_with_and_without_lookahead(
     device: Device, model: KiloNeRF, camera: Camera
 ) -> None:
@@ -120,12 +127,12 @@ def test_the_picture_is_the_references_with_and_without_lookahead(
 
 
 def test_colours_of_little_weight_are_left_out_as_the_reference_does(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     rgbt, expected = render_field(model, camera, weight_min=0.01)
-    image, on = rendered(device, HostField(model), camera, weight_min=0.01)
-    late, off = rendered(device, HostField(model), camera, weight_min=0.01, lookahead=False)
-    whole, every = rendered(device, HostField(model), camera)
+    image, on = rendered(host, HostField(model), camera, weight_min=0.01)
+    late, off = rendered(host, HostField(model), camera, weight_min=0.01, lookahead=False)
+    whole, every = rendered(host, HostField(model), camera)
     assert psnr(image, over_background(rgbt)) > 80
     assert 30 < psnr(image, whole) < 60
     np.testing.assert_array_equal(image, late)
@@ -134,18 +141,18 @@ def test_colours_of_little_weight_are_left_out_as_the_reference_does(
 
 
 def test_narrow_features_stay_with_their_samples(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
-    image, on = rendered(device, NarrowField(model), camera)
-    late, off = rendered(device, NarrowField(model), camera, lookahead=False)
+    image, on = rendered(host, NarrowField(model), camera)
+    late, off = rendered(host, NarrowField(model), camera, lookahead=False)
     np.testing.assert_array_equal(image, late)
     assert on.counts["colour_samples"] < off.counts["colour_samples"]
 
 
-def test_an_empty_scene_is_white(device: Device, model: KiloNeRF, camera: Camera) -> None:
+def test_an_empty_scene_is_white(host: Host, model: KiloNeRF, camera: Camera) -> None:
     march = model.march
     empty = replace(march, occupied=np.zeros_like(march.occupied))
-    image, ledger = rendered(device, HostField(model, empty), Camera(camera.c2w, 12.0, 9, 7))
+    image, ledger = rendered(host, HostField(model, empty), Camera(camera.c2w, 12.0, 9, 7))
     assert image.shape == (7, 9, 3)
     assert (image == 1).all()
     assert ledger.counts["rays"] == 63
@@ -154,13 +161,13 @@ def test_an_empty_scene_is_white(device: Device, model: KiloNeRF, camera: Camera
 
 
 def test_a_dense_scene_is_marched_in_smaller_parts(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     coarse = np.ones((3, 4, 5), dtype=np.bool_)
     march = replace(model.march, occupied=coarse)
     field = HostField(model, march)
     part = scaled_camera(camera, 8, 8)
-    image, ledger = rendered(device, field, part)
+    image, ledger = rendered(host, field, part)
     host = replace(model, march=march)
     rgbt, expected = render_field(host, part)
     assert ledger.counts["density_samples"] == expected.density_samples > 64 * 40
@@ -168,71 +175,71 @@ def test_a_dense_scene_is_marched_in_smaller_parts(
 
 
 def test_parts_are_no_larger_than_the_launches_behind_them(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     full, step = np.ones((3, 4, 5), dtype=np.bool_), model.march.step / np.float32(4)
     finer = replace(model, march=replace(model.march, occupied=full, step=step, samples=1850))
     small = scaled_camera(camera, 4, 4)
-    image, ledger = rendered(device, HostField(finer), small)
+    image, ledger = rendered(host, HostField(finer), small)
     rgbt, expected = render_field(finer, small)
     assert ledger.counts["density_samples"] == expected.density_samples
     assert psnr(image, over_background(rgbt)) > 80
 
 
 def test_a_ray_of_more_samples_than_a_launch_has_room_for_is_rendered(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     full, step = np.ones((3, 4, 5), dtype=np.bool_), model.march.step / np.float32(12)
     finer = replace(model, march=replace(model.march, occupied=full, step=step, samples=3000))
     small = scaled_camera(camera, 2, 2)
-    image, ledger = rendered(device, HostField(finer), small)
+    image, ledger = rendered(host, HostField(finer), small)
     rgbt, expected = render_field(finer, small)
     assert ledger.counts["density_samples"] == expected.density_samples > 4 * 720
     assert psnr(image, over_background(rgbt)) > 80
 
 
 def test_a_ray_of_many_steps_in_empty_cells_is_marched(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     march = replace(model.march, step=model.march.step / np.float32(6), samples=20_000)
     finer = replace(model, march=march)
     small = scaled_camera(camera, 4, 4)
-    image, ledger = rendered(device, HostField(finer), small)
+    image, ledger = rendered(host, HostField(finer), small)
     rgbt, expected = render_field(finer, small)
     assert ledger.counts["density_samples"] == expected.density_samples > 0
     assert psnr(image, over_background(rgbt)) > 80
 
 
 def test_more_steps_than_samples_have_numbers_are_refused(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     march = replace(model.march, samples=40_000)
     with pytest.raises(SceneError, match="a ray has 40000 steps, and the array numbers 32768"):
-        rendered(device, HostField(model, march), camera)
+        rendered(host, HostField(model, march), camera)
 
 
 def test_a_camera_inside_and_one_that_looks_away(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     pose = camera.c2w.copy()
     pose[:3, 3] = (0.0, 0.1, 0.2)
     inside = Camera(pose, camera.focal, 8, 8)
     rgbt, expected = render_field(model, inside)
-    image, ledger = rendered(device, HostField(model), inside)
+    image, ledger = rendered(host, HostField(model), inside)
     assert ledger.counts["density_samples"] == expected.density_samples
     assert psnr(image, over_background(rgbt)) > 80
     away = camera.c2w.copy()
     away[:3, :3] = away[:3, :3] @ np.diag([1, -1, -1]).astype(away.dtype)
-    image, ledger = rendered(device, HostField(model), Camera(away, camera.focal, 8, 8))
+    image, ledger = rendered(host, HostField(model), Camera(away, camera.focal, 8, 8))
     assert (image == 1).all()
 
 
 def test_an_occupancy_that_fits_no_scratchpad_is_refused(
-    device: Device, model: KiloNeRF, camera: Camera
+    host: Host, model: KiloNeRF, camera: Camera
 ) -> None:
     march = replace(model.march, occupied=np.ones((64, 64, 64), dtype=np.bool_))
     with pytest.raises(SceneError, match="64 x 64 x 64 cells takes 33792 bytes of a scratchpad"):
-        rendered(device, HostField(model, march), camera)
+        rendered(host, HostField(model, march), camera)
 
 
 def test_a_sample_is_the_same_blocks_each_time() -> None:

@@ -8,17 +8,12 @@ import numpy as np
 import pytest
 
 from vividc.render import Projection, SceneError, bin_and_sort
-from vividc.render.array import Device, Ledger, open_device
+from vividc.render.array import Device, Ledger
 from vividc.render.array.splats.project import DeviceSplats
 from vividc.render.array.splats.sort import sort_on_array
 from vividc.render.splat.splat import Splats
 
 CHUNK = 170
-
-
-@pytest.fixture(scope="module")
-def device() -> Device:
-    return open_device("vivid")
 
 
 def projected(x: np.ndarray, y: np.ndarray, radius: np.ndarray, depth: np.ndarray) -> Projection:

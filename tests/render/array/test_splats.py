@@ -15,16 +15,10 @@ from vividc.render.array import (
     ArrayOptions,
     Device,
     RenderPrecision,
-    open_device,
     render_array,
 )
 from vividc.render.array.splats.blend import EXP_EXCESS, Band, balanced
 from vividc.render.array.splats.frame import render_splats
-
-
-@pytest.fixture(scope="module")
-def device() -> Device:
-    return open_device("vivid")
 
 
 def gaussians(means: list[list[float]], **changes: object) -> Gaussians:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import lru_cache
 from pathlib import Path
 
 from vividc.arch.fabric import Fabric
@@ -30,7 +31,7 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric:
     hint = "give a preset's name or the path of a YAML file"
     demand_type(name_or_path, (str, os.PathLike), "the fabric", hint)
     if isinstance(name_or_path, str) and not is_path(name_or_path):
-        return build(_named_tree(name_or_path))
+        return _named(name_or_path)
     return build(file_tree(Path(name_or_path)))
 
 
@@ -50,6 +51,12 @@ def load_text(text: str, file: str = "fabric.yaml") -> Fabric:
         The description is faulty; every fault is listed with `file:line`.
     """
     return build(text_tree(text, file))
+
+
+@lru_cache(maxsize=64)
+def _named(name: str) -> Fabric:
+    """What is shipped does not change, and a `Fabric` cannot be."""
+    return build(_named_tree(name))
 
 
 def _named_tree(name: str) -> Tree:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from functools import cache
 from pathlib import Path
 
 import yaml
@@ -44,7 +45,7 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric | Accelerator:
     demand_type(name_or_path, (str, os.PathLike), "the fabric", hint)
     if isinstance(name_or_path, str) and not is_path(name_or_path):
         if name_or_path in accelerator_names():
-            return _build(_preset_tree(name_or_path), None)
+            return _named(name_or_path)
         return load_tile(name_or_path)
     path = Path(name_or_path)
     tree = _accelerator_tree(path, ())
@@ -119,6 +120,12 @@ def _layered(tree: Tree, path: Path, opened: tuple[Path, ...]) -> Tree:
             hint=f"accelerators: {', '.join(accelerator_names())}, or a YAML file with `tiles`",
         )
     return merge(below, layer)
+
+
+@cache
+def _named(name: str) -> Accelerator:
+    """What is shipped does not change, and an `Accelerator` cannot be."""
+    return _build(_preset_tree(name), None)
 
 
 def _preset_tree(name: str) -> Tree:

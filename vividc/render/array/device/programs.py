@@ -44,11 +44,14 @@ class Programs:
         Called with a line for each kernel that has to be compiled.
     mapping_s
         Seconds for mapping a kernel.
+    common
+        Options of `vividc.compile` for kernels whose stages give none of their own.
     """
 
     machine: vividc.arch.Accelerator
     tell: Callable[[str], None] | None = None
     mapping_s: float = 20.0
+    common: Options = field(default_factory=dict)
     _loaded: dict[str, vividc.Program] = field(default_factory=dict)
 
     def get(self, kernel: str, **options: object) -> vividc.Program:
@@ -66,7 +69,7 @@ class Programs:
         VividcError
             It cannot be compiled for this accelerator.
         """
-        options = {"time_limit_s": self.mapping_s, **options}
+        options = {"time_limit_s": self.mapping_s, **self.common, **options}
         name = f"{kernel} {sorted(options.items())}"
         if name not in self._loaded:
             self._loaded[name] = self._load(kernel, options)

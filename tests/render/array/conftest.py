@@ -1,0 +1,18 @@
+"""The accelerator on which the stages of a frame run."""
+
+from __future__ import annotations
+
+import pytest
+
+import vividc
+from vividc.render.array import Device
+from vividc.render.array.device.programs import Programs
+
+
+@pytest.fixture(scope="session")
+def device() -> Device:
+    """Kernels are mapped with little effort: it costs cycles, of which no test here asks how many,
+    and no result depends on it.
+    """
+    machine = vividc.arch.load_accelerator("vivid")
+    return Device(Programs(machine, common={"effort": "fast"}))
