@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import os
-from functools import lru_cache
+from functools import cache
 from pathlib import Path
 
 from vividc.arch.fabric import Fabric
 from vividc.arch.yaml.build import build
-from vividc.arch.yaml.layers import a_folder, file_tree, is_path, preset_tree, text_tree
+from vividc.arch.yaml.layers import (
+    a_folder,
+    file_tree,
+    is_path,
+    preset_names,
+    preset_tree,
+    text_tree,
+)
 from vividc.arch.yaml.tree import Tree
 from vividc.errors import ArchError, demand_type
 
@@ -31,7 +38,9 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric:
     hint = "give a preset's name or the path of a YAML file"
     demand_type(name_or_path, (str, os.PathLike), "the fabric", hint)
     if isinstance(name_or_path, str) and not is_path(name_or_path):
-        return _named(name_or_path)
+        if name_or_path in preset_names():
+            return _shipped(name_or_path)
+        return build(_named_tree(name_or_path))
     return build(file_tree(Path(name_or_path)))
 
 
@@ -53,10 +62,10 @@ def load_text(text: str, file: str = "fabric.yaml") -> Fabric:
     return build(text_tree(text, file))
 
 
-@lru_cache(maxsize=64)
-def _named(name: str) -> Fabric:
-    """What is shipped does not change, and a `Fabric` cannot be."""
-    return build(_named_tree(name))
+@cache
+def _shipped(name: str) -> Fabric:
+    """The file does not change, and a `Fabric` cannot be."""
+    return build(preset_tree(name))
 
 
 def _named_tree(name: str) -> Tree:

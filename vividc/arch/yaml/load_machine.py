@@ -45,7 +45,7 @@ def load(name_or_path: str | os.PathLike[str]) -> Fabric | Accelerator:
     demand_type(name_or_path, (str, os.PathLike), "the fabric", hint)
     if isinstance(name_or_path, str) and not is_path(name_or_path):
         if name_or_path in accelerator_names():
-            return _named(name_or_path)
+            return _shipped(name_or_path)
         return load_tile(name_or_path)
     path = Path(name_or_path)
     tree = _accelerator_tree(path, ())
@@ -123,8 +123,8 @@ def _layered(tree: Tree, path: Path, opened: tuple[Path, ...]) -> Tree:
 
 
 @cache
-def _named(name: str) -> Accelerator:
-    """What is shipped does not change, and an `Accelerator` cannot be."""
+def _shipped(name: str) -> Accelerator:
+    """The file does not change, and an `Accelerator` cannot be."""
     return _build(_preset_tree(name), None)
 
 
