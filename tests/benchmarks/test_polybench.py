@@ -123,7 +123,7 @@ def test_rows_with_sums_in_another_order_are_in_no_other_figure(tmp_path: Path) 
 
 
 def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
-    wanted = table.Wanted(only=("trisolv",), sizes=(MINI,), known=True)
+    wanted = table.Wanted(only=("durbin",), sizes=(MINI,), known=True)
     *_, page = table.sections(wanted, tmp_path)
     assert "## Known sizes" in page
     assert f"## {MINI}" not in page
@@ -131,7 +131,7 @@ def test_a_kernel_is_measured_for_its_sizes_only(tmp_path: Path) -> None:
     assert made.known
     assert made.is_right
     lines = (tmp_path / table.ROWS).read_text().splitlines()
-    assert [json.loads(line).get("kernel") for line in lines] == [None, "trisolv"]
+    assert [json.loads(line).get("kernel") for line in lines] == [None, "durbin"]
     *_, again = table.sections(wanted, tmp_path)
     assert page == again
     assert (tmp_path / table.ROWS).read_text().splitlines() == lines

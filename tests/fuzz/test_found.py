@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.fuzz.nests import random_nest_source
 from tests.fuzz.witnesses import judge
 
@@ -154,6 +156,7 @@ def program(c):
     assert verdict.kind == "agrees", verdict.text
 
 
+@pytest.mark.slow
 def test_a_size_is_a_number_when_isl_has_given_up_before(tmp_path: Path) -> None:
     """The search for one pair of accesses may end anywhere; what it left half done is no size."""
     verdict = judge(random_nest_source(214), 214, tmp_path)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.marks import with_slow
 from vividc import arch
 from vividc.errors import ArchError, ArgumentError
 from vividc.gemm import Layer, LayerShape, gemm, mlp, mlp_job
@@ -91,7 +92,7 @@ def test_exp_runs_on_the_tiles_of_the_same_job() -> None:
     assert run.job.stats["stalls"]["configuration"] > 0
 
 
-@pytest.mark.parametrize("precision", ["f16", "e4m3", "e5m2"])
+@pytest.mark.parametrize("precision", with_slow(["f16", "e4m3", "e5m2"], {"e5m2"}))
 def test_results_leave_the_array_packed(precision: Precision) -> None:
     x = random(300, 5)
     made = [

@@ -328,7 +328,9 @@ def test_following_it_saves_cycles(name: str) -> None:
         _demand_savings(case, hint)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", with_slow(CASES, {"restructure", "sizes", "threads", "tiles", "transform"})
+)
 def test_what_was_followed_is_not_advised_again(name: str) -> None:
     case = CASES[name]
     then = case.then

@@ -199,11 +199,11 @@ def test_more_random_trees_of_stencils(seed: int) -> None:
     [
         (133, DType.U16, None),
         (226, DType.I32, 1),
-        (238, DType.I32, 5),
+        pytest.param(238, DType.I32, 5, marks=pytest.mark.slow),
         (515, DType.I32, 0),
-        (622, DType.I8, None),
-        (686, DType.U8, None),
-        (440, DType.I32, None),
+        pytest.param(622, DType.I8, None, marks=pytest.mark.slow),
+        pytest.param(686, DType.U8, None, marks=pytest.mark.slow),
+        pytest.param(440, DType.I32, None, marks=pytest.mark.slow),
     ],
 )
 def test_a_scalar_has_one_name_where_bounds_tell_an_iteration(
