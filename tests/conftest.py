@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, settings
 os.environ.setdefault("NUMBA_OPT", "1")
 
 from tests import kept
+from vividc.mapper.engines.negotiate import prepare
 
 settings.register_profile(
     "tests", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -37,7 +38,7 @@ def own_cache(
     pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[None]:
     """What is kept is kept for this run of the tests only, by all of its processes. Machine code of
-    the mapper and of jobs' timing, which takes a minute, is taken from the last run: its key is all
+    the mapper and of jobs' timing, which takes seconds, is taken from the last run: its key is all
     that it was made from. So is what numba makes of kernels.
     """
     folder = tmp_path_factory.getbasetemp()
@@ -52,6 +53,7 @@ def own_cache(
         patch.setenv("VIVIDC_CACHE_PROGRAMS", "0")  # a test is of the compiler that it patches
         patch.setenv("XDG_STATE_HOME", str(folder / "state"))
         kept.take_from_cache(pytestconfig, patch, tmp_path_factory.getbasetemp())
+        prepare()  # within no test's time limit
         yield
     _copy_machine_code(entries, code)
 

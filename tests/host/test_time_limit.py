@@ -59,15 +59,6 @@ def test_in_the_time_of_grace_nothing_is_left_and_steps_go_on(clock: SimpleNames
         time_limit.step("it ran")
 
 
-def test_what_is_not_counted_moves_the_end_and_ends_no_step(clock: SimpleNamespace) -> None:
-    with time_limit.limited(5.0):
-        with time_limit.not_counted(), time_limit.not_counted():
-            clock.seconds += 60.0
-            time_limit.step("machine code was built")
-            assert time_limit.remaining_s() == pytest.approx(5.0)
-        assert time_limit.remaining_s() == pytest.approx(5.0)
-
-
 def test_what_was_left_out_is_noted_once_by_the_outermost_limit(clock: SimpleNamespace) -> None:
     with time_limit.limited(5.0) as limit:
         with time_limit.limited(1.0):

@@ -118,7 +118,7 @@ time_limit = click.option(
     callback=positive,
     default=60.0,
     metavar="S",
-    help="Wall time for the whole command, in seconds; machine code that is built once is extra.",
+    help="Wall time for the whole command, in seconds.",
 )
 
 

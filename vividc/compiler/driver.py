@@ -130,7 +130,7 @@ def compile(  # noqa: PLR0913 - the public contract, plus keywords
         See `CompileOptions`.
     time_limit_s
         Seconds of wall time for all of it, kept within a tenth and a second; what they cut short is
-        a warning. Machine code of the mapper, which is built once a computer, is not counted.
+        a warning.
     effort
         Where the search for each loop's mapping stops before that: "fast" at the first good one
         (the others go on, at its II, for fewer bank stalls), "normal" where more work does not pay,

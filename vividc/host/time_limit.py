@@ -2,8 +2,7 @@
 
 A guard only: what is searched, and for how long, follows from effort (`mapper/deadline.py`). Where
 time is up, a stage that cannot go without a result ends with a message; one that can leaves the
-rest out, and what is made of that says so: results depend on the clock nowhere else. The time in
-which machine code of vividc's own is built, once an installation, is not counted.
+rest out, and what is made of that says so: results depend on the clock nowhere else.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
-from threading import Lock
 
 from vividc.errors import SourceLoc, TimeLimit, VividcError, demand_type
 
@@ -46,17 +44,6 @@ class Limit:
         return self.left_s * self.times
 
 
-@dataclass
-class _Clock:
-    """Seconds that were not counted, and since when none are counted, by so many callers."""
-
-    lock: Lock = field(default_factory=Lock)
-    spent_s: float = 0.0
-    since: float = 0.0
-    callers: int = 0
-
-
-_clock = _Clock()
 _current: ContextVar[Limit | None] = ContextVar("time limit", default=None)
 _patience: ContextVar[float] = ContextVar("patience", default=1.0)
 
@@ -89,9 +76,7 @@ def now() -> float:
 
 
 def _read(times: float) -> float:
-    with _clock.lock:
-        end = _clock.since if _clock.callers else time.monotonic()
-        return (end - _clock.spent_s) / times
+    return time.monotonic() / times
 
 
 def current() -> Limit | None:
@@ -103,28 +88,6 @@ def limit_of(seconds: float) -> Limit:
     """A limit that holds for nobody yet, from now."""
     at = now() + seconds
     return Limit(at, at, seconds, _patience.get())
-
-
-def not_counted_s() -> float:
-    """Seconds that were not counted since this process began."""
-    with _clock.lock:
-        return _clock.spent_s
-
-
-@contextmanager
-def not_counted() -> Iterator[None]:
-    """The clock stands still, in all threads."""
-    with _clock.lock:
-        if not _clock.callers:
-            _clock.since = time.monotonic()
-        _clock.callers += 1
-    try:
-        yield
-    finally:
-        with _clock.lock:
-            _clock.callers -= 1
-            if not _clock.callers:
-                _clock.spent_s += time.monotonic() - _clock.since
 
 
 @contextmanager

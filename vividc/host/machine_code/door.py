@@ -13,7 +13,7 @@ from threading import Lock
 from types import FunctionType
 from typing import Any, Final, TypeVar, cast
 
-from vividc.host import cache, time_limit
+from vividc.host import cache
 from vividc.host.machine_code.assembler import host, linked, optimised
 from vividc.host.machine_code.body import OUTSIDE
 from vividc.host.machine_code.types import FLOAT, NOTHING, TRUTH, Array, Number, Record, Type
@@ -75,7 +75,7 @@ class Compiler:
         key = sha256(about.encode()).hexdigest()
         code = cache.read(_KIND, key)
         if code is None:
-            with time_limit.not_counted(), cache.alone(_KIND):
+            with cache.alone(_KIND):
                 code = cache.read(_KIND, key)
                 if code is None:
                     code = optimised(text, in_vectors=self._in_vectors)
